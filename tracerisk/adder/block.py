@@ -1,0 +1,70 @@
+"""The risk annotation block as data: what one block says, and who said it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Generic, TypeVar
+
+from tracerisk.errors import Location
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Field(Generic[T]):
+    """One value of a block.
+
+    `=` is the tool's (`pinned` false), `:=` a person's (`pinned` true).
+    `text` is the value as written, a person's digits kept; for a pinned value `computed` is
+    what the tool would write, as text, and `reason` what the person wrote after `;`.
+    """
+
+    value: T
+    text: str
+    pinned: bool = False
+    computed: str | None = None
+    reason: str | None = None
+    location: Location | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Transition:
+    """One `next` line: the function (or `done`) that follows, and how often, as a fraction."""
+
+    target: str
+    weight: Fraction
+
+
+@dataclass(frozen=True, slots=True)
+class ComponentEntry:
+    """One `@Component` of a block.
+
+    `added` marks `@Component := {`, `omitted` marks `@Component := omit {`: both a person's.
+    `redundancy` false: each of the quantity is needed; true: one suffices.
+    `probability` is that of one unit of the quantity failing during one visit.
+    """
+
+    name: str
+    probability: Field[float]
+    quantity: Field[int]
+    redundancy: Field[bool]
+    added: bool = False
+    omitted: bool = False
+    location: Location | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RiskBlock:
+    """The risk annotation of one function.
+
+    `next` is one field over all its lines; `None` where a block (the published form) has none.
+    `added` marks a block given by hand (`@Function := {`).
+    """
+
+    name: str
+    call_sequence: Field[int]
+    next: Field[tuple[Transition, ...]] | None
+    components: tuple[ComponentEntry, ...]
+    added: bool = False
+    location: Location | None = None

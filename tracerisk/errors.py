@@ -1,0 +1,112 @@
+"""The errors that tracerisk raises on purpose.
+
+Every message says where, what was found, what is allowed and what to do.
+Anything else that escapes is a fault of tracerisk itself (exit code 5).
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Iterable
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+
+class ExitCode(enum.IntEnum):
+    """Exit codes of the command `tracerisk`."""
+
+    FINE = 0
+    WOULD_CHANGE = 1
+    BAD_INPUT = 2
+    EDIT_IN_THE_WAY = 3
+    CONTROLLER_FAILED = 4
+    INTERNAL_FAULT = 5
+    INTERRUPTED = 130
+
+
+@dataclass(frozen=True, slots=True)
+class Location:
+    """A place in a file; lines and columns count from 1."""
+
+    file: str
+    line: int | None = None
+    column: int | None = None
+
+    def __str__(self) -> str:
+        return ":".join(str(part) for part in (self.file, self.line, self.column) if part is not None)
+
+
+class TraceRiskError(Exception):
+    """Base of every error that tracerisk raises on purpose.
+
+    `location` is where the cause stands, when it stands in a file.
+    """
+
+    exit_code = ExitCode.BAD_INPUT
+
+    def __init__(self, message: str, location: Location | None = None) -> None:
+        super().__init__(message)
+        self.message = message
+        self.location = location
+
+    def __str__(self) -> str:
+        return self.message if self.location is None else f"{self.location}: {self.message}"
+
+
+class InputError(TraceRiskError, ValueError):
+    """A file, a value or an option holds something that is not allowed."""
+
+
+class SettingsError(InputError):
+    """A setting in `[tool.tracerisk]` is unknown or has a bad value."""
+
+
+class SourceError(InputError):
+    """A source file cannot be read as the language it should hold."""
+
+
+class BlockError(InputError):
+    """A risk annotation block is malformed."""
+
+
+class UnsafeRewriteError(InputError):
+    """A source file cannot be rewritten with proof that nothing else changes."""
+
+
+class HardwareError(InputError):
+    """A hardware description is malformed, or does not fit the robot."""
+
+
+class RobotError(InputError):
+    """A robot or a scene description is malformed or unknown."""
+
+
+class LogError(InputError):
+    """A trace or a log file is malformed."""
+
+
+class ModelError(InputError):
+    """A risk model is malformed or has no solution."""
+
+
+class EditInTheWayError(TraceRiskError, PermissionError):
+    """A person edited a computed value; writing would lose the edit."""
+
+    exit_code = ExitCode.EDIT_IN_THE_WAY
+
+    def __str__(self) -> str:
+        return TraceRiskError.__str__(self)
+
+
+class ControllerFailedError(TraceRiskError, RuntimeError):
+    """The controller raised, exited, hung or moved nothing."""
+
+    exit_code = ExitCode.CONTROLLER_FAILED
+
+
+def one_of(names: Iterable[str], found: str | None = None) -> str:
+    """Return `allowed: a, b, c`, led by the nearest name to `found` where one is near."""
+    ordered = sorted(names)
+    text = "allowed: " + (", ".join(ordered) if ordered else "none")
+    near = get_close_matches(found, ordered, n=1) if found is not None else []
+    return f"did you mean '{near[0]}'? {text}" if near else text

@@ -1,0 +1,167 @@
+"""The trace of one run: which function leant on which hardware, when, for how long, how hard.
+
+A trace knows the robot's elements (joints, grippers, sensors) and not the hardware
+description: probabilities are computed from it without running anything again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, NewType
+
+from tracerisk.errors import Location
+
+QualifiedName = NewType("QualifiedName", str)
+"""A function's qualified name within its module: `place`, `PickNode.place`, `<module>`."""
+
+ElementKind = Literal["joint", "gripper", "sensor", "component"]
+VisitOutcome = Literal["succeeded", "aborted", "preempted", "unfinished"]
+EndCause = Literal[
+    "ended",  # the controller returned, or called exit with 0
+    "quiescent",  # every thread waits and no event is due
+    "duration",  # the simulated time asked for is over
+    "raised",  # an exception left the controller
+    "exited",  # sys.exit or os._exit with a code other than 0
+    "died",  # a signal, or the process went without a word
+    "no_motion",  # a loop without an end that moves nothing
+    "deadlock",  # a wait that nothing can end, which the real library would hang on
+    "wall_limit",
+    "memory_limit",
+]
+GOOD_ENDS: frozenset[EndCause] = frozenset({"ended", "quiescent", "duration"})
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class FunctionRef:
+    """A function of the controller: its file, relative to the controller's root, and name."""
+
+    file: str
+    name: QualifiedName
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Element:
+    """A part of the robot that the twin watches; `component` in a log of another tool."""
+
+    name: str
+    kind: ElementKind
+
+
+@dataclass(frozen=True, slots=True)
+class Exposure:
+    """What one element did over some span of time.
+
+    `moving_s` and `holding_s` are disjoint, `grasping_s` may overlap either;
+    `active_s` is the time in any of the three [s].
+    `longest_moving_s` and `longest_active_s` are the longest uninterrupted stretches [s].
+    `starts` counts the motions begun, `grasps` the grasps closed.
+    `torque_rms` and `torque_cubic` are fractions of the rated limit: the root mean square over
+    the active time, and the speed-weighted cubic mean over the moving time.
+    `borderline` says that a deciding value lay within a factor of two of its threshold.
+    """
+
+    moving_s: float = 0.0
+    holding_s: float = 0.0
+    grasping_s: float = 0.0
+    active_s: float = 0.0
+    longest_moving_s: float = 0.0
+    longest_active_s: float = 0.0
+    starts: int = 0
+    grasps: int = 0
+    torque_rms: float = 0.0
+    torque_cubic: float = 0.0
+    borderline: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class TracedFunction:
+    """A relevant function: one block, one state of the chain."""
+
+    ref: FunctionRef
+    line: int
+    call_sequence: int
+
+
+@dataclass(frozen=True, slots=True)
+class Visit:
+    """One activation of a relevant function.
+
+    `start_s` is the time of its first command, `duration_s` the time for which it was the
+    run's current visit [s].
+    `exposures` maps an element's name to its exposure; `None` where a log names an element
+    as active without saying for how long.
+    """
+
+    function: FunctionRef
+    start_s: float
+    duration_s: float | None
+    outcome: VisitOutcome
+    exposures: Mapping[str, Exposure | None]
+
+
+@dataclass(frozen=True, slots=True)
+class Uncovered:
+    """A function that can reach a motion command and never ran: no risk data, not no risk."""
+
+    ref: FunctionRef
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """Something the run showed that a person should know; not an error."""
+
+    kind: str
+    message: str
+    time_s: float | None = None
+    location: Location | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectOffset:
+    """Where a thing of the scene ended: horizontal offset from its goal [m], tilt [rad]."""
+
+    name: str
+    goal: str | None
+    offset_m: float
+    tilt_rad: float
+    upright: bool
+
+
+@dataclass(frozen=True, slots=True)
+class RunEnd:
+    """How the run ended, at what simulated time [s]; `location` where the controller stood."""
+
+    cause: EndCause
+    message: str
+    simulated_s: float | None
+    location: Location | None = None
+
+    @property
+    def is_good(self) -> bool:
+        """Whether the trace tells a whole run."""
+        return self.cause in GOOD_ENDS
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """All that one run of a controller showed.
+
+    `functions` are in the order of their call sequence, `visits` in the order they began.
+    `elements` are all that the twin watched; `active` is the exposure of each over the run.
+    The exposures of an element over all visits sum to its entry in `active`.
+    """
+
+    controller: str
+    robot: str
+    scene: str
+    end: RunEnd
+    elements: tuple[Element, ...]
+    functions: tuple[TracedFunction, ...]
+    visits: tuple[Visit, ...]
+    active: Mapping[str, Exposure] = field(default_factory=dict)
+    uncovered: tuple[Uncovered, ...] = ()
+    findings: tuple[Finding, ...] = ()
+    objects: tuple[ObjectOffset, ...] = ()
+    assumptions: tuple[str, ...] = ()

@@ -1,0 +1,60 @@
+"""What a controller can ask the arm to do, and what becomes of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.errors import TraceRiskError
+
+MotionOutcome = Literal["active", "succeeded", "aborted", "preempted"]
+PlanningFailure = Literal["invalid_goal", "no_ik_solution", "no_plan", "collision", "bad_request"]
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """A position [m] and an orientation (unit quaternion x, y, z, w) in the robot's base frame."""
+
+    position: tuple[float, float, float]
+    orientation: tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class JointState:
+    """Positions [rad or m], velocities [rad/s or m/s] and efforts [N m or N] of named joints."""
+
+    names: tuple[str, ...]
+    position: tuple[float, ...]
+    velocity: tuple[float, ...]
+    effort: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointTrajectory:
+    """A path of named joints in time.
+
+    time: (n_points,) from the start [s], rising, the first 0.
+    position: (n_points, n_joints) [rad or m].
+    velocity: (n_points, n_joints) [rad/s or m/s].
+    """
+
+    joints: tuple[str, ...]
+    time: NDArray[np.float64]
+    position: NDArray[np.float64]
+    velocity: NDArray[np.float64]
+
+    @property
+    def duration_s(self) -> float:
+        """The time from the first to the last point [s]."""
+        return float(self.time[-1]) if len(self.time) else 0.0
+
+
+class PlanningError(TraceRiskError, RuntimeError):
+    """No motion was found; told to the controller as MoveIt would, it does not end the run."""
+
+    def __init__(self, failure: PlanningFailure, message: str) -> None:
+        super().__init__(message)
+        self.failure = failure
