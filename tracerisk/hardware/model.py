@@ -1,4 +1,4 @@
-"""The hardware description: which components an arm has, how they fail, where the twin sees them."""
+"""The hardware description: which components, how they fail, where the twin sees them."""
 
 from __future__ import annotations
 
@@ -42,11 +42,15 @@ class TwinBinding:
 
 @dataclass(frozen=True, slots=True)
 class Component:
-    """One hardware component: `quantity` equal units, all needed unless `redundancy`."""
+    """One hardware component: `quantity` equal units, all needed unless `redundancy`.
+
+    `figures` are the terms of one unit's failure probability; they add up as independent causes.
+    `quantity` is `None` where the description leaves it to the number of joints that the robot has.
+    """
 
     name: str
-    figure: FailureFigure
-    quantity: int = 1
+    figures: tuple[FailureFigure, ...]
+    quantity: int | None = 1
     redundancy: bool = False
     always_active: bool = False
     twin: TwinBinding | None = None

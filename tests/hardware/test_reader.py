@@ -1,0 +1,108 @@
+from pathlib import Path
+
+import pytest
+
+from tracerisk.errors import HardwareError
+from tracerisk.hardware.model import Basis, FailureFigure, TwinBinding
+from tracerisk.hardware.reader import read_hardware
+from tracerisk.hardware.shipped import shipped_hardware
+
+
+def read(tmp_path: Path, text: str):
+    path = tmp_path / "hardware.yaml"
+    path.write_text(text, encoding="utf-8")
+    return read_hardware(path, shown="hardware.yaml")
+
+
+def test_every_basis_is_read(tmp_path):
+    hardware = read(
+        tmp_path,
+        """\
+components:
+  a: {probability: 1e-7, active: always}
+  b: {probability: {value: 2e-7, per: demand}, twin: {gripper: true}}
+  c: {probability: {value: 3e-7, per: minute}, twin: {joints: "*"}}
+  d: {failure_rate: {value: 5.7e-06, per: hour}, twin: {joints: [j1, j2]}, redundancy: true}
+  e: {failure_rate: {value: 57, unit: FIT}, quantity: 3, active: always}
+  f: {probability: {value: 1e-6, per: demand}, failure_rate: {value: 1, per: hour}, active: always}
+""",
+    )
+    a, b, c, d, e, f = hardware.components
+    assert a.figures == (FailureFigure("probability", 1e-7, Basis.VISIT),)
+    assert b.figures == (FailureFigure("probability", 2e-7, Basis.DEMAND),)
+    assert c.figures == (FailureFigure("probability", 3e-7, Basis.MINUTE),)
+    assert d.figures == (FailureFigure("failure_rate", 5.7e-06, Basis.HOUR),)
+    assert e.figures == (FailureFigure("failure_rate", 5.7e-08, Basis.HOUR),)
+    assert len(f.figures) == 2
+    assert (a.quantity, c.quantity, d.quantity, e.quantity) == (1, None, 2, 3)
+    assert (a.always_active, b.always_active) == (True, False)
+    assert (c.twin, d.redundancy) == (TwinBinding(joints="*"), True)
+
+
+BROKEN = {
+    "components: {a: {probability: 1.5, active: always}}": "1:18: components.a.probability: 1.5 is outside",
+    "components: {a: {probability: -1e-9, active: always}}": "outside [0, 1]",
+    "components: {a: {probability: .nan, active: always}}": "finite",
+    "components: {a: {probability: {value: 1e-7, per: fortnight}}}": "allowed: demand, hour, minute, visit",
+    "components: {a: {failure_rate: {value: 1e-7, per: visit}}}": "allowed: hour, minute",
+    "components: {a: {failure_rate: {value: -1, per: hour}}}": "outside [0, inf]",
+    "components: {a: {failure_rate: {value: 1, unit: fits}}}": "'fits' is not allowed; allowed: FIT",
+    "components: {a: {failure_rate: {value: 1, unit: FIT, per: hour}}}": "leave 'per' out",
+    "components: {a: {probability: {per: hour}}}": "'value' is missing in components.a.probability",
+    "components: {a: {active: always}}": "has no failure figure",
+    "components: {a: {probability: 1e-7, quantitty: 2}}": "did you mean 'quantity'?",
+    "components: {a: {probability: 1e-7, quantity: 0}}": "below 1",
+    "components: {a: {probability: 1e-7, quantity: 1.5}}": "expected a whole number",
+    "components: {a: {probability: 1e-7, redundancy: maybe}}": "expected true or false",
+    "components: {a: {probability: 1e-7, active: often}}": "allowed: always",
+    "components: {a: {probability: 1e-7, twin: {}}}": "names nothing",
+    "components: {a: {probability: 1e-7, twin: {joints: all}}}": 'write "*"',
+    "components: {a: {probability: 1e-7, twin: {joints: [j, j]}}}": "names a joint twice",
+    "components: {a: {probability: 1e-7, twin: {joints: []}}}": "empty list",
+    "components: {a: {probability: 1e-7, quantity: 3, twin: {joints: [j, k]}}}": "names 2 joints",
+    "components: {a: {probability: 1e-7, twin: {gripper: false}}}": "sees nothing",
+    "components: {a: {probability: 1e-7, twin: {gripper: true, joints: [j]}}}": "not by both",
+    "components: {a: {probability: 1e-7, active: always, twin: {gripper: true}}}": "either",
+    "components: {'two words': {probability: 1e-7}}": "not a component's name",
+    "components: {}": "names no component",
+    "components: []": "expected a mapping, found a list",
+    "parts: {}": "unknown key 'parts'",
+    "components: {a: {probability: 1, active: always}, a: {probability: 1}}": "not valid YAML",
+    "components: {a: [": "not valid YAML",
+    "": "expected a mapping at the top, found nothing",
+}
+
+
+@pytest.mark.parametrize(("text", "message"), BROKEN.items())
+def test_broken_description_is_an_error_with_file_and_line(tmp_path, text, message):
+    with pytest.raises(HardwareError) as caught:
+        read(tmp_path, text)
+    assert message in str(caught.value)
+    assert str(caught.value).startswith("hardware.yaml:1:")
+
+
+def test_absent_and_binary_files_are_named(tmp_path):
+    with pytest.raises(HardwareError, match=r"gone\.yaml: cannot be read"):
+        read_hardware(tmp_path / "gone.yaml", shown="gone.yaml")
+    (tmp_path / "b.yaml").write_bytes(b"components:\n  \xff: 1\n")
+    with pytest.raises(HardwareError, match=r"b\.yaml:2: is not UTF-8"):
+        read_hardware(tmp_path / "b.yaml", shown="b.yaml")
+
+
+def test_shipped_panda_holds_the_published_figures():
+    by_name = {c.name: c for c in shipped_hardware("panda").components}
+    figures = {name: c.figures[0].value for name, c in by_name.items()}
+    assert figures == {
+        "power_system": 6.674e-08,
+        "control_system": 2.167e-10,
+        "gripper": 7.344e-08,
+        "electric_motor": 9.5e-08,
+    }
+    assert all(c.figures[0].per is Basis.MINUTE for c in by_name.values())
+    assert by_name["power_system"].redundancy is True
+    assert by_name["electric_motor"].quantity == 7
+
+
+def test_robot_without_shipped_hardware_is_an_error_that_lists_those_with():
+    with pytest.raises(HardwareError, match="allowed: panda"):
+        shipped_hardware("r2d2")

@@ -1,0 +1,23 @@
+"""The hardware descriptions that come with tracerisk, one for each robot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tracerisk.errors import HardwareError, one_of
+from tracerisk.hardware.model import Hardware
+from tracerisk.hardware.reader import read_hardware
+
+_FOLDER = Path(__file__).parent / "robots"
+
+
+def shipped_hardware(robot: str) -> Hardware:
+    """Return the description shipped for `robot`; raise HardwareError if there is none."""
+    path = _FOLDER / f"{robot}.yaml"
+    if not path.is_file():
+        names = [entry.stem for entry in _FOLDER.glob("*.yaml")]
+        raise HardwareError(
+            f"no hardware description is shipped for robot '{robot}'; {one_of(names, robot)}; "
+            "name your own with --hardware FILE"
+        )
+    return read_hardware(path, shown=f"tracerisk/hardware/robots/{robot}.yaml")
