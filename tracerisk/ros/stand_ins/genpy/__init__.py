@@ -1,0 +1,21 @@
+"""Stand-in for genpy: the base of messages, and the primitives `time` and `duration`."""
+
+from .message import (
+    DeserializationError,
+    Message,
+    MessageException,
+    SerializationError,
+    struct_I,
+)
+from .rostime import Duration, Time, TVal
+
+__all__ = [
+    "DeserializationError",
+    "Duration",
+    "Message",
+    "MessageException",
+    "SerializationError",
+    "TVal",
+    "Time",
+    "struct_I",
+]

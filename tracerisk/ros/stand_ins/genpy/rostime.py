@@ -1,0 +1,5 @@
+"""The primitives `time` and `duration`."""
+
+from tracerisk.ros.rostime import Duration, Time, TVal
+
+__all__ = ["Duration", "TVal", "Time"]
