@@ -1,0 +1,1 @@
+"""Reports: what an assessment looks like to the people who read it."""
