@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Generic, TypeVar
 
@@ -17,7 +17,10 @@ class Field(Generic[T]):
 
     `=` is the tool's (`pinned` false), `:=` a person's (`pinned` true).
     `text` is the value as written, a person's digits kept; for a pinned value `computed` is
-    what the tool would write, as text, and `reason` what the person wrote after `;`.
+    what the tool would write, as text (`none` where it computes nothing there any more), and
+    `reason` what the person wrote after `;`, in single spaces.
+    An empty `text` is a value left out, which only an omitted component may do.
+    Where a value stands is not part of what it says: `location` is not compared.
     """
 
     value: T
@@ -25,7 +28,12 @@ class Field(Generic[T]):
     pinned: bool = False
     computed: str | None = None
     reason: str | None = None
-    location: Location | None = None
+    location: Location | None = field(default=None, compare=False)
+
+    @property
+    def is_stated(self) -> bool:
+        """Whether the block states the value at all."""
+        return bool(self.text)
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,9 +48,11 @@ class Transition:
 class ComponentEntry:
     """One `@Component` of a block.
 
-    `added` marks `@Component := {`, `omitted` marks `@Component := omit {`: both a person's.
     `redundancy` false: each of the quantity is needed; true: one suffices.
     `probability` is that of one unit of the quantity failing during one visit.
+    `added` marks `@Component := {`, `omitted` marks `@Component := omit {`: both a person's,
+    with the person's `reason`. An omitted component is no part of the function's risk; its
+    values may be left out.
     """
 
     name: str
@@ -51,7 +61,8 @@ class ComponentEntry:
     redundancy: Field[bool]
     added: bool = False
     omitted: bool = False
-    location: Location | None = None
+    location: Location | None = field(default=None, compare=False)
+    reason: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +70,7 @@ class RiskBlock:
     """The risk annotation of one function.
 
     `next` is one field over all its lines; `None` where a block (the published form) has none.
-    `added` marks a block given by hand (`@Function := {`).
+    `added` marks a block given by hand (`@Function := {`), with the person's `reason`.
     """
 
     name: str
@@ -67,4 +78,5 @@ class RiskBlock:
     next: Field[tuple[Transition, ...]] | None
     components: tuple[ComponentEntry, ...]
     added: bool = False
-    location: Location | None = None
+    location: Location | None = field(default=None, compare=False)
+    reason: str | None = None

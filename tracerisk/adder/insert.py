@@ -1,0 +1,211 @@
+"""Put risk blocks into a Python source and take them out, with no other byte changed.
+
+Edits are lines put into or cut out of the original bytes, at the places that libcst's
+positions give. Each result is checked before it is handed out: without its blocks it is the
+source without its blocks, byte for byte; its syntax tree is the same; and its blocks read
+back as they were meant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from tracerisk.adder.block import RiskBlock
+from tracerisk.adder.definitions import (
+    BYTE_ORDER_MARK,
+    MODULE,
+    PythonSource,
+    Site,
+    definitions,
+    docstring_end,
+    module_line,
+    normal_name,
+    parse_python,
+    preamble_end,
+)
+from tracerisk.adder.edits import Edit, apply_edits, line_starts
+from tracerisk.adder.grammar import DEFAULT_WIDTH, print_block
+from tracerisk.adder.read import PlacedBlock, scan_blocks
+from tracerisk.adder.safety import check_rewrite, check_same_program, without_blocks
+from tracerisk.errors import InputError, Location, UnsafeRewriteError, one_of
+from tracerisk.trace import QualifiedName
+
+_NARROWEST = 40
+_TAB_COLUMNS = 8
+
+
+def strip_blocks(source: bytes, file: str) -> bytes:
+    """Return the source without its risk blocks; every other byte is kept.
+
+    Raises:
+        BlockError, SourceError: if a block or the source cannot be read.
+        UnsafeRewriteError: if the removal would change what the program says.
+    """
+    parsed = parse_python(source, file)
+    stripped = without_blocks(parsed, scan_blocks(parsed))
+    if stripped != source:
+        check_same_program(parsed, parse_python(stripped, file), "removing")
+    return stripped
+
+
+def insert_blocks(
+    source: bytes,
+    blocks: Mapping[QualifiedName, RiskBlock | None],
+    file: str,
+    lines: Mapping[QualifiedName, int] | None = None,
+) -> bytes:
+    """Return the source with each of `blocks` first in the body of its function.
+
+    A block that stands there already is replaced, `None` removes it, and the blocks of other
+    functions stay as they are. A name that is defined more than once takes its block at the
+    definition that `lines` gives (the line of the `def` in `source`), else where a block
+    stands, else at the last one: the one that counts when all are executed.
+
+    Raises:
+        BlockError, SourceError: if a block in the source or the source cannot be read.
+        InputError: if the source defines no such function.
+        UnsafeRewriteError: if the result cannot be proved to change nothing else.
+    """
+    parsed = parse_python(source, file)
+    placed = scan_blocks(parsed)
+    targets = _targets(parsed, placed, blocks, lines or {})
+    return _rewrite(source, parsed, placed, targets)
+
+
+def insert_everywhere(
+    source: bytes, blocks: Mapping[tuple[QualifiedName, int], RiskBlock | None], file: str
+) -> bytes:
+    """Return the source with a block at each definition, told by name and line of the `def`.
+
+    Raises:
+        As `insert_blocks`.
+    """
+    parsed = parse_python(source, file)
+    return _rewrite(source, parsed, scan_blocks(parsed), blocks)
+
+
+def _targets(
+    source: PythonSource,
+    placed: tuple[PlacedBlock, ...],
+    blocks: Mapping[QualifiedName, RiskBlock | None],
+    lines: Mapping[QualifiedName, int],
+) -> dict[tuple[QualifiedName, int], RiskBlock | None]:
+    defined: dict[QualifiedName, list[int]] = {MODULE: [module_line(source)]}
+    for definition in definitions(source.tree):
+        defined.setdefault(definition.name, []).append(definition.line)
+    holding = {block.function: block.line for block in placed}
+    targets: dict[tuple[QualifiedName, int], RiskBlock | None] = {}
+    for name, block in blocks.items():
+        if name not in defined:
+            raise InputError(
+                f"there is no function {name} to annotate; {one_of(defined, name)}",
+                Location(source.file),
+            )
+        wanted = lines.get(name)
+        line = wanted if wanted in defined[name] else holding.get(name, defined[name][-1])
+        assert line is not None
+        targets[name, line] = block
+        if block is not None:
+            # A block at another definition of the same name gives way to this one.
+            for other in placed:
+                if other.function == name and other.line != line:
+                    targets[name, other.line] = None
+    return targets
+
+
+def _rewrite(
+    source: bytes,
+    parsed: PythonSource,
+    placed: tuple[PlacedBlock, ...],
+    targets: Mapping[tuple[QualifiedName, int], RiskBlock | None],
+) -> bytes:
+    for (name, line), wanted in targets.items():
+        if wanted is not None and normal_name(wanted.name) != name:
+            raise InputError(
+                f"the risk block of `{wanted.name}` is meant for `{name}`; give it that name",
+                Location(parsed.file, line),
+            )
+    starts = line_starts(parsed)
+    present = {(block.function, block.line): block for block in placed}
+    needed = [key for key, wanted in targets.items() if wanted is not None and key not in present]
+    sites = _sites(source, parsed, needed) if needed else {}
+    edits: list[Edit] = []
+    for key in sorted(targets):
+        wanted, current = targets[key], present.get(key)
+        if current is not None:
+            text = b""
+            if wanted is not None:
+                text = _lines_of(wanted, parsed, current.first_line, current.first_line)
+            start, end = starts[current.first_line - 1], starts[current.last_line]
+            edits.append(Edit(start, end, text))
+        elif wanted is not None:
+            site = sites[key]
+            at = starts[site.line - 1]
+            edits.append(Edit(at, at, _lines_of(wanted, parsed, site.line - 1, site.indent_line)))
+    result = apply_edits(source, edits)
+    if result != source:
+        kept = [b.block for b in placed if (b.function, b.line) not in targets]
+        wanted_blocks = [block for block in targets.values() if block is not None]
+        check_rewrite(parsed, placed, result, [*kept, *wanted_blocks])
+    return result
+
+
+def _lines_of(block: RiskBlock, source: PythonSource, ends_as: int, indent_line: int) -> bytes:
+    """Return the block's lines as bytes, indented as one line and ending as another."""
+    line = source.lines[indent_line - 1] if source.lines else b""
+    if indent_line == 1:
+        line = line.removeprefix(BYTE_ORDER_MARK)
+    indent = line[: len(line) - len(line.lstrip(b" \t\f"))]
+    columns = len(indent.expandtabs(_TAB_COLUMNS))
+    newline = _newline(source, ends_as)
+    try:
+        return b"".join(
+            indent + text.encode(source.encoding) + newline
+            for text in print_block(block, max(_NARROWEST, DEFAULT_WIDTH - columns))
+        )
+    except UnicodeEncodeError as error:
+        raise UnsafeRewriteError(
+            f"the risk block of {block.name} holds {error.object[error.start : error.end]!r}, "
+            f"which the file's encoding {source.encoding} cannot write; declare UTF-8",
+            Location(source.file, indent_line),
+        ) from error
+
+
+def _newline(source: PythonSource, number: int) -> bytes:
+    """Return the line end of line `number`, or of the nearest line that has one."""
+    for line in (*source.lines[max(number - 1, 0) :], *reversed(source.lines[: max(number, 1)])):
+        for end in (b"\r\n", b"\n", b"\r"):
+            if line.endswith(end):
+                return end
+    return b"\n"
+
+
+def _sites(
+    source: bytes, parsed: PythonSource, needed: list[tuple[QualifiedName, int]]
+) -> dict[tuple[QualifiedName, int], Site]:
+    sites: dict[tuple[QualifiedName, int], Site] = {}
+    if any(name != MODULE for name, _ in needed):
+        from tracerisk.adder.positions import function_sites
+
+        sites.update(function_sites(source, parsed.file))
+    sites[MODULE, module_line(parsed)] = _module_site(parsed)
+    for name, line in needed:
+        if (name, line) not in sites:
+            raise UnsafeRewriteError(
+                f"the place of {name} is not told alike by libcst and by Python's own parser",
+                Location(parsed.file, line),
+            )
+    return sites
+
+
+def _module_site(source: PythonSource) -> Site:
+    """Return the top of the module: after its docstring, else after `#!` and encoding."""
+    line = docstring_end(source)
+    if line is None or line >= len(source.lines):
+        line = preamble_end(source)
+        if 0 < line == len(source.lines) and not source.lines[-1].endswith((b"\n", b"\r")):
+            raise UnsafeRewriteError(
+                "the file holds nothing but a first line without a line end",
+                Location(source.file, line),
+            )
+    return Site(line + 1, module_line(source))
