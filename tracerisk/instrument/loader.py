@@ -1,0 +1,150 @@
+"""Run a controller's instrumented source as the program `__main__`."""
+
+from __future__ import annotations
+
+import contextlib
+import linecache
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from importlib.machinery import SourceFileLoader
+from pathlib import Path
+from types import CodeType, ModuleType
+
+from tracerisk.errors import InputError, Location
+from tracerisk.instrument.hidden_frames import hidden_frames, hide
+from tracerisk.instrument.tracer import Tracer
+from tracerisk.instrument.transform import (
+    TRACER_MODULE,
+    compile_instrumented,
+    instrument_source,
+)
+
+_ROOT_MARKS = ("package.xml", "pyproject.toml", "setup.py", ".git")
+
+
+def controller_root(path: Path) -> Path:
+    """Return the folder that holds a controller's own source.
+
+    The nearest folder upwards with `package.xml`, `pyproject.toml`, `setup.py` or `.git`; where
+    there is none, the script's own folder.
+    """
+    folder = path.resolve().parent
+    for each in (folder, *folder.parents):
+        if any((each / mark).exists() for mark in _ROOT_MARKS):
+            return each
+    return folder
+
+
+def compile_file(path: Path, root: Path) -> tuple[CodeType, str]:
+    """Instrument and compile the file at `path`; return the code and its name below `root`.
+
+    Raises:
+        InputError: there is no such file, or it cannot be read.
+        SourceError: it is not Python 3.
+        UnsafeRewriteError: it cannot be instrumented safely.
+    """
+    try:
+        source = path.read_bytes()
+    except OSError as error:
+        raise InputError(
+            f"the controller cannot be read: {error.strerror}; name a Python file",
+            Location(str(path)),
+        ) from error
+    file = file_below(path, root)
+    return compile_instrumented(instrument_source(source, file), str(path)), file
+
+
+def file_below(path: Path, root: Path) -> str:
+    """Return `path` as a `FunctionRef` names it: relative to the root, with forward slashes."""
+    resolved, folder = path.resolve(), root.resolve()
+    return (
+        resolved.relative_to(folder).as_posix()
+        if resolved.is_relative_to(folder)
+        else resolved.name
+    )
+
+
+@contextlib.contextmanager
+def decorator_served(tracer: Tracer) -> Iterator[None]:
+    """Serve the module from which instrumented code imports its decorator, until closed."""
+    module = ModuleType(TRACER_MODULE, "Tracing decorator of the run in progress.")
+    module.traced = tracer.traced  # type: ignore[attr-defined]
+    with _entry(sys.modules, TRACER_MODULE, module):
+        yield
+
+
+@contextlib.contextmanager
+def prepared_controller(
+    path: Path | str, tracer: Tracer, argv: Sequence[str] = (), *, root: Path | None = None
+) -> Iterator[Callable[[], None]]:
+    """Compile the file at `path`; yield the function that runs it once as `__main__`, traced.
+
+    `argv` are the arguments after the script's name; `root` is `controller_root(path)` unless
+    given. What the controller raises passes through, `SystemExit` too.
+    Until closed, `sys.argv`, `sys.path`, `__main__` and the recursion limit are the controller's,
+    and tracerisk's frames are hidden: threads and callbacks that outlive the module-level code
+    need it open. All is put back at the end; modules that were imported stay imported.
+
+    Raises:
+        InputError, SourceError, UnsafeRewriteError: as `compile_file`; nothing has run then.
+    """
+    script = Path(path).absolute()
+    code, file = compile_file(script, controller_root(script) if root is None else root)
+    tracer.add_file(code.co_filename, file)
+    with _program(script, tracer, argv) as module, hidden_frames():
+
+        @hide
+        def run() -> None:
+            with tracer.root("main"):
+                tracer.run_module(code, module.__dict__, file)
+
+        yield run
+
+
+def run_controller(
+    path: Path | str, tracer: Tracer, argv: Sequence[str] = (), *, root: Path | None = None
+) -> None:
+    """Run the file at `path` as `__main__`, traced; return when its module-level code ends.
+
+    Arguments and errors are those of `prepared_controller`.
+    """
+    with prepared_controller(path, tracer, argv, root=root) as run:
+        run()
+
+
+@contextlib.contextmanager
+def _program(script: Path, tracer: Tracer, argv: Sequence[str]) -> Iterator[ModuleType]:
+    name = str(script)
+    module = ModuleType("__main__")
+    module.__dict__.update(
+        __file__=name,
+        __builtins__=__builtins__,
+        __loader__=SourceFileLoader("__main__", name),
+        __cached__=None,
+        __annotations__={},
+    )
+    linecache.checkcache(name)
+    old_argv, old_path, old_limit = sys.argv, sys.path[:], sys.getrecursionlimit()
+    sys.argv = [name, *argv]
+    sys.path.insert(0, str(script.parent))
+    # Each traced call takes two frames where the controller would take one.
+    sys.setrecursionlimit(2 * old_limit)
+    try:
+        with _entry(sys.modules, "__main__", module), decorator_served(tracer):
+            yield module
+    finally:
+        sys.argv, sys.path[:] = old_argv, old_path
+        sys.setrecursionlimit(old_limit)
+
+
+@contextlib.contextmanager
+def _entry(table: dict[str, ModuleType], name: str, module: ModuleType) -> Iterator[None]:
+    found = table.get(name)
+    table[name] = module
+    try:
+        yield
+    finally:
+        if found is None:
+            table.pop(name, None)
+        else:
+            table[name] = found

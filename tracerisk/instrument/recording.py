@@ -1,0 +1,263 @@
+"""What the child process writes while a controller runs, and the parent reads afterwards.
+
+One JSON object a line, each written by one system call: a child that dies leaves whole lines,
+but for the last.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, BinaryIO, get_args
+
+from tracerisk.errors import Location, LogError, one_of
+from tracerisk.instrument.source import FunctionSite
+from tracerisk.instrument.tracer import Frame
+from tracerisk.trace import EndCause, Finding, FunctionRef, QualifiedName
+
+_SECOND_NS = 1_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A call that made hardware act, from its issue to its end, simulated time [ns].
+
+    `elements` are the names of those that it addresses; `stack` is never empty, root first.
+    `end_ns` and `outcome` are `None` where the run ended first.
+    """
+
+    id: int
+    kind: str
+    elements: tuple[str, ...]
+    stack: tuple[Frame, ...]
+    issue_ns: int
+    end_ns: int | None = None
+    outcome: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """Free data that a room of the child left for its counterpart in the parent."""
+
+    kind: str
+    data: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedEnd:
+    """How the child said that the run ended, and when [ns]."""
+
+    cause: EndCause
+    message: str
+    time_ns: int
+    location: Location | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """All that one run left in its events file.
+
+    `commands` are in the order of issue; `functions_ran` in the order of their first run;
+    `last_ns` is the time of the last event [ns]; `end` is `None` where the child died untold.
+    """
+
+    commands: tuple[Command, ...] = ()
+    functions_ran: tuple[FunctionSite, ...] = ()
+    findings: tuple[Finding, ...] = ()
+    notes: tuple[Note, ...] = ()
+    end: RecordedEnd | None = None
+    last_ns: int = 0
+
+    def note(self, kind: str) -> Mapping[str, Any] | None:
+        """Return the data of the last note of a kind, `None` where there is none."""
+        return next((note.data for note in reversed(self.notes) if note.kind == kind), None)
+
+
+class Recorder:
+    """Writes the events of one run to `stream`, each line at once.
+
+    `stream` is a file open for writing; only its descriptor is used. `clock` tells the simulated
+    time [ns].
+    """
+
+    def __init__(self, stream: BinaryIO, *, clock: Callable[[], int]) -> None:
+        self._descriptor = stream.fileno()
+        self._clock = clock
+        self._next_command = itertools.count(1).__next__
+        self._functions: dict[tuple[FunctionRef, int], int] = {}
+
+    def command(self, kind: str, elements: Sequence[str], stack: Sequence[Frame]) -> int:
+        """Record that a command is issued now; return its id, from 1 in the order of issue.
+
+        Raises:
+            ValueError: the stack is empty.
+        """
+        if not stack:
+            raise ValueError("a command has at least one function on its stack")
+        command_id = self._next_command()
+        frames = [
+            [self._function(frame.function, frame.line), frame.activation, *frame.site, frame.root]
+            for frame in stack
+        ]
+        self._write("command", id=command_id, kind=kind, elements=list(elements), stack=frames)
+        return command_id
+
+    def command_ended(self, command_id: int, outcome: str) -> None:
+        """Record that a command ends now: `succeeded`, `aborted` or `preempted`."""
+        self._write("command_ended", id=command_id, outcome=outcome)
+
+    def function_ran(self, ref: FunctionRef, line: int) -> None:
+        """Record the first run of a function; what a `Tracer` calls on each first run."""
+        self._write("ran", function=self._function(ref, line))
+
+    def finding(self, kind: str, message: str, location: Location | None = None) -> None:
+        """Record what a person should know."""
+        self._write("finding", kind=kind, message=message, location=_location_data(location))
+
+    def note(self, kind: str, **data: Any) -> None:
+        """Record free JSON data."""
+        self._write("note", kind=kind, data=data)
+
+    def run_ended(self, cause: EndCause, message: str, location: Location | None = None) -> None:
+        """Record the end of the run; only the first one counts."""
+        self._write("end", cause=cause, message=message, location=_location_data(location))
+
+    def _function(self, ref: FunctionRef, line: int) -> int:
+        """Return the number that stands for a function, which its first use writes."""
+        key = (ref, line)
+        number = self._functions.get(key)
+        if number is None:
+            number = self._functions[key] = len(self._functions)
+            self._write("function", id=number, file=ref.file, name=ref.name, line=line)
+        return number
+
+    def _write(self, event: str, **data: Any) -> None:
+        text = json.dumps({"event": event, "ns": self._clock(), **data}, separators=(",", ":"))
+        line = memoryview(f"{text}\n".encode())
+        while line:
+            line = line[os.write(self._descriptor, line) :]
+
+
+def _location_data(location: Location | None) -> list[Any] | None:
+    return None if location is None else [location.file, location.line, location.column]
+
+
+def read_recording(path: Path | str) -> Recording:
+    """Read an events file; a torn last line, all that a sudden death leaves, is passed over.
+
+    Raises:
+        LogError: the file cannot be read, or another line is not an event.
+    """
+    try:
+        content = Path(path).read_bytes()
+    except OSError as error:
+        raise LogError(
+            f"the recording cannot be read: {error.strerror}", Location(str(path))
+        ) from error
+    reader = _Reader()
+    lines = content.split(b"\n")
+    for number, line in enumerate(lines, start=1):
+        try:
+            if line:
+                reader.read(json.loads(line))
+        except (ValueError, KeyError, IndexError, TypeError) as error:
+            if number == len(lines):
+                break
+            raise LogError(
+                f"not an event of a recording ({error}); "
+                f"{one_of(reader.handlers)}; record the run again",
+                Location(str(path), number),
+            ) from error
+    return reader.recording()
+
+
+@dataclass(slots=True)
+class _Reader:
+    functions: list[FunctionSite] = field(default_factory=list)
+    commands: dict[int, Command] = field(default_factory=dict)
+    ran: dict[FunctionRef, FunctionSite] = field(default_factory=dict)
+    findings: list[Finding] = field(default_factory=list)
+    notes: list[Note] = field(default_factory=list)
+    end: RecordedEnd | None = None
+    last_ns: int = 0
+
+    @property
+    def handlers(self) -> dict[str, Callable[[dict[str, Any]], None]]:
+        return {
+            "function": self._function,
+            "ran": self._ran,
+            "command": self._command,
+            "command_ended": self._command_ended,
+            "finding": self._finding,
+            "note": self._note,
+            "end": self._end,
+        }
+
+    def read(self, event: dict[str, Any]) -> None:
+        self.handlers[event["event"]](event)
+        self.last_ns = max(self.last_ns, event["ns"])
+
+    def recording(self) -> Recording:
+        return Recording(
+            tuple(self.commands.values()),
+            tuple(self.ran.values()),
+            tuple(self.findings),
+            tuple(self.notes),
+            self.end,
+            self.last_ns,
+        )
+
+    def _function(self, event: dict[str, Any]) -> None:
+        ref = FunctionRef(event["file"], QualifiedName(event["name"]))
+        self.functions.append(FunctionSite(ref, event["line"]))
+
+    def _ran(self, event: dict[str, Any]) -> None:
+        site = self.functions[event["function"]]
+        self.ran.setdefault(site.ref, site)
+
+    def _command(self, event: dict[str, Any]) -> None:
+        frames = []
+        for number, activation, line, column, root in event["stack"]:
+            site = self.functions[number]
+            frames.append(Frame(site.ref, site.line, activation, (line, column), root))
+        self.commands[event["id"]] = Command(
+            event["id"], event["kind"], tuple(event["elements"]), tuple(frames), event["ns"]
+        )
+
+    def _command_ended(self, event: dict[str, Any]) -> None:
+        command = self.commands[event["id"]]
+        if command.end_ns is None:
+            self.commands[event["id"]] = Command(
+                command.id,
+                command.kind,
+                command.elements,
+                command.stack,
+                command.issue_ns,
+                event["ns"],
+                event["outcome"],
+            )
+
+    def _finding(self, event: dict[str, Any]) -> None:
+        time_s = event["ns"] / _SECOND_NS
+        self.findings.append(
+            Finding(event["kind"], event["message"], time_s, _location(event["location"]))
+        )
+
+    def _note(self, event: dict[str, Any]) -> None:
+        self.notes.append(Note(event["kind"], event["data"]))
+
+    def _end(self, event: dict[str, Any]) -> None:
+        if event["cause"] not in get_args(EndCause):
+            raise ValueError(f"unknown end {event['cause']!r}")
+        if self.end is None:
+            self.end = RecordedEnd(
+                event["cause"], event["message"], event["ns"], _location(event["location"])
+            )
+
+
+def _location(data: Sequence[Any] | None) -> Location | None:
+    return None if data is None else Location(*data)

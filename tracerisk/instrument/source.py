@@ -1,0 +1,148 @@
+"""Read a Python source file: its encoding, its syntax tree, and why it is not Python 3."""
+
+from __future__ import annotations
+
+import ast
+import io
+import re
+import tokenize
+import warnings
+from dataclasses import dataclass
+
+from tracerisk.errors import Location, SourceError
+from tracerisk.trace import FunctionRef, QualifiedName
+
+_PYTHON_2_REASONS = (
+    "Missing parentheses in call to 'print'",
+    "Missing parentheses in call to 'exec'",
+    "multiple exception types must be parenthesized",
+    "leading zeros in decimal integer literals",
+)
+_PYTHON_2_LINES = tuple(
+    re.compile(pattern)
+    for pattern in (
+        r"^\s*(print|exec)\s+[^\s(=.,:\[]",
+        r"^\s*print\s*>>",
+        r"^\s*raise\s+[\w.]+\s*,",
+        r"^\s*except\s+[\w.()\s,]+,\s*\w+\s*:",
+        r"<>",
+        r"`[^`]+`",
+        r"\b[uU][rR]['\"]",
+        r"\b(0[xX][0-9a-fA-F]+|\d+)[lL]\b",
+        r"\b0\d+\b",
+        r"^\s*def\s+\w+\s*\(.*\([\w\s,]+\).*\)\s*:",
+        r"\blambda\s*\(",
+    )
+)
+
+
+MODULE_NAME = QualifiedName("<module>")
+"""The pseudo-function of module-level code."""
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionSite:
+    """A function of a source file and the line of its `def`; 1 for `<module>`."""
+
+    ref: FunctionRef
+    line: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ParsedSource:
+    """A source file that Python 3 compiles.
+
+    `text` is the decoded source without its byte order mark, line ends as they were.
+    `functions` are every `def` and `async def` in the order of the file: no two share a line, so
+    the n-th function that another parser meets is the n-th of these.
+    """
+
+    file: str
+    text: str
+    tree: ast.Module
+    functions: tuple[FunctionSite, ...]
+
+
+def parse_source(source: bytes, file: str) -> ParsedSource:
+    """Decode (PEP 263) and parse a source file; `file` is what errors call it.
+
+    Raises:
+        SourceError: the bytes are not in the encoding they claim, or not Python 3.
+    """
+    text = _decode(source, file)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            tree = ast.parse(text, file)
+            # Some errors (`return` outside a function) show only when the symbols are resolved.
+            compile(tree, file, "exec", dont_inherit=True)
+    except SyntaxError as error:
+        raise _source_error(error, text, file) from error
+    except ValueError as error:
+        raise SourceError(f"this is not a Python source: {error}", Location(file)) from error
+    except RecursionError as error:
+        raise SourceError("the source nests too deeply to be parsed", Location(file)) from error
+    return ParsedSource(file, text, tree, _functions(tree, file))
+
+
+def _functions(tree: ast.Module, file: str) -> tuple[FunctionSite, ...]:
+    sites: list[FunctionSite] = []
+    pending: list[tuple[ast.AST, str]] = [(tree, "")]
+    while pending:
+        node, prefix = pending.pop()
+        for child in ast.iter_child_nodes(node):
+            if isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef):
+                name = prefix + child.name
+                sites.append(FunctionSite(FunctionRef(file, QualifiedName(name)), child.lineno))
+                pending.append((child, f"{name}.<locals>."))
+            elif isinstance(child, ast.ClassDef):
+                pending.append((child, f"{prefix}{child.name}."))
+            else:
+                pending.append((child, prefix))
+    return tuple(sorted(sites, key=lambda site: site.line))
+
+
+def _decode(source: bytes, file: str) -> str:
+    try:
+        encoding, _ = tokenize.detect_encoding(io.BytesIO(source).readline)
+    except SyntaxError as error:
+        raise SourceError(
+            f"{error.msg}; name one that Python knows in the first two lines (PEP 263), "
+            "e.g. `# -*- coding: utf-8 -*-`",
+            Location(file, 1),
+        ) from error
+    try:
+        return source.decode(encoding)
+    except UnicodeDecodeError as error:
+        before = source[: error.start]
+        line_start = max(before.rfind(b"\n"), before.rfind(b"\r")) + 1
+        line = before.replace(b"\r\n", b"\n").replace(b"\r", b"\n").count(b"\n") + 1
+        raise SourceError(
+            f"byte 0x{source[error.start]:02x} is not {encoding}: save the file as UTF-8, or "
+            "name its encoding in the first two lines (PEP 263), "
+            "e.g. `# -*- coding: latin-1 -*-`",
+            Location(file, line, error.start - line_start + 1),
+        ) from error
+
+
+def _source_error(error: SyntaxError, text: str, file: str) -> SourceError:
+    lines = text.splitlines()
+    shown = error.text
+    if shown is None and error.lineno is not None and 0 < error.lineno <= len(lines):
+        shown = lines[error.lineno - 1]
+    shown = (shown or "").strip()
+    message = f"not valid Python: {error.msg}" + (f" in `{shown}`" if shown else "")
+    if _is_python_2(error, shown):
+        message = (
+            f"this is Python 2: `{shown}` is not valid in Python 3 ({error.msg}); convert the file "
+            "first, e.g. with `2to3 -w` or `python-modernize -w`"
+        )
+    return SourceError(message, Location(file, error.lineno, error.offset or None))
+
+
+def _is_python_2(error: SyntaxError, shown: str) -> bool:
+    if any(error.msg.startswith(reason) for reason in _PYTHON_2_REASONS):
+        return True
+    if isinstance(error, TabError):
+        return True
+    return any(pattern.search(shown) for pattern in _PYTHON_2_LINES)

@@ -1,0 +1,310 @@
+"""The tracer that the decorators call: which functions are active, and where each calls the next.
+
+A call costs a context variable set twice; where in its source a function stands is read from
+Python's own frames, and only when somebody asks (`Tracer.stack`), which a command does.
+"""
+
+from __future__ import annotations
+
+import itertools
+import sys
+import threading
+from collections.abc import Callable
+from contextvars import ContextVar, Token
+from dataclasses import dataclass
+from types import CodeType, FrameType, TracebackType
+from typing import Any, Literal
+
+from tracerisk.errors import Location
+from tracerisk.instrument.hidden_frames import hide
+from tracerisk.instrument.source import MODULE_NAME, FunctionSite
+from tracerisk.instrument.wrappers import AnyFunction, wrap
+from tracerisk.trace import FunctionRef, QualifiedName
+
+RootKind = Literal["main", "thread", "callback", "done_callback", "timer", "service"]
+"""How controller code comes to run when no controller code calls it."""
+
+Site = tuple[int, int]
+"""Line and column of a call, both from 1 (the column in UTF-8 bytes); (line of def, 0) unknown."""
+
+# Bound here: the run may show controllers a `sys._getframe` that hides the tracer's own frames.
+_getframe = sys._getframe
+_COMPREHENSIONS = frozenset({"<listcomp>", "<setcomp>", "<dictcomp>", "<genexpr>"})
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """One activation of a function on the stack of a command.
+
+    `line` is that of the `def`; `activation` is unique to this call in the run; `site` is
+    where this function made the call towards the next frame, or issued the command.
+    `root` says how the function came to run where no controller code called it, else `None`.
+    """
+
+    function: FunctionRef
+    line: int
+    activation: int
+    site: Site
+    root: RootKind | None = None
+
+
+class _Record:
+    """A traced function: its name, the line of its `def` and its code."""
+
+    __slots__ = ("code", "line", "ref")
+
+    def __init__(self, ref: FunctionRef, line: int, code: CodeType) -> None:
+        self.ref = ref
+        self.line = line
+        self.code = code
+
+
+class _Base:
+    """The bottom of a stack: a root, or what a thread or a future inherited."""
+
+    __slots__ = ("activation", "inherited", "kind")
+
+    def __init__(self, kind: RootKind, activation: int, inherited: tuple[Frame, ...] = ()) -> None:
+        self.kind = kind
+        self.activation = activation
+        self.inherited = inherited
+
+
+# One link of a stack: (the caller's link or the base, the function, the activation).
+# A tuple, for one is made at each traced call.
+_Link = tuple[Any, _Record, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Captured:
+    """The stack of the code that created a thread, a future or a task."""
+
+    frames: tuple[Frame, ...]
+
+
+class _Entered:
+    """Context manager: the stack stands on `base` while it is open; may be entered again."""
+
+    __slots__ = ("_base", "_tokens", "_variable")
+
+    def __init__(self, variable: ContextVar[Any], base: _Base) -> None:
+        self._variable = variable
+        self._base = base
+        self._tokens: list[Token[Any]] = []
+
+    def __enter__(self) -> None:
+        self._tokens.append(self._variable.set(self._base))
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._variable.reset(self._tokens.pop())
+
+
+class Tracer:
+    """Follows the functions of one run of a controller.
+
+    `on_first_run` is told of each function the first time that it runs.
+    """
+
+    def __init__(self, on_first_run: Callable[[FunctionRef, int], None] | None = None) -> None:
+        self._top: ContextVar[Any] = ContextVar("tracerisk_stack", default=None)
+        self._next_activation = itertools.count(1).__next__
+        self._on_first_run = on_first_run
+        self._ran: dict[FunctionRef, int] = {}
+        self._files: dict[str, str] = {}
+        self._main_file = "<controller>"
+
+    # --- what the loader tells
+
+    def add_file(self, filename: str, file: str) -> None:
+        """Know `filename`, as code objects name it, for the controller's file `file`.
+
+        The first file added is the script that runs.
+        """
+        if not self._files:
+            self._main_file = file
+        self._files[filename] = file
+
+    def traced(self, file: str, name: str, line: int) -> Callable[[AnyFunction], AnyFunction]:
+        """Return the decorator of the function `name`, whose `def` stands in `line` of `file`."""
+        ref = FunctionRef(file, QualifiedName(name))
+
+        def decorate(function: AnyFunction) -> AnyFunction:
+            return wrap(function, self, _Record(ref, line, function.__code__))
+
+        return decorate
+
+    @hide
+    def run_module(self, code: CodeType, namespace: dict[str, Any], file: str) -> None:
+        """Execute module-level code as the function `<module>` of `file`."""
+        record = _Record(FunctionRef(file, MODULE_NAME), 1, code)
+        self.add_file(code.co_filename, file)
+        self.first_run(record)
+        token = self._top.set((self._top.get(), record, self._next_activation()))
+        try:
+            exec(code, namespace)
+        finally:
+            self._top.reset(token)
+
+    # --- what the wrappers use
+
+    @property
+    def top(self) -> ContextVar[Any]:
+        """The innermost link of the running code's stack."""
+        return self._top
+
+    @property
+    def next_activation(self) -> Callable[[], int]:
+        """Counts the activations of the run."""
+        return self._next_activation
+
+    def first_run(self, record: Any) -> None:
+        """Note that a function runs; only the first time counts."""
+        if record.ref not in self._ran:
+            self._ran[record.ref] = record.line
+            if self._on_first_run is not None:
+                self._on_first_run(record.ref, record.line)
+
+    # --- what the stand-ins ask
+
+    @property
+    def functions_ran(self) -> tuple[FunctionSite, ...]:
+        """Every function that ran, in the order of the first run of each."""
+        return tuple(FunctionSite(ref, line) for ref, line in self._ran.items())
+
+    def root(self, kind: RootKind) -> _Entered:
+        """Return a context manager in which controller code is called by none of its own."""
+        return _Entered(self._top, _Base(kind, self._next_activation()))
+
+    def capture(self) -> Captured:
+        """Return the stack of the running code, for a thread or a future to inherit.
+
+        Where no controller code runs the captured stack is empty.
+        """
+        return Captured(self._frames())
+
+    def resume(self, captured: Captured) -> _Entered:
+        """Return a context manager in which the stack goes on from a captured one."""
+        return _Entered(self._top, _Base("thread", self._next_activation(), captured.frames))
+
+    def stack(self) -> tuple[Frame, ...]:
+        """Return the active functions of the running code, root first; never empty.
+
+        A lambda given as a callback stands for the function that wrote it; a callback that is no
+        controller code at all for `<module>` of the script.
+        """
+        frames = self._frames()
+        if frames:
+            return frames
+        base = self._top.get()
+        if not isinstance(base, _Base):
+            base = _Base(_bare_root(), self._next_activation())
+        frame = self._innermost_controller_frame()
+        if frame is None:
+            ref, site = FunctionRef(self._main_file, MODULE_NAME), (1, 0)
+            return (Frame(ref, 1, base.activation, site, base.kind),)
+        ref = FunctionRef(self._files[frame.f_code.co_filename], _enclosing_function(frame.f_code))
+        line = self._ran.get(ref, frame.f_code.co_firstlineno)
+        return (Frame(ref, line, base.activation, _site(frame), base.kind),)
+
+    def where(self) -> Location | None:
+        """Return where the innermost controller code stands, `None` where none runs."""
+        frame = self._innermost_controller_frame()
+        if frame is None:
+            return None
+        line, column = _site(frame)
+        return Location(self._files[frame.f_code.co_filename], line, column or None)
+
+    def where_failed(self, error: BaseException) -> Location | None:
+        """Return the innermost controller line that an exception passed, `None` if it passed none.
+
+        Follows the exception only, not its causes.
+        """
+        if isinstance(error, SyntaxError) and error.filename in self._files:
+            return Location(self._files[error.filename], error.lineno, error.offset or None)
+        found: Location | None = None
+        traceback = error.__traceback__
+        while traceback is not None:
+            file = self._files.get(traceback.tb_frame.f_code.co_filename)
+            if file is not None:
+                found = Location(file, traceback.tb_lineno)
+            traceback = traceback.tb_next
+        return found
+
+    # --- how
+
+    def _innermost_controller_frame(self) -> FrameType | None:
+        frame: FrameType | None = _getframe(1)
+        while frame is not None and frame.f_code.co_filename not in self._files:
+            frame = frame.f_back
+        return frame
+
+    def _frames(self) -> tuple[Frame, ...]:
+        """Match the links of the stack with Python's frames, innermost first."""
+        links: list[_Link] = []
+        link = self._top.get()
+        while isinstance(link, tuple):
+            links.append(link)
+            link = link[0]
+        base: _Base | None = link
+        inherited = base.inherited if base is not None else ()
+        frames: list[Frame] = []
+        python: FrameType | None = _getframe(1)
+        for position, (_, record, activation) in enumerate(links):
+            frame, called = _find(python, record.code)
+            if frame is not None:
+                site = _site(called or frame)
+                python = frame.f_back
+            else:
+                # It returned, or waits: a context was copied without `capture`.
+                site = (record.line, 0)
+            is_root = position == len(links) - 1 and not inherited
+            root = (base.kind if base is not None else _bare_root()) if is_root else None
+            frames.append(Frame(record.ref, record.line, activation, site, root))
+        return (*inherited, *reversed(frames))
+
+
+def _find(python: FrameType | None, code: CodeType) -> tuple[FrameType | None, FrameType | None]:
+    """Find the innermost frame that runs `code`, and the comprehension it runs, if any.
+
+    Up to Python 3.11 a comprehension is a frame of its own; it is part of its function.
+    """
+    inner: FrameType | None = None
+    while python is not None and python.f_code is not code:
+        inner, python = python, python.f_back
+    if (
+        python is not None
+        and inner is not None
+        and inner.f_code.co_name in _COMPREHENSIONS
+        and inner.f_code.co_filename == code.co_filename
+    ):
+        return python, inner
+    return python, None
+
+
+def _site(frame: FrameType) -> Site:
+    position = next(
+        itertools.islice(frame.f_code.co_positions(), max(frame.f_lasti, 0) // 2, None),
+        (None, None, None, None),
+    )
+    line, column = position[0], position[2]
+    return (
+        line or frame.f_lineno or frame.f_code.co_firstlineno,
+        0 if column is None else column + 1,
+    )
+
+
+def _enclosing_function(code: CodeType) -> QualifiedName:
+    parts = code.co_qualname.split(".<locals>.")
+    while parts and parts[-1].startswith("<"):
+        parts.pop()
+    return QualifiedName(".<locals>.".join(parts)) if parts else MODULE_NAME
+
+
+def _bare_root() -> RootKind:
+    is_main = threading.current_thread() is threading.main_thread()
+    return "main" if is_main else "thread"

@@ -1,0 +1,184 @@
+"""What stands between a caller and a traced function: one wrapper for each kind of function.
+
+A wrapper puts the function on the stack while its code runs; at a generator or a coroutine again
+at each resumption, on the stack of whoever resumes it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import inspect
+from collections.abc import AsyncGenerator, Callable, Generator
+from types import CodeType, FunctionType
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.instrument.hidden_frames import HIDDEN_FILENAME, hide, shed
+
+if TYPE_CHECKING:
+    from tracerisk.instrument.tracer import Tracer
+
+AnyFunction = Callable[..., Any]
+
+
+def wrap(function: AnyFunction, tracer: Tracer, record: Any) -> AnyFunction:
+    """Return `function` traced; to callers and to `inspect` the same function.
+
+    One difference: at a generator or a coroutine function, wrong arguments show at the first
+    resumption, not at the call.
+    """
+    if inspect.iscoroutinefunction(function):
+        wrapper = _wrap_coroutine(function, tracer, record)
+    elif inspect.isasyncgenfunction(function):
+        wrapper = _wrap_async_generator(function, tracer, record)
+    elif inspect.isgeneratorfunction(function):
+        wrapper = _wrap_generator(function, tracer, record)
+    else:
+        wrapper = _wrap_plain(function, tracer, record)
+    assert isinstance(wrapper, FunctionType)
+    wrapper.__code__ = _disguised(wrapper.__code__, function.__code__)
+    functools.update_wrapper(wrapper, function)
+    # getfullargspec() does not follow __wrapped__. NameError: annotations not defined yet (3.14).
+    with contextlib.suppress(NameError):
+        wrapper.__signature__ = inspect.signature(function)  # type: ignore[attr-defined]
+    return wrapper
+
+
+def _disguised(code: CodeType, original: CodeType) -> CodeType:
+    """Name the wrapper's code after the function it wraps, for profilers and `typing.overload`."""
+    return code.replace(
+        co_filename=HIDDEN_FILENAME,
+        co_name=original.co_name,
+        co_qualname=original.co_qualname,
+        co_firstlineno=original.co_firstlineno,
+    )
+
+
+def _wrap_plain(function: AnyFunction, tracer: Tracer, record: Any) -> AnyFunction:
+    get, put = tracer.top.get, tracer.top.set
+    next_activation = tracer.next_activation
+    ran = False
+
+    def wrapper(*args: Any, **kwargs: Any) -> Any:
+        nonlocal ran
+        if not ran:
+            tracer.first_run(record)
+            ran = True
+        caller = get()
+        put((caller, record, next_activation()))
+        try:
+            return function(*args, **kwargs)
+        except BaseException as error:
+            shed(error)
+            raise
+        finally:
+            put(caller)
+
+    return wrapper
+
+
+def _wrap_generator(function: AnyFunction, tracer: Tracer, record: Any) -> AnyFunction:
+    def wrapper(*args: Any, **kwargs: Any) -> Generator[Any, Any, Any]:
+        activation = _begin(tracer, record)
+        try:
+            return (yield from _Resumed(function(*args, **kwargs), tracer, record, activation))
+        except BaseException as error:
+            shed(error)
+            raise
+
+    return wrapper
+
+
+def _wrap_coroutine(function: AnyFunction, tracer: Tracer, record: Any) -> AnyFunction:
+    async def wrapper(*args: Any, **kwargs: Any) -> Any:
+        activation = _begin(tracer, record)
+        try:
+            return await _Resumed(function(*args, **kwargs), tracer, record, activation)
+        except BaseException as error:
+            shed(error)
+            raise
+
+    return wrapper
+
+
+def _wrap_async_generator(function: AnyFunction, tracer: Tracer, record: Any) -> AnyFunction:
+    async def wrapper(*args: Any, **kwargs: Any) -> AsyncGenerator[Any, Any]:
+        activation = _begin(tracer, record)
+        generator = function(*args, **kwargs)
+        awaitable = generator.__anext__()
+        try:
+            while True:
+                value = await _Resumed(awaitable, tracer, record, activation)
+                try:
+                    sent = yield value
+                except GeneratorExit:
+                    await _Resumed(generator.aclose(), tracer, record, activation)
+                    raise
+                except BaseException as thrown:  # noqa: BLE001 -- it is handed on
+                    awaitable = generator.athrow(thrown)
+                else:
+                    awaitable = generator.asend(sent)
+        except StopAsyncIteration:
+            return
+        except BaseException as error:
+            shed(error)
+            raise
+
+    return wrapper
+
+
+def _begin(tracer: Tracer, record: Any) -> int:
+    tracer.first_run(record)
+    return tracer.next_activation()
+
+
+class _Resumed:
+    """A generator, a coroutine or one step of an async generator, on the stack at each resumption.
+
+    `yield from` and `await` hand `send`, `throw` and `close` through to it.
+    """
+
+    __slots__ = ("_activation", "_record", "_target", "_top")
+
+    def __init__(self, target: Any, tracer: Tracer, record: Any, activation: int) -> None:
+        self._target = target
+        self._top = tracer.top
+        self._record = record
+        self._activation = activation
+
+    def __iter__(self) -> _Resumed:
+        return self
+
+    def __await__(self) -> _Resumed:
+        return self
+
+    @hide
+    def __next__(self) -> Any:
+        return self.send(None)
+
+    @hide
+    def send(self, value: Any) -> Any:
+        caller = self._top.get()
+        self._top.set((caller, self._record, self._activation))
+        try:
+            return self._target.send(value)
+        finally:
+            self._top.set(caller)
+
+    @hide
+    def throw(self, *exception: Any) -> Any:
+        caller = self._top.get()
+        self._top.set((caller, self._record, self._activation))
+        try:
+            return self._target.throw(*exception)
+        finally:
+            self._top.set(caller)
+
+    @hide
+    def close(self) -> None:
+        caller = self._top.get()
+        self._top.set((caller, self._record, self._activation))
+        try:
+            self._target.close()
+        finally:
+            self._top.set(caller)
