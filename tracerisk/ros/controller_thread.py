@@ -1,0 +1,86 @@
+"""A thread of the controller, what it waits for, and the exception that ends it."""
+
+from __future__ import annotations
+
+from _thread import allocate_lock
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from types import FrameType
+from typing import Any, Literal, Protocol
+
+from tracerisk.errors import Location
+from tracerisk.trace import EndCause
+
+WaitKind = Literal["blocked", "idle", "unmet"]
+"""What a thread waits for: another thread, work from outside (`spin`), or a thing that must
+exist before it can go on (a service, a message, a goal's result)."""
+
+
+class RunOver(BaseException):
+    """Ends the controller: raised at every wait once the run is over.
+
+    It is no `Exception`, so that a controller's own handlers let it pass; one that catches it
+    all the same gets it again at its next wait.
+    `stack` is place and function of the controller's frames that wait, outermost first.
+    """
+
+    def __init__(
+        self,
+        cause: EndCause,
+        message: str,
+        location: Location | None = None,
+        stack: tuple[tuple[Location, str], ...] = (),
+    ) -> None:
+        super().__init__(message)
+        self.cause = cause
+        self.message = message
+        self.location = location
+        self.stack = stack
+
+    def again(self) -> RunOver:
+        """Make an equal one to raise: an exception carries the traceback of one raise only."""
+        return RunOver(self.cause, self.message, self.location, self.stack)
+
+
+class HoldsLock(Protocol):
+    """A lock that knows which thread holds it."""
+
+    @property
+    def holder(self) -> ControllerThread | None:
+        """The thread that acquired it last, while it is held."""
+        ...
+
+
+@dataclass(slots=True, eq=False)
+class Wait:
+    """What a thread waits for, and since when (a sequence number)."""
+
+    since: int
+    predicate: Callable[[], bool] | None
+    deadline_ns: int | None
+    reason: str
+    kind: WaitKind
+    on: HoldsLock | ControllerThread | None
+    frame: FrameType | None = None
+    satisfied: bool = False
+
+
+@dataclass(slots=True, eq=False)
+class ControllerThread:
+    """A thread under the baton."""
+
+    name: str
+    number: int
+    daemon: bool
+    is_main: bool = False
+    is_controllers: bool = True
+    finished: bool = False
+    gate: Any = field(default_factory=allocate_lock)
+    wait: Wait | None = None
+    ident: int | None = None
+    read_ns: int = -1
+    calls: int = 0
+    calls_ns: int = -1
+    raises: int = 0
+    interrupt: BaseException | None = None
+    at_finish: list[Callable[[], None]] = field(default_factory=list)

@@ -1,0 +1,564 @@
+"""Virtual time: the controller's threads, one at a time, and a world that moves while all wait.
+
+Every thread of the controller is a real thread, and exactly one holds the baton. It passes it on
+only where it waits, or reads the clock twice at one instant. The thread that waits looks for who
+may run next: kernel events that are due, then the thread that has waited longest among those
+whose wait is over, and where there is none it lets the world move to the next instant at which
+something is due. So the order of everything depends on simulated time and on sequence alone.
+
+Times are integer nanoseconds of simulated time.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import sys
+import threading
+import traceback
+from _thread import get_ident, start_new_thread
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import dataclass, field
+from typing import Any, Protocol, TypeVar
+
+from tracerisk.errors import Location
+from tracerisk.ros.controller_thread import (
+    ControllerThread,
+    HoldsLock,
+    RunOver,
+    Wait,
+    WaitKind,
+)
+from tracerisk.ros.standstill import end_of_duration, end_of_standstill
+from tracerisk.trace import EndCause
+
+__all__ = [
+    "CallTracer",
+    "ControllerThread",
+    "RunOver",
+    "ScheduledCall",
+    "Scheduler",
+    "WaitKind",
+    "World",
+]
+
+READ_STEP_NS = 1_000_000
+"""How far a second reading of the clock at one instant moves it [ns]."""
+CALLS_PER_INSTANT = 1000
+"""Waits that need not wait, and locks that are free, that one thread gets at one instant."""
+POLLS_PER_INSTANT = 10
+"""Turns of an event loop with nothing to wait for that one thread gets at one instant."""
+RAISES_BEFORE_GIVING_UP = 1000
+"""How often a thread may swallow the end of the run."""
+
+Result = TypeVar("Result")
+
+
+class World(Protocol):
+    """What moves while the controller waits: the twin, or a clock."""
+
+    @property
+    def time_ns(self) -> int:
+        """The time of the world [ns]."""
+        ...
+
+    @property
+    def busy(self) -> bool:
+        """Whether a motion is live."""
+        ...
+
+    def advance(self, until_ns: int) -> int:
+        """Move to `until_ns`, or return at the end of the step in which a motion ended [ns]."""
+        ...
+
+
+class CallTracer(Protocol):
+    """What the scheduler needs of a tracer: the stack that a new thread inherits."""
+
+    def capture(self) -> Any:
+        """Return the stack of the calling thread."""
+        ...
+
+    def resume(self, captured: Any, /) -> AbstractContextManager[Any]:
+        """Go on with a captured stack."""
+        ...
+
+    def root(self, kind: Any, /) -> AbstractContextManager[Any]:
+        """Begin an empty stack: a callback's."""
+        ...
+
+
+@dataclass(slots=True, order=True)
+class ScheduledCall:
+    """A kernel event; `cancel()` takes it back."""
+
+    time_ns: int
+    sequence: int
+    callback: Callable[[], None] | None = field(compare=False)
+    background: bool = field(compare=False)
+
+    def cancel(self) -> None:
+        """Do not run the callback; nothing happens where it has run already."""
+        self.callback = None
+
+
+class Scheduler:
+    """The clock, the baton and the queue of events of one run.
+
+    `world` moves while all wait, `duration_ns` is the simulated time after which the run is over.
+    `tracer` gives new threads the stack of their creator.
+    `on_stuck` is called in the main thread when it has swallowed the end of the run a thousand
+    times; it should end the process.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        *,
+        duration_ns: int,
+        tracer: CallTracer | None = None,
+        on_stuck: Callable[[RunOver], None] | None = None,
+    ) -> None:
+        self.world = world
+        self.duration_ns = duration_ns
+        self.tracer = tracer
+        self.failed_threads: list[tuple[str, BaseException]] = []
+        self._on_stuck = on_stuck
+        self._now_ns = 0
+        self._sequence = itertools.count()
+        self._thread_numbers = itertools.count()
+        self._events: list[ScheduledCall] = []
+        self._threads: list[ControllerThread] = []
+        self._by_ident: dict[int, ControllerThread] = {}
+        self._main: ControllerThread | None = None
+        self._kernel_depth = 0
+        self._over: RunOver | None = None
+        self._fault: BaseException | None = None
+        self._main_end_calls: list[Callable[[], object]] = []
+        self._exit_calls: list[tuple[object, Callable[[], object]]] = []
+
+    # The clock
+
+    @property
+    def now_ns(self) -> int:
+        """The simulated time [ns]; asking for it moves nothing."""
+        return self._now_ns
+
+    @property
+    def over(self) -> RunOver | None:
+        """How the run ended, or None while it goes on."""
+        return self._over
+
+    def read_clock(self) -> int:
+        """Return the time as the controller reads it [ns]: 1 ms later at a second reading."""
+        self.touch()
+        return self._now_ns
+
+    def touch(self) -> None:
+        """Note that the controller looked at a state that only time changes.
+
+        A second look at the same instant moves the clock by 1 ms and lets other threads and
+        events have their turn, so that a busy wait ends.
+        Threads that are not the controller's, and kernel events, move nothing.
+
+        Raises:
+            RunOver: the run is over.
+        """
+        thread = self.current
+        if thread is None or self._kernel_depth:
+            return
+        self._raise_if_over(thread)
+        if thread.read_ns == self._now_ns:
+            self._block(thread, None, self._now_ns + READ_STEP_NS, "the clock to move")
+        thread.read_ns = self._now_ns
+
+    def count_call(self, allowed: int = CALLS_PER_INSTANT) -> None:
+        """Note a call that could wait and need not; too many at one instant move the clock."""
+        thread = self.current
+        if thread is None or self._kernel_depth or self._over is not None:
+            return
+        if thread.calls_ns != self._now_ns:
+            thread.calls, thread.calls_ns = 0, self._now_ns
+        thread.calls += 1
+        if thread.calls > allowed:
+            self._block(thread, None, self._now_ns + READ_STEP_NS, "the clock to move")
+
+    # Waiting
+
+    def sleep(self, duration_ns: int) -> None:
+        """Let `duration_ns` pass; zero or less only lets others have their turn.
+
+        Raises:
+            RunOver: the run is over.
+        """
+        if duration_ns <= 0:
+            self.touch()
+        thread = self._require_current()
+        self._block(thread, None, self._now_ns + max(duration_ns, 0), "time to pass")
+
+    def wait_until(
+        self,
+        predicate: Callable[[], bool],
+        *,
+        timeout_ns: int | None = None,
+        reason: str,
+        kind: WaitKind = "blocked",
+        on: HoldsLock | ControllerThread | None = None,
+    ) -> bool:
+        """Wait until `predicate` holds, and tell whether it does; False after `timeout_ns`.
+
+        `predicate` must change nothing and read no clock; it is asked whenever something has
+        happened. `reason` says what the wait is for: `service /add (pkg/Add)`. `kind` says
+        what it means if it never ends, `on` which lock or thread could end it.
+
+        Raises:
+            RunOver: the run is over.
+        """
+        thread = self._require_current()
+        self._raise_if_over(thread)
+        if predicate():
+            self.count_call()
+            return True
+        if timeout_ns is not None and timeout_ns <= 0:
+            self.touch()
+            return predicate()
+        if self._kernel_depth:
+            raise RuntimeError(f"a kernel event cannot wait for {reason}")
+        deadline_ns = None if timeout_ns is None else self._now_ns + timeout_ns
+        return self._block(thread, predicate, deadline_ns, reason, kind, on)
+
+    def call_at(
+        self, time_ns: int, callback: Callable[[], None], *, background: bool = False
+    ) -> ScheduledCall:
+        """Run `callback` when the clock reaches `time_ns`; it must not wait.
+
+        A background event (a sensor's stream) does not by itself keep the run going.
+        """
+        call = ScheduledCall(time_ns, next(self._sequence), callback, background)
+        heapq.heappush(self._events, call)
+        return call
+
+    # Threads
+
+    @property
+    def current(self) -> ControllerThread | None:
+        """The controller's thread that asks, or None in any other thread."""
+        return self._by_ident.get(get_ident())
+
+    @property
+    def threads(self) -> tuple[ControllerThread, ...]:
+        """The threads that live, in the order in which they were started."""
+        return tuple(self._threads)
+
+    def spawn(
+        self,
+        target: Callable[[], object],
+        name: str,
+        *,
+        daemon: bool = True,
+        inherit: bool = True,
+        is_controllers: bool = True,
+    ) -> ControllerThread:
+        """Start a thread under the baton; it first runs when the caller waits.
+
+        It inherits the caller's stack of traced functions if `inherit`. `is_controllers` is
+        False for threads of a client library, which wait for work all their life.
+        """
+        thread = self._add_thread(name, daemon=daemon)
+        thread.is_controllers = is_controllers
+        thread.wait = self._new_wait(None, self._now_ns, "its start", "blocked", None)
+        captured = self.tracer.capture() if self.tracer is not None and inherit else None
+        ident = start_new_thread(self._run_thread, (thread, target, captured))
+        thread.ident = ident
+        self._by_ident[ident] = thread
+        return thread
+
+    def run_main(self, main: Callable[[], Result]) -> Result:
+        """Run `main` in the calling thread as the controller's main thread, and return its result.
+
+        When it has returned or raised, threads that are no daemons are waited for and exit calls
+        are run, as CPython does; then all other threads are ended.
+
+        Raises:
+            RunOver: the run was over before the controller ended by itself.
+            BaseException: what left `main`.
+        """
+        if self._threads:
+            raise RuntimeError("the controller runs already")
+        thread = self._main = self._add_thread("MainThread", daemon=False)
+        thread.is_main = True
+        thread.ident = get_ident()
+        self._by_ident[thread.ident] = thread
+        try:
+            try:
+                result = main()
+            except RunOver:
+                raise
+            except BaseException as error:
+                # A real Ctrl-C ends at once; rospy's interruption only derives from it.
+                if type(error) is not KeyboardInterrupt:
+                    self._finish_as_interpreter()
+                raise
+            self._finish_as_interpreter()
+            return result
+        finally:
+            if self._over is None:
+                self._over = RunOver("ended", "the controller ended")
+            self._end_other_threads(thread)
+            thread.finished = True
+            self._threads.clear()
+            self._by_ident.clear()
+            if self._fault is not None:
+                raise self._fault
+            if self._over.cause != "ended":
+                raise self._over.again() from None
+
+    def at_main_end(self, callback: Callable[[], object]) -> None:
+        """Run `callback` when the main thread has ended by itself, before others are joined."""
+        self._main_end_calls.append(callback)
+
+    def at_exit(self, callback: Callable[[], object], key: object = None) -> None:
+        """Run `callback` when the main thread has ended by itself; the last one first."""
+        self._exit_calls.append((callback if key is None else key, callback))
+
+    def forget_at_exit(self, key: object) -> None:
+        """Take back every exit call that was given under `key`."""
+        self._exit_calls = [call for call in self._exit_calls if call[0] != key]
+
+    def end(self, cause: EndCause, message: str, location: Location | None = None) -> None:
+        """End the run: every thread's next wait raises `RunOver`."""
+        if self._over is None:
+            self._over = RunOver(cause, message, location)
+
+    @contextmanager
+    def kernel(self) -> Iterator[None]:
+        """Mark code of ours in a controller's thread: it must not wait, and moves no clock."""
+        self._kernel_depth += 1
+        try:
+            yield
+        finally:
+            self._kernel_depth -= 1
+
+    @property
+    def in_kernel(self) -> bool:
+        """Whether a kernel event runs."""
+        return self._kernel_depth > 0
+
+    # The baton
+
+    def _add_thread(self, name: str, *, daemon: bool) -> ControllerThread:
+        thread = ControllerThread(name, next(self._thread_numbers), daemon)
+        thread.gate.acquire()
+        self._threads.append(thread)
+        return thread
+
+    def _new_wait(
+        self,
+        predicate: Callable[[], bool] | None,
+        deadline_ns: int | None,
+        reason: str,
+        kind: WaitKind,
+        on: HoldsLock | ControllerThread | None,
+    ) -> Wait:
+        return Wait(next(self._sequence), predicate, deadline_ns, reason, kind, on)
+
+    def _require_current(self) -> ControllerThread:
+        thread = self.current
+        if thread is None:
+            raise RuntimeError("only a thread of the controller can wait in virtual time")
+        return thread
+
+    def _block(
+        self,
+        thread: ControllerThread,
+        predicate: Callable[[], bool] | None,
+        deadline_ns: int | None,
+        reason: str,
+        kind: WaitKind = "blocked",
+        on: HoldsLock | ControllerThread | None = None,
+    ) -> bool:
+        self._raise_if_over(thread)
+        wait = self._new_wait(predicate, deadline_ns, reason, kind, on)
+        wait.frame = sys._getframe(1)
+        thread.wait = wait
+        following = self._next_thread(thread)
+        if following is not thread:
+            following.gate.release()
+            self._park(thread)
+        thread.wait = wait.frame = None
+        self._raise_if_over(thread)
+        if thread.interrupt is not None:
+            interrupt, thread.interrupt = thread.interrupt, None
+            raise interrupt
+        return wait.satisfied
+
+    def _park(self, thread: ControllerThread) -> None:
+        while True:
+            try:
+                thread.gate.acquire()
+            except BaseException as error:  # noqa: BLE001 - a signal's; raised with the baton
+                thread.interrupt = error
+            else:
+                return
+
+    def _next_thread(self, thread: ControllerThread | None) -> ControllerThread:
+        """Return who runs next; `thread` waits, or is None where it has finished."""
+        self._kernel_depth += 1
+        try:
+            while self._over is None:
+                self._run_due_events()
+                ready = self._first_ready()
+                if ready is not None:
+                    return ready
+                self._pass_time()
+        except BaseException as error:  # noqa: BLE001 - ours, not the controller's: kept for run_main
+            self._fault = error
+            self._over = RunOver("raised", f"the simulation failed: {error}")
+        finally:
+            self._kernel_depth -= 1
+        return thread or self._next_to_end()
+
+    def _run_due_events(self) -> None:
+        while self._events and self._events[0].time_ns <= self._now_ns:
+            call = heapq.heappop(self._events)
+            if call.callback is not None:
+                call.callback()
+
+    def _first_ready(self) -> ControllerThread | None:
+        waiting = [(thread.wait.since, thread) for thread in self._threads if thread.wait]
+        for _, thread in sorted(waiting, key=lambda pair: pair[0]):
+            wait = thread.wait
+            if wait is None:
+                continue
+            if wait.predicate is not None and wait.predicate():
+                wait.satisfied = True
+                return thread
+            if wait.deadline_ns is not None and wait.deadline_ns <= self._now_ns:
+                return thread
+            if thread.interrupt is not None:
+                return thread
+        return None
+
+    def _pass_time(self) -> None:
+        while self._events and self._events[0].callback is None:
+            heapq.heappop(self._events)
+        deadlines = [
+            thread.wait.deadline_ns
+            for thread in self._threads
+            if thread.wait is not None and thread.wait.deadline_ns is not None
+        ]
+        events = [call.time_ns for call in self._events[:1]]
+        expected = deadlines or any(
+            call.callback is not None and not call.background for call in self._events
+        )
+        if not expected and not self.world.busy:
+            self._over = end_of_standstill(self._threads)
+            return
+        target_ns = min([*deadlines, *events, self.duration_ns])
+        self._advance(target_ns)
+        if self._now_ns >= self.duration_ns:
+            self._over = end_of_duration(self._main, self.duration_ns)
+
+    def _advance(self, target_ns: int) -> None:
+        before_ns = self.world.time_ns
+        reached_ns = target_ns
+        if before_ns < target_ns:
+            reached_ns = self.world.advance(target_ns)
+            if reached_ns <= before_ns:
+                raise RuntimeError(f"the world does not move beyond {reached_ns} ns")
+        self._now_ns = max(self._now_ns, min(reached_ns, target_ns))
+
+    # Ends
+
+    def _raise_if_over(self, thread: ControllerThread) -> None:
+        if self._over is None:
+            return
+        thread.raises += 1
+        if thread.raises > RAISES_BEFORE_GIVING_UP:
+            if not thread.is_main:
+                self._abandon(thread)
+            elif self._on_stuck is not None:
+                self._on_stuck(self._over)
+        raise self._over.again()
+
+    def _abandon(self, thread: ControllerThread) -> None:
+        # It swallows every end it is given: it gets no baton again, and dies with the process.
+        self._remove(thread)
+        self._next_to_end().gate.release()
+        while True:
+            thread.gate.acquire()
+
+    def _next_to_end(self) -> ControllerThread:
+        for thread in self._threads:
+            if not thread.is_main:
+                return thread
+        if self._main is None:
+            raise RuntimeError("no thread is left")
+        return self._main
+
+    def _end_other_threads(self, main: ControllerThread) -> None:
+        while len(self._threads) > 1:
+            self._next_to_end().gate.release()
+            self._park(main)
+
+    def _finish_as_interpreter(self) -> None:
+        """Do what CPython does between the end of the main module and its own."""
+        for callback in self._main_end_calls:
+            callback()
+        while lasting := [t for t in self._threads if not t.daemon and not t.is_main]:
+            thread = lasting[0]
+            self.wait_until(
+                lambda thread=thread: thread.finished,  # type: ignore[misc]
+                reason=f"the end of thread {thread.name}",
+                on=thread,
+            )
+        while self._exit_calls:
+            _, callback = self._exit_calls.pop()
+            try:
+                callback()
+            except Exception:  # noqa: BLE001 - the controller's; CPython prints it and goes on
+                traceback.print_exc()
+
+    def _run_thread(
+        self, thread: ControllerThread, target: Callable[[], object], captured: Any
+    ) -> None:
+        self._park(thread)
+        thread.wait = None
+        try:
+            if self._over is None:
+                context = (
+                    self.tracer.resume(captured)
+                    if self.tracer is not None and captured is not None
+                    else nullcontext()
+                )
+                with context:
+                    target()
+        except RunOver:
+            pass
+        except SystemExit:
+            pass
+        except BaseException as error:  # noqa: BLE001 - told as the interpreter tells it
+            self.failed_threads.append((thread.name, error))
+            threading.excepthook(
+                threading.ExceptHookArgs((type(error), error, error.__traceback__, None))
+            )
+        finally:
+            self._forget_dummy_thread()
+            self._remove(thread)
+            self._next_thread(None).gate.release()
+
+    def _remove(self, thread: ControllerThread) -> None:
+        thread.finished = True
+        self._threads.remove(thread)
+        if thread.ident is not None:
+            self._by_ident.pop(thread.ident, None)
+        for callback in thread.at_finish:
+            callback()
+
+    @staticmethod
+    def _forget_dummy_thread() -> None:
+        # `threading.current_thread()` leaves an entry for a thread that it did not start.
+        known: dict[int, threading.Thread] = threading._active  # type: ignore[attr-defined]
+        if isinstance(known.get(get_ident()), threading._DummyThread):
+            del known[get_ident()]
