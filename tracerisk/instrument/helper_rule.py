@@ -1,0 +1,197 @@
+"""Tell the functions that are steps of the task from those that only help: DESIGN, section 3.
+
+Only the stacks of the commands that ran are looked at. Over these stacks
+
+- a *call* is a function directly below another on a stack; calls within a strongly connected
+  component (recursion, states that call each other in a ring) do not count, for either side;
+- an *element* of a function is a command site in it (a line and column from which it issued a
+  command itself), or a function that it called; a function counts once, however often called;
+- the *callers* of a function are the functions that called it. One that called it only while it
+  ran as a done-callback does not count where there is another caller;
+- a function is a *root* if it stood first on a stack: module-level code, a callback, a timer, a
+  thread that inherited nothing;
+- a function is a *primitive* if its only element is one command site;
+- a function is a *composite* if two or more of its elements are functions, helpers or not.
+
+A function is a helper if
+
+(a) it has two or more callers, or one or more and all are helpers; unless it is a composite or
+    a root; or
+(b) it is a primitive with one caller, and among the caller's elements other than it the command
+    sites and helpers outnumber the rest; or
+(c) it is a primitive with one caller, which has no other element and was called from two or
+    more sites (function, line and column).
+
+Helpers only ever make more helpers, so applying the rules until nothing changes gives the one
+smallest solution, in whatever order they are applied.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, field
+
+from tracerisk.errors import InputError
+from tracerisk.instrument.tracer import Frame, Site
+from tracerisk.trace import FunctionRef
+
+
+@dataclass(frozen=True, slots=True)
+class HelperRule:
+    """Which functions help in a run; `states` are those that a person named as steps."""
+
+    helpers: frozenset[FunctionRef]
+    states: frozenset[FunctionRef] = frozenset()
+
+    def owner_position(self, stack: Sequence[Frame]) -> int:
+        """Return where on a command's stack its owner stands.
+
+        The owner is the deepest function above the first helper, counted from the root; where
+        the root itself is a helper, the root. A function that a person named as a state owns
+        what is issued below it, even where a helper called it.
+        """
+        start = max(
+            (place for place, frame in enumerate(stack) if frame.function in self.states),
+            default=0,
+        )
+        for place in range(start + 1, len(stack)):
+            if stack[place].function in self.helpers:
+                return place - 1
+        return len(stack) - 1 if stack[start].function not in self.helpers else start
+
+
+def helper_rule(
+    stacks: Iterable[Sequence[Frame]],
+    *,
+    states: Collection[str] = (),
+    helpers: Collection[str] = (),
+) -> HelperRule:
+    """Apply the rules to the stacks of a run's commands.
+
+    `states` and `helpers` are qualified names that a person decided; a name holds in every file.
+
+    Raises:
+        InputError: a name is in both.
+    """
+    both = sorted(set(states) & set(helpers))
+    if both:
+        raise InputError(
+            f"{', '.join(both)}: named in both `states` and `helpers`; keep the name in one"
+        )
+    calls = _Calls.of({_call_path(stack) for stack in stacks})
+    named_states = frozenset(f for f in calls.functions if f.name in states)
+    found = {f for f in calls.functions if f.name in helpers}
+    undecided = sorted(calls.functions - found - named_states)
+    while True:
+        more = {f for f in undecided if calls.is_helper(f, found)}
+        if not more:
+            return HelperRule(frozenset(found), named_states)
+        found |= more
+        undecided = [f for f in undecided if f not in more]
+
+
+_CallPath = tuple[tuple[FunctionRef, Site, str | None], ...]
+
+
+def _call_path(stack: Sequence[Frame]) -> _CallPath:
+    """Return what the rules look at; equal for the many commands of a loop."""
+    return tuple((frame.function, frame.site, frame.root) for frame in stack)
+
+
+@dataclass(slots=True)
+class _Calls:
+    """The calls that led to commands, without those within a strongly connected component."""
+
+    functions: set[FunctionRef] = field(default_factory=set)
+    roots: set[FunctionRef] = field(default_factory=set)
+    command_sites: dict[FunctionRef, set[Site]] = field(default_factory=dict)
+    callees: dict[FunctionRef, set[FunctionRef]] = field(default_factory=dict)
+    callers: dict[FunctionRef, set[FunctionRef]] = field(default_factory=dict)
+    done_callers: dict[FunctionRef, set[FunctionRef]] = field(default_factory=dict)
+    call_sites: dict[FunctionRef, set[tuple[FunctionRef, Site]]] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, paths: set[_CallPath]) -> _Calls:
+        calls = cls()
+        edges: dict[FunctionRef, set[FunctionRef]] = {}
+        for path in paths:
+            for function, _, root in path:
+                edges.setdefault(function, set())
+                if root is not None:
+                    calls.roots.add(function)
+            for (caller, _, _), (callee, _, _) in zip(path, path[1:], strict=False):
+                edges[caller].add(callee)
+        component = strongly_connected(edges)
+        for path in paths:
+            calls._add(path, component)
+        calls.functions = set(edges)
+        return calls
+
+    def _add(self, path: _CallPath, component: dict[FunctionRef, int]) -> None:
+        last, site, _ = path[-1]
+        self.command_sites.setdefault(last, set()).add(site)
+        for (caller, site, root), (callee, _, _) in zip(path, path[1:], strict=False):
+            if component[caller] == component[callee]:
+                continue
+            self.callees.setdefault(caller, set()).add(callee)
+            self.call_sites.setdefault(callee, set()).add((caller, site))
+            callers = self.done_callers if root == "done_callback" else self.callers
+            callers.setdefault(callee, set()).add(caller)
+
+    def counted_callers(self, function: FunctionRef) -> set[FunctionRef]:
+        return self.callers.get(function) or self.done_callers.get(function, set())
+
+    def is_primitive(self, function: FunctionRef) -> bool:
+        return len(self.command_sites.get(function, ())) == 1 and not self.callees.get(function)
+
+    def is_helper(self, function: FunctionRef, helpers: set[FunctionRef]) -> bool:
+        callers = self.counted_callers(function)
+        if not callers:
+            return False
+        is_exempt = function in self.roots or len(self.callees.get(function, ())) >= 2
+        if not is_exempt and (len(callers) >= 2 or callers <= helpers):
+            return True
+        if len(callers) >= 2 or not self.is_primitive(function):
+            return False
+        (caller,) = callers
+        others = self.callees[caller] - {function}
+        own = len(self.command_sites.get(caller, ())) + len(others & helpers)
+        if own > len(others - helpers):
+            return True
+        does_nothing_else = not others and not self.command_sites.get(caller)
+        return does_nothing_else and len(self.call_sites.get(caller, ())) >= 2
+
+
+def strongly_connected(edges: dict[FunctionRef, set[FunctionRef]]) -> dict[FunctionRef, int]:
+    """Number the strongly connected component of every function (Tarjan 1972, no recursion)."""
+    index: dict[FunctionRef, int] = {}
+    low: dict[FunctionRef, int] = {}
+    component: dict[FunctionRef, int] = {}
+    path: list[FunctionRef] = []
+    for start in sorted(edges):
+        if start in index:
+            continue
+        index[start] = low[start] = len(index)
+        path.append(start)
+        work = [(start, iter(sorted(edges[start])))]
+        while work:
+            node, successors = work[-1]
+            for each in successors:
+                if each not in index:
+                    index[each] = low[each] = len(index)
+                    path.append(each)
+                    work.append((each, iter(sorted(edges[each]))))
+                    break
+                if each not in component:
+                    low[node] = min(low[node], index[each])
+            else:
+                work.pop()
+                if work:
+                    low[work[-1][0]] = min(low[work[-1][0]], low[node])
+                if low[node] == index[node]:
+                    while True:
+                        member = path.pop()
+                        component[member] = index[node]
+                        if member == node:
+                            break
+    return component

@@ -1,0 +1,256 @@
+"""Say which function owns each command, and to which visit each moment of the run belongs."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.errors import Location
+from tracerisk.instrument.helper_rule import HelperRule, helper_rule
+from tracerisk.instrument.recording import Command, Recording
+from tracerisk.trace import Finding, FunctionRef, TracedFunction, VisitOutcome
+
+_SECOND_NS = 1_000_000_000
+_OUTCOMES = frozenset({"succeeded", "aborted", "preempted"})
+
+
+@dataclass(frozen=True, slots=True)
+class OwnedVisit:
+    """One activation of an owner, or several that followed while a command was still live.
+
+    `line` is that of the owner's `def`; `commands` are the ids of the visit's commands in the
+    order of issue; `start_ns` is the issue of the first [ns]; `outcome` is that of the last,
+    or `unfinished` where the run ended before one of them did.
+    """
+
+    function: FunctionRef
+    line: int
+    start_ns: int
+    commands: tuple[int, ...]
+    outcome: VisitOutcome
+
+
+@dataclass(frozen=True, slots=True)
+class LiveCommand:
+    """A command, the index of its visit, and until when it was live [ns].
+
+    `until_ns` is the end for each of the command's elements in turn: that of the command, or
+    the issue of a later command that addresses the element (it supersedes this one there).
+    """
+
+    command: Command
+    visit: int
+    until_ns: tuple[int, ...]
+
+    @property
+    def live_until_ns(self) -> int:
+        """When the command was live on no element any more [ns]."""
+        return max(self.until_ns)
+
+
+@dataclass(frozen=True, slots=True)
+class Attribution:
+    """Whose activity is whose in one run.
+
+    `functions` are the owners by their first visit, `visits` in the order of their first
+    command, `commands` in the order of issue; `helpers` never own anything but as a root.
+    """
+
+    functions: tuple[TracedFunction, ...] = ()
+    visits: tuple[OwnedVisit, ...] = ()
+    commands: tuple[LiveCommand, ...] = ()
+    helpers: frozenset[FunctionRef] = frozenset()
+    findings: tuple[Finding, ...] = ()
+
+    def current(self, n_steps: int, step_ns: int) -> NDArray[np.int64]:
+        """Return the run's current visit at each physics step.
+
+        It is that of the latest live command, else of the latest command; before the first
+        command, the first visit. A step belongs to what holds at its start.
+
+        Returns:
+            (n_steps,) indices into `visits`; all -1 where the run has no visit.
+        """
+        if not self.commands:
+            return np.full(n_steps, -1, dtype=np.int64)
+        visits = np.array([each.visit for each in self.commands], dtype=np.int64)
+        issued = np.array([each.command.issue_ns for each in self.commands], dtype=np.int64)
+        starts = np.arange(n_steps, dtype=np.int64) * step_ns
+        latest = np.searchsorted(issued, starts, side="right") - 1
+        owner: NDArray[np.int64] = visits[np.maximum(latest, 0)]
+        for each in self.commands:
+            _paint(owner, each, each.live_until_ns, step_ns)
+        return owner
+
+    def assign(self, element: str, n_steps: int, step_ns: int) -> NDArray[np.int64]:
+        """Return the visit that owns each physics step of one element.
+
+        It is that of the latest live command which addresses the element, else the current one.
+
+        Returns:
+            (n_steps,) indices into `visits`; all -1 where the run has no visit.
+        """
+        owner = self.current(n_steps, step_ns)
+        for each in self.commands:
+            if element in each.command.elements:
+                place = each.command.elements.index(element)
+                _paint(owner, each, each.until_ns[place], step_ns)
+        return owner
+
+
+def attribute(
+    recording: Recording,
+    *,
+    states: Collection[str] = (),
+    helpers: Collection[str] = (),
+    end_ns: int,
+) -> Attribution:
+    """Find the owner of each command by the rules of `helper_rule`, and each owner's visits.
+
+    `states` and `helpers` are qualified names that overrule the rules; `end_ns` is the simulated
+    time at which the run ended [ns].
+
+    Raises:
+        InputError: a name is in both `states` and `helpers`.
+    """
+    commands = recording.commands
+    rule = helper_rule([each.stack for each in commands], states=states, helpers=helpers)
+    visits, visit_of = _visits(commands, rule)
+    live = _live(commands, visit_of, end_ns)
+    return Attribution(
+        _functions(visits), visits, live, rule.helpers, _concurrent_owners(live, visits)
+    )
+
+
+def _paint(owner: NDArray[np.int64], live: LiveCommand, until_ns: int, step_ns: int) -> None:
+    start, stop = -(-live.command.issue_ns // step_ns), -(-until_ns // step_ns)
+    owner[start:stop] = live.visit
+
+
+def _live(
+    commands: Sequence[Command], visit_of: Sequence[int], end_ns: int
+) -> tuple[LiveCommand, ...]:
+    next_issue: dict[str, int] = {}
+    live: list[LiveCommand] = []
+    for command, visit in zip(reversed(commands), reversed(visit_of), strict=True):
+        end = end_ns if command.end_ns is None else command.end_ns
+        until = tuple(min(end, next_issue.get(element, end)) for element in command.elements)
+        live.append(LiveCommand(command, visit, until or (end,)))
+        next_issue.update(dict.fromkeys(command.elements, command.issue_ns))
+    return tuple(reversed(live))
+
+
+@dataclass(slots=True)
+class _OpenVisit:
+    """A visit while the commands are read; `live` are those of its commands that may be live."""
+
+    index: int
+    function: FunctionRef
+    line: int
+    commands: list[Command] = field(default_factory=list)
+    live: list[Command] = field(default_factory=list)
+
+    def closed(self) -> OwnedVisit:
+        outcome = self.commands[-1].outcome
+        if outcome not in _OUTCOMES or any(each.end_ns is None for each in self.commands):
+            outcome = "unfinished"
+        return OwnedVisit(
+            self.function,
+            self.line,
+            self.commands[0].issue_ns,
+            tuple(each.id for each in self.commands),
+            cast(VisitOutcome, outcome),
+        )
+
+
+def _visits(
+    commands: Sequence[Command], rule: HelperRule
+) -> tuple[tuple[OwnedVisit, ...], list[int]]:
+    """Gather the commands into visits; return these, and the visit of each command."""
+    visits: list[_OpenVisit] = []
+    by_activation: dict[tuple[FunctionRef, int], _OpenVisit] = {}
+    last_of_owner: dict[FunctionRef, _OpenVisit] = {}
+    last_on_element: dict[str, int] = {}
+    visit_of: list[int] = []
+    for command in commands:
+        owner = command.stack[rule.owner_position(command.stack)]
+        key = (owner.function, owner.activation)
+        visit = by_activation.get(key)
+        if visit is None:
+            visit = last_of_owner.get(owner.function)
+            if visit is None or not _still_live(visit, command, last_on_element):
+                visit = _OpenVisit(len(visits), owner.function, owner.line)
+                visits.append(visit)
+            by_activation[key] = visit
+        last_of_owner[owner.function] = visit
+        visit.commands.append(command)
+        visit.live.append(command)
+        visit_of.append(visit.index)
+        last_on_element.update(dict.fromkeys(command.elements, command.id))
+    return tuple(each.closed() for each in visits), visit_of
+
+
+def _still_live(visit: _OpenVisit, command: Command, last_on_element: dict[str, int]) -> bool:
+    """Tell whether a command of the visit was live until `command` was issued.
+
+    One that `command` itself supersedes was.
+    """
+
+    def is_live(each: Command) -> bool:
+        held = [name for name in each.elements if last_on_element[name] == each.id]
+        if each.elements and not held:
+            return False
+        if each.end_ns is None or each.end_ns > command.issue_ns:
+            return True
+        return (
+            each.end_ns == command.issue_ns
+            and each.outcome == "preempted"
+            and not command_elements.isdisjoint(held)
+        )
+
+    command_elements = frozenset(command.elements)
+    visit.live = [each for each in visit.live if is_live(each)]
+    return bool(visit.live)
+
+
+def _functions(visits: Iterable[OwnedVisit]) -> tuple[TracedFunction, ...]:
+    lines: dict[FunctionRef, int] = {}
+    for visit in visits:
+        lines.setdefault(visit.function, visit.line)
+    return tuple(
+        TracedFunction(ref, line, rank) for rank, (ref, line) in enumerate(lines.items(), start=1)
+    )
+
+
+def _concurrent_owners(
+    live: Sequence[LiveCommand], visits: Sequence[OwnedVisit]
+) -> tuple[Finding, ...]:
+    """Tell each pair of owners that had live commands at the same time, once."""
+    findings: list[Finding] = []
+    told: set[frozenset[FunctionRef]] = set()
+    open_commands: list[LiveCommand] = []
+    for each in live:
+        now = each.command.issue_ns
+        open_commands = [other for other in open_commands if other.live_until_ns > now]
+        if each.live_until_ns <= now:
+            continue
+        visit = visits[each.visit]
+        for other in open_commands:
+            earlier = visits[other.visit].function
+            pair = frozenset({earlier, visit.function})
+            if len(pair) == 1 or pair in told:
+                continue
+            told.add(pair)
+            message = (
+                f"{visit.function.name} commands {', '.join(each.command.elements)} while a "
+                f"command of {earlier.name} is still live; each element counts for whoever "
+                "addressed it last, the others for the latest command"
+            )
+            location = Location(visit.function.file, visit.line)
+            findings.append(Finding("concurrent_owners", message, now / _SECOND_NS, location))
+        open_commands.append(each)
+    return tuple(findings)
