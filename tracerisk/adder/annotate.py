@@ -1,0 +1,186 @@
+"""From sources and computed blocks to annotated sources and the lock that goes with them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from tracerisk.adder.block import RiskBlock
+from tracerisk.adder.insert import insert_blocks
+from tracerisk.adder.lock import ControllerLock, Lock, WrittenBlock, written_block
+from tracerisk.adder.merge import MergePolicy, PersonEdit, edits_error, merge
+from tracerisk.adder.read import read_blocks
+from tracerisk.adder.write import FileWrite
+from tracerisk.errors import EditInTheWayError
+from tracerisk.trace import QualifiedName
+
+
+@dataclass(frozen=True, slots=True)
+class SourceBlocks:
+    """One source of a controller and the blocks computed for its functions.
+
+    `file` is relative to the lock's folder, with slashes; messages say `shown_as`.
+    `lines` gives the `def` line of a function, needed where its name is defined twice.
+    """
+
+    file: str
+    source: bytes
+    computed: Mapping[QualifiedName, RiskBlock]
+    lines: Mapping[QualifiedName, int] = field(default_factory=dict)
+    shown_as: str | None = None
+
+    @property
+    def name(self) -> str:
+        """The name of the file in messages."""
+        return self.file if self.shown_as is None else self.shown_as
+
+
+@dataclass(frozen=True, slots=True)
+class AnnotatedSource:
+    """A source whose bytes change: `file` as in `SourceBlocks`."""
+
+    file: str
+    before: bytes
+    after: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Unchanged:
+    """Every block and the lock are as they would be written."""
+
+    lock: Lock
+
+
+@dataclass(frozen=True, slots=True)
+class Changed:
+    """What is to be written. `sources` may be empty where only the lock changes.
+
+    `pending` is the lock while the sources are being written: it still tells what they held.
+    """
+
+    sources: tuple[AnnotatedSource, ...]
+    lock: Lock
+    pending: Lock
+
+    def writes(self, lock_path: Path) -> tuple[FileWrite, ...]:
+        """Return the writes in the order in which a kill between them does no harm."""
+        lock = FileWrite(lock_path, self.lock.dumps())
+        if not self.sources:
+            return (lock,)
+        sources = (
+            FileWrite(lock_path.parent / source.file, source.after, expected=source.before)
+            for source in self.sources
+        )
+        return (FileWrite(lock_path, self.pending.dumps()), *sources, lock)
+
+
+@dataclass(frozen=True, slots=True)
+class EditsInTheWay:
+    """A person edited computed values: nothing may be written."""
+
+    edits: tuple[PersonEdit, ...]
+
+    def error(self) -> EditInTheWayError:
+        """Return the error that names every edited field."""
+        return edits_error(self.edits)
+
+
+Annotation: TypeAlias = Unchanged | Changed | EditsInTheWay
+
+
+@dataclass(frozen=True, slots=True)
+class _MergedSource:
+    base: Mapping[str, WrittenBlock]
+    blocks: Mapping[QualifiedName, RiskBlock | None]
+    edits: tuple[PersonEdit, ...]
+
+
+def annotate_sources(
+    controller: str,
+    sources: Sequence[SourceBlocks],
+    lock: Lock,
+    *,
+    fingerprint: str,
+    trace: Mapping[str, Any],
+    policy: MergePolicy,
+) -> Annotation:
+    """Return what becomes of a controller's sources and of the lock.
+
+    `controller` is the path of the controller relative to the lock's folder. A block of a
+    function that is not computed any more goes, unless a person set something in it.
+
+    Raises:
+        BlockError, SourceError: if a source or a block in it cannot be read.
+        InputError: if a function to annotate is not defined in its source.
+        UnsafeRewriteError: if a source cannot be rewritten safely.
+    """
+    entry = lock.controllers.get(controller)
+    merged = {source.file: _merge_source(source, entry, policy) for source in sources}
+    edits = tuple(edit for one in merged.values() for edit in one.edits)
+    if edits and policy.edits == "stop":
+        return EditsInTheWay(edits)
+    changed = []
+    for source in sources:
+        after = insert_blocks(source.source, merged[source.file].blocks, source.name, source.lines)
+        if after != source.source:
+            changed.append(AnnotatedSource(source.file, source.source, after))
+    final = ControllerLock(
+        fingerprint=fingerprint,
+        blocks={file: _written(one.blocks) for file, one in merged.items()},
+        trace=trace,
+    )
+    pending = ControllerLock(
+        fingerprint=fingerprint,
+        blocks=final.blocks,
+        trace=trace,
+        previous={file: one.base for file, one in merged.items()},
+    )
+    new_lock = lock.with_controller(controller, final)
+    if not changed and new_lock.dumps() == lock.dumps():
+        return Unchanged(lock)
+    return Changed(tuple(changed), new_lock, lock.with_controller(controller, pending))
+
+
+def _merge_source(
+    source: SourceBlocks, entry: ControllerLock | None, policy: MergePolicy
+) -> _MergedSource:
+    """Merge against what was last written.
+
+    While a write was under way when a kill came, that is one of two: the source holds either
+    what the lock was about to write or what stood there before. It is the one from which fewer
+    edits of a person tell it apart.
+    """
+    current = {placed.function: placed.block for placed in read_blocks(source.source, source.name)}
+    bases: list[Mapping[str, WrittenBlock]] = [{}]
+    if entry is not None:
+        bases = [entry.blocks.get(source.file, {})]
+        if entry.previous is not None:
+            bases.append(entry.previous.get(source.file, {}))
+    return min(
+        (_merge_with(base, current, source.computed, policy) for base in bases),
+        key=lambda merged: len(merged.edits),
+    )
+
+
+def _merge_with(
+    base: Mapping[str, WrittenBlock],
+    current: Mapping[QualifiedName, RiskBlock],
+    computed: Mapping[QualifiedName, RiskBlock],
+    policy: MergePolicy,
+) -> _MergedSource:
+    blocks: dict[QualifiedName, RiskBlock | None] = {}
+    edits: list[PersonEdit] = []
+    for name in sorted({*current, *computed}):
+        outcome = merge(base.get(name), current.get(name), computed.get(name), policy=policy)
+        blocks[name] = outcome.block
+        edits += outcome.edits
+    return _MergedSource(base, blocks, tuple(edits))
+
+
+def _written(blocks: Mapping[QualifiedName, RiskBlock | None]) -> dict[str, WrittenBlock]:
+    written = {
+        name: None if block is None else written_block(block) for name, block in blocks.items()
+    }
+    return {name: block for name, block in written.items() if block is not None}
