@@ -1,0 +1,294 @@
+"""Carry out motions: the set-points of each step, and when a motion has ended.
+
+An arm motion gives its set-points in advance, so many steps can run at once; a gripper motion
+and an arm that settles decide at each step, from what is measured.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.twin.builder import JOINT_DAMPING, STEP_S
+from tracerisk.twin.motion import JointTrajectory, MotionOutcome
+from tracerisk.twin.robot import Gripper, Joint
+from tracerisk.twin.timing import resample, straight_line
+
+Array = NDArray[np.float64]
+
+GOAL_TOLERANCE = 0.005  # of a joint at the end of its motion [rad or m]
+STOPPED_FRACTION = 0.01  # of the rated velocity: what counts as standing still
+_SETTLE_S = 1.0  # an arm that is not at its goal this long after the trajectory never will be
+_STALL_S = 0.1  # fingers that stand still this long short of their goal hold something
+_FINGER_TOLERANCE = 0.0005  # [m]
+_FINGER_STILL = 0.001  # [m/s]
+
+
+class Motion:
+    """A motion that the twin carries out, as its owner sees it.
+
+    `elements` are the names addressed: arm joints, and grippers by their name.
+    `stalled` says that a gripper stopped on an object, short of the position asked for.
+    """
+
+    def __init__(self, joints: tuple[str, ...], elements: tuple[str, ...], started_ns: int) -> None:
+        self.joints = joints
+        self.elements = elements
+        self.started_ns = started_ns
+        self.outcome: MotionOutcome = "active"
+        self.ended_ns: int | None = None
+        self.message = ""
+        self.stalled = False
+        self._open_parts = 0
+
+    def __repr__(self) -> str:
+        return f"Motion({', '.join(self.elements)}: {self.outcome})"
+
+    def begin_part(self) -> None:
+        """Note that one more track carries out the motion; for the twin alone."""
+        self._open_parts += 1
+
+    def end_part(
+        self, outcome: MotionOutcome, message: str, time_ns: int, *, stalled: bool = False
+    ) -> None:
+        """Note that one part ended; the motion ends with its last part, or the first failure."""
+        self._open_parts -= 1
+        if self.outcome != "active":
+            return
+        if message:
+            self.message = f"{self.message}; {message}" if self.message else message
+        self.stalled = self.stalled or stalled
+        if outcome != "succeeded" or self._open_parts == 0:
+            self.outcome = outcome
+            self.ended_ns = time_ns
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """Views of what the simulation measures: (n_joints,) each, in the robot's order."""
+
+    position: Array
+    velocity: Array
+
+
+class Track(Protocol):
+    """What drives some actuators for a while.
+
+    `actuators` are the columns of the control that it sets, `joints` the rows it measures.
+    """
+
+    motion: Motion | None
+    actuators: Sequence[int]
+    joints: Sequence[int]
+
+    def steps_ahead(self) -> int:
+        """Return for how many steps the set-points are known, at least 1."""
+
+    def fill(self, block: Array, measured: Measured) -> None:
+        """Write the set-points of the next steps; block: (n, n_actuators), n <= steps ahead."""
+
+    def finished(self, measured: Measured, time_ns: int) -> bool:
+        """Say after these steps whether the track is over, having told its motion."""
+
+
+def servo_lead(joint: Joint) -> float:
+    """Return the time by which a servo lags behind a moving set-point [s].
+
+    A position servo with damping settles kv/kp of the speed behind; leading the set-point by as
+    much cancels it.
+    """
+    return (joint.servo.damping + JOINT_DAMPING) / joint.servo.stiffness
+
+
+@dataclass
+class ArmTrack:
+    """Set-points of arm joints along a trajectory, then the wait until they are reached."""
+
+    motion: Motion | None
+    actuators: Sequence[int]
+    joints: Sequence[int]
+    members: Sequence[Joint]
+    position: Array  # (n_steps, n_joints)
+    velocity: Array  # (n_steps, n_joints)
+    tolerance: float = GOAL_TOLERANCE
+    _at: int = field(default=0, init=False)
+    _waited: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        lead = np.array([servo_lead(joint) for joint in self.members])
+        self._control = self.position + self.velocity * lead
+        self._still = np.array([joint.velocity_limit for joint in self.members]) * STOPPED_FRACTION
+
+    @classmethod
+    def along(
+        cls,
+        motion: Motion,
+        actuators: Sequence[int],
+        joints: Sequence[int],
+        members: Sequence[Joint],
+        trajectory: JointTrajectory,
+        columns: Sequence[int],
+        tolerance: float | None,
+    ) -> ArmTrack:
+        """Return the track of some columns of a trajectory."""
+        position, velocity = resample(
+            trajectory.time,
+            trajectory.position[:, columns],
+            trajectory.velocity[:, columns],
+            STEP_S,
+        )
+        tolerance = GOAL_TOLERANCE if tolerance is None else tolerance
+        return cls(motion, actuators, joints, members, position, velocity, tolerance)
+
+    def brake(self) -> ArmTrack:
+        """Return the track that brings the moving set-points to rest at rated acceleration."""
+        position, velocity = self.reference()
+        rated = np.array([joint.acceleration_limit for joint in self.members])
+        stop = np.abs(velocity) / rated
+        n_steps = max(1, math.ceil(float(stop.max(initial=0.0)) / STEP_S))
+        t = np.minimum(np.arange(1, n_steps + 1)[:, None] * STEP_S, stop)
+        slowing = np.sign(velocity) * rated
+        return ArmTrack(
+            None,
+            self.actuators,
+            self.joints,
+            self.members,
+            position + velocity * t - slowing * t * t / 2,
+            velocity - slowing * t,
+        )
+
+    def without(self, actuators: set[int]) -> ArmTrack | None:
+        """Return what is left of the track without some actuators, `None` for nothing."""
+        kept = [i for i, actuator in enumerate(self.actuators) if actuator not in actuators]
+        if len(kept) == len(self.actuators):
+            return self
+        if not kept:
+            return None
+        track = ArmTrack(
+            self.motion,
+            [self.actuators[i] for i in kept],
+            [self.joints[i] for i in kept],
+            [self.members[i] for i in kept],
+            self.position[:, kept],
+            self.velocity[:, kept],
+            self.tolerance,
+        )
+        track._at, track._waited = self._at, self._waited
+        return track
+
+    def reference(self) -> tuple[Array, Array]:
+        """Return the last set-points, (n_joints,), and their velocities."""
+        at = min(max(self._at, 1), len(self.position)) - 1
+        if self._at >= len(self.position):
+            return self.position[-1], np.zeros(len(self.members))
+        return self.position[at], self.velocity[at]
+
+    def steps_ahead(self) -> int:
+        """Return how many set-points are left; 1 while the arm settles."""
+        return max(1, len(self.position) - self._at)
+
+    def fill(self, block: Array, measured: Measured) -> None:  # noqa: ARG002 (the protocol's)
+        """Write the set-points of the next steps, the last again when there are no more."""
+        left = len(self.position) - self._at
+        if left > 0:
+            block[:, self.actuators] = self._control[self._at : self._at + len(block)]
+            self._at += len(block)
+        else:
+            block[:, self.actuators] = self.position[-1]
+            self._waited += len(block)
+
+    def finished(self, measured: Measured, time_ns: int) -> bool:
+        """Say whether the arm stands still at its goal, or will not any more."""
+        if self._at < len(self.position):
+            return False
+        if self.motion is None:
+            return True
+        miss = np.abs(measured.position[self.joints] - self.position[-1])
+        speed = np.abs(measured.velocity[self.joints])
+        if (miss <= self.tolerance).all() and (speed <= self._still).all():
+            self.motion.end_part("succeeded", "", time_ns)
+            return True
+        if self._waited * STEP_S < _SETTLE_S:
+            return False
+        worst = int(np.argmax(miss))
+        self.motion.end_part(
+            "aborted",
+            f"joint '{self.members[worst].name}' is {miss[worst]:.4f} from its goal "
+            f"{_SETTLE_S:g} s after the trajectory ended (tolerance {self.tolerance:g})",
+            time_ns,
+        )
+        return True
+
+
+class GripperTrack:
+    """Fingers on their way to a position, with no more than a given force."""
+
+    def __init__(
+        self,
+        motion: Motion,
+        gripper: Gripper,
+        members: Sequence[Joint],
+        actuator: int,
+        joints: Sequence[int],
+        begin: float,
+        target: float,
+        max_effort: float,
+    ) -> None:
+        self.motion: Motion | None = motion
+        self.actuators: Sequence[int] = (actuator,)
+        self.joints = joints
+        self._gripper = gripper
+        self._target = target
+        speed = np.array([gripper.speed])
+        rise = np.array([min(joint.acceleration_limit for joint in members)])
+        times, position, velocity = straight_line(
+            np.array([begin]), np.array([target]), speed, rise
+        )
+        path, slope = resample(times, position, velocity, STEP_S)
+        share = 1.0 / len(joints)
+        lead = (gripper.damping + JOINT_DAMPING / share) / gripper.stiffness
+        self._reference = (path + lead * slope)[:, 0]
+        # The servo's force on one finger is share * stiffness * (set-point - position).
+        self._slack = max_effort / (share * gripper.stiffness)
+        self._at = 0
+        self._still = 0
+        self._waited = 0
+
+    def steps_ahead(self) -> int:
+        """Return 1: each set-point depends on where the fingers are."""
+        return 1
+
+    def fill(self, block: Array, measured: Measured) -> None:
+        """Write the next set-point, no further from the fingers than the effort allows."""
+        here = float(measured.position[self.joints].mean())
+        wanted = float(self._reference[min(self._at, len(self._reference) - 1)])
+        block[:, self.actuators] = min(max(wanted, here - self._slack), here + self._slack)
+        self._at += len(block)
+
+    def finished(self, measured: Measured, time_ns: int) -> bool:
+        """Say whether the fingers are there, or stand still on something."""
+        if self._at < len(self._reference) or self.motion is None:
+            return False
+        here = float(measured.position[self.joints].mean())
+        speed = float(np.abs(measured.velocity[self.joints]).max())
+        still = speed < _FINGER_STILL
+        if still and abs(here - self._target) <= _FINGER_TOLERANCE:
+            self.motion.end_part("succeeded", "", time_ns)
+            return True
+        self._still = self._still + 1 if still else 0
+        self._waited += 1
+        name = self._gripper.name
+        if self._still * STEP_S >= _STALL_S:
+            note = f"gripper '{name}' stalled at {here:.4f} m, short of {self._target:.4f} m"
+            self.motion.end_part("succeeded", note, time_ns, stalled=True)
+            return True
+        if self._waited * STEP_S >= _SETTLE_S:
+            note = f"gripper '{name}' does not come to rest at {self._target:.4f} m"
+            self.motion.end_part("aborted", note, time_ns)
+            return True
+        return False

@@ -1,0 +1,211 @@
+"""Forward and inverse kinematics of the robot alone, apart from the running simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.errors import RobotError, one_of
+from tracerisk.twin.builder import compile_model
+from tracerisk.twin.motion import PlanningError, Pose
+from tracerisk.twin.robot import Robot
+
+# After the builder, which says that no window is needed.
+import mink  # isort: skip
+import mujoco  # isort: skip
+
+_MAX_ITERATIONS = 40
+_RESTARTS = 12
+_STALLED = 1e-8  # a step this small changes nothing more [rad]
+
+
+class Kinematics:
+    """The robot's kinematics; each call gives the same answer for the same arguments.
+
+    Poses are in the frame of the robot's base link.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._model = compile_model(robot)
+        self._data = mujoco.MjData(self._model)
+        self._address = {
+            joint.name: int(self._model.joint(joint.name).qposadr[0]) for joint in robot.joints
+        }
+        self._dof = {
+            joint.name: int(self._model.joint(joint.name).dofadr[0]) for joint in robot.joints
+        }
+        self._body = {name: int(self._model.body(name).id) for name in robot.link_names}
+
+    def positions(self, given: Mapping[str, float]) -> NDArray[np.float64]:
+        """Return the model's configuration for joint positions; joints left out are at rest.
+
+        Raises RobotError for a joint that the robot does not have.
+        """
+        qpos = np.zeros(self._model.nq)
+        for name, value in {**self._robot.initial_state, **given}.items():
+            if name not in self._address:
+                raise RobotError(
+                    f"robot '{self._robot.name}' has no joint '{name}'; "
+                    f"{one_of(self._address, name)}"
+                )
+            qpos[self._address[name]] = value
+        return qpos
+
+    def forward(self, positions: Mapping[str, float], link: str) -> Pose:
+        """Return the pose of `link` at the joint positions; raise RobotError for unknown names."""
+        body = self._link(link)
+        self._data.qpos[:] = self.positions(positions)
+        mujoco.mj_kinematics(self._model, self._data)
+        return self._pose(body)
+
+    def inverse(
+        self,
+        group: str,
+        pose: Pose,
+        *,
+        link: str | None = None,
+        seed: Mapping[str, float] | None = None,
+        position_tolerance: float = 1e-4,
+        orientation_tolerance: float = 1e-3,
+        restarts: int = _RESTARTS,
+    ) -> dict[str, float]:
+        """Return joint positions of `group` within limits that bring `link` to `pose`.
+
+        The search starts at `seed`, then at the group's named states, then at positions drawn
+        from a generator that begins anew with each call.
+        Tolerances in [m] and [rad].
+
+        Raises PlanningError("no_ik_solution") when no start leads there, and
+        PlanningError("bad_request") when the group has no tip link or the pose is no pose.
+        """
+        members = self._robot.group(group)
+        tip = link or members.tip_link
+        if tip is None:
+            raise PlanningError(
+                "bad_request", f"group '{group}' has no tip link; name the link the pose is for"
+            )
+        body = self._link(tip)
+        target = _target(pose)
+        search = _Search(self._model, self._dof, members.joints, tip, target)
+        best = np.inf
+        for start in self._starts(group, seed or {}, restarts):
+            found, error = search.descend(start, position_tolerance, orientation_tolerance)
+            if found is not None:
+                return self._within_limits(members.joints, found)
+            best = min(best, error)
+        self._data.qpos[:] = self.positions(seed or {})
+        mujoco.mj_kinematics(self._model, self._data)
+        here = self._pose(body)
+        x, y, z = pose.position
+        raise PlanningError(
+            "no_ik_solution",
+            f"no position of group '{group}' within its limits brings '{tip}' to "
+            f"({x:.3f}, {y:.3f}, {z:.3f}) m with the orientation asked for; the nearest found is "
+            f"{best * 1000:.0f} mm away, the link is now at "
+            f"({here.position[0]:.3f}, {here.position[1]:.3f}, {here.position[2]:.3f}) m; "
+            "ask for a pose within reach",
+        )
+
+    def _starts(
+        self, group: str, seed: Mapping[str, float], restarts: int
+    ) -> Iterator[NDArray[np.float64]]:
+        at_seed = self.positions(seed)
+        yield at_seed
+        if restarts == 0:
+            return
+        for state in self._robot.named_states.get(group, {}).values():
+            yield self.positions({**seed, **state})
+        joints = [self._robot.joint(name) for name in self._robot.group(group).joints]
+        generator = np.random.default_rng(0)
+        for _ in range(restarts):
+            start = at_seed.copy()
+            for joint in joints:
+                start[self._address[joint.name]] = generator.uniform(joint.lower, joint.upper)
+            yield start
+
+    def _within_limits(self, names: tuple[str, ...], qpos: NDArray[np.float64]) -> dict[str, float]:
+        values = {}
+        for name in names:
+            joint = self._robot.joint(name)
+            value = float(qpos[self._address[name]])
+            values[name] = min(max(value, joint.lower), joint.upper)
+        return values
+
+    def _link(self, name: str) -> int:
+        if name not in self._body:
+            raise RobotError(
+                f"robot '{self._robot.name}' has no link '{name}'; {one_of(self._body, name)}"
+            )
+        return self._body[name]
+
+    def _pose(self, body: int) -> Pose:
+        x, y, z = (float(value) for value in self._data.xpos[body])
+        qw, qx, qy, qz = (float(value) for value in self._data.xquat[body])
+        return Pose((x, y, z), (qx, qy, qz, qw))
+
+
+class _Search:
+    """Gauss-Newton steps under joint limits (a quadratic program each) towards one pose."""
+
+    def __init__(
+        self,
+        model: Any,
+        dofs: Mapping[str, int],
+        members: tuple[str, ...],
+        link: str,
+        target: Any,
+    ) -> None:
+        self._model = model
+        self._task = mink.FrameTask(link, "body", position_cost=1.0, orientation_cost=0.3)
+        self._task.set_target(target)
+        self._limits = [mink.ConfigurationLimit(model, gain=1.0)]
+        others = sorted(set(dofs.values()) - {dofs[name] for name in members})
+        self._frozen = [mink.DofFreezingTask(model, others)] if others else None
+
+    def descend(
+        self, start: NDArray[np.float64], position_tolerance: float, orientation_tolerance: float
+    ) -> tuple[NDArray[np.float64] | None, float]:
+        """Return the configuration reached, `None` if short of the target, and the miss [m]."""
+        configuration = mink.Configuration(self._model, start)
+        distance = np.inf
+        for _ in range(_MAX_ITERATIONS):
+            error = self._task.compute_error(configuration)
+            distance = float(np.linalg.norm(error[:3]))
+            turn = float(np.linalg.norm(error[3:]))
+            if distance <= position_tolerance and turn <= orientation_tolerance:
+                return configuration.q, distance
+            try:
+                velocity = mink.solve_ik(
+                    configuration,
+                    [self._task],
+                    1.0,
+                    solver="daqp",
+                    damping=1e-6,
+                    limits=self._limits,
+                    constraints=self._frozen,
+                )
+            except mink.NoSolutionFound:
+                return None, distance
+            if float(np.abs(velocity).max()) < _STALLED:
+                return None, distance
+            configuration.integrate_inplace(velocity, 1.0)
+        return None, distance
+
+
+def _target(pose: Pose) -> Any:
+    x, y, z, w = pose.orientation
+    quaternion = np.array([w, x, y, z], dtype=np.float64)
+    norm = float(np.linalg.norm(quaternion))
+    if not np.isfinite([*pose.position, norm]).all() or norm < 1e-6:
+        raise PlanningError(
+            "bad_request",
+            f"position {pose.position}, orientation {pose.orientation} is no pose; "
+            "give finite numbers and a quaternion (x, y, z, w) that is not zero",
+        )
+    return mink.SE3.from_rotation_and_translation(
+        mink.SO3(wxyz=quaternion / norm), np.asarray(pose.position, dtype=np.float64)
+    )

@@ -1,0 +1,223 @@
+"""Plan motions of a group: straight in joint space, to a pose, or straight in space."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.errors import one_of
+from tracerisk.twin.kinematics import Kinematics
+from tracerisk.twin.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.twin.robot import Joint, Robot
+from tracerisk.twin.timing import along_path, straight_line
+
+_LIMIT_SLACK = 1e-6  # a target this far past a limit is a rounding error [rad or m]
+_MAX_WAYPOINTS = 20_000  # of one Cartesian path
+_TURN_STEP = 0.1  # the greatest turn between two points of a Cartesian path [rad]
+_JUMP = 0.8  # a joint that turns further between them has changed branch [rad]
+
+
+class Planner:
+    """Plans on the robot's kinematics; it knows nothing of obstacles, and keeps no state."""
+
+    def __init__(self, robot: Robot, kinematics: Kinematics) -> None:
+        self._robot = robot
+        self._kinematics = kinematics
+
+    def joints(
+        self,
+        group: str,
+        target: Mapping[str, float],
+        start: Mapping[str, float],
+        *,
+        velocity_scaling: float | None = None,
+        acceleration_scaling: float | None = None,
+    ) -> JointTrajectory:
+        """Return the synchronised straight move of `group` from `start` to `target`.
+
+        Joints of the group that `target` leaves out stay where `start` has them.
+        Raises PlanningError("invalid_goal") for a joint outside the group or its limits.
+        """
+        members = self._members(group)
+        names = [joint.name for joint in members]
+        for name in target:
+            if name not in names:
+                raise PlanningError(
+                    "invalid_goal",
+                    f"joint '{name}' is not in group '{group}'; {one_of(names, name)}",
+                )
+        goal = np.array(
+            [_within(joint, target.get(joint.name, start[joint.name])) for joint in members]
+        )
+        begin = np.array([start[name] for name in names])
+        limits = self._limits(members, velocity_scaling, acceleration_scaling)
+        return JointTrajectory(tuple(names), *straight_line(begin, goal, *limits))
+
+    def pose(
+        self,
+        group: str,
+        pose: Pose,
+        start: Mapping[str, float],
+        *,
+        link: str | None = None,
+        velocity_scaling: float | None = None,
+        acceleration_scaling: float | None = None,
+    ) -> JointTrajectory:
+        """Return the move of `group` that brings `link` (its tip) to `pose`.
+
+        Raises PlanningError("no_ik_solution") for a pose out of reach.
+        """
+        target = self._kinematics.inverse(group, pose, link=link, seed=start)
+        return self.joints(
+            group,
+            target,
+            start,
+            velocity_scaling=velocity_scaling,
+            acceleration_scaling=acceleration_scaling,
+        )
+
+    def cartesian(
+        self,
+        group: str,
+        waypoints: Sequence[Pose],
+        start: Mapping[str, float],
+        *,
+        link: str | None = None,
+        eef_step: float = 0.01,
+        velocity_scaling: float | None = None,
+        acceleration_scaling: float | None = None,
+    ) -> tuple[JointTrajectory, float]:
+        """Return the move of `link` in straight lines through `waypoints`, and how much of it.
+
+        The path is followed in steps of `eef_step` [m] until a pose is out of reach or the joints
+        would have to jump; the fraction achieved is in [0, 1].
+        """
+        if not math.isfinite(eef_step) or eef_step <= 0.0:
+            raise PlanningError("bad_request", f"eef_step {eef_step} m; give a length above 0")
+        members = self._members(group)
+        names = tuple(joint.name for joint in members)
+        tip = link or self._robot.group(group).tip_link
+        if tip is None:
+            raise PlanningError("bad_request", f"group '{group}' has no tip link; name one")
+        here = self._kinematics.forward(start, tip)
+        targets = _straight_steps([here, *waypoints], eef_step)
+        path = [np.array([start[name] for name in names])]
+        current = dict(start)
+        for target in targets:
+            try:
+                found = self._kinematics.inverse(
+                    group,
+                    target,
+                    link=tip,
+                    seed=current,
+                    position_tolerance=1e-6,
+                    orientation_tolerance=1e-5,
+                    restarts=0,
+                )
+            except PlanningError as failure:
+                if failure.failure != "no_ik_solution":
+                    raise
+                break
+            reached = np.array([found[name] for name in names])
+            if float(np.abs(reached - path[-1]).max()) > _JUMP:
+                break
+            path.append(reached)
+            current.update(found)
+        fraction = (len(path) - 1) / len(targets) if targets else 1.0
+        limits = self._limits(members, velocity_scaling, acceleration_scaling)
+        return JointTrajectory(names, *along_path(np.array(path), *limits)), fraction
+
+    def retime(
+        self,
+        trajectory: JointTrajectory,
+        *,
+        velocity_scaling: float | None = None,
+        acceleration_scaling: float | None = None,
+    ) -> JointTrajectory:
+        """Return the same path, timed anew under the limits."""
+        members = [self._robot.joint(name) for name in trajectory.joints]
+        limits = self._limits(members, velocity_scaling, acceleration_scaling)
+        return JointTrajectory(trajectory.joints, *along_path(trajectory.position, *limits))
+
+    def _members(self, group: str) -> list[Joint]:
+        return [self._robot.joint(name) for name in self._robot.group(group).joints]
+
+    def _limits(
+        self, joints: Sequence[Joint], velocity: float | None, acceleration: float | None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        default = self._robot.default_scaling
+        v = _scaling("velocity", default.velocity if velocity is None else velocity)
+        a = _scaling("acceleration", default.acceleration if acceleration is None else acceleration)
+        return (
+            np.array([joint.velocity_limit * v for joint in joints]),
+            np.array([joint.acceleration_limit * a for joint in joints]),
+        )
+
+
+def _scaling(what: str, value: float) -> float:
+    if not 0.0 < value <= 1.0:
+        raise PlanningError(
+            "bad_request", f"{what} scaling {value:g}; give a number above 0, at most 1"
+        )
+    return value
+
+
+def _within(joint: Joint, value: float) -> float:
+    if not joint.lower - _LIMIT_SLACK <= value <= joint.upper + _LIMIT_SLACK:
+        raise PlanningError(
+            "invalid_goal",
+            f"{value:g} for joint '{joint.name}' is outside its limits "
+            f"[{joint.lower:g}, {joint.upper:g}]",
+        )
+    return min(max(float(value), joint.lower), joint.upper)
+
+
+def _straight_steps(corners: Sequence[Pose], eef_step: float) -> list[Pose]:
+    steps: list[Pose] = []
+    for begin, end in pairwise(corners):
+        a, b = np.array(begin.position), np.array(end.position)
+        qa, qb = _unit(begin.orientation), _unit(end.orientation)
+        if float(qa @ qb) < 0.0:
+            qb = -qb
+        angle = 2 * math.acos(min(1.0, float(qa @ qb)))
+        distance = float(np.linalg.norm(b - a))
+        if not math.isfinite(distance):
+            raise PlanningError("bad_request", f"waypoint {end.position} is not finite")
+        count = max(math.ceil(distance / eef_step), math.ceil(angle / _TURN_STEP), 1)
+        if len(steps) + count > _MAX_WAYPOINTS:
+            raise PlanningError(
+                "bad_request",
+                f"eef_step {eef_step:g} m cuts the path into more than {_MAX_WAYPOINTS} points; "
+                "give a longer step",
+            )
+        for i in range(1, count + 1):
+            part = i / count
+            x, y, z = (float(value) for value in a + part * (b - a))
+            qx, qy, qz, qw = (float(value) for value in _slerp(qa, qb, angle / 2, part))
+            steps.append(Pose((x, y, z), (qx, qy, qz, qw)))
+    return steps
+
+
+def _unit(orientation: Sequence[float]) -> NDArray[np.float64]:
+    quaternion = np.array(orientation, dtype=np.float64)
+    norm = float(np.linalg.norm(quaternion))
+    if not math.isfinite(norm) or norm < 1e-6:
+        raise PlanningError(
+            "bad_request", f"orientation {tuple(orientation)} is no quaternion (x, y, z, w)"
+        )
+    return quaternion / norm
+
+
+def _slerp(
+    a: NDArray[np.float64], b: NDArray[np.float64], half_angle: float, part: float
+) -> NDArray[np.float64]:
+    mixed: NDArray[np.float64]
+    if half_angle < 1e-6:
+        mixed = a + part * (b - a)
+    else:
+        mixed = math.sin((1 - part) * half_angle) * a + math.sin(part * half_angle) * b
+    return _unit(mixed.tolist())
