@@ -1,11 +1,13 @@
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from itertools import product
 
 import pytest
 
 from tracerisk.adder.block import ComponentEntry, Field, RiskBlock, Transition
+from tracerisk.prm import FaultTree, HybridModel
 
 MakeComponent = Callable[..., ComponentEntry]
 MakeBlock = Callable[..., RiskBlock]
@@ -55,3 +57,81 @@ def case_study(block, component) -> tuple[RiskBlock, ...]:
         block("place_position", 4, (power, control, loaded_motors)),
         block("place", 5, (power, control, gripper)),
     )
+
+
+class Exact:
+    """An independent solver: enumeration and Gauss-Jordan elimination in exact rationals."""
+
+    def top(self, tree: FaultTree, values: Mapping[str, Fraction]) -> Fraction:
+        """Sum over all combinations of events."""
+        total = Fraction(0)
+        for outcome in product((False, True), repeat=len(tree.events)):
+            happened = dict(zip((event.name for event in tree.events), outcome, strict=True))
+            if self._happens(tree, tree.top, happened):
+                share = Fraction(1)
+                for event in tree.events:
+                    p = values[event.parameter]
+                    share *= p if happened[event.name] else 1 - p
+                total += share
+        return total
+
+    def _happens(self, tree: FaultTree, name: str, happened: Mapping[str, bool]) -> bool:
+        if name in happened:
+            return happened[name]
+        gate = next(gate for gate in tree.gates if gate.name == name)
+        count = sum(self._happens(tree, child, happened) for child in gate.inputs)
+        needed = {"or": 1, "and": len(gate.inputs), "atleast": gate.k}[gate.kind.value]
+        return count >= needed
+
+    def visits(self, rows: Mapping[str, Mapping[str, Fraction]], entry: str) -> dict:
+        """Solve v (I - Q) = e."""
+        names = list(rows)
+        matrix = [
+            [Fraction(int(i == j)) - rows[j].get(i, Fraction(0)) for j in names]
+            + [Fraction(int(i == entry))]
+            for i in names
+        ]
+        size = len(names)
+        for column in range(size):
+            pivot = next(row for row in range(column, size) if matrix[row][column] != 0)
+            matrix[column], matrix[pivot] = matrix[pivot], matrix[column]
+            lead = matrix[column][column]
+            matrix[column] = [value / lead for value in matrix[column]]
+            for row in range(size):
+                factor = matrix[row][column]
+                if row != column and factor != 0:
+                    matrix[row] = [
+                        a - factor * b for a, b in zip(matrix[row], matrix[column], strict=True)
+                    ]
+        return {name: matrix[index][size] for index, name in enumerate(names)}
+
+    def normalised(self, rows: Mapping[str, Mapping[str, float]]) -> dict:
+        """Return the rows as rationals, each divided by its sum."""
+        exact = {}
+        for state, row in rows.items():
+            total = sum(map(Fraction, row.values()))
+            exact[state] = {target: Fraction(p) / total for target, p in row.items()}
+        return exact
+
+    def mission(self, model: HybridModel, scale: Mapping[str, Fraction] | None = None) -> Fraction:
+        """Return the mission's failure probability, parameters multiplied by `scale`."""
+        tops = {}
+        rows = {}
+        for state in model.states:
+            values = {
+                name: Fraction(p) * (scale or {}).get(name, 1)
+                for name, p in state.probabilities.items()
+            }
+            tops[state.name] = self.top(state.tree, values)
+            rows[state.name] = {
+                step.target: (1 - tops[state.name]) * step.weight
+                for step in state.next
+                if step.target != "done"
+            }
+        visits = self.visits(rows, model.entry)
+        return sum((visits[name] * tops[name] for name in tops), Fraction(0))
+
+
+@pytest.fixture(scope="session")
+def exact() -> Exact:
+    return Exact()

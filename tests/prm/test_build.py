@@ -1,0 +1,241 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+
+from tracerisk.adder.block import Field
+from tracerisk.errors import BlockError, Location, ModelError
+from tracerisk.prm import GateKind, NextStep, build_model, solve
+from tracerisk.prm.build import MAX_QUANTITY
+
+
+def at(block, line):
+    """Return the block with its place in `arm.py`, its `next` one line below."""
+    placed = replace(block, location=Location("arm.py", line))
+    if block.next is None:
+        return placed
+    return replace(placed, next=replace(block.next, location=Location("arm.py", line + 1)))
+
+
+def test_a_function_is_a_top_or_over_its_components_by_redundancy(block, component):
+    parts = (
+        component("motor", 1e-8, 3),
+        component("power", 1e-7, 2, True),
+        component("gripper", 1e-9),
+    )
+    (state,) = build_model([block("grasp", 1, parts)], name="m").states
+    gates = {gate.name: gate for gate in state.tree.gates}
+    assert gates[state.tree.top].kind is GateKind.OR
+    assert gates[state.tree.top].inputs == ("motor", "power", "gripper")
+    assert gates["motor"].kind is GateKind.OR
+    assert gates["motor"].inputs == ("motor[1]", "motor[2]", "motor[3]")
+    assert gates["power"].kind is GateKind.AND
+    assert set(gates) == {state.tree.top, "motor", "power"}
+    assert [event.parameter for event in state.tree.events] == ["motor"] * 3 + ["power"] * 2 + [
+        "gripper"
+    ]
+
+
+def test_top_events_equal_the_answer_on_paper(block, component):
+    model = build_model(
+        [
+            block("move", 1, (component("motor", 0.1, 2),)),
+            block("hold", 2, (component("power", 0.1, 2, True), component("brake", 0.5))),
+        ],
+        name="m",
+    )
+    tops = [state.top_event for state in solve(model).states]
+    assert tops == pytest.approx([1 - 0.9**2, 1 - 0.99 * 0.5], rel=1e-15)
+
+
+def test_blocks_without_next_chain_by_call_sequence_whatever_their_order(block):
+    blocks = [block("third", 7), block("first", 1), block("second", 3)]
+    model = build_model(blocks, name="m")
+    assert model.entry == "first"
+    assert [state.name for state in model.states] == ["first", "second", "third"]
+    assert [state.next for state in model.states] == [
+        (NextStep("second", Fraction(1)),),
+        (NextStep("third", Fraction(1)),),
+        (NextStep("done", Fraction(1)),),
+    ]
+
+
+def test_next_of_the_blocks_is_taken_as_written(block):
+    blocks = [
+        block("a", 1, after={"b": "9/10", "done": "1/10"}),
+        block("b", 2, after={"a": 1}),
+    ]
+    model = build_model(blocks, name="m")
+    assert model.states[0].next == (
+        NextStep("b", Fraction(9, 10)),
+        NextStep("done", Fraction(1, 10)),
+    )
+    assert model.states[1].next == (NextStep("a", Fraction(1)),)
+
+
+def test_a_profile_replaces_next_and_leaves_the_blocks_alone(block):
+    blocks = [block("a", 1, after={"done": 1})]
+    model = build_model(
+        blocks, profile={"a": {"a": Fraction(3, 4), "done": Fraction(1, 4)}}, name="m"
+    )
+    assert solve(model).states[0].expected_visits == pytest.approx(4, rel=1e-15)
+    assert blocks[0].next.value[0].target == "done"
+
+
+def test_omitted_components_are_left_out_and_added_ones_count(block, component):
+    parts = (
+        component("motor", 1e-8, omitted=True),
+        component("cable", 1e-9, added=True),
+    )
+    model = build_model([block("move", 1, parts)], name="m")
+    assert [parameter.name for parameter in model.parameters] == ["cable"]
+    assert solve(model).mission.failure_probability == pytest.approx(1e-9, rel=1e-15)
+
+
+def test_values_left_out_of_an_omitted_component_are_never_read(block, component):
+    empty = Field(float("nan"), "")
+    entry = replace(component("motor", 0.5, omitted=True), probability=empty)
+    model = build_model([block("move", 1, (entry,))], name="m")
+    assert solve(model).mission.failure_probability == 0.0
+
+
+def test_a_function_on_no_hardware_never_fails(block):
+    assessment = solve(build_model([block("think", 1)], name="m"))
+    assert assessment.mission.failure_probability == 0.0
+    assert assessment.mission.done_probability == 1.0
+    assert assessment.components == ()
+
+
+def test_a_component_of_several_functions_is_one_parameter(case_study):
+    model = build_model(case_study, name="case")
+    assert {parameter.name: parameter.theta for parameter in model.parameters} == {
+        "control_system": 2.167e-10,
+        "electric_motor": 1.30644e-07,
+        "gripper": 7.344e-08,
+        "power_system": 6.674e-08,
+    }
+
+
+def test_a_function_that_bears_the_name_of_a_failure_state_keeps_it(block, component):
+    motor = component("motor", 0.5)
+    model = build_model([block("pick", 1, (motor,)), block("pick_failure", 2)], name="m")
+    assert model.failure_states == {
+        "pick": "pick__failure",
+        "pick_failure": "pick_failure_failure",
+    }
+    assert solve(model).states[0].absorption_probability == 0.5
+
+
+def test_a_block_that_nothing_leads_to_adds_nothing_and_is_told(block, component):
+    motor = component("motor", 0.5)
+    blocks = [
+        block("move", 1, (component("cable", 0.25),), after={"done": 1}),
+        block("recover", 2, (motor,), after={"recover": 1}, added=True),
+    ]
+    assessment = solve(build_model(blocks, name="m"))
+    assert assessment.mission.failure_probability == 0.25
+    recover = assessment.states[1]
+    assert (recover.top_event, recover.expected_visits) == (0.5, 0.0)
+    assert assessment.findings == (
+        "recover is never reached from move and adds nothing to the mission",
+    )
+
+
+def test_no_blocks_at_all_is_an_error_that_says_what_writes_them():
+    with pytest.raises(BlockError, match="no risk block; `tracerisk annotate`"):
+        build_model([], name="m")
+
+
+def test_a_name_used_twice_is_refused_with_both_places(block):
+    blocks = [at(block("pick", 1), 10), at(block("pick", 2), 20)]
+    with pytest.raises(BlockError) as caught:
+        build_model(blocks, name="m")
+    assert str(caught.value).startswith("arm.py:20: function 'pick': a second block of this name")
+    assert "arm.py:10" in str(caught.value)
+
+
+def test_a_call_sequence_used_twice_is_refused_with_both_names(block):
+    blocks = [at(block("pick", 1), 10), at(block("place", 1), 20)]
+    message = r"arm.py:20: function 'place': callSequence 1 is also that of 'pick' .*arm.py:10"
+    with pytest.raises(BlockError, match=message):
+        build_model(blocks, name="m")
+
+
+def test_a_function_named_done_is_refused(block):
+    with pytest.raises(BlockError, match="cannot be told from the mission's end"):
+        build_model([block("done", 1)], name="m")
+
+
+@pytest.mark.parametrize(
+    ("after", "message"),
+    [
+        ({"plase": 1}, "next leads to 'plase', which has no block; did you mean 'place'"),
+        ({"place": "1/2", "done": "1/3"}, "next sums to 5/6; the lines of one function must sum"),
+        ({"place": "3/2", "done": "-1/2"}, "next done -1/2 is below zero"),
+        ({}, "next sums to 0; "),
+    ],
+)
+def test_a_bad_next_is_refused_at_its_line(block, after, message):
+    blocks = [at(block("pick", 1, after=after), 10), block("place", 2)]
+    with pytest.raises(BlockError, match=f"arm.py:11: function 'pick': {message}"):
+        build_model(blocks, name="m")
+
+
+def test_functions_that_never_lead_to_done_are_named(block):
+    blocks = [
+        block("start", 1, after={"a": "1/2", "done": "1/2"}),
+        at(block("a", 2, after={"b": 1}), 30),
+        block("b", 3, after={"a": 1, "done": 0}),
+    ]
+    message = "arm.py:31: function 'a': 'done' cannot be reached from a, b; lead 'next'"
+    with pytest.raises(BlockError, match=message):
+        build_model(blocks, name="m")
+
+
+@pytest.mark.parametrize(
+    ("profile", "message"),
+    [
+        ({"plase": {"done": 1}}, "profile: 'plase' has no risk block; did you mean 'place'"),
+        (
+            {"place": {"dome": 1}},
+            "profile of 'place': 'dome' has no risk block; did you mean 'done'",
+        ),
+        (
+            {"place": {"pick": "9/10", "done": "1/20"}},
+            "profile of 'place': the probabilities sum to 19/20; they must sum to 1",
+        ),
+        ({"place": {"pick": 2, "done": -1}}, "profile of 'place': done=-1 is below zero"),
+    ],
+)
+def test_a_bad_profile_is_refused(block, profile, message):
+    rows = {f: {t: Fraction(w) for t, w in row.items()} for f, row in profile.items()}
+    with pytest.raises(ModelError, match=message):
+        build_model([block("pick", 1), block("place", 2)], profile=rows, name="m")
+
+
+def test_bad_components_are_refused_at_their_place(block, component):
+    place = Location("arm.py", 12)
+    cases = {
+        r"component 'motor': probability 1.5 is outside \[0, 1\]": component("motor", 1.5),
+        r"component 'motor': probability nan is outside": component("motor", float("nan")),
+        f"component 'motor': quantity is 0; allowed: 1 to {MAX_QUANTITY}": component(
+            "motor", 0.5, 0
+        ),
+        f"component 'motor': quantity is {MAX_QUANTITY + 1}; allowed": component(
+            "motor", 0.5, MAX_QUANTITY + 1
+        ),
+    }
+    for message, entry in cases.items():
+        bad = replace(entry, location=place)
+        with pytest.raises(BlockError, match=f"arm.py:12: function 'move': {message}"):
+            build_model([block("move", 1, (bad,))], name="m")
+    twice = (component("motor", 0.5), replace(component("motor", 0.1), location=place))
+    with pytest.raises(BlockError, match=r"arm.py:12: .* component 'motor' stands twice"):
+        build_model([block("move", 1, twice)], name="m")
+
+
+def test_the_greatest_quantity_is_solved(block, component):
+    model = build_model([block("move", 1, (component("cell", 1e-12, MAX_QUANTITY),))], name="m")
+    assert solve(model).mission.failure_probability == pytest.approx(MAX_QUANTITY * 1e-12, rel=1e-7)
