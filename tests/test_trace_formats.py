@@ -1,0 +1,135 @@
+import json
+
+import pytest
+
+from tracerisk import trace_json
+from tracerisk.errors import Location, LogError
+from tracerisk.trace import (
+    Element,
+    Exposure,
+    Finding,
+    FunctionRef,
+    ObjectOffset,
+    QualifiedName,
+    RunEnd,
+    Trace,
+    TracedFunction,
+    Uncovered,
+    Visit,
+)
+from tracerisk.trace_log import read_log, write_log
+
+PUBLISHED = """\
+Function:init()
+ActiveComponents:gripper,electric_motor
+Function:pick_position()
+ActiveComponents:electric_motor
+
+CallSequence:init(),pick_position()
+"""
+
+
+def ref(name: str) -> FunctionRef:
+    return FunctionRef("arm.py", QualifiedName(name))
+
+
+TRACE = Trace(
+    controller="arm.py",
+    robot="panda",
+    scene="tube_racks",
+    end=RunEnd("ended", "the controller returned", 12.5),
+    elements=(Element("j1", "joint"), Element("hand", "gripper")),
+    functions=(TracedFunction(ref("place"), 7, 1),),
+    visits=(
+        Visit(ref("place"), 0.1, 12.4, "succeeded", {"j1": Exposure(1.0, 2.0, active_s=3.0)}),
+        Visit(ref("place"), 0.1, None, "aborted", {"hand": None}),
+    ),
+    active={"j1": Exposure(1.0, 2.0, active_s=3.0, starts=2, borderline=True)},
+    uncovered=(Uncovered(ref("recover"), 40),),
+    findings=(Finding("planning_failure", "out of reach", 3.25, Location("arm.py", 9)),),
+    objects=(ObjectOffset("tube_1", "slot_1", 0.0004, 0.001, True),),
+    assumptions=("scene: by default",),
+)
+
+
+def test_json_gives_back_the_trace():
+    assert trace_json.loads(trace_json.dumps(TRACE), "t.json") == TRACE
+
+
+BAD_JSON = {
+    '{"schema": "tracerisk-trace"': "t.json:1:29: is not valid JSON",
+    "[]": "is not a trace",
+    '{"schema": "tracerisk-trace", "version": 9}': "version: 9; this tracerisk reads 1",
+    '{"schema": "tracerisk-trace", "version": 1}': "key 'controller' is missing",
+    '{"a": NaN}': "NaN is no number",
+}
+
+
+@pytest.mark.parametrize(("text", "message"), BAD_JSON.items())
+def test_bad_json_is_an_error_with_its_place(text, message):
+    with pytest.raises(LogError) as caught:
+        trace_json.loads(text, "t.json")
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"robott": 1}, "unknown key 'robott'; did you mean 'robot'?"),
+        ({"visits": 3}, "visits: expected a list"),
+        ({"robot": 3}, "robot: expected str, found int"),
+        ({"functions": []}, "visits[0].function: 'place' is not listed"),
+        ({"elements": []}, "visits[0].exposures: unknown element"),
+        ({"end": {"cause": "bored", "message": "", "simulated_s": 1}}, "end.cause: 'bored'"),
+    ],
+)
+def test_wrong_shape_is_an_error_with_the_path_of_the_element(change, message):
+    data = {**json.loads(trace_json.dumps(TRACE)), **change}
+    with pytest.raises(LogError) as caught:
+        trace_json.loads(json.dumps(data), "t.json")
+    assert message in str(caught.value)
+
+
+def test_published_log_is_read_as_one_visit_a_call():
+    trace = read_log(PUBLISHED, "run.log", controller="arm.py")
+    assert [f.ref.name for f in trace.functions] == ["init", "pick_position"]
+    assert [dict(v.exposures) for v in trace.visits] == [
+        {"gripper": None, "electric_motor": None},
+        {"electric_motor": None},
+    ]
+    assert {e.kind for e in trace.elements} == {"component"}
+
+
+def test_published_log_is_written_as_it_was_read():
+    trace = read_log(PUBLISHED, "run.log", controller="arm.py")
+    active = {v.function.name: tuple(v.exposures) for v in trace.visits}
+    assert write_log(active) == PUBLISHED
+
+
+def test_a_call_sequence_may_repeat():
+    text = PUBLISHED.replace("init(),pick_position()", "init(),pick_position(),init()")
+    trace = read_log(text, "run.log", controller="arm.py")
+    assert [v.function.name for v in trace.visits] == ["init", "pick_position", "init"]
+    assert [f.call_sequence for f in trace.functions] == [1, 2]
+
+
+BAD_LOGS = {
+    "": "run.log: holds no 'CallSequence:' line",
+    "Functions:init()": "run.log:1: unknown line",
+    "ActiveComponents:a": "run.log:1: components of no function",
+    "Function:init": "'init' is not a name such as init()",
+    "Function:a(),b()": "expected one function, found 2",
+    "Function:a()\nFunction:a()": "run.log:2: a() is listed twice",
+    "Function:a()\nActiveComponents:x,x": "names a component twice",
+    "Function:a()\nActiveComponents:x y": "'x y' is not a name such as electric_motor",
+    "CallSequence:b()": "b() is called but has no",
+    "Function:a()\nFunction:b()\nCallSequence:b()": "a() is listed but not in the call sequence",
+    "Function:b()\nCallSequence:b()\nCallSequence:b()": "run.log:3: a second call sequence",
+}
+
+
+@pytest.mark.parametrize(("text", "message"), BAD_LOGS.items())
+def test_bad_log_is_an_error_with_file_and_line(text, message):
+    with pytest.raises(LogError) as caught:
+        read_log(text, "run.log", controller="arm.py")
+    assert message in str(caught.value)
