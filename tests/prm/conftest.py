@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from itertools import product
@@ -62,18 +63,32 @@ def case_study(block, component) -> tuple[RiskBlock, ...]:
 class Exact:
     """An independent solver: enumeration and Gauss-Jordan elimination in exact rationals."""
 
+    def __init__(self) -> None:
+        self._combinations: dict[FaultTree, Counter[tuple[int, ...]]] = {}
+
     def top(self, tree: FaultTree, values: Mapping[str, Fraction]) -> Fraction:
-        """Sum over all combinations of events."""
+        """Sum over all combinations of events, those alike in their counts taken together."""
+        if tree not in self._combinations:
+            self._combinations[tree] = self._enumerate(tree)
+        units = Counter(event.parameter for event in tree.events)
         total = Fraction(0)
+        for happened, number in self._combinations[tree].items():
+            share = Fraction(number)
+            for parameter, count in zip(tree.parameters, happened, strict=True):
+                p = values[parameter]
+                share *= p**count * (1 - p) ** (units[parameter] - count)
+            total += share
+        return total
+
+    def _enumerate(self, tree: FaultTree) -> Counter[tuple[int, ...]]:
+        """Count the combinations that cause the top, by how many events of each parameter."""
+        found: Counter[tuple[int, ...]] = Counter()
         for outcome in product((False, True), repeat=len(tree.events)):
             happened = dict(zip((event.name for event in tree.events), outcome, strict=True))
             if self._happens(tree, tree.top, happened):
-                share = Fraction(1)
-                for event in tree.events:
-                    p = values[event.parameter]
-                    share *= p if happened[event.name] else 1 - p
-                total += share
-        return total
+                counts = Counter(e.parameter for e in tree.events if happened[e.name])
+                found[tuple(counts[parameter] for parameter in tree.parameters)] += 1
+        return found
 
     def _happens(self, tree: FaultTree, name: str, happened: Mapping[str, bool]) -> bool:
         if name in happened:

@@ -67,7 +67,8 @@ def test_a_model_reads_back_as_it_was_written(model, case_study):
 @given(value=st.floats(0.0, 1.0))
 def test_every_probability_reads_back_to_the_same_bits(model, value):
     pick = replace(model.states[0], probabilities={**model.states[0].probabilities, "cell": value})
-    changed = replace(model, states=(pick, model.states[1]))
+    parameters = (Parameter("cell", 1.0), *model.parameters[1:])
+    changed = replace(model, states=(pick, model.states[1]), parameters=parameters)
     read = loads(dumps(changed), "m.json").states[0].probabilities["cell"]
     assert read.hex() == value.hex()
 
@@ -159,7 +160,8 @@ TREE = (*STATE, "fault_tree")
         ([*STATE, "probabilities", "cell"], -0.1, r"states\[0\].probabilities.cell: .*-0.1 is out"),
         ([*STATE, "probabilities", "cell"], "x", r"probabilities.cell: .*found the string 'x'"),
         ([*STATE, "probabilities", "cell"], ..., "state 'pick': no probability for cell"),
-        (["states", 1, "probabilities", "cell"], 0.5, "state 'rest': .* has no event of cell"),
+        ([*STATE, "probabilities", "cell"], 0.5, "0.5 of 'cell' is above its theta 0.001"),
+        (["states", 1, "probabilities", "cell"], 1e-9, "state 'rest': .* has no event of cell"),
         ([*STATE, "next", 0, "weight"], "1/2", "state 'pick': next sums to 5/6; it must sum to 1"),
         ([*STATE, "next", 0, "weight"], "1/0", r"next\[0\].weight: is '1/0', divided by zero"),
         ([*STATE, "next", 0, "weight"], "1e9", r"next\[0\].weight: is '1e9'; expected a fraction"),

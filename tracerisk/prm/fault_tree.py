@@ -68,6 +68,8 @@ class FaultTree:
         for name in _names(self):
             if name in names:
                 raise ModelError(f"'{name}' names two gates or events; rename one")
+            if not name or not name.isprintable():
+                raise ModelError(f"{name!r} names a gate or event; it needs printable characters")
             names.add(name)
         if self.top not in names:
             raise ModelError(f"the top '{self.top}' is no gate or event; {one_of(names)}")

@@ -18,7 +18,7 @@ class Parameter:
     """A component's figure theta, common to all states and instances.
 
     `theta` is the greatest of its per-visit probabilities over the states; a state that lists
-    another probability holds theta times a fixed factor.
+    a smaller one holds theta times a fixed factor.
     """
 
     name: str
@@ -74,7 +74,7 @@ class HybridModel:
         for parameter in self.parameters:
             _check_probability(f"parameter '{parameter.name}': theta", parameter.theta)
         for state in self.states:
-            _check_probabilities(state, {parameter.name for parameter in self.parameters})
+            _check_probabilities(state, {entry.name: entry.theta for entry in self.parameters})
             _check_next(state, names | {DONE})
         steps = {state.name: state.next for state in self.states}
         caught = endless_states(steps, self.entry)
@@ -165,12 +165,17 @@ def _check_probability(where: str, value: float) -> None:
         raise ModelError(f"{where} {value!r} is outside [0, 1]; give a number within")
 
 
-def _check_probabilities(state: FunctionState, parameters: set[str]) -> None:
+def _check_probabilities(state: FunctionState, parameters: Mapping[str, float]) -> None:
     where = f"state '{state.name}'"
     for name, value in state.probabilities.items():
         if name not in parameters:
             raise ModelError(f"{where}: no parameter '{name}'; {one_of(parameters, name)}")
         _check_probability(f"{where}: probability of '{name}'", value)
+        if value > parameters[name]:
+            raise ModelError(
+                f"{where}: probability {value!r} of '{name}' is above its theta "
+                f"{parameters[name]!r}; theta is the greatest over the states"
+            )
     needed = set(state.tree.parameters)
     missing = sorted(needed - set(state.probabilities))
     if missing:

@@ -119,7 +119,7 @@ def _mission(assessment: Assessment) -> Table:
     table = _table("Mission failure probability")
     cells = {
         "by the chain": mission.failure_probability,
-        f"{mission.expected_cycles:.4g} cycles, fixed": mission.fixed_cycles,
+        f"{_count(mission.expected_cycles, 'cycle')}, fixed": mission.fixed_cycles,
         "visits as they ran": mission.visits_as_run,
     }
     for heading in cells:
@@ -174,14 +174,17 @@ def _table(title: str) -> Table:
 
 
 def _print_lines(console: Console, title: str, lines: Sequence[str]) -> None:
-    from rich.padding import Padding
+    from rich.table import Table
     from rich.text import Text
 
     if not lines:
         return
     console.print(Text(title, style="bold"))
+    # A column of its own for the dash keeps the lines of one entry flush.
+    grid = Table.grid(padding=(0, 1))
     for line in lines:
-        console.print(Padding(Text(f"- {line}"), (0, 0, 0, 1)))
+        grid.add_row(*_plain(["-", line]))
+    console.print(grid)
     console.print()
 
 
@@ -202,6 +205,11 @@ def _exposure(exposures: Exposures, function: str, component: ComponentContribut
         return ""
     seconds = exposures.get(function, {}).get(component.name)
     return "-" if seconds is None else f"{seconds:.2f}"
+
+
+def _count(number: float, thing: str) -> str:
+    text = f"{number:.4g}"
+    return f"{text} {thing}" if text == "1" else f"{text} {thing}s"
 
 
 def _probability(value: float) -> str:
