@@ -1,0 +1,61 @@
+import pytest
+
+from tracerisk.config import Settings, controller_root, read_settings
+from tracerisk.errors import SettingsError
+
+
+def write(root, body: str) -> None:
+    (root / "pyproject.toml").write_text(f"[project]\nname = 'x'\n\n[tool.tracerisk]\n{body}\n")
+
+
+def test_defaults_where_there_is_no_table(tmp_path):
+    assert read_settings(tmp_path) == Settings()
+    (tmp_path / "pyproject.toml").write_text("[project]\nname = 'x'\n")
+    assert read_settings(tmp_path) == Settings()
+
+
+def test_settings_are_read_and_options_override_them(tmp_path):
+    write(tmp_path, 'active = "moving"\nduration_s = 20\nhelpers = ["go_to"]')
+    settings = read_settings(tmp_path)
+    assert settings == Settings(active="moving", duration_s=20.0, helpers=("go_to",))
+    assert settings.with_options({"active": "moving+holding", "seed": None}) == Settings(
+        duration_s=20.0, helpers=("go_to",)
+    )
+
+
+def test_a_named_file_of_the_root_becomes_its_path(tmp_path):
+    (tmp_path / "arm.yaml").write_text("")
+    write(tmp_path, 'hardware = "arm.yaml"\nrobot = "panda"')
+    settings = read_settings(tmp_path)
+    assert settings.hardware == str(tmp_path / "arm.yaml")
+    assert settings.robot == "panda"
+
+
+BAD = {
+    'actve = "moving"': "5: actve: unknown setting; did you mean 'active'?",
+    'seed = 1\nactive = "still"': "6: active: 'still' is not allowed; allowed: moving",
+    "duration_s = -1": "5: duration_s: expected a number above 0, found -1",
+    "duration_s = true": "expected a number above 0",
+    "seed = 1.5": "expected a whole number",
+    "robot = 3": "expected a string",
+    "states = 'a'": "expected a list of qualified names",
+    "seed = ": "is not valid TOML",
+}
+
+
+@pytest.mark.parametrize(("body", "message"), BAD.items())
+def test_a_bad_setting_is_an_error_with_file_and_line(tmp_path, body, message):
+    write(tmp_path, body)
+    with pytest.raises(SettingsError) as caught:
+        read_settings(tmp_path)
+    assert message in str(caught.value)
+    assert "pyproject.toml" in str(caught.value)
+
+
+def test_root_is_the_nearest_marked_folder_else_the_scripts_own(tmp_path):
+    package = tmp_path / "ws" / "pkg"
+    (package / "scripts").mkdir(parents=True)
+    script = package / "scripts" / "arm.py"
+    assert controller_root(script) == package / "scripts"
+    (package / "package.xml").touch()
+    assert controller_root(script) == package

@@ -1,0 +1,133 @@
+"""The settings: `[tool.tracerisk]` of the `pyproject.toml` at a controller's root."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any, Literal, NoReturn, get_args
+
+from tracerisk.errors import Location, SettingsError, one_of
+
+ActiveMode = Literal["moving", "moving+holding"]
+"""Which time counts as exposure: moving only, or moving, holding and grasping."""
+
+_TABLE = ("tool", "tracerisk")
+_ROOT_MARKS = ("package.xml", "pyproject.toml", "setup.py", ".git")
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What a run and its model depend on beside the controller.
+
+    `duration_s` is simulated time [s], `wall_limit_s` and `stall_limit_s` are wall time [s]
+    (`stall_limit_s`: without any simulated progress), `memory_limit_mb` address space [MB].
+    `robot`, `scene` and `hardware` are names or paths, `None` for the default of the robot.
+    `states` and `helpers` override, by qualified name, which functions are relevant.
+    """
+
+    robot: str | None = None
+    scene: str | None = None
+    hardware: str | None = None
+    active: ActiveMode = "moving+holding"
+    duration_s: float = 300.0
+    wall_limit_s: float = 120.0
+    stall_limit_s: float = 30.0
+    memory_limit_mb: int = 8192
+    seed: int = 0
+    states: tuple[str, ...] = ()
+    helpers: tuple[str, ...] = ()
+
+    def with_options(self, options: Mapping[str, Any]) -> Settings:
+        """Return the settings with those options of the command line that were given."""
+        return replace(
+            self, **{name: value for name, value in options.items() if value is not None}
+        )
+
+
+def controller_root(path: Path) -> Path:
+    """Return the folder that holds a controller's own source.
+
+    The nearest folder upwards with `package.xml`, `pyproject.toml`, `setup.py` or `.git`; where
+    there is none, the script's own folder.
+    """
+    folder = path.resolve().parent
+    for each in (folder, *folder.parents):
+        if any((each / mark).exists() for mark in _ROOT_MARKS):
+            return each
+    return folder
+
+
+def read_settings(root: Path) -> Settings:
+    """Return the settings of the `pyproject.toml` in `root`; the defaults where there is none.
+
+    `robot`, `scene` and `hardware` that name a file of the root are returned as its path.
+    Raises SettingsError with file and line at an unknown key or a bad value.
+    """
+    path = root / "pyproject.toml"
+    if not path.is_file():
+        return Settings()
+    text = path.read_text(encoding="utf-8")
+    try:
+        document = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise SettingsError(f"is not valid TOML: {error}", Location(str(path))) from error
+    table = document.get("tool", {}).get("tracerisk", {})
+    return _Reader(path, text).settings(table, root)
+
+
+class _Reader:
+    def __init__(self, path: Path, text: str) -> None:
+        self._path = path
+        self._lines = text.splitlines()
+
+    def settings(self, table: Any, root: Path) -> Settings:
+        if not isinstance(table, dict):
+            raise SettingsError("[tool.tracerisk] is no table", Location(str(self._path)))
+        names = [field.name for field in fields(Settings)]
+        for key in table:
+            if key not in names:
+                self._fail(key, f"unknown setting; {one_of(names, key)}")
+        settings = Settings(**{key: self._value(key, value) for key, value in table.items()})
+        files: dict[str, Any] = {}
+        for key in ("robot", "scene", "hardware"):
+            name = getattr(settings, key)
+            if name is not None and (root / name).is_file():
+                files[key] = str(root / name)
+        return replace(settings, **files)
+
+    def _value(self, key: str, value: Any) -> Any:
+        if key in ("states", "helpers"):
+            if not isinstance(value, list) or not all(isinstance(each, str) for each in value):
+                self._fail(key, "expected a list of qualified names")
+            return tuple(value)
+        if key == "active" and value not in get_args(ActiveMode):
+            self._fail(key, f"{value!r} is not allowed; {one_of(get_args(ActiveMode), str(value))}")
+        default = getattr(Settings(), key)
+        if isinstance(default, float):
+            if isinstance(value, bool) or not isinstance(value, int | float) or value <= 0:
+                self._fail(key, f"expected a number above 0, found {value!r}")
+            return float(value)
+        if isinstance(default, int):
+            if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+                self._fail(key, f"expected a whole number from 0 up, found {value!r}")
+            return value
+        if not isinstance(value, str):
+            self._fail(key, f"expected a string, found {value!r}")
+        return value
+
+    def _fail(self, key: str, message: str) -> NoReturn:
+        raise SettingsError(f"{key}: {message}", Location(str(self._path), self._line(key)))
+
+    def _line(self, key: str) -> int | None:
+        """Return where `key` stands; tomllib keeps no positions."""
+        in_table = False
+        pattern = re.compile(rf"""\s*["']?{re.escape(key)}["']?\s*=""")
+        for number, line in enumerate(self._lines, start=1):
+            if line.strip().startswith("["):
+                in_table = line.strip().strip("[] \t").replace(" ", "") == ".".join(_TABLE)
+            elif in_table and pattern.match(line):
+                return number
+        return None
