@@ -28,6 +28,7 @@ smallest solution, in whatever order they are applied.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 
@@ -54,10 +55,10 @@ class HelperRule:
             (place for place, frame in enumerate(stack) if frame.function in self.states),
             default=0,
         )
-        for place in range(start + 1, len(stack)):
+        for place in range(start, len(stack)):
             if stack[place].function in self.helpers:
-                return place - 1
-        return len(stack) - 1 if stack[start].function not in self.helpers else start
+                return max(place - 1, start)
+        return len(stack) - 1
 
 
 def helper_rule(
@@ -119,7 +120,7 @@ class _Calls:
                 edges.setdefault(function, set())
                 if root is not None:
                     calls.roots.add(function)
-            for (caller, _, _), (callee, _, _) in zip(path, path[1:], strict=False):
+            for (caller, _, _), (callee, _, _) in itertools.pairwise(path):
                 edges[caller].add(callee)
         component = strongly_connected(edges)
         for path in paths:
@@ -130,7 +131,7 @@ class _Calls:
     def _add(self, path: _CallPath, component: dict[FunctionRef, int]) -> None:
         last, site, _ = path[-1]
         self.command_sites.setdefault(last, set()).add(site)
-        for (caller, site, root), (callee, _, _) in zip(path, path[1:], strict=False):
+        for (caller, site, root), (callee, _, _) in itertools.pairwise(path):
             if component[caller] == component[callee]:
                 continue
             self.callees.setdefault(caller, set()).add(callee)

@@ -1,0 +1,250 @@
+"""Resolve, as far as a reader could without running it, what the names of a source file mean.
+
+Followed: functions and classes by name, `self`, `cls` and `super()` through the classes of the
+file and their subclasses, and variables and attributes through what is assigned to them
+(`self.arm = Arm()`) or how they are annotated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import libcst as cst
+
+from tracerisk.trace import FunctionRef, QualifiedName
+
+# Assignments followed one after the other: `a = b`, `b = c`, ...
+_LONGEST_CHAIN = 50
+
+
+@dataclass(eq=False, slots=True)
+class Scope:
+    """A module, class or function body, and what is bound in it."""
+
+    kind: Literal["module", "class", "function"]
+    qualified: str
+    parent: Scope | None
+    owner: FunctionRef
+    klass: ClassBody | None = None
+    self_name: str | None = None
+    cls_name: str | None = None
+    functions: dict[str, list[FunctionRef]] = field(default_factory=dict)
+    classes: dict[str, ClassBody] = field(default_factory=dict)
+    imported: set[str] = field(default_factory=set)
+    assigned: dict[str, list[cst.BaseExpression]] = field(default_factory=dict)
+    annotated: dict[str, list[cst.BaseExpression]] = field(default_factory=dict)
+
+    def prefix(self) -> str:
+        """Return what stands before the name of something defined here."""
+        dot = {"module": "", "class": ".", "function": ".<locals>."}[self.kind]
+        return self.qualified + dot
+
+    def binds(self, name: str) -> bool:
+        """Tell whether a name is bound here, even to something unknown."""
+        tables = (self.functions, self.classes, self.imported, self.assigned, self.annotated)
+        return any(name in table for table in tables)
+
+    def visible(self) -> Iterator[Scope]:
+        """Iterate over the scopes in which a name used here is looked for, innermost first."""
+        yield self
+        scope = self.parent
+        while scope is not None:
+            if scope.kind != "class":
+                yield scope
+            scope = scope.parent
+
+
+@dataclass(eq=False, slots=True)
+class ClassBody:
+    """A class of the file; `subclasses` are those of the file."""
+
+    name: str
+    scope: Scope
+    bases: list[cst.BaseExpression] = field(default_factory=list)
+    subclasses: list[ClassBody] = field(default_factory=list)
+    attributes: dict[str, list[tuple[cst.BaseExpression, Scope]]] = field(default_factory=dict)
+    annotations: dict[str, list[tuple[cst.BaseExpression, Scope]]] = field(default_factory=dict)
+
+
+MeaningKind = Literal["function", "class", "instance", "super", "external"]
+
+
+@dataclass(frozen=True, slots=True)
+class Meaning:
+    """One thing that an expression may be: a function, a class, an instance, or not ours."""
+
+    kind: MeaningKind
+    function: FunctionRef | None = None
+    klass: ClassBody | None = None
+
+
+EXTERNAL = Meaning("external")
+Meanings = frozenset[Meaning]
+_UNKNOWN: Meanings = frozenset()
+
+
+class NameResolver:
+    """Answers what expressions mean, once the scopes of a whole file are known."""
+
+    def __init__(self, classes: Sequence[ClassBody]) -> None:
+        self._known: dict[tuple[int, str], Meanings] = {}
+        self._asked: set[tuple[int, str]] = set()
+        for each in classes:
+            for base in self._bases(each):
+                base.subclasses.append(each)
+        # A name may have been asked for before the subclasses were known.
+        self._known.clear()
+
+    def evaluate(self, expression: cst.CSTNode, scope: Scope) -> Meanings:
+        """Return all that an expression may be in a scope; empty where that is not known."""
+        match expression:
+            case cst.Name(value=name):
+                return self._once(scope, name, lambda: self._name(name, scope))
+            case cst.Attribute(value=value, attr=attribute):
+                parts = (self._member(m, attribute.value) for m in self.evaluate(value, scope))
+                return _union(parts)
+            case cst.Call(func=cst.Name(value="super"), args=[]) if klass := _class_of(scope):
+                return frozenset({Meaning("super", klass=klass)})
+            case cst.Call(func=function):
+                return _union(_called(each) for each in self.evaluate(function, scope))
+            case cst.IfExp(body=left, orelse=right) | cst.BooleanOperation(left=left, right=right):
+                return self.evaluate(left, scope) | self.evaluate(right, scope)
+            case cst.NamedExpr(value=value):
+                return self.evaluate(value, scope)
+        return _UNKNOWN
+
+    def methods(self, klass: ClassBody, name: str) -> frozenset[FunctionRef]:
+        """Return the methods that `name` may call on an instance: own, inherited, overriding."""
+        found = set(self._inherited(klass, name))
+        for each in _below(klass):
+            found.update(each.scope.functions.get(name, ()))
+        return frozenset(found)
+
+    def run_by_calling(self, meaning: Meaning) -> frozenset[FunctionRef]:
+        """Return the functions that run when something is called."""
+        if meaning.function is not None:
+            return frozenset({meaning.function})
+        if meaning.klass is None:
+            return frozenset()
+        if meaning.kind == "class":
+            return self.methods(meaning.klass, "__init__") | self.methods(meaning.klass, "__new__")
+        return self.methods(meaning.klass, "__call__")
+
+    def _once(self, holder: object, name: str, answer: Callable[[], Meanings]) -> Meanings:
+        """Ask for each name once; in a ring of assignments the inner question has no answer."""
+        key = (id(holder), name)
+        if key in self._known:
+            return self._known[key]
+        if key in self._asked or len(self._asked) >= _LONGEST_CHAIN:
+            return _UNKNOWN
+        self._asked.add(key)
+        try:
+            self._known[key] = answer()
+        finally:
+            self._asked.discard(key)
+        return self._known[key]
+
+    def _name(self, name: str, scope: Scope) -> Meanings:
+        for each in scope.visible():
+            if name in (each.self_name, each.cls_name) and each.klass is not None:
+                kind: MeaningKind = "instance" if name == each.self_name else "class"
+                return frozenset({Meaning(kind, klass=each.klass)})
+            if each.binds(name):
+                return self._bound(each, name)
+        return _UNKNOWN
+
+    def _bound(self, scope: Scope, name: str) -> Meanings:
+        """Return what a name is in the scope that binds it."""
+        found = {Meaning("function", ref) for ref in scope.functions.get(name, ())}
+        if name in scope.classes:
+            found.add(Meaning("class", klass=scope.classes[name]))
+        if name in scope.imported:
+            found.add(EXTERNAL)
+        for value in scope.assigned.get(name, ()):
+            found |= self.evaluate(value, scope)
+        for annotation in scope.annotated.get(name, ()):
+            found |= self._annotated(annotation, scope)
+        return frozenset(found)
+
+    def _annotated(self, annotation: cst.BaseExpression, scope: Scope) -> Meanings:
+        if isinstance(annotation, cst.SimpleString):
+            name = annotation.evaluated_value
+            if isinstance(name, str) and name.isidentifier():
+                annotation = cst.Name(name)
+        return _union(_called(each) for each in self.evaluate(annotation, scope))
+
+    def _member(self, meaning: Meaning, name: str) -> Meanings:
+        klass = meaning.klass
+        if klass is None:
+            return frozenset({EXTERNAL}) if meaning.kind == "external" else _UNKNOWN
+        if meaning.kind == "super":
+            above = {ref for base in self._bases(klass) for ref in self._inherited(base, name)}
+            return frozenset(Meaning("function", ref) for ref in above) or frozenset({EXTERNAL})
+        return self._once(klass, name, lambda: self._attribute(klass, name))
+
+    def _attribute(self, klass: ClassBody, name: str) -> Meanings:
+        members = {Meaning("function", ref) for ref in self.methods(klass, name)}
+        for each in (*self._above(klass), *_below(klass)):
+            if name in each.scope.classes:
+                members.add(Meaning("class", klass=each.scope.classes[name]))
+            for value in each.scope.assigned.get(name, ()):
+                members |= self.evaluate(value, each.scope)
+            for value, scope in each.attributes.get(name, ()):
+                members |= self.evaluate(value, scope)
+            for annotation, scope in each.annotations.get(name, ()):
+                members |= self._annotated(annotation, scope)
+        return frozenset(members)
+
+    def _inherited(self, klass: ClassBody, name: str) -> list[FunctionRef]:
+        """Return the methods of the nearest class upwards that has some."""
+        for each in self._above(klass):
+            if name in each.scope.functions:
+                return each.scope.functions[name]
+        return []
+
+    def _above(self, klass: ClassBody) -> list[ClassBody]:
+        """Return a class and its bases, each once, nearer ones first."""
+        found = [klass]
+        for each in found:
+            found += [base for base in self._bases(each) if base not in found]
+        return found
+
+    def _bases(self, klass: ClassBody) -> list[ClassBody]:
+        scope = klass.scope.parent
+        assert scope is not None
+        found = [meaning.klass for base in klass.bases for meaning in self.evaluate(base, scope)]
+        return [each for each in found if each is not None]
+
+
+def _below(klass: ClassBody) -> list[ClassBody]:
+    """Return the subclasses of a class, each once."""
+    found = list(klass.subclasses)
+    for each in found:
+        found += [below for below in each.subclasses if below not in found]
+    return found
+
+
+def _union(parts: Iterator[Meanings]) -> Meanings:
+    return frozenset().union(*parts)
+
+
+def _class_of(scope: Scope) -> ClassBody | None:
+    """Return the class whose method encloses a scope."""
+    return next((each.klass for each in scope.visible() if each.klass is not None), None)
+
+
+def _called(meaning: Meaning) -> Meanings:
+    """Return what calling something gives: an instance of a class; what is not ours stays so."""
+    if meaning.kind == "class":
+        return frozenset({Meaning("instance", klass=meaning.klass)})
+    return frozenset({EXTERNAL}) if meaning.kind == "external" else _UNKNOWN
+
+
+def external_name(expression: cst.CSTNode) -> QualifiedName | None:
+    """Return the last name of a name or an attribute: `go` of `self.arm.go`."""
+    match expression:
+        case cst.Name(value=name) | cst.Attribute(attr=cst.Name(value=name)):
+            return QualifiedName(name)
+    return None
