@@ -24,7 +24,7 @@ components:
   c: {probability: {value: 3e-7, per: minute}, twin: {joints: "*"}}
   d: {failure_rate: {value: 5.7e-06, per: hour}, twin: {joints: [j1, j2]}, redundancy: true}
   e: {failure_rate: {value: 57, unit: FIT}, quantity: 3, active: always}
-  f: {probability: {value: 1e-6, per: demand}, failure_rate: {value: 1, per: hour}, active: always}
+  f: {probability: {value: 1e-6, per: demand}, failure_rate: {value: 1, per: hour}, twin: {gripper: true}}
 """,
     )
     a, b, c, d, e, f = hardware.components
@@ -64,6 +64,7 @@ BROKEN = {
     "components: {a: {probability: 1e-7, twin: {gripper: true, joints: [j]}}}": "not by both",
     "components: {a: {probability: 1e-7, active: always, twin: {gripper: true}}}": "either",
     "components: {'two words': {probability: 1e-7}}": "not a component's name",
+    "components: {a: {probability: {value: 1e-7, per: demand}, active: always}}": "has no demands",
     "components: {}": "names no component",
     "components: []": "expected a mapping, found a list",
     "parts: {}": "unknown key 'parts'",

@@ -60,6 +60,8 @@ def _component(name: str, entry: YamlMap, location: Location) -> Component:
         always = True
         if twin is not None:
             entry.fail("active", "a component is either always active or seen by the twin")
+        if any(figure.per is Basis.DEMAND for figure in figures):
+            entry.fail("active", "what is always active has no demands; give its figure per time")
     return Component(
         name=name,
         figures=figures,

@@ -1,0 +1,197 @@
+"""The risk blocks that a trace and a hardware description give."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from tracerisk.adder.block import ComponentEntry, Field, RiskBlock, Transition
+from tracerisk.adder.values import (
+    DONE,
+    computed_count,
+    computed_flag,
+    computed_next,
+    computed_probability,
+    profile_next,
+)
+from tracerisk.config import ActiveMode
+from tracerisk.errors import HardwareError, InputError, one_of
+from tracerisk.hardware.binding import BoundComponent, bind
+from tracerisk.hardware.model import Basis, Hardware
+from tracerisk.hardware.probability import Use, group_unit_probability, unit_probability
+from tracerisk.trace import Exposure, FunctionRef, Trace, Visit
+
+SHORTEST_ACTIVITY_S = 0.05
+"""A component counts as active in a function if a state lasted this long [s]."""
+
+ProfileText = Mapping[str, Mapping[str, str]]
+"""An operational profile: for each function the share of each target, as a person wrote it."""
+
+
+@dataclass(frozen=True, slots=True)
+class ComputedBlocks:
+    """The blocks of one trace and what stands behind them.
+
+    `exposures` are seconds active by function and component, summed over visits and averaged
+    over units; `observed` the components seen active in each function, those that are always
+    active left out; `assumptions` what a reader must know to read the figures.
+    """
+
+    blocks: Mapping[FunctionRef, RiskBlock]
+    exposures: Mapping[FunctionRef, Mapping[str, float]]
+    observed: Mapping[FunctionRef, tuple[str, ...]]
+    assumptions: tuple[str, ...]
+
+
+def compute_blocks(
+    trace: Trace, hardware: Hardware, *, active: ActiveMode, profile: ProfileText | None = None
+) -> ComputedBlocks:
+    """Return the block of each relevant function of the trace.
+
+    A profile pins the `next` of the functions it names.
+    Raises HardwareError where the description does not fit the robot, or a figure needs an
+    exposure that the trace does not tell; InputError where the profile names no function.
+    """
+    bound = bind(hardware, trace.elements)
+    counts = next_counts(trace)
+    names = [function.ref.name for function in trace.functions]
+    for name in profile or {}:
+        if name not in names:
+            raise InputError(f"profile: no function '{name}' in the trace; {one_of(names, name)}")
+    blocks = {}
+    exposures = {}
+    observed = {}
+    for function in trace.functions:
+        visits = [visit for visit in trace.visits if visit.function == function.ref]
+        here = [each for each in bound if _is_active(each, visits, active)]
+        following = computed_next(counts[function.ref])
+        if profile and function.ref.name in profile:
+            following = _pinned(profile[function.ref.name], following.text, function.ref.name)
+        blocks[function.ref] = RiskBlock(
+            name=function.ref.name,
+            call_sequence=computed_count(function.call_sequence),
+            next=following,
+            components=tuple(_entry(each, visits, active) for each in here),
+        )
+        exposures[function.ref] = {
+            each.component.name: seconds
+            for each in here
+            if (seconds := _mean_exposure(each, visits, active)) is not None
+        }
+        observed[function.ref] = tuple(
+            each.component.name for each in here if not each.component.always_active
+        )
+    return ComputedBlocks(blocks, exposures, observed, _assumptions(bound))
+
+
+def next_counts(trace: Trace) -> dict[FunctionRef, dict[str, int]]:
+    """Return how many visits of each target followed the visits of each function.
+
+    Targets stand in the order of their call sequence, `done` last.
+    """
+    counts: dict[FunctionRef, dict[str, int]] = {}
+    for function in trace.functions:
+        counts[function.ref] = {each.ref.name: 0 for each in trace.functions} | {DONE: 0}
+    followers = [visit.function.name for visit in trace.visits[1:]] + [DONE]
+    for visit, follower in zip(trace.visits, followers, strict=True):
+        counts[visit.function][follower] += 1
+    return {
+        ref: {target: count for target, count in row.items() if count}
+        for ref, row in counts.items()
+    }
+
+
+def _pinned(shares: Mapping[str, str], computed: str, name: str) -> Field[tuple[Transition, ...]]:
+    try:
+        return profile_next(shares, computed)
+    except ValueError as error:
+        raise InputError(f"profile of '{name}': expected {error}") from error
+
+
+def _is_active(bound: BoundComponent, visits: Sequence[Visit], mode: ActiveMode) -> bool:
+    if bound.component.always_active:
+        return True
+    return any(_is_active_in(bound, visit, mode) for visit in visits)
+
+
+def _is_active_in(bound: BoundComponent, visit: Visit, mode: ActiveMode) -> bool:
+    for element in bound.elements:
+        if element not in visit.exposures:
+            continue
+        exposure = visit.exposures[element]
+        if exposure is None:
+            return True
+        longest = exposure.longest_moving_s if mode == "moving" else exposure.longest_active_s
+        if longest >= SHORTEST_ACTIVITY_S:
+            return True
+    return False
+
+
+def _seconds(exposure: Exposure, mode: ActiveMode) -> float:
+    return exposure.moving_s if mode == "moving" else exposure.active_s
+
+
+def _uses(bound: BoundComponent, visit: Visit, mode: ActiveMode) -> list[Use]:
+    """Return the use of each unit during one visit."""
+    if bound.component.always_active:
+        return [Use(visit.duration_s, None)] * bound.quantity
+    uses = []
+    for element in bound.units():
+        exposure = visit.exposures.get(element, Exposure())
+        if exposure is None:
+            uses.append(Use(None, None))
+        else:
+            demands = max(exposure.starts, exposure.grasps)
+            uses.append(Use(_seconds(exposure, mode), demands))
+    return uses
+
+
+def _entry(bound: BoundComponent, visits: Sequence[Visit], mode: ActiveMode) -> ComponentEntry:
+    component = bound.component
+    per_visit = tuple(f for f in component.figures if f.per is Basis.VISIT)
+    by_use = tuple(f for f in component.figures if f.per is not Basis.VISIT)
+    units = []
+    for visit in visits:
+        counted = by_use
+        if component.always_active or _is_active_in(bound, visit, mode):
+            # The published reading: one figure for each visit in which the component is active.
+            counted = (*by_use, *per_visit)
+        try:
+            units.append([unit_probability(counted, use) for use in _uses(bound, visit, mode)])
+        except ValueError as error:
+            raise HardwareError(
+                f"component '{component.name}': {error} from this trace; "
+                "give its figure 'per: visit', or use a trace of the twin",
+                component.location,
+            ) from error
+    probability = group_unit_probability(
+        units, quantity=bound.quantity, redundancy=component.redundancy
+    )
+    return ComponentEntry(
+        name=component.name,
+        probability=computed_probability(probability),
+        quantity=computed_count(bound.quantity),
+        redundancy=computed_flag(component.redundancy),
+    )
+
+
+def _mean_exposure(
+    bound: BoundComponent, visits: Sequence[Visit], mode: ActiveMode
+) -> float | None:
+    seconds = [use.exposure_s for visit in visits for use in _uses(bound, visit, mode)]
+    known = [each for each in seconds if each is not None]
+    return sum(known) / bound.quantity if len(known) == len(seconds) else None
+
+
+def _assumptions(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
+    per_visit = sorted(
+        each.component.name
+        for each in bound
+        if any(figure.per is Basis.VISIT for figure in each.component.figures)
+    )
+    if not per_visit:
+        return ()
+    return (
+        f"{', '.join(per_visit)}: failure figures are per visit, whatever its length, so the "
+        "mission's figure depends on how the code is cut into functions",
+    )
