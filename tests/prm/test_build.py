@@ -143,6 +143,17 @@ def test_a_block_that_nothing_leads_to_adds_nothing_and_is_told(block, component
     )
 
 
+def test_a_next_of_weight_zero_leads_nowhere(block):
+    blocks = [
+        block("move", 1, after={"recover": 0, "done": 1}),
+        block("recover", 2, after={"recover": 1}),
+    ]
+    model = build_model(blocks, name="m")
+    assert model.reachable == ("move",)
+    assert not model.has_cycle
+    assert solve(model).mission.done_probability == 1.0
+
+
 def test_no_blocks_at_all_is_an_error_that_says_what_writes_them():
     with pytest.raises(BlockError, match="no risk block; `tracerisk annotate`"):
         build_model([], name="m")

@@ -97,6 +97,11 @@ def test_a_state_that_mostly_stays_is_visited_as_often_as_it_is_not_left():
     assert solution.absorption() == {"done": 1.0}
 
 
+def test_rows_are_read_as_divided_by_their_sum(exact):
+    rows = {"a": {"b": 0.5 + 4e-10, "done": 0.5 + 4e-10}, "b": {"a": 1.0 - 4e-10}}
+    check_against_rationals(exact, MarkovChain(rows, ("done",)), "a")
+
+
 def test_two_states_equal_the_answer_on_paper():
     # v_a = 1 + v_b/2, v_b = v_a/2: v_a = 4/3, v_b = 2/3.
     rows = {"a": {"b": 0.5, "lost": 0.5}, "b": {"a": 0.5, "won": 0.5}}

@@ -104,6 +104,14 @@ def test_a_mission_that_is_sure_to_fail_is_solved(block, component):
     assert assessment.components[0].birnbaum == close(Fraction(1, 2))
 
 
+def test_a_survival_too_small_to_show_beside_one_is_solved(block, component):
+    # Each unit survives with 2^-52; 1 - p of the computed p would be zero.
+    parts = (component("motor", 1.0 - 2.0**-52, 2),)
+    mission = solve(build_model([block("a", 1, parts)], name="m")).mission
+    assert mission.done_probability == 2.0**-104
+    assert (mission.fixed_cycles, mission.visits_as_run) == (1.0, 1.0)
+
+
 def test_splitting_a_function_in_two_halves_of_its_exposure_moves_nothing(block, component):
     def probability(minutes: float) -> float:
         return -math.expm1(minutes * math.log1p(-9.5e-08))

@@ -69,6 +69,13 @@ def test_a_row_shows_sequence_components_top_visits_and_absorption(assessment):
     assert ["3", "rest", "(none)", "0.00e+00", "0", "0.00e+00"] in rows
 
 
+def test_a_function_of_several_components_shows_its_figures_once(assessment):
+    table = render_assessment(assessment).split("Mission")[0]
+    rows = [line.split() for line in table.splitlines()]
+    assert [row.count("2.10e-08") for row in rows if "2.10e-08" in row] == [2]
+    assert ["component_f", "1", "of", "1"] in rows
+
+
 def test_at_most_five_components_are_shown_the_greatest_first(assessment):
     text = render_assessment(assessment)
     assert "Components that matter most (5 of 6)" in text

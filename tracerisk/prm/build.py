@@ -83,12 +83,13 @@ def component_tree(function: str, components: Sequence[ComponentEntry]) -> Fault
 
 def _state(block: RiskBlock, steps: tuple[NextStep, ...]) -> FunctionState:
     _check_components(block)
-    present = [entry for entry in block.components if not entry.omitted]
     return FunctionState(
         name=block.name,
         call_sequence=block.call_sequence.value,
-        tree=component_tree(block.name, present),
-        probabilities={entry.name: entry.probability.value for entry in present},
+        tree=component_tree(block.name, block.components),
+        probabilities={
+            entry.name: entry.probability.value for entry in block.components if not entry.omitted
+        },
         next=steps,
     )
 

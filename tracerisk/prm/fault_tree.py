@@ -62,6 +62,7 @@ class FaultTree:
     gates: tuple[Gate, ...]
     events: tuple[BasicEvent, ...]
     _upwards: tuple[Gate, ...] = field(init=False, repr=False, compare=False)
+    _shared: Mapping[str, tuple[str, ...]] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         names: set[str] = set()
@@ -76,6 +77,7 @@ class FaultTree:
         for gate in self.gates:
             _check_gate(gate, names)
         object.__setattr__(self, "_upwards", _order_upwards(self))
+        object.__setattr__(self, "_shared", _find_shared(self))
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -85,11 +87,7 @@ class FaultTree:
     @property
     def shared(self) -> Mapping[str, tuple[str, ...]]:
         """The gates and events that feed more than one gate, or one gate twice, with those."""
-        above: dict[str, list[str]] = {}
-        for gate in self.gates:
-            for name in gate.inputs:
-                above.setdefault(name, []).append(gate.name)
-        return {name: tuple(gates) for name, gates in above.items() if len(gates) > 1}
+        return self._shared
 
     def probability(self, values: Mapping[str, float]) -> Probability:
         """Return the top event's probability, exact to rounding.
@@ -167,6 +165,14 @@ class FaultTree:
 
 def _names(tree: FaultTree) -> list[str]:
     return [gate.name for gate in tree.gates] + [event.name for event in tree.events]
+
+
+def _find_shared(tree: FaultTree) -> dict[str, tuple[str, ...]]:
+    above: dict[str, list[str]] = {}
+    for gate in tree.gates:
+        for name in gate.inputs:
+            above.setdefault(name, []).append(gate.name)
+    return {name: tuple(gates) for name, gates in above.items() if len(gates) > 1}
 
 
 def _check_gate(gate: Gate, names: set[str]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.assessment import (
@@ -21,18 +22,30 @@ from tracerisk.prm.mission import SolvedMission, mission_figures, solve_mission
 from tracerisk.prm.probability import Probability
 
 
+@dataclass(frozen=True, slots=True)
+class _SolvedTree:
+    """A state's fault tree: its top, each event's sensitivity, each parameter's share of it."""
+
+    top: Probability
+    sensitivities: Mapping[str, float]
+    drops: Mapping[str, float]
+
+
 def solve(model: HybridModel) -> Assessment:
     """Solve the model exactly, to rounding.
 
     Raises ModelError when a fault tree shares events, or when the chain is left less often
     than the smallest number of double precision.
     """
-    tops = {state.name: _top(state, state.probabilities) for state in model.states}
+    trees = {state.name: _solve_tree(state) for state in model.states}
     reached = model.reachable
-    live = {name: tops[name] for name in reached}
+    live = {name: trees[name].top for name in reached}
     solved = solve_mission(model, live)
     mission = mission_figures(model, live, solved)
-    importances = [_importance(model, parameter, live, solved) for parameter in model.parameters]
+    importances = [
+        _importance(model, parameter, {name: trees[name] for name in reached}, solved)
+        for parameter in model.parameters
+    ]
     importances.sort(key=lambda i: (-i.fussell_vesely, -i.criticality, i.name))
     assumptions = []
     if any(gate.threshold > 1 for state in model.states for gate in state.tree.gates):
@@ -43,7 +56,7 @@ def solve(model: HybridModel) -> Assessment:
         model=model.name,
         entry=model.entry,
         states=tuple(
-            _state_assessment(model, state, tops[state.name], solved) for state in model.states
+            _state_assessment(model, state, trees[state.name], solved) for state in model.states
         ),
         mission=mission,
         components=tuple(importances),
@@ -57,13 +70,13 @@ def solve(model: HybridModel) -> Assessment:
 
 
 def _state_assessment(
-    model: HybridModel, state: FunctionState, top: Probability, solved: SolvedMission
+    model: HybridModel, state: FunctionState, tree: _SolvedTree, solved: SolvedMission
 ) -> StateAssessment:
     return StateAssessment(
         name=state.name,
         call_sequence=state.call_sequence,
         failure_state=model.failure_states[state.name],
-        top_event=top.p,
+        top_event=tree.top.p,
         expected_visits=solved.visits.get(state.name, 0.0),
         absorption_probability=solved.absorption.get(state.name, 0.0),
         components=tuple(
@@ -72,7 +85,7 @@ def _state_assessment(
                 units=sum(event.parameter == name for event in state.tree.events),
                 required=_required(state.tree, name),
                 probability=state.probabilities[name],
-                contribution=state.tree.drop_without(name, state.probabilities),
+                contribution=tree.drops[name],
             )
             for name in state.tree.parameters
         ),
@@ -82,7 +95,7 @@ def _state_assessment(
 def _importance(
     model: HybridModel,
     parameter: Parameter,
-    tops: Mapping[str, Probability],
+    trees: Mapping[str, _SolvedTree],
     solved: SolvedMission,
 ) -> ComponentImportance:
     """Return the importance of one parameter over the mission.
@@ -94,6 +107,7 @@ def _importance(
     """
     name = parameter.name
     total = solved.failure.p
+    tops = {state: tree.top for state, tree in trees.items()}
     without = solve_mission(model, _tops_with(model, tops, name, 0.0))
     failed = solve_mission(model, _tops_with(model, tops, name, math.inf))
     tenfold = solve_mission(model, _tops_with(model, tops, name, 10.0))
@@ -101,22 +115,21 @@ def _importance(
     by_unit: dict[str, float] = {}
     falls = []
     for state in model.states:
-        if name not in state.probabilities or state.name not in tops:
+        if name not in state.probabilities or state.name not in trees:
             continue
         visits = solved.visits[state.name]
         factor = state.probabilities[name] / parameter.theta if parameter.theta > 0.0 else 1.0
         weight = visits * _onward(state, solved.done_from) * factor
-        sensitivities = state.tree.sensitivities(state.probabilities)
+        tree = trees[state.name]
         parts = {
-            event.name: weight * sensitivities[event.name]
+            event.name: weight * tree.sensitivities[event.name]
             for event in state.tree.events
             if event.parameter == name
         }
         for unit, part in parts.items():
             by_unit[unit] = by_unit.get(unit, 0.0) + part
         by_state[state.name] = math.fsum(parts.values())
-        fall = state.tree.drop_without(name, state.probabilities)
-        falls.append(visits * fall * _onward(state, without.done_from))
+        falls.append(visits * tree.drops[name] * _onward(state, without.done_from))
     birnbaum = math.fsum(by_state.values())
     scale = parameter.theta / total if total > 0.0 else 0.0
     return ComponentImportance(
@@ -132,6 +145,13 @@ def _importance(
         by_state=_shares(by_state, scale),
         by_unit=_shares(by_unit, scale),
     )
+
+
+def _solve_tree(state: FunctionState) -> _SolvedTree:
+    top = _top(state, state.probabilities)
+    values = state.probabilities
+    drops = {name: state.tree.drop_without(name, values) for name in state.tree.parameters}
+    return _SolvedTree(top, state.tree.sensitivities(values), drops)
 
 
 def _top(state: FunctionState, values: Mapping[str, float]) -> Probability:
