@@ -18,6 +18,7 @@ from tracerisk.adder.definitions import (
     Site,
     definitions,
     docstring_end,
+    header_end,
     module_line,
     normal_name,
     parse_python,
@@ -187,14 +188,28 @@ def _sites(
     if any(name != MODULE for name, _ in needed):
         from tracerisk.adder.positions import function_sites
 
-        sites.update(function_sites(source, parsed.file))
+        found = function_sites(source)
+        sites.update(_own_sites(parsed) if found is None else found)
     sites[MODULE, module_line(parsed)] = _module_site(parsed)
     for name, line in needed:
         if (name, line) not in sites:
             raise UnsafeRewriteError(
-                f"the place of {name} is not told alike by libcst and by Python's own parser",
+                f"the place of {name} is told differently by libcst and by Python's own parser",
                 Location(parsed.file, line),
             )
+    return sites
+
+
+def _own_sites(source: PythonSource) -> dict[tuple[QualifiedName, int], Site]:
+    """Return the sites as Python's own parser tells them, for a source beyond libcst."""
+    sites = {}
+    for definition in definitions(source.tree):
+        end = header_end(source, definition)
+        sites[definition.name, definition.line] = (
+            Site(definition.line, definition.line)
+            if end is None
+            else Site(end + 1, definition.body_line)
+        )
     return sites
 
 

@@ -9,29 +9,22 @@ import libcst as cst
 from libcst.metadata import CodeRange, MetadataWrapper, PositionProvider
 
 from tracerisk.adder.definitions import Site, normal_name
-from tracerisk.errors import Location, UnsafeRewriteError
 from tracerisk.trace import QualifiedName
 
 
-def function_sites(source: bytes, file: str) -> dict[tuple[QualifiedName, int], Site]:
+def function_sites(source: bytes) -> dict[tuple[QualifiedName, int], Site] | None:
     """Return where the block of each function goes, by qualified name and line of the `def`.
 
-    Raises:
-        UnsafeRewriteError: if libcst cannot read the source.
+    `None` if libcst cannot read the source: it rejects some that CPython accepts
+    (`(x): int`), and a sum of a thousand terms is too deep for it.
     """
     try:
         wrapper = MetadataWrapper(cst.parse_module(source), unsafe_skip_copy=True)
         positions = cast(Mapping[cst.CSTNode, CodeRange], wrapper.resolve(PositionProvider))
         collector = _SiteCollector(positions)
         wrapper.module.visit(collector)
-    except cst.ParserSyntaxError as error:
-        raise UnsafeRewriteError(
-            f"libcst cannot read the file: {error.message}", Location(file, error.raw_line)
-        ) from error
-    except RecursionError as error:
-        raise UnsafeRewriteError(
-            "the file nests expressions too deeply for libcst", Location(file)
-        ) from error
+    except (cst.ParserSyntaxError, RecursionError):
+        return None
     return collector.sites
 
 

@@ -190,10 +190,9 @@ class _OwnerFinder:
         end = docstring_end(self._source)
         if end is None or run.first <= end:
             return None
-        if len(body) == 1:
-            return _Owner(MODULE, start, "module")
-        after = first_line(body[1])
-        return _Owner(MODULE, after, "module") if run.last < after else None
+        if len(body) > 1 and run.last >= first_line(body[1]):
+            return None
+        return _Owner(MODULE, start, "module")
 
 
 def _placed(source: PythonSource, run: _Run, owners: tuple[_Owner, ...]) -> Iterator[PlacedBlock]:

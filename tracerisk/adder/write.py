@@ -63,7 +63,7 @@ def atomic_write(path: Path, data: bytes) -> None:
     try:
         temporary = _write_beside(target, data)
         try:
-            os.replace(temporary, target)
+            temporary.replace(target)
         except BaseException:
             temporary.unlink(missing_ok=True)
             raise
