@@ -99,6 +99,19 @@ def compile_model(robot: Robot, scene: Scene | None = None) -> Any:
         raise RobotError(f"robot '{robot.name}' ({robot.file}) cannot be built: {cause}") from cause
 
 
+def place_robot(model: Any, data: Any, robot: Robot) -> None:
+    """Put the robot's joints and set-points where the run begins, and compute the rest."""
+    initial = robot.initial_state
+    for joint in robot.joints:
+        data.qpos[model.joint(joint.name).qposadr[0]] = initial[joint.name]
+    for joint in robot.arm_joints:
+        data.ctrl[model.actuator(joint.name).id] = initial[joint.name]
+    for gripper in robot.grippers:
+        held = [initial[name] for name in gripper.joints]
+        data.ctrl[model.actuator(gripper.name).id] = sum(held) / len(held)
+    mujoco.mj_forward(model, data)
+
+
 def quaternion_of(rpy: Sequence[float]) -> tuple[float, float, float, float]:
     """Return roll, pitch, yaw about fixed axes [rad] as a quaternion (w, x, y, z)."""
     (sr, sp, sy), (cr, cp, cy) = (

@@ -1,7 +1,7 @@
 """Carry out motions: the set-points of each step, and when a motion has ended.
 
-An arm motion gives its set-points in advance, so many steps can run at once; a gripper motion
-and an arm that settles decide at each step, from what is measured.
+A motion gives its set-points in advance, so that many steps can run at once; fingers that press
+with little force, and whatever comes to rest, decide every few steps from what is measured.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ _SETTLE_S = 1.0  # an arm that is not at its goal this long after the trajectory
 _STALL_S = 0.1  # fingers that stand still this long short of their goal hold something
 _FINGER_TOLERANCE = 0.0005  # [m]
 _FINGER_STILL = 0.001  # [m/s]
+_LOOK_STEPS = 5  # between two looks at what is measured, where that decides
 
 
 class Motion:
@@ -68,12 +69,23 @@ class Motion:
             self.ended_ns = time_ns
 
 
-@dataclass(frozen=True, slots=True)
 class Measured:
-    """Views of what the simulation measures: (n_joints,) each, in the robot's order."""
+    """What the simulation measures now, by the joints' places in the robot's order."""
 
-    position: Array
-    velocity: Array
+    def __init__(self, data: Any, qpos: NDArray[np.int64], dofs: NDArray[np.int64]) -> None:
+        self._data = data
+        self._qpos = qpos
+        self._dofs = dofs
+
+    def position(self, joints: Sequence[int]) -> Array:
+        """Return the positions of some joints [rad or m]."""
+        found: Array = self._data.qpos[self._qpos[joints]]
+        return found
+
+    def velocity(self, joints: Sequence[int]) -> Array:
+        """Return the velocities of some joints [rad/s or m/s]."""
+        found: Array = self._data.qvel[self._dofs[joints]]
+        return found
 
 
 class Track(Protocol):
@@ -189,8 +201,9 @@ class ArmTrack:
         return self.position[at], self.velocity[at]
 
     def steps_ahead(self) -> int:
-        """Return how many set-points are left; 1 while the arm settles."""
-        return max(1, len(self.position) - self._at)
+        """Return how many set-points are left; a few while the arm settles."""
+        left = len(self.position) - self._at
+        return left if left > 0 else _LOOK_STEPS
 
     def fill(self, block: Array, measured: Measured) -> None:  # noqa: ARG002 (the protocol's)
         """Write the set-points of the next steps, the last again when there are no more."""
@@ -208,8 +221,8 @@ class ArmTrack:
             return False
         if self.motion is None:
             return True
-        miss = np.abs(measured.position[self.joints] - self.position[-1])
-        speed = np.abs(measured.velocity[self.joints])
+        miss = np.abs(measured.position(self.joints) - self.position[-1])
+        speed = np.abs(measured.velocity(self.joints))
         if (miss <= self.tolerance).all() and (speed <= self._still).all():
             self.motion.end_part("succeeded", "", time_ns)
             return True
@@ -255,35 +268,43 @@ class GripperTrack:
         self._reference = (path + lead * slope)[:, 0]
         # The servo's force on one finger is share * stiffness * (set-point - position).
         self._slack = max_effort / (share * gripper.stiffness)
+        self._is_soft = self._slack < gripper.opening
         self._at = 0
-        self._still = 0
         self._waited = 0
+        self._moved_at = 0
 
     def steps_ahead(self) -> int:
-        """Return 1: each set-point depends on where the fingers are."""
-        return 1
+        """Return how many set-points are left; a few where they depend on the fingers."""
+        left = len(self._reference) - self._at
+        return left if left > 0 and not self._is_soft else _LOOK_STEPS
 
     def fill(self, block: Array, measured: Measured) -> None:
-        """Write the next set-point, no further from the fingers than the effort allows."""
-        here = float(measured.position[self.joints].mean())
-        wanted = float(self._reference[min(self._at, len(self._reference) - 1)])
-        block[:, self.actuators] = min(max(wanted, here - self._slack), here + self._slack)
-        self._at += len(block)
+        """Write the next set-points, no further from the fingers than the effort allows."""
+        count = len(block)
+        wanted = self._reference[self._at : self._at + count]
+        if len(wanted) < count:
+            wanted = np.append(wanted, np.repeat(self._reference[-1], count - len(wanted)))
+        if self._is_soft:
+            here = float(measured.position(self.joints).mean())
+            wanted = np.clip(wanted, here - self._slack, here + self._slack)
+        block[:, self.actuators[0]] = wanted
+        self._waited += max(0, min(count, self._at + count - len(self._reference)))
+        self._at += count
 
     def finished(self, measured: Measured, time_ns: int) -> bool:
         """Say whether the fingers are there, or stand still on something."""
         if self._at < len(self._reference) or self.motion is None:
             return False
-        here = float(measured.position[self.joints].mean())
-        speed = float(np.abs(measured.velocity[self.joints]).max())
+        here = float(measured.position(self.joints).mean())
+        speed = float(np.abs(measured.velocity(self.joints)).max())
         still = speed < _FINGER_STILL
         if still and abs(here - self._target) <= _FINGER_TOLERANCE:
             self.motion.end_part("succeeded", "", time_ns)
             return True
-        self._still = self._still + 1 if still else 0
-        self._waited += 1
+        if not still:
+            self._moved_at = self._waited
         name = self._gripper.name
-        if self._still * STEP_S >= _STALL_S:
+        if (self._waited - self._moved_at) * STEP_S >= _STALL_S:
             note = f"gripper '{name}' stalled at {here:.4f} m, short of {self._target:.4f} m"
             self.motion.end_part("succeeded", note, time_ns, stalled=True)
             return True

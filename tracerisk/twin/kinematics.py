@@ -38,6 +38,8 @@ class Kinematics:
         self._dof = {
             joint.name: int(self._model.joint(joint.name).dofadr[0]) for joint in robot.joints
         }
+        self._configuration = mink.Configuration(self._model)
+        self._limits = [mink.ConfigurationLimit(self._model, gain=1.0)]
         self._body = {name: int(self._model.body(name).id) for name in robot.link_names}
 
     def positions(self, given: Mapping[str, float]) -> NDArray[np.float64]:
@@ -90,7 +92,9 @@ class Kinematics:
             )
         body = self._link(tip)
         target = _target(pose)
-        search = _Search(self._model, self._dof, members.joints, tip, target)
+        search = _Search(
+            self._configuration, self._limits, self._frozen(members.joints), tip, target
+        )
         best = np.inf
         for start in self._starts(group, seed or {}, restarts):
             found, error = search.descend(start, position_tolerance, orientation_tolerance)
@@ -135,6 +139,10 @@ class Kinematics:
             values[name] = min(max(value, joint.lower), joint.upper)
         return values
 
+    def _frozen(self, members: tuple[str, ...]) -> list[Any] | None:
+        others = sorted(set(self._dof.values()) - {self._dof[name] for name in members})
+        return [mink.DofFreezingTask(self._model, others)] if others else None
+
     def _link(self, name: str) -> int:
         if name not in self._body:
             raise RobotError(
@@ -153,31 +161,31 @@ class _Search:
 
     def __init__(
         self,
-        model: Any,
-        dofs: Mapping[str, int],
-        members: tuple[str, ...],
+        configuration: Any,
+        limits: list[Any],
+        frozen: list[Any] | None,
         link: str,
         target: Any,
     ) -> None:
-        self._model = model
+        self._configuration = configuration
+        self._limits = limits
+        self._frozen = frozen
         self._task = mink.FrameTask(link, "body", position_cost=1.0, orientation_cost=0.3)
         self._task.set_target(target)
-        self._limits = [mink.ConfigurationLimit(model, gain=1.0)]
-        others = sorted(set(dofs.values()) - {dofs[name] for name in members})
-        self._frozen = [mink.DofFreezingTask(model, others)] if others else None
 
     def descend(
         self, start: NDArray[np.float64], position_tolerance: float, orientation_tolerance: float
     ) -> tuple[NDArray[np.float64] | None, float]:
         """Return the configuration reached, `None` if short of the target, and the miss [m]."""
-        configuration = mink.Configuration(self._model, start)
+        configuration = self._configuration
+        configuration.update(start)
         distance = np.inf
         for _ in range(_MAX_ITERATIONS):
             error = self._task.compute_error(configuration)
             distance = float(np.linalg.norm(error[:3]))
             turn = float(np.linalg.norm(error[3:]))
             if distance <= position_tolerance and turn <= orientation_tolerance:
-                return configuration.q, distance
+                return configuration.q.copy(), distance
             try:
                 velocity = mink.solve_ik(
                     configuration,

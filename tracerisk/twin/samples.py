@@ -22,6 +22,7 @@ from tracerisk.errors import Location, LogError
 
 _ROWS = "samples.bin"
 _POSES = "poses.bin"
+_END = "end_pose.bin"
 _HEADER = "samples.json"
 _VERSION = 1
 _SEGMENT_ROWS = 16_384  # a multiple of every page size, in rows of 8 bytes
@@ -59,6 +60,7 @@ class Samples:
     control: (n_steps, n_controls) [rad or m]; position, velocity, torque: (n_steps, n_joints)
     [rad or m, and per second; N m or N]; pad_force: (n_steps, n_pads) [N].
     poses: (n_poses, n_pose), every `POSE_EVERY` steps from the first.
+    end_pose: (n_pose,) after the last step; `None` for a run that was cut short.
     """
 
     header: SampleHeader
@@ -68,6 +70,7 @@ class Samples:
     torque: Array
     pad_force: Array
     poses: Array
+    end_pose: Array | None = None
 
     @property
     def n_steps(self) -> int:
@@ -98,6 +101,7 @@ class SampleWriter:
         names = {field: getattr(header, field) for field in header.__slots__}
         text = json.dumps({"version": _VERSION, **names}, indent=1, sort_keys=True)
         (self._directory / _HEADER).write_text(text + "\n", encoding="utf-8")
+        (self._directory / _END).unlink(missing_ok=True)
         flags = os.O_RDWR | os.O_CREAT | os.O_TRUNC
         self._file = os.open(self._directory / _ROWS, flags, 0o644)
         self._poses = os.open(self._directory / _POSES, flags, 0o644)
@@ -122,14 +126,19 @@ class SampleWriter:
         """Append the pose of everything that can move; qpos: (n_pose,)."""
         os.write(self._poses, qpos.tobytes())
 
-    def close(self) -> None:
-        """Cut the file to the rows written, and close; further calls do nothing."""
+    def close(self, end_pose: Array | None = None) -> None:
+        """Cut the file to the rows written, and close; further calls do nothing.
+
+        end_pose: (n_pose,) after the last step, of a run that came to its end.
+        """
         if self._file < 0 or self._header is None:
             return
         self._drop_segment()
         os.ftruncate(self._file, self._committed * self._header.width * 8)
         os.close(self._file)
         os.close(self._poses)
+        if end_pose is not None:
+            (self._directory / _END).write_bytes(end_pose.tobytes())
         self._file = self._poses = -1
 
     def __enter__(self) -> SampleWriter:
@@ -183,6 +192,7 @@ def read_samples(directory: Path) -> Samples:
         torque=rows[:, cuts[3] : cuts[4]],
         pad_force=rows[:, cuts[4] :],
         poses=poses[: n_poses * header.n_pose].reshape(n_poses, -1 if n_poses else header.n_pose),
+        end_pose=_floats(end) if (end := directory / _END).exists() else None,
     )
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tracerisk.errors import RobotError, one_of
 from tracerisk.trace import Element, ObjectOffset
-from tracerisk.twin.builder import STEP_NS, SensorLayout, compile_model
+from tracerisk.twin.builder import STEP_NS, SensorLayout, compile_model, place_robot
 from tracerisk.twin.execution import ArmTrack, GripperTrack, Measured, Motion, Track
 from tracerisk.twin.kinematics import Kinematics
 from tracerisk.twin.motion import JointState, JointTrajectory, PlanningError, Pose
@@ -64,12 +64,13 @@ class Twin:
         self._actuator.update(
             {gripper.name: int(self._model.actuator(gripper.name).id) for gripper in robot.grippers}
         )
+        self._measured = Measured(self._data, self._qpos, self._dofs)
         self._steps = 0
         self._tracks: list[Track] = []
-        self._set_points = np.zeros(self._model.nu)
         self._samples = samples
         self._scratch = np.zeros((_CHUNK, 1 + self._model.nu + self._model.nsensordata))
-        self._place_robot()
+        place_robot(self._model, self._data, robot)
+        self._set_points = self._data.ctrl.copy()
         if samples is not None:
             samples.begin(self._header())
 
@@ -112,10 +113,9 @@ class Twin:
         return self.time_ns
 
     def close(self) -> None:
-        """Close the samples."""
+        """Close the samples, with the pose of everything at the end."""
         if self._samples is not None:
-            self._samples.pose(self._data.qpos)
-            self._samples.close()
+            self._samples.close(self._data.qpos)
 
     # What is measured
 
@@ -306,17 +306,6 @@ class Twin:
 
     # How it is done
 
-    def _place_robot(self) -> None:
-        initial = self.robot.initial_state
-        self._data.qpos[self._qpos] = [initial[joint.name] for joint in self.robot.joints]
-        for name, actuator in self._actuator.items():
-            self._set_points[actuator] = initial.get(name, 0.0)
-        for gripper in self.robot.grippers:
-            held = [initial[name] for name in gripper.joints]
-            self._set_points[self._actuator[gripper.name]] = sum(held) / len(held)
-        self._data.ctrl[:] = self._set_points
-        mujoco.mj_forward(self._model, self._data)
-
     def _header(self) -> SampleHeader:
         return SampleHeader(
             robot=self.robot.name,
@@ -339,9 +328,8 @@ class Twin:
             rows = writer.rows(wanted)
         n = len(rows)
         block = np.repeat(self._set_points[None, :], n, axis=0)
-        measured = self._measured()
         for track in self._tracks:
-            track.fill(block, measured)
+            track.fill(block, self._measured)
         self._set_points = block[-1]
         first_sensor = 1 + block.shape[1]
         rows[:, 1:first_sensor] = block
@@ -366,11 +354,10 @@ class Twin:
         """Drop the tracks that are over; say whether a motion ended with one of them."""
         if not self._tracks:
             return False
-        measured = self._measured()
         ended = False
         kept: list[Track] = []
         for track in self._tracks:
-            if not track.finished(measured, self.time_ns):
+            if not track.finished(self._measured, self.time_ns):
                 kept.append(track)
                 continue
             motion = track.motion
@@ -472,9 +459,6 @@ class Twin:
 
     def _positions(self) -> dict[str, float]:
         return dict(zip(self._joint_index, self._data.qpos[self._qpos].tolist(), strict=True))
-
-    def _measured(self) -> Measured:
-        return Measured(self._data.qpos[self._qpos], self._data.qvel[self._dofs])
 
     def _elements_of(self, joints: Iterable[str]) -> tuple[str, ...]:
         owner = {name: g.name for g in self.robot.grippers for name in g.joints}

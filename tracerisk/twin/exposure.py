@@ -1,0 +1,90 @@
+"""Sum up what an element did over a set of steps."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.trace import Exposure
+from tracerisk.twin.activity import ElementActivity
+
+Flags = NDArray[np.bool_]
+Array = NDArray[np.float64]
+
+ACTIVE_S = 0.05  # a state that lasted less does not make an element active [s]
+_BORDER = 2.0  # a factor of the threshold, up or down
+
+
+def exposure(activity: ElementActivity, mask: Flags, step_s: float) -> Exposure:
+    """Return the exposure of an element over the steps in `mask`, (n_steps,).
+
+    Over masks that split the run, times, starts and grasps sum to those of the whole run.
+    torque_rms is over the active steps. torque_cubic is (sum |v| T^3 / sum |v|)^(1/3) over the
+    moving steps: the load at which a drive that wears by revolutions would age alike.
+    """
+    moving, holding = activity.moving & mask, activity.holding & mask
+    grasping, active = activity.grasping & mask, activity.active & mask
+    return Exposure(
+        moving_s=_seconds(moving, step_s),
+        holding_s=_seconds(holding, step_s),
+        grasping_s=_seconds(grasping, step_s),
+        active_s=_seconds(active, step_s),
+        longest_moving_s=_longest(moving) * step_s,
+        longest_active_s=_longest(active) * step_s,
+        starts=int(np.count_nonzero(_begins(activity.moving) & mask)),
+        grasps=int(np.count_nonzero(_begins(activity.grasping) & mask)),
+        torque_rms=_rms(activity.torque[active]),
+        torque_cubic=_cubic_mean(activity.torque[moving], activity.speed[moving]),
+        borderline=_is_borderline(activity, mask, step_s),
+    )
+
+
+def _seconds(flags: Flags, step_s: float) -> float:
+    return int(np.count_nonzero(flags)) * step_s
+
+
+def _longest(flags: Flags) -> int:
+    """Return the length of the longest run of true entries."""
+    padded = np.concatenate(([False], flags, [False]))
+    edges = np.flatnonzero(np.diff(padded))
+    return int((edges[1::2] - edges[::2]).max(initial=0))
+
+
+def _begins(flags: Flags) -> Flags:
+    return flags & ~np.concatenate(([False], flags[:-1]))
+
+
+def _rms(torque: Array) -> float:
+    return float(np.sqrt(np.mean(torque**2))) if len(torque) else 0.0
+
+
+def _cubic_mean(torque: Array, speed: Array) -> float:
+    travelled = float(speed.sum())
+    return float(np.cbrt((speed * torque**3).sum() / travelled)) if travelled > 0.0 else 0.0
+
+
+def _is_borderline(activity: ElementActivity, mask: Flags, step_s: float) -> bool:
+    """Say whether the value that decides on the element's state was near its threshold.
+
+    Where it clearly moved, no other value decides; where it did not, its torque does.
+    """
+    limits = activity.thresholds
+    n_steps = round(limits.debounce_on / step_s)
+    if _near(_sustained(activity.speed[mask], n_steps), limits.moving_on):
+        return True
+    if _near(_sustained(activity.grip[mask], n_steps), limits.grasping_on):
+        return True
+    if _longest(activity.moving & mask) * step_s >= ACTIVE_S:
+        return False
+    return _near(_sustained(activity.torque[mask], n_steps), limits.holding_on)
+
+
+def _sustained(values: Array, n_steps: int) -> float:
+    """Return the value that was reached or exceeded in `n_steps` steps."""
+    if len(values) < n_steps:
+        return 0.0
+    return float(np.partition(values, -n_steps)[-n_steps])
+
+
+def _near(value: float, threshold: float) -> bool:
+    return threshold / _BORDER <= value <= threshold * _BORDER
