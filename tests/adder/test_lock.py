@@ -1,0 +1,196 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tracerisk.adder.lock import (
+    ControllerLock,
+    Lock,
+    LockError,
+    WrittenBlock,
+    WrittenComponent,
+    loads,
+    lock_key,
+    read_lock,
+    written_block,
+)
+from tracerisk.errors import ExitCode
+
+GRIPPER = WrittenComponent(
+    {"probability": "7.344e-08", "quantity": "1", "redundancy": "false"}, omitted=True
+)
+PLACE = WrittenBlock({"callSequence": "5", "next": "init 9/10, done 1/10"}, {"gripper": GRIPPER})
+ENTRY = ControllerLock("abc", {"src/pick.py": {"place": PLACE}}, {"visits": 50, "robot": "panda"})
+
+
+def test_a_lock_is_sorted_json_with_one_value_a_line() -> None:
+    lock = Lock().with_controller("src/pick.py", ENTRY)
+    assert lock.dumps().decode() == (
+        "{\n"
+        ' "controllers": {\n'
+        '  "src/pick.py": {\n'
+        '   "blocks": {\n'
+        '    "src/pick.py": {\n'
+        '     "place": {\n'
+        '      "callSequence": "5",\n'
+        '      "components": {\n'
+        '       "gripper": {\n'
+        '        "omitted": true,\n'
+        '        "probability": "7.344e-08",\n'
+        '        "quantity": "1",\n'
+        '        "redundancy": "false"\n'
+        "       }\n"
+        "      },\n"
+        '      "next": "init 9/10, done 1/10"\n'
+        "     }\n"
+        "    }\n"
+        "   },\n"
+        '   "fingerprint": "abc",\n'
+        '   "trace": {\n'
+        '    "robot": "panda",\n'
+        '    "visits": 50\n'
+        "   }\n"
+        "  }\n"
+        " },\n"
+        ' "schema": "tracerisk.lock",\n'
+        ' "version": 1\n'
+        "}\n"
+    )
+
+
+def test_a_lock_read_again_is_the_same_lock() -> None:
+    pending = ControllerLock("abc", {}, {}, previous={"a.py": {"place": PLACE}})
+    lock = Lock().with_controller("b.py", ENTRY).with_controller("a.py", pending)
+    assert loads(lock.dumps(), "tracerisk.lock") == lock
+    assert lock.without_controller("a.py") == Lock().with_controller("b.py", ENTRY)
+
+
+def test_the_order_of_writing_leaves_no_mark() -> None:
+    one = Lock().with_controller("a.py", ENTRY).with_controller("b.py", ENTRY)
+    other = Lock().with_controller("b.py", ENTRY).with_controller("a.py", ENTRY)
+    assert one.dumps() == other.dumps()
+
+
+def test_no_lock_is_an_empty_lock(tmp_path: Path) -> None:
+    assert read_lock(tmp_path / "tracerisk.lock") == Lock()
+
+
+def test_what_is_written_is_the_tools_part_of_a_block(read_block) -> None:
+    block = read_block(
+        """
+        RiskAnnotation
+        @Function {
+          name = place
+          callSequence := 4  ! computed 5
+          next := done 1
+        }
+        @Component {
+          name = motor
+          probability := 1e-6  ! computed none; gone
+          quantity = 7
+          redundancy = false
+        }
+        @Component := omit {
+          name = gripper
+          probability = 7.344e-08
+          quantity = 1
+          redundancy = false
+        }
+        @Component := {
+          name = hose
+          probability = 1e-9
+          quantity = 1
+          redundancy = false
+        }
+        """
+    )
+    assert written_block(block) == WrittenBlock(
+        {"callSequence": "5"},
+        {
+            "motor": WrittenComponent({"quantity": "7", "redundancy": "false"}),
+            "gripper": GRIPPER,
+        },
+    )
+
+
+def test_a_file_is_named_from_the_folder_of_the_lock(tmp_path: Path) -> None:
+    assert lock_key(tmp_path / "a" / ".." / "src" / "c.py", tmp_path) == "src/c.py"
+    with pytest.raises(LockError, match=r"the folder of tracerisk\.lock"):
+        lock_key(tmp_path / "c.py", tmp_path / "other")
+
+
+@pytest.mark.parametrize("path", ["/home/me/c.py", "../c.py", "src\\c.py"])
+def test_a_path_that_means_nothing_elsewhere_is_not_taken(path: str) -> None:
+    with pytest.raises(ValueError, match="not a path relative to the lock's folder"):
+        Lock().with_controller(path, ENTRY)
+
+
+GOOD = Lock().with_controller("c.py", ENTRY).dumps().decode()
+
+
+def changed(**parts: object) -> str:
+    data = json.loads(GOOD)
+    data["controllers"]["c.py"].update(parts)
+    return json.dumps(data)
+
+
+BAD_LOCKS = {
+    "cut short": (GOOD[:300], ":16:14: is not JSON"),
+    "empty": ("", ":1:1: is not JSON (Expecting value), or was cut short; restore it"),
+    "conflict markers": (
+        GOOD.replace("{\n", "{\n<<<<<<< HEAD\n", 1),
+        ":2: `<<<<<<< HEAD` is a conflict marker; take one side of the file",
+    ),
+    "another file": ("[]", ": the lock is missing or no JSON object"),
+    "another schema": ("{}", ": is not a lock of tracerisk: it has no `schema` tracerisk.lock"),
+    "a later version": (
+        GOOD.replace('"version": 1', '"version": 2'),
+        ": has version 2; this tracerisk reads 1",
+    ),
+    "an unknown key": (
+        GOOD.replace('"version": 1', '"version": 1, "host": "x"'),
+        ": the lock: unknown key host; allowed: controllers, schema, version",
+    ),
+    "a key twice": (
+        GOOD.replace('"fingerprint": "abc"', '"fingerprint": "abc", "fingerprint": "d"'),
+        ": fingerprint stands twice in one object",
+    ),
+    "no number": (changed(trace={"a": float("nan")}), ": holds NaN, which is no JSON number"),
+    "no fingerprint": (changed(fingerprint=3), ": c.py: fingerprint is missing or no text"),
+    "an unknown key of a controller": (
+        changed(time=3),
+        ": c.py: unknown key time; allowed: blocks",
+    ),
+    "an absolute path": (GOOD.replace('"c.py"', '"/c.py"'), ": /c.py is not a path relative"),
+    "no blocks": (changed(blocks=None), ": c.py: blocks is missing or no JSON object"),
+    "a bad value": (
+        GOOD.replace("7.344e-08", "7"),
+        ": c.py: blocks: src/pick.py: place: gripper: probability = 7 is not allowed; "
+        "allowed: a probability from 0 to 1",
+    ),
+    "an unknown value": (
+        GOOD.replace("callSequence", "sequence"),
+        ": c.py: blocks: src/pick.py: place: unknown key sequence; did you mean 'callSequence'?",
+    ),
+    "a bad omission": (
+        GOOD.replace("true", '"yes"'),
+        "gripper: omitted = yes is not allowed; allowed: true, false",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", sorted(BAD_LOCKS))
+def test_a_bad_lock_is_an_error_that_says_what_to_do(case: str) -> None:
+    text, message = BAD_LOCKS[case]
+    with pytest.raises(LockError) as caught:
+        loads(text.encode(), "tracerisk.lock")
+    assert str(caught.value).startswith("tracerisk.lock:")
+    assert message in str(caught.value)
+    assert caught.value.exit_code == ExitCode.BAD_INPUT
+
+
+def test_a_lock_that_is_no_text_is_an_error() -> None:
+    with pytest.raises(LockError, match="is not UTF-8 text"):
+        loads(b"\xff\xfe", "tracerisk.lock")
