@@ -5,6 +5,7 @@ from __future__ import annotations
 import sysconfig
 from functools import lru_cache
 from pathlib import Path
+from sys import _getframe
 from types import FrameType
 
 from tracerisk.errors import Location
@@ -49,3 +50,11 @@ def library_call(frame: FrameType | None) -> str | None:
             called = frame.f_code.co_qualname
         frame = frame.f_back
     return called if frame is not None else None
+
+
+def controller_frame() -> FrameType | None:
+    """Return the controller's innermost frame in the calling thread."""
+    frame: FrameType | None = _getframe(1)
+    while frame is not None and is_library(frame.f_code.co_filename):
+        frame = frame.f_back
+    return frame

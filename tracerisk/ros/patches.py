@@ -17,6 +17,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from sys import _getframe
 from typing import Any
 
 from tracerisk.ros.controller_thread import RunOver
@@ -74,7 +75,7 @@ def _thread_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]
 
     def reentrant() -> Any:
         # The Python class is written on `_allocate_lock` and so waits in virtual time.
-        return threading._PyRLock() if scheduler.current is not None else real_reentrant()
+        return vars(threading)["_PyRLock"]() if scheduler.current is not None else real_reentrant()
 
     low_level = sys.modules["_thread"]
     for owner, name, value in (
@@ -179,7 +180,7 @@ def _poll(
     @functools.wraps(real)
     def ask(*args: Any, **kwargs: Any) -> Any:
         found = real(*args, **kwargs)
-        if waits(found) and not is_quiet(sys._getframe(1)):
+        if waits(found) and not is_quiet(_getframe(1)):
             scheduler.touch()
         return found
 

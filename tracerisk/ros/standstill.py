@@ -9,11 +9,12 @@ from tracerisk.ros.controller_thread import ControllerThread, RunOver
 from tracerisk.trace import EndCause
 
 
-def end_of_standstill(threads: Iterable[ControllerThread]) -> RunOver:
+def end_of_standstill(threads: Iterable[ControllerThread], *, listens: bool) -> RunOver:
     """Judge a standstill: no thread can go on, no event is due and nothing moves.
 
     It is a deadlock where a thread waits for a thing that nothing provides, where threads hold
-    each other's locks, or where no thread is left that listens to the world outside.
+    each other's locks, or where nothing listens to the world outside (`listens`: the controller
+    subscribes to a topic or serves something).
     Else it is a quiet end, as of a node that spins.
     """
     waiting = sorted(
@@ -29,7 +30,7 @@ def end_of_standstill(threads: Iterable[ControllerThread]) -> RunOver:
     main = next((thread for thread in waiting if thread.is_main), None)
     if main is None:
         return RunOver("quiescent", "nothing can happen any more")
-    if any(_kind(thread) == "idle" for thread in waiting):
+    if listens or any(_kind(thread) == "idle" for thread in waiting):
         return _over("quiescent", main, f"nothing can happen any more: {_tell(main)}")
     last = _chain(main)[-1]
     return _over("deadlock", last, f"{_tell(last)}, which nothing can end")

@@ -5,9 +5,9 @@ from __future__ import annotations
 import datetime as dt
 import math
 import select
-import sys
 import time
 from collections.abc import Callable
+from sys import _getframe
 from types import FrameType
 from typing import Any
 
@@ -107,7 +107,7 @@ class VirtualClock:
         self, real: Callable[[], Any], start_ns: int, units_per_s: int
     ) -> Callable[[], Any]:
         def read() -> Any:
-            now_ns = self._now(sys._getframe(1))
+            now_ns = self._now(_getframe(1))
             if now_ns is None:
                 return real()
             return start_ns + now_ns if units_per_s == 1 else (start_ns + now_ns) / units_per_s
@@ -117,7 +117,7 @@ class VirtualClock:
     def _with_default_time(self, real: Callable[..., Any]) -> Callable[..., Any]:
         def convert(seconds: float | None = None, /) -> Any:
             if seconds is None:
-                now_ns = self._now(sys._getframe(1))
+                now_ns = self._now(_getframe(1))
                 seconds = None if now_ns is None else (EPOCH_NS + now_ns) / NANOSECONDS
             return real(seconds)
 
@@ -126,7 +126,7 @@ class VirtualClock:
     def _with_default_tuple(self, real: Callable[..., Any], position: int) -> Callable[..., Any]:
         def convert(*args: Any) -> Any:
             if len(args) == position:
-                now_ns = self._now(sys._getframe(1))
+                now_ns = self._now(_getframe(1))
                 if now_ns is not None:
                     args = (*args, _real_localtime((EPOCH_NS + now_ns) / NANOSECONDS))
             return real(*args)
@@ -136,7 +136,7 @@ class VirtualClock:
     def _by_clock(self, real: Callable[[int], Any], units_per_s: int) -> Callable[[int], Any]:
         def read(clock: int, /) -> Any:
             start_ns = EPOCH_NS if clock == time.CLOCK_REALTIME else MONOTONIC_START_NS
-            now_ns = self._now(sys._getframe(1))
+            now_ns = self._now(_getframe(1))
             if now_ns is None:
                 return real(clock)
             return start_ns + now_ns if units_per_s == 1 else (start_ns + now_ns) / units_per_s
@@ -154,21 +154,21 @@ class VirtualClock:
         class Date(dt.date, metaclass=_KindOf):
             @classmethod
             def today(cls) -> Any:
-                return cls.fromtimestamp(seconds(sys._getframe(1)))
+                return cls.fromtimestamp(seconds(_getframe(1)))
 
         class DateTime(dt.datetime, metaclass=_KindOf):
             @classmethod
             def now(cls, tz: dt.tzinfo | None = None) -> Any:
-                return cls.fromtimestamp(seconds(sys._getframe(1)), tz)
+                return cls.fromtimestamp(seconds(_getframe(1)), tz)
 
             @classmethod
             def utcnow(cls) -> Any:
-                aware = cls.fromtimestamp(seconds(sys._getframe(1)), dt.UTC)
+                aware = cls.fromtimestamp(seconds(_getframe(1)), dt.UTC)
                 return aware.replace(tzinfo=None)
 
             @classmethod
             def today(cls) -> Any:
-                return cls.fromtimestamp(seconds(sys._getframe(1)))
+                return cls.fromtimestamp(seconds(_getframe(1)))
 
         classes: dict[str, type] = {"date": Date, "datetime": DateTime}
         for name, replacement in classes.items():

@@ -7,10 +7,10 @@ controller's and for what is left when the run is over.
 
 from __future__ import annotations
 
-import sys
 import threading
 from _thread import allocate_lock, start_new_thread
 from collections.abc import Callable, Mapping
+from sys import _getframe
 from types import TracebackType
 from typing import Any, NoReturn
 
@@ -112,7 +112,7 @@ class Lock:
 
 
 def _caller_is(function: Callable[..., object]) -> bool:
-    return sys._getframe(2).f_code is function.__code__
+    return _getframe(2).f_code is function.__code__
 
 
 class ThreadStarter:

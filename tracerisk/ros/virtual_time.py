@@ -13,13 +13,13 @@ from __future__ import annotations
 
 import heapq
 import itertools
-import sys
 import threading
 import traceback
 from _thread import get_ident, start_new_thread
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, field
+from sys import _getframe
 from typing import Any, Protocol, TypeVar
 
 from tracerisk.errors import Location
@@ -108,6 +108,8 @@ class Scheduler:
 
     `world` moves while all wait, `duration_ns` is the simulated time after which the run is over.
     `tracer` gives new threads the stack of their creator.
+    `listens` (an attribute, set by the graph) tells whether the controller listens to the world
+    outside, so that a standstill is no hang. `failed_threads` names those that died of an error.
     `on_stuck` is called in the main thread when it has swallowed the end of the run a thousand
     times; it should end the process.
     """
@@ -123,6 +125,7 @@ class Scheduler:
         self.world = world
         self.duration_ns = duration_ns
         self.tracer = tracer
+        self.listens: Callable[[], bool] = lambda: False
         self.failed_threads: list[tuple[str, BaseException]] = []
         self._on_stuck = on_stuck
         self._now_ns = 0
@@ -238,6 +241,16 @@ class Scheduler:
         call = ScheduledCall(time_ns, next(self._sequence), callback, background)
         heapq.heappush(self._events, call)
         return call
+
+    def raise_if_over(self) -> None:
+        """Raise the end of the run in a thread of the controller, once it is over.
+
+        Raises:
+            RunOver: the run is over.
+        """
+        thread = self.current
+        if thread is not None:
+            self._raise_if_over(thread)
 
     # Threads
 
@@ -380,7 +393,7 @@ class Scheduler:
     ) -> bool:
         self._raise_if_over(thread)
         wait = self._new_wait(predicate, deadline_ns, reason, kind, on)
-        wait.frame = sys._getframe(1)
+        wait.frame = _getframe(1)
         thread.wait = wait
         following = self._next_thread(thread)
         if following is not thread:
@@ -453,7 +466,7 @@ class Scheduler:
             call.callback is not None and not call.background for call in self._events
         )
         if not expected and not self.world.busy:
-            self._over = end_of_standstill(self._threads)
+            self._over = end_of_standstill(self._threads, listens=self.listens())
             return
         target_ns = min([*deadlines, *events, self.duration_ns])
         self._advance(target_ns)

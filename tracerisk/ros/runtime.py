@@ -1,0 +1,67 @@
+"""The one run that a process of the controller serves.
+
+Client libraries are global by nature: `rospy.loginfo` is handed no context. This is the single
+slot from which the stand-ins take theirs; nothing else in tracerisk is process-wide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    from tracerisk.ros.graph import Graph
+    from tracerisk.ros.virtual_time import CallTracer, Scheduler
+
+State = TypeVar("State")
+
+
+@dataclass(frozen=True, slots=True)
+class Runtime:
+    """What a run is made of.
+
+    `argv` is the controller's command line, `seed` that of everything random.
+    `clients` holds the state of each client library, by the class of that state.
+    """
+
+    scheduler: Scheduler
+    graph: Graph
+    twin: Any = None
+    tracer: CallTracer | Any = None
+    recorder: Any = None
+    argv: tuple[str, ...] = ("controller",)
+    seed: int = 0
+    clients: dict[type, Any] = field(default_factory=dict)
+
+    def client(self, kind: Callable[[Runtime], State]) -> State:
+        """Return the state of a client library, made by its class when first asked for."""
+        if kind not in self.clients:
+            self.clients[kind] = kind(self)  # type: ignore[index]
+        state: State = self.clients[kind]  # type: ignore[index]
+        return state
+
+
+_active: list[Runtime] = []
+
+
+def current() -> Runtime:
+    """Return the runtime that is active.
+
+    Raises:
+        RuntimeError: none is; a stand-in was used outside a run.
+    """
+    if not _active:
+        raise RuntimeError("no run is active: the ROS stand-ins work inside `tracerisk run` only")
+    return _active[-1]
+
+
+@contextmanager
+def activate(runtime: Runtime) -> Iterator[Runtime]:
+    """Make `runtime` the active one within the block."""
+    _active.append(runtime)
+    try:
+        yield runtime
+    finally:
+        _active.remove(runtime)

@@ -1,0 +1,74 @@
+"""The state of the one rospy node of a process; it lives in the run's `Runtime`."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.ros import names
+from tracerisk.ros.runtime import Runtime, current
+
+if TYPE_CHECKING:
+    from .topics import _PublisherImpl, _SubscriberImpl
+
+
+class NodeState:
+    """Names, flags, hooks and endpoints of the node."""
+
+    def __init__(self, runtime: Runtime) -> None:
+        self.runtime = runtime
+        self.scheduler = runtime.scheduler
+        self.graph = runtime.graph
+        self.mappings = names.load_mappings(runtime.argv)
+        space = self.mappings.get("__ns", os.environ.get("ROS_NAMESPACE", names.SEP))
+        self.namespace = names.make_global(space)
+        self.name = self.namespace + "unnamed"
+        self.resolved_mappings: dict[str, str] = {}
+        self.is_initialized = False
+        self.is_time_initialized = False
+        self.init_args: tuple[Any, ...] | None = None
+        self.is_shutdown = False
+        self.is_shutdown_requested = False
+        self.client_hooks: list[Callable[[], object]] = []
+        self.preshutdown_hooks: list[Callable[[str], object]] = []
+        self.shutdown_hooks: list[Callable[[str], object]] = []
+        self.publishers: dict[str, _PublisherImpl] = {}
+        self.subscribers: dict[str, _SubscriberImpl] = {}
+        self.log_level = 2
+        self.logged_once: set[tuple[str, int, int]] = set()
+        self.logged_at: dict[tuple[str, int, int], int] = {}
+        self.logged_text: dict[tuple[str, int, int], str] = {}
+        self.rosout: Any = None
+
+    def set_name(self, name: str) -> None:
+        """Take a resolved name, and resolve the remappings with it."""
+        self.name = name
+        self.namespace = names.namespace(name)
+        self.resolved_mappings = {
+            old if old.startswith("__") else names.resolve(old, name): (
+                new if old.startswith("__") else names.resolve(new, name)
+            )
+            for old, new in self.mappings.items()
+        }
+
+    def wait(
+        self,
+        predicate: Callable[[], bool],
+        timeout_ns: int | None,
+        reason: str,
+        kind: Any = "blocked",
+    ) -> bool:
+        """Wait until `predicate` holds or the node shuts down; tell whether it holds."""
+        self.scheduler.wait_until(
+            lambda: self.is_shutdown or predicate(),
+            timeout_ns=timeout_ns,
+            reason=reason,
+            kind=kind,
+        )
+        return predicate()
+
+
+def node() -> NodeState:
+    """Return the state of the node of the active run."""
+    return current().client(NodeState)

@@ -1,0 +1,1 @@
+"""What is behind rospy's public modules."""

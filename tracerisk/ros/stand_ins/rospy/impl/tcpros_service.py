@@ -1,0 +1,17 @@
+"""Where programs find the classes of services that are public as `rospy.Service`."""
+
+from ..service import (  # noqa: TID252 - a stand-in is loaded under the library's own name
+    Service,
+    ServiceImpl,
+    ServiceProxy,
+    convert_return_to_response,
+    wait_for_service,
+)
+
+__all__ = [
+    "Service",
+    "ServiceImpl",
+    "ServiceProxy",
+    "convert_return_to_response",
+    "wait_for_service",
+]

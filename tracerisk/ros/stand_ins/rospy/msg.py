@@ -1,0 +1,79 @@
+"""Messages as arguments: any type, and how a call's arguments become a message."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from typing import Any
+
+from tracerisk.ros.message_base import Message
+from tracerisk.ros.names import ANY_TYPE
+
+from .exceptions import ROSException
+
+
+class AnyMsg(Message):
+    """A message of any type, as the bytes that came: `_buff`."""
+
+    __slots__ = ["_buff"]
+
+    _md5sum = ANY_TYPE
+    _type = ANY_TYPE
+    _has_header = False
+    _full_text = ""
+
+    def __init__(self, *args: Any) -> None:
+        if args:
+            raise ROSException("AnyMsg does not accept arguments")
+        self._buff: bytes | None = None
+
+    def serialize(self, buff: Any) -> None:
+        """Write the bytes as they came.
+
+        Raises:
+            ROSException: none came.
+        """
+        if self._buff is None:
+            raise ROSException("AnyMsg is not initialized")
+        buff.write(self._buff)
+
+    def deserialize(self, str: bytes) -> AnyMsg:
+        """Keep the bytes."""
+        self._buff = str
+        return self
+
+
+def args_kwds_to_message(data_class: Any, args: tuple[Any, ...], kwds: dict[str, Any]) -> Any:
+    """Return the message that a call's arguments stand for: one message, its fields, or names.
+
+    Raises:
+        TypeError: positional arguments and keywords, or a message of another type.
+    """
+    if args and kwds:
+        raise TypeError("publish() can be called with arguments or keywords, but not both.")
+    if kwds:
+        return data_class(**kwds)
+    if len(args) == 1 and isinstance(args[0], Message):
+        given = args[0]
+        if isinstance(given, AnyMsg) or given._type == data_class._type:
+            return given
+        if not data_class._slot_types:
+            raise TypeError(f"expected [] but got [{given._type}]")
+        if given._type != data_class._slot_types[0]:
+            raise TypeError(f"expected [{data_class._slot_types[0]}] but got [{given._type}]")
+    return data_class(*args)
+
+
+def to_bytes(message: Message) -> bytes:
+    """Return a message as it goes over the wire.
+
+    Raises:
+        SerializationError: a field holds what its type cannot take.
+    """
+    buffer = BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()
+
+
+def sent_copy(message: Message, data_class: Any) -> Any:
+    """Return a message as `data_class` receives it: through the wire's format."""
+    return data_class().deserialize(to_bytes(message))
