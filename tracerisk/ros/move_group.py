@@ -1,0 +1,366 @@
+"""The move_group node of MoveIt, in process: it plans and executes on the twin.
+
+A command is recorded when a motion is executed, not when it is planned. A failure to plan is
+answered with MoveIt's error code and told as a finding of the run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from tracerisk.errors import RobotError, one_of
+from tracerisk.ros.planning_scene import PlanningScene
+from tracerisk.ros.poses import ORIGIN, compose, inverse
+from tracerisk.ros.trajectory_execution import ErrorCode, TrajectoryExecution
+from tracerisk.twin.motion import JointTrajectory, PlanningError, PlanningFailure, Pose
+
+if TYPE_CHECKING:
+    from tracerisk.ros.runtime import Runtime
+    from tracerisk.twin.robot import Gripper, Group, Robot
+    from tracerisk.twin.twin import Twin
+
+_FREE_POSITION = 1e3  # a position tolerance that any position meets [m]
+_FREE_ORIENTATION = 10.0  # an orientation tolerance that any orientation meets [rad]
+_WORLD_FRAMES = frozenset({"", "world", "map", "odom"})
+
+GoalKind = Literal["pose", "position", "orientation"]
+
+
+# As move_group answers a motion plan request: a pose without a solution is a plan not found.
+_CODE_OF: Mapping[PlanningFailure, ErrorCode] = {
+    "invalid_goal": ErrorCode.INVALID_GOAL_CONSTRAINTS,
+    "no_ik_solution": ErrorCode.PLANNING_FAILED,
+    "no_plan": ErrorCode.PLANNING_FAILED,
+    "collision": ErrorCode.GOAL_IN_COLLISION,
+    "bad_request": ErrorCode.INVALID_MOTION_PLAN,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class PoseGoal:
+    """Where a link should come, in the planning frame; tolerances in [m] and [rad]."""
+
+    link: str
+    pose: Pose
+    kind: GoalKind = "pose"
+    position_tolerance: float = 1e-4
+    orientation_tolerance: float = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Scaling:
+    """Fractions in (0, 1] of the rated velocity and acceleration."""
+
+    velocity: float
+    acceleration: float
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What planning came to: a trajectory with SUCCESS, none with any other code."""
+
+    code: ErrorCode
+    trajectory: JointTrajectory | None
+    message: str = ""
+
+
+class MoveGroupServer:
+    """Plan and execute on the twin of `runtime`, for every client in the process.
+
+    `execution` carries out trajectories, `scene` is the planning scene.
+    """
+
+    def __init__(self, runtime: Runtime) -> None:
+        self._runtime = runtime
+        self._twin: Twin = runtime.twin
+        self.robot: Robot = runtime.twin.robot
+        self.scene = PlanningScene()
+        self.execution = TrajectoryExecution(runtime)
+        self.random = np.random.default_rng(runtime.seed)
+
+    # What the robot is
+
+    @property
+    def planning_frame(self) -> str:
+        """The frame in which plans are made: the robot's base link."""
+        return self.robot.base_link
+
+    def group(self, name: str) -> Group:
+        """Return a planning group.
+
+        Raises:
+            RobotError: the robot has no such group; lists those it has.
+        """
+        return self.robot.group(name)
+
+    def gripper_of(self, name: str) -> Gripper | None:
+        """Return the gripper whose fingers are all that the group moves, else None."""
+        joints = set(self.group(name).joints)
+        return next((one for one in self.robot.grippers if joints <= set(one.joints)), None)
+
+    def end_effector_link(self, name: str) -> str:
+        """Return the tip of a group that is an arm, else the empty string."""
+        group = self.group(name)
+        return group.tip_link if group.tip_link and self.gripper_of(name) is None else ""
+
+    def group_links(self, name: str) -> tuple[str, ...]:
+        """Return the links that the group's joints carry, from the base to the tip.
+
+        Links of fixed joints belong to the group as far as they lie on the way to its tip.
+        """
+        group = self.group(name)
+        parents = {one.child: one for one in self.robot.attachments}
+        way = set()
+        link = group.tip_link
+        while link in parents:
+            way.add(link)
+            link = parents[link].parent
+        moved = {one.child for one in self.robot.attachments if one.name in group.joints}
+        first = min((self.robot.link_names.index(link) for link in moved), default=0)
+        return tuple(
+            link
+            for index, link in enumerate(self.robot.link_names)
+            if link in moved or (link in way and index > first)
+        )
+
+    def default_target(self, name: str) -> dict[str, float]:
+        """Return a new client's joint target: zero, or the middle where zero is out of limits."""
+        target = {}
+        for joint in map(self.robot.joint, self.group(name).joints):
+            middle = (joint.lower + joint.upper) / 2
+            target[joint.name] = 0.0 if joint.lower <= 0.0 <= joint.upper else middle
+        return target
+
+    def random_target(self, name: str) -> dict[str, float]:
+        """Return joint positions drawn evenly within the group's limits."""
+        joints = map(self.robot.joint, self.group(name).joints)
+        return {one.name: float(self.random.uniform(one.lower, one.upper)) for one in joints}
+
+    # What the state is; each look moves the clock if it was looked at before
+
+    def positions(self) -> dict[str, float]:
+        """Return the position of every joint [rad or m]."""
+        self._runtime.scheduler.touch()
+        return self._positions()
+
+    def link_pose(self, link: str) -> Pose:
+        """Return a link's pose in the planning frame.
+
+        Raises:
+            RobotError: the robot has no such link; lists those it has.
+        """
+        self._runtime.scheduler.touch()
+        return self._twin.link_pose(link)
+
+    def forward(self, positions: Mapping[str, float], link: str) -> Pose:
+        """Return a link's pose at given joint positions; joints left out stand as they are."""
+        return self._twin.forward_kinematics({**self._positions(), **positions}, link)
+
+    def frame(self, name: str) -> Pose | None:
+        """Return the pose of a frame (a link, the world, an object of the scene), else None."""
+        name = name.lstrip("/")
+        if name in _WORLD_FRAMES or name == self.planning_frame:
+            return ORIGIN
+        if name in self.robot.link_names:
+            return self._twin.link_pose(name)
+        return self.object_pose(name)
+
+    def object_pose(self, name: str) -> Pose | None:
+        """Return the pose of an object of the scene in the planning frame, else None."""
+        if name in self.scene.world:
+            return self.scene.world[name].pose
+        attached = self.scene.attached.get(name)
+        if attached is None:
+            return None
+        return compose(self._twin.link_pose(attached.link), attached.object.pose)
+
+    def now_ns(self) -> int:
+        """Return the time as the controller reads it [ns]."""
+        return self._runtime.scheduler.read_clock()
+
+    def _positions(self) -> dict[str, float]:
+        state = self._twin.joint_state()
+        return dict(zip(state.names, state.position, strict=True))
+
+    # Planning
+
+    def plan_joints(
+        self,
+        group: str,
+        target: Mapping[str, float],
+        scaling: Scaling,
+        start: Mapping[str, float] | None = None,
+    ) -> Plan:
+        """Plan to joint positions."""
+        self._runtime.scheduler.touch()
+        try:
+            return self._plan_joints(group, target, scaling, start)
+        except PlanningError as error:
+            return self._failed(group, error)
+
+    def plan_pose(
+        self,
+        group: str,
+        goals: Sequence[Sequence[PoseGoal]],
+        scaling: Scaling,
+        start: Mapping[str, float] | None = None,
+    ) -> Plan:
+        """Plan to the first of several alternative goals that can be reached.
+
+        Each alternative is one goal a link, all of which must be met.
+        """
+        self._runtime.scheduler.touch()
+        failure = PlanningError("invalid_goal", "no goal is set; set a target first")
+        for alternative in goals:
+            try:
+                target = self.reach(group, alternative, start)
+                return self._plan_joints(group, target, scaling, start)
+            except PlanningError as error:
+                failure = error
+        return self._failed(group, failure)
+
+    def plan_cartesian(
+        self,
+        group: str,
+        waypoints: Sequence[Pose],
+        *,
+        link: str,
+        eef_step: float,
+        start: Mapping[str, float] | None = None,
+    ) -> tuple[Plan, float]:
+        """Plan straight lines through `waypoints` at the rated speeds, as the service does.
+
+        Returns the plan and the fraction of the way that it covers; less than 1 is no failure
+        here, the caller decides.
+        """
+        self._runtime.scheduler.touch()
+        try:
+            trajectory, fraction = self._twin.plan_cartesian(
+                group,
+                waypoints,
+                link=link,
+                eef_step=eef_step,
+                start=start,
+                velocity_scaling=1.0,
+                acceleration_scaling=1.0,
+            )
+        except PlanningError as error:
+            return self._failed(group, error), -1.0
+        return Plan(ErrorCode.SUCCESS, trajectory), fraction
+
+    def retime(self, trajectory: JointTrajectory, scaling: Scaling) -> JointTrajectory:
+        """Return the path timed anew.
+
+        Raises:
+            PlanningError: the trajectory is none.
+        """
+        return self._twin.retime(
+            trajectory,
+            velocity_scaling=scaling.velocity,
+            acceleration_scaling=scaling.acceleration,
+        )
+
+    def reach(
+        self, group: str, goals: Sequence[PoseGoal], start: Mapping[str, float] | None = None
+    ) -> dict[str, float]:
+        """Return joint positions that meet the goals.
+
+        Raises:
+            PlanningError: none were found.
+        """
+        if len(goals) != 1:
+            raise PlanningError(
+                "no_plan", f"{len(goals)} links have a goal at once; one at a time is planned"
+            )
+        (goal,) = goals
+        if goal.link not in self.robot.link_names:
+            raise PlanningError(
+                "bad_request",
+                f"robot '{self.robot.name}' has no link '{goal.link}'; "
+                f"{one_of(self.robot.link_names, goal.link)}",
+            )
+        pose, tolerances = self._free(goal, start or {})
+        try:
+            return self._solve(group, goal.link, pose, tolerances, start)
+        except PlanningError as error:
+            wide = (
+                max(tolerances[0], goal.position_tolerance),
+                max(tolerances[1], goal.orientation_tolerance),
+            )
+            if error.failure != "no_ik_solution" or wide == tolerances:
+                raise
+        return self._solve(group, goal.link, pose, wide, start)
+
+    def _free(self, goal: PoseGoal, start: Mapping[str, float]) -> tuple[Pose, tuple[float, float]]:
+        """Return the pose to look for, and how near counts: the part not asked for stays near."""
+        here = self.forward(start, goal.link)
+        if goal.kind == "position":
+            return Pose(goal.pose.position, here.orientation), (1e-4, _FREE_ORIENTATION)
+        if goal.kind == "orientation":
+            return Pose(here.position, goal.pose.orientation), (_FREE_POSITION, 1e-3)
+        return goal.pose, (1e-4, 1e-3)
+
+    def _solve(
+        self,
+        group: str,
+        link: str,
+        pose: Pose,
+        tolerances: tuple[float, float],
+        start: Mapping[str, float] | None,
+    ) -> dict[str, float]:
+        return self._twin.inverse_kinematics(
+            group,
+            pose,
+            link=link,
+            seed=start,
+            position_tolerance=tolerances[0],
+            orientation_tolerance=tolerances[1],
+        )
+
+    def _plan_joints(
+        self,
+        group: str,
+        target: Mapping[str, float],
+        scaling: Scaling,
+        start: Mapping[str, float] | None,
+    ) -> Plan:
+        trajectory = self._twin.plan_joints(
+            group,
+            target,
+            start=start,
+            velocity_scaling=scaling.velocity,
+            acceleration_scaling=scaling.acceleration,
+        )
+        return Plan(ErrorCode.SUCCESS, trajectory)
+
+    def _failed(self, group: str, error: PlanningError) -> Plan:
+        message = f"planning for group '{group}' failed: {error.message}"
+        self.execution.tell("planning_failure", message)
+        return Plan(_CODE_OF[error.failure], None, error.message)
+
+    # Objects
+
+    def attach(self, name: str, link: str, touch_links: Sequence[str]) -> bool:
+        """Attach a known object of the world to a link; False where there is none."""
+        if name not in self.scene.world:
+            return False
+        if link not in self.robot.link_names:
+            raise RobotError(
+                f"robot '{self.robot.name}' has no link '{link}'; "
+                f"{one_of(self.robot.link_names, link)}"
+            )
+        in_link = inverse(self._twin.link_pose(link))
+        self.scene.attach(name, link, in_link, touch_links)
+        return True
+
+    def detach(self, name: str) -> bool:
+        """Leave an attached object in the world where it now is; False where there is none."""
+        attached = self.scene.attached.get(name)
+        if attached is None:
+            return False
+        self.scene.detach(name, self._twin.link_pose(attached.link))
+        return True

@@ -1,0 +1,79 @@
+"""The planning scene: the objects a controller has told MoveIt of.
+
+It is kept and answered from, and objects can be attached and detached. Planning does not yet
+avoid them; a program that relies on a plan failing for a collision will not see it fail.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from tracerisk.ros.poses import compose
+from tracerisk.twin.motion import Pose
+
+
+@dataclass(frozen=True, slots=True)
+class SceneObject:
+    """An object: its pose, in the planning frame or in the link it is attached to.
+
+    `message` is the moveit_msgs/CollisionObject that holds its shapes.
+    """
+
+    name: str
+    pose: Pose
+    message: Any
+
+
+@dataclass(frozen=True, slots=True)
+class AttachedObject:
+    """An object that moves with a link."""
+
+    object: SceneObject
+    link: str
+    touch_links: tuple[str, ...]
+
+
+class PlanningScene:
+    """The objects of the world and those attached to the robot, by name, in order of arrival."""
+
+    def __init__(self) -> None:
+        self.world: dict[str, SceneObject] = {}
+        self.attached: dict[str, AttachedObject] = {}
+        self.colors: dict[str, Any] = {}
+
+    def add(self, item: SceneObject) -> None:
+        """Add an object to the world; one of the same name is replaced."""
+        self.world[item.name] = item
+
+    def move(self, name: str, pose: Pose) -> bool:
+        """Move an object of the world; False where there is none."""
+        if name not in self.world:
+            return False
+        self.world[name] = replace(self.world[name], pose=pose)
+        return True
+
+    def remove(self, name: str = "") -> bool:
+        """Remove an object from the world, or all of them; False where there is none."""
+        if not name:
+            self.world.clear()
+            return True
+        return self.world.pop(name, None) is not None
+
+    def attach(self, name: str, link: str, world_in_link: Pose, touch_links: Sequence[str]) -> None:
+        """Attach an object of the world to a link, in whose frame the world is given."""
+        item = self.world.pop(name)
+        moved = replace(item, pose=compose(world_in_link, item.pose))
+        self.attached[name] = AttachedObject(moved, link, tuple(touch_links))
+
+    def detach(self, name: str, link_in_world: Pose) -> None:
+        """Put an attached object back into the world, where it is with its link there."""
+        attached = self.attached.pop(name)
+        item = attached.object
+        self.world[name] = replace(item, pose=compose(link_in_world, item.pose))
+
+    def clear(self) -> None:
+        """Forget every object."""
+        self.world.clear()
+        self.attached.clear()

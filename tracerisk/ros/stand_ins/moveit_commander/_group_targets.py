@@ -1,0 +1,282 @@
+"""The targets of a planning group: joint positions, and poses of links."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from geometry_msgs.msg import Pose, PoseStamped
+from moveit_msgs.msg import RobotState
+from sensor_msgs.msg import JointState
+
+from tracerisk.errors import one_of
+from tracerisk.ros.move_group import GoalKind, PoseGoal
+from tracerisk.ros.poses import compose, quaternion_from_rpy, rpy_from_quaternion, unit_quaternion
+from tracerisk.twin import motion
+from tracerisk.twin.motion import PlanningError
+
+from . import conversions
+from ._group_state import GroupState
+from .exception import MoveItCommanderException
+
+_OUT_OF_BOUNDS = "Error setting joint target. Is the target within bounds?"
+
+
+@dataclass(frozen=True, slots=True)
+class _FramedPose:
+    """A pose and the frame that it is given in."""
+
+    frame: str
+    pose: motion.Pose
+
+
+class GroupTargets(GroupState):
+    """What the next plan is for: the target that was set last."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self._target_kind: Literal["joint"] | GoalKind = "joint"
+        self._joint_target = self._server.default_target(name)
+        self._pose_targets: dict[str, list[_FramedPose]] = {}
+        self._remembered: dict[str, list[float]] = {}
+
+    # Joint positions
+
+    def get_joint_value_target(self) -> list[float]:
+        """Return the joint target, in the order of the joints [rad or m]."""
+        return list(self._joint_target.values())
+
+    def set_joint_value_target(self, arg1: Any, arg2: Any = None, arg3: Any = None) -> None:
+        """Set joint positions as the target.
+
+        `arg1` is a dict, a list or a JointState; or a joint's name, with its position as `arg2`;
+        or a Pose or PoseStamped, whose joint positions are looked for at once, with the link as
+        `arg2` or `arg3` and whether it may be approximate as the other.
+
+        Raises:
+            MoveItCommanderException: a name is not of the group, a value is out of bounds, there
+                are too many or too few values, or no positions reach the pose.
+        """
+        if isinstance(arg1, Pose | PoseStamped):
+            self._set_target_by_pose(arg1, arg2, arg3)
+        elif isinstance(arg1, str):
+            if arg2 is None:
+                raise MoveItCommanderException("Joint value expected when joint name specified")
+            if arg3 is not None:
+                raise MoveItCommanderException("Too many arguments specified")
+            values = list(arg2) if isinstance(arg2, Iterable) else [arg2]
+            if len(values) != 1:
+                raise MoveItCommanderException(f"{_OUT_OF_BOUNDS} '{arg1}' has one value")
+            self._set_joints({arg1: values[0]})
+        elif arg2 is not None or arg3 is not None:
+            raise MoveItCommanderException("Too many arguments specified")
+        elif isinstance(arg1, JointState):
+            if len(arg1.name) != len(arg1.position):
+                raise MoveItCommanderException(
+                    f"{_OUT_OF_BOUNDS} sizes of name and position arrays do not match"
+                )
+            self._set_joints(dict(zip(arg1.name, arg1.position, strict=True)))
+        elif isinstance(arg1, RobotState):
+            state = self._state_positions(arg1)
+            self._set_joints({n: v for n, v in state.items() if n in self._joint_target})
+        elif isinstance(arg1, Mapping):
+            self._set_joints(arg1)
+        elif isinstance(arg1, Iterable):
+            self._set_joints(self._named_values(list(arg1)))
+        else:
+            raise MoveItCommanderException(f"Unsupported argument of type {type(arg1)}")
+
+    def set_random_target(self) -> None:
+        """Set joint positions drawn evenly within the limits as the target."""
+        self._set_joints(self._server.random_target(self._name))
+
+    def _named_values(self, values: Sequence[float]) -> dict[str, float]:
+        names = self.get_joints()
+        if len(values) != len(names):
+            raise MoveItCommanderException(
+                f"{_OUT_OF_BOUNDS} {len(values)} values given, group '{self._name}' has "
+                f"{len(names)} joints: {', '.join(names)}"
+            )
+        return dict(zip(names, values, strict=True))
+
+    def _set_joints(self, values: Mapping[str, Any]) -> None:
+        for name in values:
+            if name not in self._joint_target:
+                raise MoveItCommanderException(
+                    f"{_OUT_OF_BOUNDS} joint '{name}' is not part of group '{self._name}'; "
+                    f"{one_of(self._joint_target, name)}"
+                )
+        # As in MoveIt the target is taken over even where it is then refused.
+        self._target_kind = "joint"
+        self._joint_target.update({name: float(value) for name, value in values.items()})
+        for name in values:
+            joint, value = self._server.robot.joint(name), self._joint_target[name]
+            slack = self._joint_tolerance
+            if not joint.lower - slack <= value <= joint.upper + slack:
+                raise MoveItCommanderException(
+                    f"{_OUT_OF_BOUNDS} {value:g} for joint '{name}' is outside "
+                    f"[{joint.lower:g}, {joint.upper:g}]"
+                )
+
+    def _set_target_by_pose(self, pose: Any, arg2: Any, arg3: Any) -> None:
+        link, approximate = self._end_effector_link, False
+        for argument in (arg2, arg3):
+            if isinstance(argument, str):
+                link = argument or link
+            elif isinstance(argument, bool):
+                approximate = argument
+            elif argument is not None:
+                raise MoveItCommanderException("Unexpected type")
+        self._target_kind = "joint"
+        try:
+            goal = self._pose_goal(link, self._framed(pose), "pose")
+            self._joint_target.update(self._server.reach(self._name, [goal], self._start()))
+        except PlanningError as error:
+            text = f"inverse kinematics of group '{self._name}' failed: {error.message}"
+            self._server.execution.tell("planning_failure", text)
+            asked = "support approximate IK?" if approximate else "functional?"
+            solver = "Does your IK solver" if approximate else "Is the IK solver"
+            raise MoveItCommanderException(
+                f"Error setting joint target. {solver} {asked} {error.message}"
+            ) from error
+
+    # Named and remembered positions
+
+    def get_named_targets(self) -> list[str]:
+        """Return the names of the group's states, the remembered ones first."""
+        return [*sorted(self._remembered), *self._server.robot.named_states.get(self._name, {})]
+
+    def set_named_target(self, name: str) -> None:
+        """Set a remembered or a named state as the target.
+
+        Raises:
+            MoveItCommanderException: there is no such state; lists those there are.
+        """
+        if name in self._remembered:
+            self._set_joints(self._named_values(self._remembered[name]))
+            return
+        states = self._server.robot.named_states.get(self._name, {})
+        if name not in states:
+            raise MoveItCommanderException(
+                f"Unable to set target {name}. Is the target within bounds? Group "
+                f"'{self._name}' has no named target '{name}'; "
+                f"{one_of(self.get_named_targets(), name)}"
+            )
+        self._set_joints(states[name])
+
+    def get_named_target_values(self, target: str) -> dict[str, float]:
+        """Return the joint positions of a remembered or a named state; empty for no state."""
+        if target in self._remembered:
+            return self._named_values(self._remembered[target])
+        return dict(self._server.robot.named_states.get(self._name, {}).get(target, {}))
+
+    def remember_joint_values(self, name: str, values: Sequence[float] | None = None) -> None:
+        """Remember joint positions (the present ones) under a name."""
+        chosen = self.get_current_joint_values() if values is None else values
+        self._remembered[name] = [float(value) for value in chosen]
+
+    def get_remembered_joint_values(self) -> dict[str, list[float]]:
+        """Return the remembered joint positions by name."""
+        return {name: list(self._remembered[name]) for name in sorted(self._remembered)}
+
+    def forget_joint_values(self, name: str) -> None:
+        """Forget joint positions."""
+        self._remembered.pop(name, None)
+
+    # Poses
+
+    def set_pose_target(self, pose: Any, end_effector_link: str = "") -> None:
+        """Set a pose of a link as the target: a Pose, a PoseStamped or 6 or 7 numbers."""
+        self.set_pose_targets([pose], end_effector_link)
+
+    def set_pose_targets(self, poses: Sequence[Any], end_effector_link: str = "") -> None:
+        """Set several poses, of which any will do, as the target."""
+        link = self._link(end_effector_link, "set the pose for")
+        if not len(poses):
+            raise MoveItCommanderException("Unable to set target poses: the list is empty")
+        self._target_kind = "pose"
+        self._pose_targets[link] = [self._framed(pose) for pose in poses]
+
+    def set_position_target(self, xyz: Sequence[float], end_effector_link: str = "") -> None:
+        """Set a position of a link [m] as the target; any orientation will do."""
+        old = self._known_pose(end_effector_link)
+        x, y, z = (float(value) for value in xyz)
+        self._set_part("position", motion.Pose((x, y, z), old.orientation), end_effector_link)
+
+    def set_orientation_target(self, q: Sequence[float], end_effector_link: str = "") -> None:
+        """Set an orientation (x, y, z, w) of a link as the target; any position will do."""
+        old = self._known_pose(end_effector_link)
+        if len(q) != 4:
+            raise MoveItCommanderException("Expected [qx, qy, qz, qw]")
+        pose = motion.Pose(old.position, unit_quaternion(q))
+        self._set_part("orientation", pose, end_effector_link)
+
+    def set_rpy_target(self, rpy: Sequence[float], end_effector_link: str = "") -> None:
+        """Set roll, pitch and yaw of a link [rad] as the target; any position will do."""
+        old = self._known_pose(end_effector_link)
+        if len(rpy) != 3:
+            raise MoveItCommanderException("Expected [roll, pitch, yaw]")
+        pose = motion.Pose(old.position, quaternion_from_rpy(*map(float, rpy)))
+        self._set_part("orientation", pose, end_effector_link)
+
+    def shift_pose_target(self, axis: int, value: float, end_effector_link: str = "") -> None:
+        """Set the present pose, moved along an axis (0 to 5: x, y, z, roll, pitch, yaw)."""
+        here = self._link_pose(end_effector_link, "set poses for")
+        if not 0 <= axis < 6:
+            raise MoveItCommanderException("An axis value between 0 and 5 expected")
+        turn = here.orientation if axis < 3 else rpy_from_quaternion(here.orientation)
+        values = [*here.position, *turn]
+        values[axis] += value
+        self.set_pose_target(values, end_effector_link)
+
+    def clear_pose_target(self, end_effector_link: str) -> None:
+        """Forget the pose target of a link."""
+        self._pose_targets.pop(end_effector_link, None)
+
+    def clear_pose_targets(self) -> None:
+        """Forget all pose targets."""
+        self._pose_targets.clear()
+
+    def _known_pose(self, end_effector_link: str) -> motion.Pose:
+        link = self._link(end_effector_link, "set the pose for")
+        known = self._pose_targets.get(link)
+        return known[0].pose if known else conversions._twin_pose([0.0] * 7)
+
+    def _set_part(self, kind: GoalKind, pose: motion.Pose, end_effector_link: str) -> None:
+        link = self._link(end_effector_link, "set the pose for")
+        self._target_kind = kind
+        self._pose_targets[link] = [_FramedPose(self._reference_frame, pose)]
+
+    def _framed(self, pose: Any) -> _FramedPose:
+        if isinstance(pose, PoseStamped):
+            values = conversions.pose_to_list(pose.pose)
+            return _FramedPose(pose.header.frame_id, conversions._twin_pose(values))
+        values = conversions.pose_to_list(pose) if isinstance(pose, Pose) else pose
+        return _FramedPose(self._reference_frame, conversions._twin_pose(values))
+
+    def _pose_goal(self, link: str, framed: _FramedPose, kind: GoalKind) -> PoseGoal:
+        frame = self._server.frame(framed.frame)
+        if frame is None:
+            raise PlanningError(
+                "bad_request",
+                f"unknown frame '{framed.frame}'; "
+                f"{one_of(self._server.robot.link_names, framed.frame)}",
+            )
+        return PoseGoal(
+            link=link,
+            pose=compose(frame, framed.pose),
+            kind=kind,
+            position_tolerance=self._position_tolerance,
+            orientation_tolerance=self._orientation_tolerance,
+        )
+
+    def _pose_goals(self, kind: GoalKind) -> list[list[PoseGoal]]:
+        """Return the alternatives, each with one goal a link."""
+        count = max((len(poses) for poses in self._pose_targets.values()), default=0)
+        return [
+            [
+                self._pose_goal(link, poses[index], kind)
+                for link, poses in self._pose_targets.items()
+                if index < len(poses)
+            ]
+            for index in range(count)
+        ]

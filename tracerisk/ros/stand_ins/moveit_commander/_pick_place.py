@@ -1,0 +1,234 @@
+"""Pick and place as one request: approach, close or open, attach or detach, retreat."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+from geometry_msgs.msg import Pose, PoseStamped
+from moveit_msgs.msg import Grasp, GripperTranslation, PlaceLocation, RobotTrajectory
+
+from tracerisk.errors import one_of
+from tracerisk.ros.path_constraints import message_pose
+from tracerisk.ros.poses import compose, inverse, rotate
+from tracerisk.ros.trajectory_execution import ErrorCode
+from tracerisk.twin import motion
+from tracerisk.twin.motion import JointTrajectory, PlanningError
+
+from . import conversions
+from ._group_targets import GroupTargets
+from .exception import MoveItCommanderException
+
+_CARTESIAN_STEP = 0.005  # [m]
+_PLACE_TYPES = (
+    "Parameter location must be a Pose, PoseStamped, PlaceLocation, list of PoseStamped or list "
+    "of PlaceLocation object"
+)
+
+
+class GroupPickPlace(GroupTargets):
+    """Pick and place of objects of the planning scene."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self._detach_postures: dict[str, Any] = {}
+
+    def pick(self, object_name: str, grasp: Any = (), plan_only: bool = False) -> int:
+        """Pick an object by the first of the grasps that works; return a MoveItErrorCodes value.
+
+        Without grasps MoveIt asks a grasp planner; the twin has none, so that is a failure.
+        """
+        grasps = [grasp] if isinstance(grasp, Grasp) else list(grasp)
+        if object_name not in self._server.scene.world:
+            known = one_of(self._server.scene.world, object_name)
+            text = f"picking '{object_name}' failed: the planning scene has no such object; {known}"
+            return int(self._fail(ErrorCode.INVALID_OBJECT_NAME, text))
+        code = self._fail_without(grasps, f"picking '{object_name}' failed: no grasp was given")
+        for one in grasps:
+            link = self._link("", "pick with")
+            try:
+                pose = self._in_planning_frame(one.grasp_pose)
+                begin = self._moved(pose, one.pre_grasp_approach, link, back=True)
+                code = self._reachable(link, (pose, begin))
+            except PlanningError as error:
+                code = self._fail(
+                    ErrorCode.PLANNING_FAILED, f"picking '{object_name}' failed: {error.message}"
+                )
+                continue
+            if plan_only:
+                break
+            code = _first_failure(self._pick_steps(object_name, one, link, pose, begin))
+            break
+        return int(code)
+
+    def place(self, object_name: str, location: Any = None, plan_only: bool = False) -> bool:
+        """Place an attached object at the first of the locations that works; tell whether it did.
+
+        Raises:
+            MoveItCommanderException: `location` is of no type that is taken.
+        """
+        locations = self._locations(location)
+        attached = self._server.scene.attached.get(object_name)
+        if attached is None:
+            known = one_of(self._server.scene.attached, object_name)
+            text = f"placing '{object_name}' failed: no such object is attached; {known}"
+            self._fail(ErrorCode.INVALID_OBJECT_NAME, text)
+            return False
+        code = self._fail_without(
+            locations, f"placing '{object_name}' failed: no location was given"
+        )
+        for one in locations:
+            link = attached.link
+            try:
+                object_pose = self._in_planning_frame(one.place_pose)
+                pose = compose(object_pose, inverse(attached.object.pose))
+                begin = self._moved(pose, one.pre_place_approach, link, back=True)
+                code = self._reachable(link, (pose, begin))
+            except PlanningError as error:
+                code = self._fail(
+                    ErrorCode.PLANNING_FAILED, f"placing '{object_name}' failed: {error.message}"
+                )
+                continue
+            if plan_only:
+                break
+            code = _first_failure(self._place_steps(object_name, one, link, pose, begin))
+            break
+        return code is ErrorCode.SUCCESS
+
+    # The steps; each is carried out when its code is asked for
+
+    def _pick_steps(
+        self, object_name: str, grasp: Any, link: str, pose: motion.Pose, begin: motion.Pose
+    ) -> Iterator[ErrorCode]:
+        yield self._take_posture(grasp.pre_grasp_posture)
+        yield self._move_to(link, begin)
+        yield self._straight(link, pose, grasp.pre_grasp_approach)
+        yield self._take_posture(grasp.grasp_posture)
+        self._server.attach(object_name, link, [link])
+        self._detach_postures[object_name] = grasp.pre_grasp_posture
+        yield self._retreat(link, pose, grasp.post_grasp_retreat)
+
+    def _place_steps(
+        self, object_name: str, location: Any, link: str, pose: motion.Pose, begin: motion.Pose
+    ) -> Iterator[ErrorCode]:
+        posture = location.post_place_posture
+        if not posture.points and object_name in self._detach_postures:
+            posture = self._detach_postures[object_name]
+        yield self._move_to(link, begin)
+        yield self._straight(link, pose, location.pre_place_approach)
+        yield self._take_posture(posture)
+        self._server.detach(object_name)
+        yield self._retreat(link, pose, location.post_place_retreat)
+
+    def _take_posture(self, posture: Any) -> ErrorCode:
+        if not posture.points:
+            return ErrorCode.SUCCESS
+        message = RobotTrajectory(joint_trajectory=posture)
+        whole = conversions._twin_trajectory(message)
+        # A posture is a goal of the fingers, whatever times it has.
+        goal = JointTrajectory(
+            whole.joints, whole.time[-1:], whole.position[-1:], whole.velocity[-1:]
+        )
+        return self._carry_out(goal)
+
+    def _move_to(self, link: str, pose: motion.Pose) -> ErrorCode:
+        framed = [self._pose_goal(link, self._framed([*pose.position, *pose.orientation]), "pose")]
+        plan = self._server.plan_pose(self._name, [framed], self._scaling)
+        return plan.code if plan.trajectory is None else self._carry_out(plan.trajectory)
+
+    def _straight(self, link: str, pose: motion.Pose, translation: Any) -> ErrorCode:
+        if translation.desired_distance <= 0.0:
+            return ErrorCode.SUCCESS
+        plan, fraction = self._server.plan_cartesian(
+            self._name, [pose], link=link, eef_step=_CARTESIAN_STEP
+        )
+        if plan.trajectory is None:
+            return plan.code
+        if fraction * translation.desired_distance < translation.min_distance:
+            text = f"only {fraction:.0%} of a straight way of link '{link}' can be followed"
+            return self._fail(ErrorCode.PLANNING_FAILED, text)
+        timed = self._server.retime(plan.trajectory, self._scaling)
+        return self._carry_out(timed)
+
+    def _retreat(self, link: str, pose: motion.Pose, translation: Any) -> ErrorCode:
+        return self._straight(link, self._moved(pose, translation, link), translation)
+
+    def _carry_out(self, trajectory: JointTrajectory) -> ErrorCode:
+        execution = self._server.execution.start(trajectory)
+        if isinstance(execution, ErrorCode):
+            return execution
+        return self._server.execution.wait(execution)
+
+    # Poses
+
+    def _in_planning_frame(self, stamped: Any) -> motion.Pose:
+        name = stamped.header.frame_id
+        frame = self._server.frame(name)
+        if frame is None:
+            links = self._server.robot.link_names
+            raise PlanningError("bad_request", f"unknown frame '{name}'; {one_of(links, name)}")
+        return compose(frame, message_pose(stamped.pose))
+
+    def _moved(
+        self, pose: motion.Pose, translation: Any, link: str, *, back: bool = False
+    ) -> motion.Pose:
+        """Return `pose` of `link`, moved along a GripperTranslation, or back along it."""
+        vector = translation.direction.vector
+        x, y, z = vector.x, vector.y, vector.z
+        length = (x * x + y * y + z * z) ** 0.5
+        if length < 1e-9:
+            return pose
+        name = translation.direction.header.frame_id
+        frame = self._server.frame(name)
+        if frame is None:
+            raise PlanningError("bad_request", f"unknown frame '{name}' of a direction")
+        if name in self._server.robot.link_names and name != self.get_planning_frame():
+            # The direction turns with the hand: it is meant as it will be at the pose.
+            here = self._server.forward({}, link)
+            frame = compose(pose, compose(inverse(here), frame))
+        distance = translation.desired_distance / length * (-1.0 if back else 1.0)
+        dx, dy, dz = rotate(frame.orientation, (x, y, z))
+        px, py, pz = pose.position
+        return motion.Pose(
+            (px + dx * distance, py + dy * distance, pz + dz * distance), pose.orientation
+        )
+
+    def _reachable(self, link: str, poses: Iterable[motion.Pose]) -> ErrorCode:
+        for pose in poses:
+            goal = self._pose_goal(link, self._framed([*pose.position, *pose.orientation]), "pose")
+            self._server.reach(self._name, [goal])
+        return ErrorCode.SUCCESS
+
+    def _locations(self, location: Any) -> list[Any]:
+        if location is None:
+            return []
+        several = location if isinstance(location, list) else [location]
+        return [self._location(one) for one in several]
+
+    def _location(self, location: Any) -> Any:
+        if isinstance(location, PlaceLocation):
+            return location
+        if isinstance(location, Pose):
+            location = PoseStamped(pose=location)
+            location.header.frame_id = self._reference_frame
+        if not isinstance(location, PoseStamped):
+            raise MoveItCommanderException(_PLACE_TYPES)
+        # MoveIt's own way for a bare pose: down from above, then back out of the hand.
+        down = GripperTranslation(min_distance=0.1, desired_distance=0.2)
+        down.direction.vector.z = -1.0
+        down.direction.header.frame_id = self.get_planning_frame()
+        out = GripperTranslation(min_distance=0.1, desired_distance=0.2)
+        out.direction.vector.x = -1.0
+        out.direction.header.frame_id = self._end_effector_link
+        return PlaceLocation(place_pose=location, pre_place_approach=down, post_place_retreat=out)
+
+    def _fail(self, code: ErrorCode, message: str) -> ErrorCode:
+        self._server.execution.tell("planning_failure", message)
+        return code
+
+    def _fail_without(self, options: Sequence[Any], message: str) -> ErrorCode:
+        if not options:
+            self._fail(ErrorCode.FAILURE, message)
+        return ErrorCode.FAILURE
+
+
+def _first_failure(steps: Iterator[ErrorCode]) -> ErrorCode:
+    return next((code for code in steps if code is not ErrorCode.SUCCESS), ErrorCode.SUCCESS)

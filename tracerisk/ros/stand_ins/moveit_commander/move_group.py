@@ -1,0 +1,357 @@
+"""MoveGroupCommander: plan and execute for one planning group."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import Pose
+from moveit_msgs.msg import (
+    BoundingVolume,
+    Constraints,
+    JointConstraint,
+    MotionPlanRequest,
+    MoveItErrorCodes,
+    OrientationConstraint,
+    PositionConstraint,
+    RobotState,
+    RobotTrajectory,
+)
+from shape_msgs.msg import SolidPrimitive
+
+from tracerisk.errors import one_of
+from tracerisk.ros.move_group import Plan, PoseGoal, Scaling
+from tracerisk.ros.path_constraints import violation
+from tracerisk.ros.trajectory_execution import ErrorCode
+from tracerisk.twin.motion import JointTrajectory, PlanningError
+
+from . import conversions
+from ._pick_place import GroupPickPlace
+from .exception import MoveItCommanderException
+
+_RETIMING = (
+    "iterative_time_parameterization",
+    "iterative_spline_parameterization",
+    "time_optimal_trajectory_generation",
+)
+
+
+class PlanResult(tuple[bool, Any, float, Any]):
+    """(success, RobotTrajectory, planning time [s], MoveItErrorCodes), as plan() returns.
+
+    Up to ROS Melodic plan() returned the RobotTrajectory alone; programs written for that read
+    `joint_trajectory` of the result, so it has the trajectory's fields too.
+    """
+
+    @property
+    def joint_trajectory(self) -> Any:
+        """The planned joint trajectory."""
+        return self[1].joint_trajectory
+
+    @property
+    def multi_dof_joint_trajectory(self) -> Any:
+        """The planned trajectory of joints with several degrees of freedom; empty."""
+        return self[1].multi_dof_joint_trajectory
+
+
+class MoveGroupCommander(GroupPickPlace):
+    """A client of move_group for one planning group of the robot.
+
+    `robot_description`, `ns` and `wait_for_servers` are taken and change nothing: there is one
+    robot, and its server is there at once.
+
+    Raises:
+        RuntimeError: the robot has no such group; lists those it has.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        robot_description: str = "robot_description",
+        ns: str = "",
+        wait_for_servers: float = 5.0,
+    ) -> None:
+        super().__init__(name)
+
+    # Plan and move
+
+    def go(self, joints: Any = None, wait: bool = True) -> bool:
+        """Plan to a target and move there; tell whether it was reached.
+
+        `joints` is a target as set_joint_value_target takes it, a Pose, the name of remembered
+        joint values, or None for the target that is set. With `wait=False` the answer is True
+        as soon as the request is sent.
+
+        Raises:
+            MoveItCommanderException: the target is refused when it is set.
+        """
+        if isinstance(joints, bool):
+            wait, joints = joints, None
+        self._set_target(joints)
+        plan = self._plan()
+        if plan.trajectory is None:
+            return not wait
+        return self._execute(plan.trajectory, wait)
+
+    def plan(self, joints: Any = None) -> PlanResult:
+        """Plan to a target, as go() takes it, without moving."""
+        self._set_target(joints)
+        plan = self._plan()
+        message = RobotTrajectory()
+        if plan.trajectory is not None:
+            frame = self.get_planning_frame()
+            message = conversions._trajectory_message(plan.trajectory, frame)
+        code = MoveItErrorCodes(val=int(plan.code))
+        # The twin's planner takes no simulated time.
+        return PlanResult((plan.code is ErrorCode.SUCCESS, message, 0.0, code))
+
+    def execute(self, trajectory: Any, wait: bool = True) -> bool:
+        """Execute a RobotTrajectory or JointTrajectory; tell whether it was carried out."""
+        if not hasattr(trajectory, "joint_trajectory"):
+            trajectory = RobotTrajectory(joint_trajectory=trajectory)
+        return self._execute(conversions._twin_trajectory(trajectory), wait)
+
+    def stop(self) -> None:
+        """Stop what move_group is executing."""
+        self._server.execution.stop()
+
+    def compute_cartesian_path(
+        self,
+        waypoints: Sequence[Any],
+        eef_step: float,
+        jump_threshold: float | bool = 0.0,
+        avoid_collisions: Any = True,
+        path_constraints: Any = None,
+    ) -> tuple[Any, float]:
+        """Plan straight lines of the end effector through poses, in steps of `eef_step` [m].
+
+        Returns the RobotTrajectory and the fraction of the way that it covers. It is timed for
+        the rated speeds whatever the scaling factors, as MoveIt does; see retime_trajectory.
+        From Noetic on there is no `jump_threshold`: a bool in its place is `avoid_collisions`.
+        The path ends in any case where the joints would have to jump.
+        """
+        if isinstance(jump_threshold, bool) and path_constraints is None:
+            path_constraints = None if isinstance(avoid_collisions, bool) else avoid_collisions
+        if path_constraints and not isinstance(path_constraints, Constraints):
+            raise MoveItCommanderException(
+                f"Unable to set path constraints, unknown constraint type {type(path_constraints)}"
+            )
+        link = self._link("", "plan a path for")
+        poses = []
+        for waypoint in waypoints:
+            goal = self._pose_goal_or_none(link, waypoint)
+            if goal is None:
+                return RobotTrajectory(), -1.0
+            poses.append(goal.pose)
+        plan, fraction = self._server.plan_cartesian(
+            self._name, poses, link=link, eef_step=float(eef_step), start=self._start()
+        )
+        if plan.trajectory is None:
+            return RobotTrajectory(), fraction
+        if path_constraints and (reason := self._breach(path_constraints, plan.trajectory)):
+            self._server.execution.tell("planning_failure", f"the Cartesian path fails: {reason}")
+            return RobotTrajectory(), 0.0
+        trajectory = self._within_speed(plan.trajectory)
+        return conversions._trajectory_message(trajectory, self.get_planning_frame()), fraction
+
+    def retime_trajectory(
+        self,
+        ref_state_in: Any,
+        traj_in: Any,
+        velocity_scaling_factor: float = 1.0,
+        acceleration_scaling_factor: float = 1.0,
+        algorithm: str = "iterative_time_parameterization",
+    ) -> Any:
+        """Return a RobotTrajectory timed anew for fractions of the rated speeds.
+
+        The twin has one way to do it, whichever of MoveIt's three `algorithm` names.
+        """
+        if algorithm not in _RETIMING:
+            message = f"Unknown time parameterization algorithm: {algorithm}; {one_of(_RETIMING)}"
+            self._server.execution.tell("planning_failure", message)
+            return RobotTrajectory()
+        scaling = Scaling(velocity_scaling_factor, acceleration_scaling_factor)
+        try:
+            timed = self._server.retime(conversions._twin_trajectory(traj_in), scaling)
+        except PlanningError as error:
+            message = f"a trajectory cannot be timed anew: {error.message}"
+            self._server.execution.tell("planning_failure", message)
+            return RobotTrajectory()
+        return conversions._trajectory_message(timed, self.get_planning_frame())
+
+    def construct_motion_plan_request(self) -> Any:
+        """Return the request that plan() would send, as a MotionPlanRequest."""
+        request = MotionPlanRequest(
+            group_name=self._name,
+            num_planning_attempts=self._planning_attempts,
+            max_velocity_scaling_factor=self._scaling.velocity,
+            max_acceleration_scaling_factor=self._scaling.acceleration,
+            allowed_planning_time=self._planning_time,
+            planner_id=self._planner_id,
+            pipeline_id=self._pipeline_id,
+            workspace_parameters=self._workspace,
+            path_constraints=self._path_constraints,
+            trajectory_constraints=self._trajectory_constraints,
+            start_state=self._start_message(),
+        )
+        if self._speed_limit is not None:
+            request.max_cartesian_speed, request.cartesian_speed_limited_link = self._speed_limit
+        request.goal_constraints = self._goal_constraints()
+        return request
+
+    # Objects
+
+    def attach_object(
+        self, object_name: str, link_name: str = "", touch_links: Sequence[str] = ()
+    ) -> bool:
+        """Attach an object of the planning scene to a link (the end effector); True when asked.
+
+        As with MoveIt the answer does not tell whether there is such an object; where there is
+        none, the run has a finding.
+        """
+        links = self._server.group_links(self._name)
+        link = link_name or self._end_effector_link or (links[0] if links else "")
+        if not link:
+            return False
+        if not self._server.attach(object_name, link, touch_links or [link]):
+            known = self._server.scene.world
+            self._server.execution.tell(
+                "planning_scene",
+                f"object '{object_name}' cannot be attached: the planning scene has no such "
+                f"object; {one_of(known, object_name)}",
+            )
+        return True
+
+    def detach_object(self, name: str = "") -> bool:
+        """Detach an object, or all those attached to a link, or to any link of the group."""
+        attached = dict(self._server.scene.attached)
+        links = self._server.group_links(self._name)
+        for object_name, item in attached.items():
+            if name in (object_name, item.link) or (not name and item.link in links):
+                self._server.detach(object_name)
+        return True
+
+    # How
+
+    def _set_target(self, joints: Any) -> None:
+        if joints is None:
+            return
+        if isinstance(joints, str) and joints in self._remembered:
+            self.set_joint_value_target(self._remembered[joints])
+        elif isinstance(joints, Pose):
+            self.set_pose_target(joints)
+        else:
+            self.set_joint_value_target(joints)
+
+    def _plan(self) -> Plan:
+        try:
+            start = self._start()
+            if self._target_kind == "joint":
+                plan = self._server.plan_joints(
+                    self._name, self._joint_target, self._scaling, start
+                )
+            else:
+                goals = self._pose_goals(self._target_kind)
+                plan = self._server.plan_pose(self._name, goals, self._scaling, start)
+        except PlanningError as error:
+            text = f"planning for group '{self._name}' failed: {error.message}"
+            self._server.execution.tell("planning_failure", text)
+            return Plan(ErrorCode.FRAME_TRANSFORM_FAILURE, None, error.message)
+        if plan.trajectory is None:
+            return plan
+        if reason := self._breach(self._path_constraints, plan.trajectory):
+            text = f"planning for group '{self._name}' failed: the path constraints: {reason}"
+            self._server.execution.tell("planning_failure", text)
+            return Plan(ErrorCode.PLANNING_FAILED, None, reason)
+        return Plan(plan.code, self._within_speed(plan.trajectory), plan.message)
+
+    def _execute(self, trajectory: JointTrajectory, wait: bool) -> bool:
+        execution = self._server.execution.start(trajectory)
+        if isinstance(execution, ErrorCode) or not wait:
+            return not wait
+        return self._server.execution.wait(execution) is ErrorCode.SUCCESS
+
+    def _breach(self, constraints: Any, trajectory: JointTrajectory) -> str | None:
+        return violation(constraints, trajectory, self._server.forward, self._server.frame)
+
+    def _within_speed(self, trajectory: JointTrajectory) -> JointTrajectory:
+        """Return the trajectory, slowed down as a whole until the limited link keeps its limit."""
+        if self._speed_limit is None or len(trajectory.time) < 2:
+            return trajectory
+        limit, link = self._speed_limit
+        named = link or self._link("", "limit the speed of")
+        places = np.array(
+            [
+                self._server.forward(
+                    dict(zip(trajectory.joints, map(float, row), strict=True)), named
+                ).position
+                for row in trajectory.position
+            ]
+        )
+        speeds = np.linalg.norm(np.diff(places, axis=0), axis=1) / np.diff(trajectory.time)
+        slower = max(1.0, float(speeds.max()) / limit)
+        return JointTrajectory(
+            trajectory.joints,
+            trajectory.time * slower,
+            trajectory.position,
+            trajectory.velocity / slower,
+        )
+
+    def _pose_goal_or_none(self, link: str, waypoint: Any) -> PoseGoal | None:
+        try:
+            return self._pose_goal(link, self._framed(waypoint), "pose")
+        except PlanningError as error:
+            self._server.execution.tell("planning_failure", f"a waypoint: {error.message}")
+            return None
+
+    def _start_message(self) -> Any:
+        if self._start_state is None:
+            return RobotState(is_diff=True)
+        return conversions._state_message(self._start_state, self.get_planning_frame())
+
+    def _goal_constraints(self) -> list[Any]:
+        if self._target_kind == "joint":
+            tolerance = self._joint_tolerance
+            joints = [
+                JointConstraint(
+                    joint_name=name,
+                    position=value,
+                    tolerance_above=tolerance,
+                    tolerance_below=tolerance,
+                    weight=1.0,
+                )
+                for name, value in self._joint_target.items()
+            ]
+            return [Constraints(joint_constraints=joints)]
+        return [
+            Constraints(
+                position_constraints=[
+                    self._position_constraint(goal) for goal in goals if goal.kind != "orientation"
+                ],
+                orientation_constraints=[
+                    self._orientation_constraint(goal) for goal in goals if goal.kind != "position"
+                ],
+            )
+            for goals in self._pose_goals(self._target_kind)
+        ]
+
+    def _position_constraint(self, goal: PoseGoal) -> Any:
+        sphere = SolidPrimitive(type=SolidPrimitive.SPHERE, dimensions=[goal.position_tolerance])
+        pose = conversions.list_to_pose([*goal.pose.position, 0.0, 0.0, 0.0, 1.0])
+        region = BoundingVolume(primitives=[sphere], primitive_poses=[pose])
+        constraint = PositionConstraint(link_name=goal.link, constraint_region=region, weight=1.0)
+        constraint.header.frame_id = self.get_planning_frame()
+        return constraint
+
+    def _orientation_constraint(self, goal: PoseGoal) -> Any:
+        tolerance = goal.orientation_tolerance
+        pose = conversions.list_to_pose([*goal.pose.position, *goal.pose.orientation])
+        constraint = OrientationConstraint(
+            link_name=goal.link,
+            orientation=pose.orientation,
+            absolute_x_axis_tolerance=tolerance,
+            absolute_y_axis_tolerance=tolerance,
+            absolute_z_axis_tolerance=tolerance,
+            weight=1.0,
+        )
+        constraint.header.frame_id = self.get_planning_frame()
+        return constraint

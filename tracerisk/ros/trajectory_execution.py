@@ -1,0 +1,174 @@
+"""Carry out trajectories on the twin as MoveIt's execution manager does; record the commands."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from tracerisk.errors import Location, one_of
+from tracerisk.twin.motion import JointTrajectory, PlanningError
+
+if TYPE_CHECKING:
+    from tracerisk.ros.runtime import Runtime
+    from tracerisk.twin.execution import Motion
+    from tracerisk.twin.robot import Gripper
+    from tracerisk.twin.twin import Twin
+
+START_TOLERANCE = 0.01
+"""How far a trajectory may start from where the joints are: MoveIt's default [rad or m]."""
+
+
+class ErrorCode(enum.IntEnum):
+    """The values of moveit_msgs/MoveItErrorCodes that move_group answers with."""
+
+    SUCCESS = 1
+    FAILURE = 99999
+    PLANNING_FAILED = -1
+    INVALID_MOTION_PLAN = -2
+    CONTROL_FAILED = -4
+    PREEMPTED = -7
+    GOAL_IN_COLLISION = -12
+    INVALID_GROUP_NAME = -15
+    INVALID_GOAL_CONSTRAINTS = -16
+    INVALID_ROBOT_STATE = -17
+    INVALID_LINK_NAME = -18
+    INVALID_OBJECT_NAME = -19
+    FRAME_TRANSFORM_FAILURE = -21
+    NO_IK_SOLUTION = -31
+
+
+_CODE_OF_OUTCOME = {
+    "succeeded": ErrorCode.SUCCESS,
+    "aborted": ErrorCode.CONTROL_FAILED,
+    "preempted": ErrorCode.PREEMPTED,
+}
+
+
+@dataclass(slots=True, eq=False)
+class Execution:
+    """A motion in execution; `code` is set when it ends."""
+
+    motion: Motion
+    command_id: int
+    code: ErrorCode | None = None
+
+
+class TrajectoryExecution:
+    """Execute one trajectory at a time: a new one stops the one before.
+
+    A command is recorded when a motion begins, with the stack of the thread that asked, and its
+    end when the motion ends, whether or not anybody waits for it.
+    """
+
+    def __init__(self, runtime: Runtime) -> None:
+        self._runtime = runtime
+        self._twin: Twin = runtime.twin
+        self._live: list[Execution] = []
+        self._told: set[tuple[str, str, Location | None]] = set()
+        self._watching = False
+
+    def start(self, trajectory: JointTrajectory) -> Execution | ErrorCode:
+        """Start a trajectory and return its execution, or the code with which it is refused."""
+        refusal = self._refusal(trajectory)
+        if refusal is None:
+            self.stop()
+            try:
+                motion = self._begin(trajectory)
+            except PlanningError as error:
+                refusal = error.message
+        if refusal is not None:
+            self.tell("execution_failure", f"a trajectory was not executed: {refusal}")
+            return ErrorCode.CONTROL_FAILED
+        runtime = self._runtime
+        command_id = runtime.recorder.command("move_group", motion.elements, runtime.tracer.stack())
+        execution = Execution(motion, command_id)
+        self._live.append(execution)
+        self._watch()
+        self.poll()
+        return execution
+
+    def wait(self, execution: Execution) -> ErrorCode:
+        """Wait until an execution has ended and return its code."""
+        self._runtime.scheduler.wait_until(
+            lambda: execution.motion.outcome != "active", reason="a motion to end"
+        )
+        self.poll()
+        return execution.code if execution.code is not None else ErrorCode.FAILURE
+
+    def stop(self) -> None:
+        """Stop what is being executed."""
+        for execution in self._live:
+            if execution.motion.outcome == "active":
+                self._twin.stop(execution.motion.joints)
+        self.poll()
+
+    def poll(self) -> None:
+        """Note which executions have ended since the last call."""
+        for execution in [one for one in self._live if one.motion.outcome != "active"]:
+            self._live.remove(execution)
+            outcome = execution.motion.outcome
+            execution.code = _CODE_OF_OUTCOME[outcome]
+            self._runtime.recorder.command_ended(execution.command_id, outcome)
+            if outcome == "aborted":
+                message = f"a motion was aborted: {execution.motion.message}"
+                self.tell("execution_failure", message)
+
+    def tell(self, kind: str, message: str) -> None:
+        """Record a finding at the line where the controller stands; the same one only once."""
+        stack = self._runtime.tracer.stack()
+        location = None
+        if stack:
+            line, column = stack[-1].site
+            location = Location(stack[-1].function.file, line, column or None)
+        if (kind, message, location) not in self._told:
+            self._told.add((kind, message, location))
+            self._runtime.recorder.finding(kind, message, location)
+
+    def _watch(self) -> None:
+        # A motion started without waiting ends when nobody looks; a thread of the library
+        # notes its end at its time.
+        if not self._watching:
+            self._watching = True
+            self._runtime.scheduler.spawn(
+                self._note_ends, "move_group", inherit=False, is_controllers=False
+            )
+
+    def _note_ends(self) -> None:
+        while True:
+            self._runtime.scheduler.wait_until(
+                lambda: any(one.motion.outcome != "active" for one in self._live),
+                reason="a motion to end",
+            )
+            self.poll()
+
+    def _begin(self, trajectory: JointTrajectory) -> Motion:
+        gripper = self._gripper_of(trajectory.joints)
+        if gripper is None:
+            return self._twin.follow(trajectory)
+        finger = float(trajectory.position[-1].mean())
+        return self._twin.move_gripper(gripper.name, finger)
+
+    def _gripper_of(self, joints: Sequence[str]) -> Gripper | None:
+        wanted = set(joints)
+        return next((one for one in self._twin.robot.grippers if wanted <= set(one.joints)), None)
+
+    def _refusal(self, trajectory: JointTrajectory) -> str | None:
+        if not trajectory.joints or not len(trajectory.time):
+            return "it is empty"
+        state = self._twin.joint_state()
+        here = dict(zip(state.names, state.position, strict=True))
+        for name, begin in zip(trajectory.joints, trajectory.position[0], strict=True):
+            if name not in here:
+                return f"the robot has no joint '{name}'; {one_of(here, name)}"
+            # A single point is a goal, not a path; a first point after 0 is still to be reached.
+            if len(trajectory.time) == 1 or trajectory.time[0] > 0.0:
+                continue
+            if abs(here[name] - begin) > START_TOLERANCE:
+                return (
+                    f"it starts with joint '{name}' at {begin:.4f}, which is now at "
+                    f"{here[name]:.4f}, more than {START_TOLERANCE:g} away; plan from the "
+                    "present state"
+                )
+        return None
