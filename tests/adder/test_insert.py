@@ -97,9 +97,9 @@ CASES = {
         "<module>",
         "#!/usr/bin/env python3\n# -*- coding: utf-8 -*-\n<block>\n# Licence\nmove()\n",
     ),
-    "in a script after its docstring": (
+    "in a script before its docstring": (
         "<module>",
-        '#!x\n"""Move."""\n<block>\n\nfrom __future__ import annotations\nmove()\n',
+        '#!x\n<block>\n"""Move."""\n\nfrom __future__ import annotations\nmove()\n',
     ),
     "in a script whose docstring shares its line": ("<module>", '<block>\n"""Move."""; move()\n'),
     "in a script that begins with a function": ("<module>", "<block>\ndef f(): pass\n"),

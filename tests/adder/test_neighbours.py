@@ -46,7 +46,9 @@ def annotated(tmp_path: Path, read_block) -> Path:
         '''
     )
     path = tmp_path / "pick.py"
-    path.write_bytes(insert_blocks(source.encode(), {"Picker.place": block}, "pick.py"))
+    script = read_block("RiskAnnotation\n@Function {\nname = <module>\ncallSequence = 1\n}")
+    blocks = {"Picker.place": block, "<module>": script}
+    path.write_bytes(insert_blocks(source.encode(), blocks, "pick.py"))
     return path
 
 
@@ -107,8 +109,9 @@ def test_reading_and_removing_blocks_needs_no_libcst(annotated: Path) -> None:
         "from tracerisk.adder.insert import insert_blocks, strip_blocks\n"
         "from tracerisk.adder.read import read_blocks\n"
         "source = Path(sys.argv[1]).read_bytes()\n"
-        "(placed,) = read_blocks(source, 'pick.py')\n"
-        "assert insert_blocks(source, {placed.function: placed.block}, 'pick.py') == source\n"
+        "blocks = {b.function: b.block for b in read_blocks(source, 'pick.py')}\n"
+        "assert len(blocks) == 2\n"
+        "assert insert_blocks(source, blocks, 'pick.py') == source\n"
         "assert len(strip_blocks(source, 'pick.py')) < len(source)\n"
         "print('libcst' in sys.modules)"
     )

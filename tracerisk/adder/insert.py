@@ -17,7 +17,6 @@ from tracerisk.adder.definitions import (
     PythonSource,
     Site,
     definitions,
-    docstring_end,
     header_end,
     module_line,
     normal_name,
@@ -214,13 +213,8 @@ def _own_sites(source: PythonSource) -> dict[tuple[QualifiedName, int], Site]:
 
 
 def _module_site(source: PythonSource) -> Site:
-    """Return the top of the module: after its docstring, else after `#!` and encoding."""
-    line = docstring_end(source)
-    if line is None or line >= len(source.lines):
-        line = preamble_end(source)
-        if 0 < line == len(source.lines) and not source.lines[-1].endswith((b"\n", b"\r")):
-            raise UnsafeRewriteError(
-                "the file holds nothing but a first line without a line end",
-                Location(source.file, line),
-            )
-    return Site(line + 1, module_line(source))
+    """Return the top of the module, after `#!` and encoding and before the docstring.
+
+    After the docstring formatters would part the block from it by a blank line.
+    """
+    return Site(preamble_end(source) + 1, module_line(source))
