@@ -197,8 +197,7 @@ def _fill_link(body: Any, link: Link) -> None:
             body.inertia = (1e-3 * link.mass,) * 3
     for shape in link.shapes:
         geom = _add_geom(body, shape, contype=_ROBOT, conaffinity=_FIXTURE | _OBJECT, friction=0.5)
-        if link.mass > 0.0:
-            geom.mass = 0.0
+        geom.mass = 0.0  # the link's own mass is given
         if shape.pad:
             # The pad's softness and friction hold against whatever it touches.
             geom.priority = 1

@@ -8,6 +8,8 @@ from collections.abc import Iterable
 from tracerisk.errors import RobotError, one_of
 from tracerisk.twin.robot import Robot, load_robot, robot_names
 
+# What many robots call a part of theirs says nothing about which one it is.
+_COMMON = {"arm", "arm_controller", "base_link", "gripper", "hand", "manipulator", "tool0"}
 _SHORTEST_STEM = 5  # `joint` alone says nothing about the arm
 
 
@@ -49,6 +51,6 @@ def _evidence(robot: Robot, words: frozenset[str]) -> tuple[int, int, int]:
     joints = {joint.name for joint in robot.joints}
     stems = {re.sub(r"\d+$", "", name) for name in joints}
     joints |= {stem for stem in stems if len(stem.rstrip("_")) > _SHORTEST_STEM}
-    places = {*robot.link_names, *robot.groups, *(c.name for c in robot.controllers)}
+    places = {*robot.link_names, *robot.groups, *(c.name for c in robot.controllers)} - _COMMON
     names = {robot.name, *robot.aliases}
     return len(joints & words), len(places & words), len(names & words)

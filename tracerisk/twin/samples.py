@@ -196,6 +196,20 @@ def read_samples(directory: Path) -> Samples:
     )
 
 
+def has_samples(directory: Path) -> bool:
+    """Return whether a run began to write samples into the directory."""
+    return (directory / _HEADER).exists() and (directory / _POSES).exists()
+
+
+def simulated_ns(directory: Path) -> int:
+    """Return how far a run that is still writing has come [ns], to the last pose."""
+    if not has_samples(directory):
+        return 0
+    header = _read_header(directory / _HEADER)
+    n_poses = (directory / _POSES).stat().st_size // (8 * max(header.n_pose, 1))
+    return max(n_poses - 1, 0) * POSE_EVERY * header.step_ns
+
+
 def _read_header(path: Path) -> SampleHeader:
     try:
         found = json.loads(path.read_bytes())

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tracerisk.errors import RobotError, one_of
 from tracerisk.trace import Element, ObjectOffset
-from tracerisk.twin.builder import STEP_NS, SensorLayout, compile_model, place_robot
+from tracerisk.twin.builder import STEP_NS, SensorLayout, compile_model, place_robot, quaternion_of
 from tracerisk.twin.execution import ArmTrack, GripperTrack, Measured, Motion, Track
 from tracerisk.twin.kinematics import Kinematics
 from tracerisk.twin.motion import JointState, JointTrajectory, PlanningError, Pose
@@ -131,6 +131,17 @@ class Twin:
     def link_pose(self, link: str) -> Pose:
         """Return where a link is; raise RobotError listing the links there are."""
         return self._kinematics.forward(self._positions(), link)
+
+    def object_pose(self, name: str) -> Pose:
+        """Return where an object of the scene is, in the world frame."""
+        names = [thing.name for thing in self.scene.objects]
+        if name not in names:
+            raise RobotError(
+                f"scene '{self.scene.name}' has no object '{name}'; {one_of(names, name)}"
+            )
+        address = int(self._model.joint(name).qposadr[0])
+        x, y, z, qw, qx, qy, qz = (float(v) for v in self._data.qpos[address : address + 7])
+        return Pose((x, y, z), (qx, qy, qz, qw))
 
     def object_offsets(self) -> tuple[ObjectOffset, ...]:
         """Return where each object stands: its offset from the nearest goal, and its tilt.
@@ -466,10 +477,10 @@ class Twin:
 
     def _offset(self, index: int) -> ObjectOffset:
         thing = self.scene.objects[index]
-        address = int(self._model.joint(thing.name).qposadr[0])
-        x, y, z, w, qx, qy, qz = (float(v) for v in self._data.qpos[address : address + 7])
-        first = self._model.qpos0[address + 3 : address + 7]
-        up = _z_axis(w, qx, qy, qz) @ _z_axis(*(float(v) for v in first))
+        pose = self.object_pose(thing.name)
+        x, y, z = pose.position
+        qx, qy, qz, qw = pose.orientation
+        up = _z_axis(qw, qx, qy, qz) @ _z_axis(*quaternion_of(thing.rpy))
         tilt = math.acos(min(1.0, max(-1.0, float(up))))
         if not self.scene.goals:
             return ObjectOffset(thing.name, None, 0.0, tilt, tilt < _UPRIGHT_TILT)

@@ -1,0 +1,125 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tracerisk.errors import RobotError
+from tracerisk.twin.kinematics import Kinematics
+from tracerisk.twin.motion import PlanningError, Pose
+from tracerisk.twin.planning import Planner
+from tracerisk.twin.robot import Robot
+
+DOWN = (1.0, 0.0, 0.0, 0.0)
+
+
+@pytest.fixture(scope="module")
+def kinematics(panda: Robot) -> Kinematics:
+    return Kinematics(panda)
+
+
+@pytest.fixture
+def ready(panda: Robot) -> dict[str, float]:
+    return {**panda.initial_state, **panda.named_state("panda_arm", "ready")}
+
+
+def turn_between(a: tuple[float, ...], b: tuple[float, ...]) -> float:
+    return 2 * float(np.arccos(min(1.0, abs(float(np.dot(a, b))))))
+
+
+def test_reaches_poses_of_its_own_joint_space(
+    panda: Robot, kinematics: Kinematics, ready: dict[str, float]
+):
+    generator = np.random.default_rng(7)
+    reached = 0
+    for _ in range(100):
+        q = {joint.name: generator.uniform(joint.lower, joint.upper) for joint in panda.arm_joints}
+        pose = kinematics.forward(q, "panda_link8")
+        try:
+            found = kinematics.inverse("panda_arm", pose, seed=ready)
+        except PlanningError:
+            continue
+        there = kinematics.forward(found, "panda_link8")
+        assert there.position == pytest.approx(pose.position, abs=2e-4)
+        assert turn_between(there.orientation, pose.orientation) < 2e-3
+        for joint in panda.arm_joints:
+            assert joint.lower <= found[joint.name] <= joint.upper
+        reached += 1
+    assert reached >= 95
+
+
+def test_a_pose_out_of_reach_is_a_planning_failure(kinematics: Kinematics):
+    with pytest.raises(PlanningError, match=r"'panda_link8' to \(2.000, 0.000, 0.000\)") as caught:
+        kinematics.inverse("panda_arm", Pose((2.0, 0.0, 0.0), DOWN))
+    assert caught.value.failure == "no_ik_solution"
+
+
+def test_a_group_without_a_tip_is_a_bad_request(kinematics: Kinematics):
+    with pytest.raises(PlanningError, match="no tip link") as caught:
+        kinematics.inverse("panda_arm_hand", Pose((0.4, 0.0, 0.4), DOWN))
+    assert caught.value.failure == "bad_request"
+
+
+def test_a_quaternion_of_zeros_is_a_bad_request(kinematics: Kinematics):
+    with pytest.raises(PlanningError, match="no pose") as caught:
+        kinematics.inverse("panda_arm", Pose((0.4, 0.0, 0.4), (0.0, 0.0, 0.0, 0.0)))
+    assert caught.value.failure == "bad_request"
+
+
+def test_unknown_links_and_joints_are_listed(kinematics: Kinematics):
+    with pytest.raises(RobotError, match=r"no link 'panda_link88'; did you mean 'panda_link8'\?"):
+        kinematics.forward({}, "panda_link88")
+    with pytest.raises(RobotError, match="no joint 'joint1'"):
+        kinematics.forward({"joint1": 0.0}, "panda_link8")
+
+
+def test_the_same_question_has_the_same_answer(kinematics: Kinematics, ready: dict[str, float]):
+    pose = Pose((0.5, 0.3, 0.2), DOWN)
+    first = kinematics.inverse("panda_arm", pose, seed=ready)
+    kinematics.inverse("panda_arm", Pose((0.3, -0.3, 0.5), DOWN), seed=first)
+    assert kinematics.inverse("panda_arm", pose, seed=ready) == first
+
+
+def test_a_cartesian_path_is_straight(
+    panda: Robot, kinematics: Kinematics, ready: dict[str, float]
+):
+    planner = Planner(panda, kinematics)
+    start = {
+        **ready,
+        **kinematics.inverse("panda_manipulator", Pose((0.5, 0.2, 0.3), DOWN), seed=ready),
+    }
+    goal = Pose((0.5, -0.2, 0.3), DOWN)
+    trajectory, fraction = planner.cartesian("panda_manipulator", [goal], start, eef_step=0.01)
+    assert fraction == 1.0
+    for q in trajectory.position:
+        at = kinematics.forward(
+            dict(zip(trajectory.joints, q.tolist(), strict=True)), "panda_hand_tcp"
+        )
+        assert (at.position[0], at.position[2]) == pytest.approx((0.5, 0.3), abs=2e-4)
+        assert turn_between(at.orientation, DOWN) < 2e-3
+
+
+def test_a_cartesian_path_out_of_reach_is_followed_in_part(
+    panda: Robot, kinematics: Kinematics, ready: dict[str, float]
+):
+    planner = Planner(panda, kinematics)
+    here = kinematics.forward(ready, "panda_link8").position
+    far = Pose(
+        (here[0] + 1.0, here[1], here[2]), kinematics.forward(ready, "panda_link8").orientation
+    )
+    trajectory, fraction = planner.cartesian("panda_arm", [far], ready)
+    assert 0.1 < fraction < 0.9
+    last = dict(zip(trajectory.joints, trajectory.position[-1].tolist(), strict=True))
+    reached = kinematics.forward(last, "panda_link8").position
+    assert reached[0] - here[0] == pytest.approx(fraction, abs=2e-3)
+
+
+def test_a_target_outside_the_limits_is_an_invalid_goal(
+    panda: Robot, kinematics: Kinematics, ready: dict[str, float]
+):
+    planner = Planner(panda, kinematics)
+    with pytest.raises(PlanningError, match=r"3 for joint 'panda_joint2' is outside") as caught:
+        planner.joints("panda_arm", {"panda_joint2": 3.0}, ready)
+    assert caught.value.failure == "invalid_goal"
+    with pytest.raises(PlanningError, match="'panda_finger_joint1' is not in group") as caught:
+        planner.joints("panda_arm", {"panda_finger_joint1": 0.0}, ready)
+    assert caught.value.failure == "invalid_goal"
