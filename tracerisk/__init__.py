@@ -1,3 +1,42 @@
-"""Redo the risk assessment of a robot arm at every commit of its ROS controller."""
+"""Redo the risk assessment of a robot arm at every commit of its ROS controller.
+
+The names below are the public Python API; each is imported when it is first used.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline import annotate as annotate
+    from tracerisk.pipeline import build as build
+    from tracerisk.pipeline import load_controller as load_controller
+    from tracerisk.pipeline import load_hardware as load_hardware
+    from tracerisk.pipeline import load_settings as load_settings
+    from tracerisk.pipeline import solve as solve
+    from tracerisk.pipeline import strip as strip
+    from tracerisk.pipeline import trace_controller as trace_controller
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "annotate",
+    "build",
+    "load_controller",
+    "load_hardware",
+    "load_settings",
+    "solve",
+    "strip",
+    "trace_controller",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in __all__:
+        raise AttributeError(f"module 'tracerisk' has no attribute '{name}'")
+    return getattr(import_module("tracerisk.pipeline"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

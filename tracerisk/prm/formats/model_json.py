@@ -21,12 +21,9 @@ _WEIGHT = re.compile(r"\d{1,40}(?:/\d{1,40}|\.\d{1,40})?")
 T = TypeVar("T")
 
 
-def dumps(model: HybridModel) -> str:
-    """Return the model as JSON text: sorted keys, floats that read back to the same bits.
-
-    Weights of `next` are exact fractions, as strings.
-    """
-    document = {
+def model_data(model: HybridModel) -> dict[str, Any]:
+    """Return the model as plain JSON values; weights of `next` are exact fractions, as strings."""
+    return {
         "schema": SCHEMA,
         "version": VERSION,
         "name": model.name,
@@ -34,9 +31,14 @@ def dumps(model: HybridModel) -> str:
         "parameters": [{"name": p.name, "theta": p.theta} for p in model.parameters],
         "states": [_state_to_json(state) for state in model.states],
     }
-    return (
-        json.dumps(document, indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def dumps(model: HybridModel) -> str:
+    """Return the model as JSON text: sorted keys, floats that read back to the same bits."""
+    text = json.dumps(
+        model_data(model), indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False
     )
+    return text + "\n"
 
 
 def loads(text: str, file: str) -> HybridModel:

@@ -1,0 +1,101 @@
+"""`tracerisk annotate`: write risk blocks into a controller from a trace or a log."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.cli import options as shared
+from tracerisk.cli.output import note, print_diff, print_json
+from tracerisk.errors import ExitCode, InputError, Location
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline import Controller
+    from tracerisk.trace import Trace
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    parser.add_argument("controller", metavar="FILE", help="the controller's Python file")
+    source = parser.add_mutually_exclusive_group(required=True)
+    source.add_argument("--trace", metavar="FILE", help="a trace, as `tracerisk trace -o` wrote it")
+    source.add_argument("--log", metavar="FILE", help="a log in the published text format")
+    shared.add_hardware_options(parser)
+    shared.add_profile(parser)
+    shared.add_write_options(parser)
+    shared.add_edit_options(parser)
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    from tracerisk import pipeline
+
+    profile = shared.read_profile(options)
+    controller = pipeline.load_controller(options.controller)
+    settings = pipeline.load_settings(controller, shared.run_settings(options))
+    trace = _read_trace(options, controller)
+    if not trace.robot and settings.hardware is None:
+        raise InputError(
+            "a log tells no robot, so there is no hardware description to go by; "
+            "give one with --hardware FILE"
+        )
+    hardware = pipeline.load_hardware(settings, trace.robot)
+    annotated = pipeline.annotate(
+        controller,
+        trace,
+        hardware,
+        settings,
+        policy=shared.merge_policy(options),
+        profile=profile,
+    )
+    keeps_files = options.check or options.diff
+    if not keeps_files:
+        annotated.write()
+    would_change = options.check and annotated.is_changed
+    code = ExitCode.WOULD_CHANGE if would_change else ExitCode.FINE
+    blocks = [ref.name for ref in annotated.computed.blocks]
+    if options.json:
+        print_json(
+            "annotate",
+            exit_code=int(code),
+            changed=annotated.is_changed,
+            blocks=blocks,
+            assumptions=list(annotated.computed.assumptions),
+        )
+        return int(code)
+    if options.diff:
+        print_diff(controller.source, annotated.source, str(controller.path))
+    verb = "would change" if keeps_files else "changed"
+    outcome = verb if annotated.is_changed else "unchanged"
+    note(f"{controller.path}: {len(blocks)} risk blocks, {outcome}", quiet=options.quiet)
+    for line in annotated.computed.assumptions:
+        note(f"assumed: {line}", quiet=options.quiet)
+    return int(code)
+
+
+def _read_trace(options: argparse.Namespace, controller: Controller) -> Trace:
+    from tracerisk import trace_json
+    from tracerisk.trace_log import read_log
+
+    name = options.trace if options.trace is not None else options.log
+    try:
+        text = Path(name).read_text(encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", Location(name)) from error
+    except UnicodeDecodeError as error:
+        raise InputError("is not UTF-8 text", Location(name)) from error
+    if options.log is not None:
+        return read_log(text, name, controller=controller.file)
+    trace = trace_json.loads(text, name)
+    if not trace.end.is_good:
+        raise InputError(
+            f"is the trace of a run that failed ({trace.end.message}); run the controller again",
+            Location(name),
+        )
+    if trace.controller != controller.file:
+        raise InputError(
+            f"is a trace of '{trace.controller}', not of '{controller.file}'", Location(name)
+        )
+    return trace

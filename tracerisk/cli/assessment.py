@@ -1,0 +1,45 @@
+"""Print a solved model, for the verbs that end in one."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from tracerisk.cli.output import terminal_width, use_color
+from tracerisk.errors import ExitCode
+
+if TYPE_CHECKING:
+    from tracerisk.prm.assessment import Assessment
+    from tracerisk.report.terminal import Exposures
+
+
+def print_assessment(
+    assessment: Assessment,
+    *,
+    exposures: Exposures | None = None,
+    findings: Sequence[str] = (),
+    assumptions: Sequence[str] = (),
+) -> None:
+    """Print the table of an assessment on standard output."""
+    from tracerisk.report.terminal import render_assessment
+
+    text = render_assessment(
+        assessment,
+        exposures=exposures,
+        findings=findings,
+        assumptions=assumptions,
+        width=terminal_width(),
+        color=use_color(),
+    )
+    sys.stdout.write(text)
+    sys.stdout.flush()
+
+
+def risk_exit(assessment: Assessment, max_risk: float | None) -> ExitCode:
+    """Return 1 where the mission's failure probability is over the limit that was given."""
+    risk = assessment.mission.failure_probability
+    if max_risk is None or risk <= max_risk:
+        return ExitCode.FINE
+    print(f"tracerisk: mission failure {risk:.4g} is over --max-risk {max_risk:g}", file=sys.stderr)
+    return ExitCode.WOULD_CHANGE

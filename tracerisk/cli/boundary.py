@@ -1,0 +1,41 @@
+"""The one boundary at which errors become a message and an exit code."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import traceback
+from importlib import import_module
+
+from tracerisk.cli.output import print_json
+from tracerisk.errors import ExitCode, TraceRiskError
+
+_FAULT_ADVICE = "this is a fault of tracerisk; please report it with the lines above"
+
+
+def guarded(options: argparse.Namespace) -> int:
+    """Run the chosen verb and return its exit code."""
+    try:
+        return int(import_module(f"tracerisk.cli.{options.verb}").run(options))
+    except TraceRiskError as error:
+        print(f"tracerisk: {error}", file=sys.stderr)
+        if getattr(options, "json", False):
+            print_json(options.verb, exit_code=int(error.exit_code), error=_error_data(error))
+        return int(error.exit_code)
+    except (KeyboardInterrupt, BrokenPipeError):
+        raise
+    except Exception:  # noqa: BLE001 - the one boundary
+        traceback.print_exc()
+        print(f"tracerisk: {_FAULT_ADVICE}", file=sys.stderr)
+        return int(ExitCode.INTERNAL_FAULT)
+
+
+def _error_data(error: TraceRiskError) -> dict[str, object]:
+    place = error.location
+    return {
+        "kind": type(error).__name__,
+        "message": error.message,
+        "file": None if place is None else place.file,
+        "line": None if place is None else place.line,
+        "column": None if place is None else place.column,
+    }

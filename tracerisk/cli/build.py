@@ -1,0 +1,41 @@
+"""`tracerisk build`: the risk model from the blocks in sources, and from nothing else."""
+
+from __future__ import annotations
+
+import argparse
+
+from tracerisk.cli import options as shared
+from tracerisk.cli.output import note, print_json
+from tracerisk.cli.sources import model_of_sources
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    parser.add_argument("files", metavar="FILE", nargs="+", help="an annotated source")
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", help="write the model there, not to standard output"
+    )
+    shared.add_profile(parser)
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    from tracerisk.cli.run_report import write_file
+    from tracerisk.prm.formats import model_json
+
+    model = model_of_sources(options.files, shared.read_profile(options))
+    text = model_json.dumps(model)
+    if options.output is not None:
+        write_file(options.output, text)
+    if options.json:
+        print_json("build", model=model_json.model_data(model))
+    elif options.output is None:
+        print(text, end="")
+    trees = sum(1 for state in model.states if state.tree.events)
+    note(
+        f"{model.name}: {len(model.states)} functions, {trees} fault trees, "
+        f"{len(model.parameters)} components",
+        quiet=options.quiet,
+    )
+    return 0

@@ -1,0 +1,105 @@
+"""`tracerisk doctor`: whether everything that tracerisk needs works here."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import platform
+import sys
+from collections.abc import Callable
+from importlib import metadata
+
+from tracerisk import __version__
+from tracerisk.cli import options as shared
+from tracerisk.cli.output import print_json
+from tracerisk.errors import ExitCode, TraceRiskError
+
+_PACKAGES = ("dm-control", "libcst", "mink", "mujoco", "numpy", "rich", "rosbags", "ruamel.yaml")
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    parser.add_argument(
+        "controller", metavar="FILE", nargs="?", help="a controller, to tell its robot and settings"
+    )
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    found: dict[str, str] = {
+        "tracerisk": __version__,
+        "python": f"{platform.python_version()} ({sys.platform})",
+    }
+    faults: dict[str, str] = {}
+    _look(found, faults, "packages", _packages)
+    _look(found, faults, "physics", _physics)
+    _look(found, faults, "robots", _robots)
+    if options.controller is not None:
+        found.update(_of_controller(options.controller))
+    code = ExitCode.INTERNAL_FAULT if faults else ExitCode.FINE
+    if options.json:
+        print_json("doctor", exit_code=int(code), found=found, faults=faults)
+        return int(code)
+    for name, text in found.items():
+        print(f"{name}: {text}")
+    for name, text in faults.items():
+        print(f"{name}: FAILS: {text}")
+    return int(code)
+
+
+def _look(
+    found: dict[str, str], faults: dict[str, str], name: str, look: Callable[[], str]
+) -> None:
+    """Note what a look finds; what it raises is the finding, whatever it is."""
+    try:
+        found[name] = look()
+    except (ImportError, AttributeError, OSError, RuntimeError, ValueError, TypeError) as error:
+        faults[name] = f"{type(error).__name__}: {error}"
+
+
+def _packages() -> str:
+    return ", ".join(f"{name} {metadata.version(name)}" for name in _PACKAGES)
+
+
+def _physics() -> str:
+    from tracerisk.twin.robot import load_robot, robot_names
+    from tracerisk.twin.scene import load_scene
+    from tracerisk.twin.twin import Twin
+
+    robot = load_robot(robot_names()[0])
+    if robot.default_scene is None:
+        return "no scene to step"
+    twin = Twin.build(robot, load_scene(robot.default_scene))
+    twin.advance(10 * twin.step_ns)
+    return f"{robot.name} in {robot.default_scene} built and stepped"
+
+
+def _robots() -> str:
+    from tracerisk.twin.robot import robot_names
+
+    return ", ".join(robot_names())
+
+
+def _of_controller(path: str) -> dict[str, str]:
+    from tracerisk import pipeline
+
+    controller = pipeline.load_controller(path)
+    settings = pipeline.load_settings(controller)
+    found = {
+        "controller": controller.file,
+        "root": str(controller.root),
+        "settings": ", ".join(
+            f"{field.name}={getattr(settings, field.name)!r}"
+            for field in dataclasses.fields(settings)
+        ),
+    }
+    why = "as the settings say" if settings.robot is not None else "by the controller's strings"
+    try:
+        robot = pipeline.load_robot(controller, settings)
+        found["robot"] = f"{robot.name} ({why})"
+        found["scene"] = settings.scene or robot.default_scene or "none; give --scene"
+        found["hardware"] = pipeline.load_hardware(settings, robot.name).file
+    except TraceRiskError as error:
+        found["robot"] = f"not known: {error}"
+    return found

@@ -1,0 +1,199 @@
+"""Options that several verbs share."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, get_args
+
+from tracerisk.config import ActiveMode
+from tracerisk.errors import InputError
+
+if TYPE_CHECKING:
+    from tracerisk.adder.merge import MergePolicy
+
+_WEIGHT = re.compile(r"\d{1,40}(?:/\d{1,40}|\.\d{1,40})?|\.\d{1,40}")
+
+ProfileText = dict[str, dict[str, str]]
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """Add `--json` and `--quiet`."""
+    parser.add_argument("--json", action="store_true", help="print the result as JSON")
+    parser.add_argument("-q", "--quiet", action="store_true", help="no progress and no notes")
+
+
+def add_run_options(parser: argparse.ArgumentParser) -> None:
+    """Add the controller and what its run depends on."""
+    parser.add_argument("controller", metavar="FILE", help="the controller's Python file")
+    parser.add_argument(
+        "argv", metavar="ARG", nargs="*", help="arguments for the controller, after --"
+    )
+    group = parser.add_argument_group("the run")
+    group.add_argument("--robot", metavar="NAME|FILE", help="the arm; else told by its names")
+    group.add_argument("--scene", metavar="NAME|FILE", help="the scene; else the robot's default")
+    group.add_argument(
+        "--duration",
+        dest="duration_s",
+        metavar="S",
+        type=_positive,
+        help="simulated time after which the run is over (300 s)",
+    )
+    group.add_argument(
+        "--wall-limit",
+        dest="wall_limit_s",
+        metavar="S",
+        type=_positive,
+        help="wall time after which the controller is stopped (120 s)",
+    )
+    group.add_argument(
+        "--stall-limit",
+        dest="stall_limit_s",
+        metavar="S",
+        type=_positive,
+        help="wall time without simulated progress after which it is stopped (30 s)",
+    )
+    group.add_argument(
+        "--memory-limit",
+        dest="memory_limit_mb",
+        metavar="MB",
+        type=_count,
+        help="address space of the controller's process (8192 MB)",
+    )
+    group.add_argument("--seed", metavar="N", type=_count, help="seed of all that is random (0)")
+    group.add_argument(
+        "--answer",
+        dest="answers",
+        metavar="TEXT",
+        action="append",
+        default=[],
+        help="an answer for input(), in turn; then Enter",
+    )
+    group.add_argument("--keep", metavar="DIR", help="keep the recording of the run in a folder")
+    add_log(group)
+
+
+def add_log(group: argparse._ArgumentGroup) -> None:
+    """Add the file for a log in the published format."""
+    group.add_argument("--log", metavar="FILE", help="write the log in the published text format")
+
+
+def add_hardware_options(parser: argparse.ArgumentParser) -> None:
+    """Add what turns use into probabilities."""
+    group = parser.add_argument_group("the hardware")
+    group.add_argument(
+        "--hardware", metavar="FILE", help="the hardware description; else that of the robot"
+    )
+    group.add_argument(
+        "--active",
+        choices=get_args(ActiveMode),
+        help="which time counts: moving, or also holding and grasping (moving+holding)",
+    )
+
+
+def add_profile(parser: argparse.ArgumentParser) -> None:
+    """Add the operational profile."""
+    parser.add_argument(
+        "--profile",
+        metavar="FUNCTION:TARGET=SHARE,...",
+        action="append",
+        default=[],
+        help="what follows a function, and how often: place:init=0.9,done=0.1",
+    )
+
+
+def add_write_options(parser: argparse.ArgumentParser) -> None:
+    """Add how sources are written."""
+    group = parser.add_argument_group("what is written")
+    group.add_argument(
+        "--check", action="store_true", help="write no source; exit 1 if one would change"
+    )
+    group.add_argument(
+        "--diff", action="store_true", help="write no source; print what would change"
+    )
+
+
+def add_edit_options(parser: argparse.ArgumentParser) -> None:
+    """Add what becomes of a person's edits."""
+    group = parser.add_argument_group("values that a person edited")
+    choice = group.add_mutually_exclusive_group()
+    choice.add_argument("--accept-edits", action="store_true", help="keep them, as := values")
+    choice.add_argument("--discard-edits", action="store_true", help="write the computed values")
+    group.add_argument(
+        "--fresh", action="store_true", help="write every computed value, within the noise too"
+    )
+
+
+def run_settings(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the options that override settings; those not given are `None`."""
+    names = (
+        "robot",
+        "scene",
+        "hardware",
+        "active",
+        "duration_s",
+        "wall_limit_s",
+        "stall_limit_s",
+        "memory_limit_mb",
+        "seed",
+    )
+    return {name: getattr(options, name, None) for name in names}
+
+
+def merge_policy(options: argparse.Namespace) -> MergePolicy:
+    """Return what becomes of a person's edits."""
+    from tracerisk.adder.merge import MergePolicy
+
+    if options.accept_edits:
+        return MergePolicy("accept", options.fresh)
+    return MergePolicy("discard" if options.discard_edits else "stop", options.fresh)
+
+
+def read_profile(options: argparse.Namespace) -> ProfileText:
+    """Return the profile as text: for each function the share of each target.
+
+    Raises InputError when it is malformed.
+    """
+    profile: ProfileText = {}
+    for text in options.profile:
+        function, colon, row = text.partition(":")
+        if not colon or not function:
+            raise InputError(f"--profile {text}: expected FUNCTION:TARGET=SHARE,...")
+        if function in profile:
+            raise InputError(f"--profile names '{function}' twice; give each function once")
+        profile[function] = {}
+        for part in row.split(","):
+            target, equals, share = part.strip().rpartition("=")
+            if not equals or not _WEIGHT.fullmatch(share) or target in profile[function]:
+                raise InputError(
+                    f"--profile {text}: '{part}' is not a target of its own with a share, "
+                    "such as init=0.9 or init=9/10"
+                )
+            profile[function][target] = share
+    return profile
+
+
+def profile_fractions(profile: ProfileText) -> dict[str, dict[str, Fraction]]:
+    """Return the profile as exact fractions."""
+    try:
+        return {
+            function: {target: Fraction(share) for target, share in row.items()}
+            for function, row in profile.items()
+        }
+    except ZeroDivisionError as error:
+        raise InputError("--profile: a share is divided by zero") from error
+
+
+def _positive(text: str) -> float:
+    value = float(text)
+    if not 0.0 < value < 1e9:
+        raise argparse.ArgumentTypeError(f"{text} is not above 0")
+    return value
+
+
+def _count(text: str) -> int:
+    value = int(text)
+    if value < 0:
+        raise argparse.ArgumentTypeError(f"{text} is below 0")
+    return value

@@ -1,0 +1,89 @@
+"""What the verbs print: JSON on standard output, notes and progress on standard error."""
+
+from __future__ import annotations
+
+import contextlib
+import difflib
+import json
+import os
+import sys
+from collections.abc import Callable, Iterator
+from typing import Any
+
+SCHEMA = "tracerisk"
+VERSION = 1
+"""Version of the JSON that every verb prints with `--json`."""
+
+
+def print_json(verb: str, *, exit_code: int = 0, **data: Any) -> None:
+    """Print what a verb found as JSON: sorted keys, the same bytes for the same input."""
+    envelope = {"schema": SCHEMA, "version": VERSION, "verb": verb, "exit_code": exit_code}
+    text = json.dumps(
+        {**envelope, **data}, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False
+    )
+    sys.stdout.buffer.write(f"{text}\n".encode())
+    sys.stdout.flush()
+
+
+def note(message: str, *, quiet: bool = False) -> None:
+    """Print a line for the person at the terminal, on standard error."""
+    if not quiet:
+        print(message, file=sys.stderr)
+
+
+def print_diff(before: bytes, after: bytes, name: str) -> None:
+    """Print a unified diff of two versions of a file."""
+    lines = difflib.unified_diff(
+        _lines(before), _lines(after), fromfile=name, tofile=f"{name} (annotated)"
+    )
+    for line in lines:
+        end = "" if line.endswith("\n") else "\n\\ No newline at end of file\n"
+        sys.stdout.buffer.write((line + end).encode("utf-8", "surrogateescape"))
+    sys.stdout.flush()
+
+
+def use_color() -> bool:
+    """Return whether standard output is a terminal that wants colours."""
+    return sys.stdout.isatty() and "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"
+
+
+def terminal_width() -> int:
+    """Return the columns of the terminal, 80 where there is none."""
+    import shutil
+
+    return shutil.get_terminal_size((80, 24)).columns if sys.stdout.isatty() else 80
+
+
+@contextlib.contextmanager
+def progress_bar(
+    duration_s: float, *, quiet: bool
+) -> Iterator[Callable[[str, float], None] | None]:
+    """Yield what draws the progress on a terminal, `None` where there is none."""
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.completed:.1f} s simulated"),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("starting", total=duration_s)
+
+        def tell(phase: str, simulated_s: float) -> None:
+            bar.update(task, description=phase, completed=simulated_s)
+
+        yield tell
+
+
+def _lines(data: bytes) -> list[str]:
+    # Only line feeds part lines here: a form feed or a lone CR is a character of its line.
+    text = data.decode("utf-8", "surrogateescape")
+    return [f"{line}\n" for line in text.split("\n")[:-1]] + [
+        last for last in [text.split("\n")[-1]] if last
+    ]

@@ -1,0 +1,118 @@
+"""`tracerisk run`: trace, annotate in place, build, solve, and print the table."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from tracerisk.cli import options as shared
+from tracerisk.cli.assessment import print_assessment, risk_exit
+from tracerisk.cli.output import note, print_diff, print_json, progress_bar
+from tracerisk.cli.run_report import (
+    failure_of,
+    finding_lines,
+    headline,
+    object_lines,
+    print_failure,
+    write_file,
+    write_outputs,
+)
+from tracerisk.errors import ControllerFailedError, ExitCode, Location
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    shared.add_run_options(parser)
+    shared.add_hardware_options(parser)
+    shared.add_write_options(parser)
+    shared.add_edit_options(parser)
+    shared.add_profile(parser)
+    parser.add_argument("--trace", metavar="FILE", help="write the trace as JSON")
+    parser.add_argument("--model", metavar="FILE", help="write the risk model as JSON")
+    parser.add_argument(
+        "--max-risk",
+        metavar="P",
+        type=float,
+        help="exit 1 if the mission's failure probability is above P",
+    )
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    from tracerisk import pipeline, trace_json
+    from tracerisk.prm.formats import model_json
+    from tracerisk.prm.formats.assessment_json import assessment_to_json
+
+    profile = shared.read_profile(options)
+    policy = shared.merge_policy(options)
+    controller = pipeline.load_controller(options.controller)
+    settings = pipeline.load_settings(controller, shared.run_settings(options))
+    with progress_bar(settings.duration_s, quiet=options.quiet) as progress:
+        trace = pipeline.trace_controller(
+            controller,
+            settings,
+            given=pipeline.RunInput(tuple(options.argv), tuple(options.answers)),
+            keep=None if options.keep is None else Path(options.keep),
+            progress=progress,
+        )
+    if options.trace is not None:
+        write_file(options.trace, trace_json.dumps(trace))
+    if not trace.end.is_good:
+        code = print_failure(trace)
+        if options.json:
+            print_json(
+                "run", exit_code=code, error=failure_of(trace), trace=trace_json.trace_data(trace)
+            )
+        return code
+    if not trace.functions:
+        raise ControllerFailedError(
+            f"{trace.end.message}, and it commanded no hardware: there is no risk to assess; "
+            "does it need arguments (after --) or answers (--answer)?",
+            Location(str(controller.path), 1),
+        )
+    hardware = pipeline.load_hardware(settings, trace.robot)
+    annotated = pipeline.annotate(
+        controller, trace, hardware, settings, policy=policy, profile=profile
+    )
+    write_outputs(options, annotated.computed)
+    model = pipeline.build({str(controller.path): annotated.source}, name=controller.path.name)
+    if options.model is not None:
+        write_file(options.model, model_json.dumps(model))
+    assessment = pipeline.solve(model)
+    keeps_files = options.check or options.diff
+    if not keeps_files:
+        annotated.write()
+    code = risk_exit(assessment, options.max_risk)
+    if options.check and annotated.is_changed:
+        code = ExitCode.WOULD_CHANGE
+    if options.json:
+        print_json(
+            "run",
+            exit_code=int(code),
+            changed=annotated.is_changed,
+            trace=trace_json.trace_data(trace),
+            objects=trace_json.trace_data(trace)["objects"],
+            assessment=assessment_to_json(assessment),
+            assumptions=[*trace.assumptions, *annotated.computed.assumptions],
+            model=model_json.model_data(model),
+        )
+        return int(code)
+    if options.diff:
+        print_diff(controller.source, annotated.source, str(controller.path))
+    quiet = options.quiet
+    note(headline(trace), quiet=quiet)
+    for line in object_lines(trace):
+        note(line, quiet=quiet)
+    blocks = len(annotated.computed.blocks)
+    verb = "would change" if keeps_files else "changed"
+    outcome = verb if annotated.is_changed else "unchanged"
+    note(f"{controller.path}: {blocks} risk blocks, {outcome}", quiet=quiet)
+    if not options.diff:
+        print_assessment(
+            assessment,
+            exposures={ref.name: row for ref, row in annotated.computed.exposures.items()},
+            findings=finding_lines(trace),
+            assumptions=(*trace.assumptions, *annotated.computed.assumptions),
+        )
+    return int(code)

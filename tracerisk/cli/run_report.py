@@ -1,0 +1,122 @@
+"""What a run showed, in a few lines for a person and as plain data."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from tracerisk.adder.computed import ComputedBlocks
+from tracerisk.errors import ExitCode, InputError, Location
+from tracerisk.trace import Finding, Trace
+from tracerisk.trace_log import write_log
+
+_AT_GOAL_M = 0.003
+
+
+def headline(trace: Trace) -> str:
+    """Return one line: which controller, on what, how long, and how the run ended."""
+    seconds = "" if trace.end.simulated_s is None else f", {trace.end.simulated_s:.1f} s simulated"
+    where = f" ({trace.end.location})" if trace.end.location is not None else ""
+    on = f" on {trace.robot} in {trace.scene}" if trace.robot else ""
+    return f"{trace.controller}{on}{seconds}: {trace.end.message}{where}"
+
+
+def object_lines(trace: Trace) -> list[str]:
+    """Return one line on the things of the scene that have a goal, and one for each astray."""
+    with_goal = [each for each in trace.objects if each.goal is not None]
+    if not with_goal:
+        return []
+    at_goal = [each for each in with_goal if each.upright and each.offset_m < _AT_GOAL_M]
+    lines = [f"objects: {len(at_goal)} of {len(with_goal)} stand at their goal"]
+    if at_goal:
+        largest = max(each.offset_m for each in at_goal)
+        lines[0] += f", at most {1000.0 * largest:.2f} mm off"
+    lines += [
+        f"  {each.name}: {1000.0 * each.offset_m:.1f} mm from {each.goal}"
+        + ("" if each.upright else ", not upright")
+        for each in with_goal
+        if each not in at_goal
+    ]
+    return lines
+
+
+def finding_line(finding: Finding) -> str:
+    """Return a finding as one line."""
+    place = "" if finding.location is None else f"{finding.location}: "
+    time = "" if finding.time_s is None else f" (at {finding.time_s:.2f} s)"
+    return f"{place}{finding.message}{time}"
+
+
+def finding_lines(trace: Trace) -> list[str]:
+    """Return the findings of a run, and the functions of which it tells nothing."""
+    lines = [finding_line(finding) for finding in trace.findings]
+    lines += [
+        f"{each.ref.file}:{each.line}: {each.ref.name} can move the arm and never ran: no risk data"
+        for each in trace.uncovered
+    ]
+    return lines
+
+
+def trace_lines(trace: Trace) -> list[str]:
+    """Return what the trace tells of each relevant function, a line each."""
+    lines = []
+    for function in trace.functions:
+        visits = [visit for visit in trace.visits if visit.function == function.ref]
+        seconds: dict[str, float] = {}
+        for visit in visits:
+            for name, exposure in visit.exposures.items():
+                if exposure is not None:
+                    seconds[name] = seconds.get(name, 0.0) + exposure.active_s
+        active = ", ".join(f"{name} {total:.2f} s" for name, total in seconds.items() if total)
+        count = f"{len(visits)} visit{'s' if len(visits) != 1 else ''}"
+        lines.append(
+            f"  {function.call_sequence} {function.ref.name} (line {function.line}, {count}): "
+            f"{active or 'nothing active'}"
+        )
+    return lines or ["  no function commanded hardware"]
+
+
+def print_failure(trace: Trace) -> int:
+    """Tell how a run ended badly and what it had shown so far; return the exit code."""
+    place = "" if trace.end.location is None else f"{trace.end.location}: "
+    print(f"tracerisk: {place}{trace.end.message}", file=sys.stderr)
+    seconds = 0.0 if trace.end.simulated_s is None else trace.end.simulated_s
+    print(f"The trace so far, {seconds:.1f} s simulated:", file=sys.stderr)
+    for line in [*trace_lines(trace), *(f"  {line}" for line in finding_lines(trace))]:
+        print(line, file=sys.stderr)
+    print("No source was changed.", file=sys.stderr)
+    return int(ExitCode.CONTROLLER_FAILED)
+
+
+def failure_of(trace: Trace) -> dict[str, Any] | None:
+    """Return the error that a badly ended run amounts to, as data; `None` after a good end."""
+    if trace.end.is_good:
+        return None
+    place = trace.end.location
+    return {
+        "kind": "ControllerFailedError",
+        "message": trace.end.message,
+        "file": None if place is None else place.file,
+        "line": None if place is None else place.line,
+        "column": None if place is None else place.column,
+    }
+
+
+def write_file(path: str, text: str) -> None:
+    """Write an output file that was asked for.
+
+    Raises InputError when it cannot be written.
+    """
+    try:
+        Path(path).write_text(text, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise InputError(f"cannot be written: {error.strerror}", Location(path)) from error
+
+
+def write_outputs(options: argparse.Namespace, computed: ComputedBlocks) -> None:
+    """Write the log where one was asked for."""
+    if options.log is not None:
+        log = {ref.name: computed.observed[ref] for ref in computed.observed}
+        write_file(options.log, write_log(log))

@@ -1,0 +1,39 @@
+"""`tracerisk solve`: a model, or the blocks in sources, solved exactly."""
+
+from __future__ import annotations
+
+import argparse
+
+from tracerisk.cli import options as shared
+from tracerisk.cli.assessment import print_assessment, risk_exit
+from tracerisk.cli.output import print_json
+from tracerisk.cli.sources import model_of_files
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    parser.add_argument(
+        "files", metavar="FILE", nargs="+", help="a model (JSON), or annotated sources"
+    )
+    shared.add_profile(parser)
+    parser.add_argument(
+        "--max-risk",
+        metavar="P",
+        type=float,
+        help="exit 1 if the mission's failure probability is above P",
+    )
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    from tracerisk.prm.formats.assessment_json import assessment_to_json
+    from tracerisk.prm.solve import solve
+
+    assessment = solve(model_of_files(options.files, shared.read_profile(options)))
+    code = risk_exit(assessment, options.max_risk)
+    if options.json:
+        print_json("solve", exit_code=int(code), assessment=assessment_to_json(assessment))
+    else:
+        print_assessment(assessment)
+    return int(code)

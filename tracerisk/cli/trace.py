@@ -1,0 +1,60 @@
+"""`tracerisk trace`: run a controller and tell which hardware each function used."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from tracerisk.cli import options as shared
+from tracerisk.cli.output import note, print_json, progress_bar
+from tracerisk.cli.run_report import (
+    failure_of,
+    finding_lines,
+    headline,
+    object_lines,
+    print_failure,
+    trace_lines,
+    write_file,
+    write_outputs,
+)
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    shared.add_run_options(parser)
+    shared.add_hardware_options(parser)
+    parser.add_argument("-o", "--output", metavar="FILE", help="write the trace as JSON")
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    from tracerisk import pipeline, trace_json
+    from tracerisk.adder.computed import compute_blocks
+
+    controller = pipeline.load_controller(options.controller)
+    settings = pipeline.load_settings(controller, shared.run_settings(options))
+    with progress_bar(settings.duration_s, quiet=options.quiet) as progress:
+        trace = pipeline.trace_controller(
+            controller,
+            settings,
+            given=pipeline.RunInput(tuple(options.argv), tuple(options.answers)),
+            keep=None if options.keep is None else Path(options.keep),
+            progress=progress,
+        )
+    if options.output is not None:
+        write_file(options.output, trace_json.dumps(trace))
+    code = 0 if trace.end.is_good else print_failure(trace)
+    if options.log is not None:
+        hardware = pipeline.load_hardware(settings, trace.robot)
+        write_outputs(options, compute_blocks(trace, hardware, active=settings.active))
+    if options.json:
+        data = trace_json.trace_data(trace)
+        print_json("trace", exit_code=code, error=failure_of(trace), trace=data)
+    elif trace.end.is_good:
+        note(headline(trace), quiet=options.quiet)
+        for line in [*trace_lines(trace), *object_lines(trace), *finding_lines(trace)]:
+            print(line)
+        for line in trace.assumptions:
+            note(f"assumed: {line}", quiet=options.quiet)
+    return code

@@ -1,0 +1,33 @@
+"""The stages joined: run a controller, annotate it, build its model, solve it."""
+
+from tracerisk.pipeline.stages import (
+    Annotated,
+    Controller,
+    RunInput,
+    annotate,
+    build,
+    hand_set,
+    load_controller,
+    load_hardware,
+    load_robot,
+    load_settings,
+    solve,
+    strip,
+    trace_controller,
+)
+
+__all__ = [
+    "Annotated",
+    "Controller",
+    "RunInput",
+    "annotate",
+    "build",
+    "hand_set",
+    "load_controller",
+    "load_hardware",
+    "load_robot",
+    "load_settings",
+    "solve",
+    "strip",
+    "trace_controller",
+]

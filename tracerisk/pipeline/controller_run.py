@@ -1,0 +1,240 @@
+"""Run a controller in a child process under limits, and make a trace of what it left."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tracerisk import errors
+from tracerisk.config import Settings
+from tracerisk.errors import Location, TraceRiskError
+from tracerisk.instrument.recording import Recording, read_recording
+from tracerisk.pipeline.run_files import EVENTS, STACKS, RunRequest
+from tracerisk.pipeline.run_trace import make_trace
+from tracerisk.trace import RunEnd, Trace
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline.stages import Controller, Progress, RunInput
+    from tracerisk.twin.robot import Robot
+
+_POLL_S = 0.02
+_GRACE_S = 2.0
+_STACK_LINE = re.compile(r'  File "(?P<file>.*)", line (?P<line>\d+) in ')
+
+
+def run_controller(
+    controller: Controller,
+    robot: Robot,
+    settings: Settings,
+    *,
+    given: RunInput,
+    keep: Path | None = None,
+    progress: Progress | None = None,
+) -> Trace:
+    """Run the controller on the twin of `robot`, and return what the run showed.
+
+    Raises SourceError, RobotError or another error of the input when nothing could run.
+    """
+    scene = settings.scene or robot.default_scene
+    if scene is None:
+        raise errors.RobotError(f"robot '{robot.name}' has no scene of its own; give --scene")
+    with _folder(keep) as folder:
+        request = RunRequest(
+            controller=str(controller.path.resolve()),
+            root=str(controller.root.resolve()),
+            folder=str(folder),
+            argv=given.argv,
+            answers=given.answers,
+            robot=settings.robot or robot.name,
+            scene=scene,
+            duration_s=settings.duration_s,
+            memory_limit_mb=settings.memory_limit_mb,
+            seed=settings.seed,
+        )
+        process_end = _run_child(request, folder, settings, progress)
+        recording = _recording(folder)
+        _raise_failure(recording)
+        end = _run_end(recording, process_end, controller)
+        return make_trace(controller, robot, scene, settings, recording, folder, end, given=given)
+
+
+@dataclass(frozen=True, slots=True)
+class _ProcessEnd:
+    """How the process ended: its return code, or the limit that was reached and where."""
+
+    code: int
+    limit: str | None = None
+    location: Location | None = None
+
+
+@contextlib.contextmanager
+def _folder(keep: Path | None) -> Iterator[Path]:
+    if keep is not None:
+        keep.mkdir(parents=True, exist_ok=True)
+        yield keep.resolve()
+        return
+    with tempfile.TemporaryDirectory(prefix="tracerisk-") as name:
+        yield Path(name)
+
+
+def _run_child(
+    request: RunRequest, folder: Path, settings: Settings, progress: Progress | None
+) -> _ProcessEnd:
+    request_path = folder / "request.json"
+    request_path.write_text(request.dumps(), encoding="utf-8")
+    # A fixed hash seed keeps what a controller iterates over, sets say, in the same order.
+    environment = {**os.environ, "MUJOCO_GL": "disable", "PYTHONHASHSEED": "0"}
+    child = subprocess.Popen(
+        [sys.executable, "-u", "-m", "tracerisk.pipeline.child", str(request_path)],
+        stdin=subprocess.DEVNULL,
+        stdout=sys.stderr.fileno() if _has_descriptor(sys.stderr) else subprocess.DEVNULL,
+        stderr=None,
+        env=environment,
+        start_new_session=True,
+    )
+    try:
+        return _watch(child, folder, settings, progress)
+    finally:
+        # Whatever the controller started goes with it.
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(child.pid, signal.SIGKILL)
+        child.wait()
+
+
+def _has_descriptor(stream: Any) -> bool:
+    try:
+        stream.fileno()
+    except (AttributeError, OSError, ValueError):
+        return False
+    return True
+
+
+def _watch(
+    child: subprocess.Popen[bytes], folder: Path, settings: Settings, progress: Progress | None
+) -> _ProcessEnd:
+    began = last_change = time.monotonic()
+    seen = (-1, -1)
+    while True:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            return _ProcessEnd(child.wait(timeout=_POLL_S))
+        now = time.monotonic()
+        grown = (_size(folder / EVENTS), _simulated_ns(folder))
+        if grown != seen:
+            seen, last_change = grown, now
+            if progress is not None:
+                progress("simulating", max(grown[1], 0) / 1e9)
+        if now - began > settings.wall_limit_s:
+            return _stop(child, folder, f"{settings.wall_limit_s:g} s of wall time are over")
+        if now - last_change > settings.stall_limit_s:
+            return _stop(
+                child,
+                folder,
+                f"nothing has moved and no time has passed in the simulation for "
+                f"{settings.stall_limit_s:g} s of wall time",
+            )
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except OSError:
+        return -1
+
+
+def _simulated_ns(folder: Path) -> int:
+    from tracerisk.twin.samples import simulated_ns
+
+    return simulated_ns(folder)
+
+
+def _stop(child: subprocess.Popen[bytes], folder: Path, limit: str) -> _ProcessEnd:
+    """End the child, having asked where it stands."""
+    stacks = folder / STACKS
+    before = _size(stacks)
+    with contextlib.suppress(ProcessLookupError):
+        child.send_signal(signal.SIGUSR1)
+    deadline = time.monotonic() + _GRACE_S
+    while _size(stacks) == before and child.poll() is None and time.monotonic() < deadline:
+        time.sleep(_POLL_S)
+    time.sleep(_POLL_S)
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(child.pid, signal.SIGKILL)
+    child.wait()
+    return _ProcessEnd(child.returncode, limit, _place_in(stacks, folder))
+
+
+def _place_in(stacks: Path, folder: Path) -> Location | None:
+    """Return the innermost place of the controller among the stacks that the child told."""
+    root = Path(RunRequest.loads((folder / "request.json").read_text(encoding="utf-8")).root)
+    try:
+        text = stacks.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return None
+    threads = text.split("\n\n")
+    current = [each for each in threads if each.startswith("Current thread")]
+    for thread in [*current, *threads]:
+        for line in thread.splitlines():
+            found = _STACK_LINE.match(line)
+            if found is not None and Path(found["file"]).is_relative_to(root):
+                file = Path(found["file"]).relative_to(root).as_posix()
+                return Location(file, int(found["line"]))
+    return None
+
+
+def _recording(folder: Path) -> Recording:
+    events = folder / EVENTS
+    return read_recording(events) if events.exists() else Recording()
+
+
+def _raise_failure(recording: Recording) -> None:
+    """Raise the error with which the child refused to run anything."""
+    failed = recording.note("failed")
+    if failed is None:
+        return
+    kind = getattr(errors, failed["error"], errors.InputError)
+    assert issubclass(kind, TraceRiskError)
+    place = None if failed["location"] is None else Location(*failed["location"])
+    raise kind(failed["message"], place)
+
+
+def _run_end(recording: Recording, process: _ProcessEnd, controller: Controller) -> RunEnd:
+    told = recording.end
+    simulated_s = (told.time_ns if told else recording.last_ns) / 1e9
+    if told is not None:
+        end = RunEnd(told.cause, told.message, simulated_s, told.location)
+    elif process.limit is not None:
+        end = RunEnd("wall_limit", process.limit, simulated_s, process.location)
+    elif process.code < 0:
+        name = signal.Signals(-process.code).name
+        end = RunEnd("died", f"the controller's process was ended by {name}", simulated_s)
+    else:
+        end = RunEnd(
+            "died",
+            f"the controller's process ended with code {process.code} and told no reason",
+            simulated_s,
+        )
+    if end.location is None and not end.is_good:
+        end = RunEnd(end.cause, end.message, simulated_s, _last_place(recording, controller))
+    if end.cause == "duration" and not recording.commands:
+        return RunEnd(
+            "no_motion", f"nothing was commanded, and {end.message}", simulated_s, end.location
+        )
+    return end
+
+
+def _last_place(recording: Recording, controller: Controller) -> Location:
+    """Return where the last command was issued: the nearest thing to where a dead child stood."""
+    frames: Sequence[Any] = recording.commands[-1].stack if recording.commands else ()
+    if not frames:
+        return Location(controller.file, 1)
+    return Location(frames[-1].function.file, frames[-1].site[0])

@@ -1,0 +1,143 @@
+"""Make a trace of a recording: whose activity is whose, for how long and how hard."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tracerisk.config import Settings
+from tracerisk.errors import UnsafeRewriteError
+from tracerisk.instrument.call_graph import call_graph, uncovered
+from tracerisk.instrument.ownership import Attribution, attribute
+from tracerisk.instrument.recording import Recording
+from tracerisk.trace import (
+    Exposure,
+    Finding,
+    ObjectOffset,
+    RunEnd,
+    Trace,
+    Uncovered,
+    Visit,
+)
+from tracerisk.twin.activity import ElementActivity, element_activity
+from tracerisk.twin.exposure import exposure
+from tracerisk.twin.samples import Samples, has_samples, read_samples
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline.stages import Controller, RunInput
+    from tracerisk.twin.robot import Robot
+
+MOTION_CALLS = frozenset({"go", "execute", "pick", "place"})
+"""The last names of the calls that command motion: those of moveit_commander's groups."""
+
+
+def make_trace(
+    controller: Controller,
+    robot: Robot,
+    scene: str,
+    settings: Settings,
+    recording: Recording,
+    folder: Path,
+    end: RunEnd,
+    *,
+    given: RunInput,
+) -> Trace:
+    """Return the trace of a recording whose samples lie in `folder`."""
+    attribution = attribute(
+        recording,
+        states=settings.states,
+        helpers=settings.helpers,
+        end_ns=round((end.simulated_s or 0.0) * 1e9),
+    )
+    active: Mapping[str, Exposure] = {}
+    visits: tuple[Visit, ...] = ()
+    if has_samples(folder):
+        samples = read_samples(folder)
+        activity = element_activity(samples, robot)
+        active = _exposures(activity, samples)
+        visits = _visits(attribution, activity, samples)
+    return Trace(
+        controller=controller.file,
+        robot=robot.name,
+        scene=scene,
+        end=end,
+        elements=robot.elements,
+        functions=attribution.functions,
+        visits=visits,
+        active=active,
+        uncovered=_uncovered(controller, recording),
+        findings=_findings(recording, attribution),
+        objects=_objects(recording),
+        assumptions=_assumptions(robot, scene, settings, end, given),
+    )
+
+
+def _exposures(activity: Mapping[str, ElementActivity], samples: Samples) -> dict[str, Exposure]:
+    everywhere = np.ones(samples.n_steps, dtype=np.bool_)
+    return {name: exposure(each, everywhere, samples.step_s) for name, each in activity.items()}
+
+
+def _visits(
+    attribution: Attribution, activity: Mapping[str, ElementActivity], samples: Samples
+) -> tuple[Visit, ...]:
+    n_steps, step_ns = samples.n_steps, samples.header.step_ns
+    current = attribution.current(n_steps, step_ns)
+    owners = {name: attribution.assign(name, n_steps, step_ns) for name in activity}
+    steps_of = np.bincount(current[current >= 0], minlength=len(attribution.visits))
+    visits = []
+    for index, visit in enumerate(attribution.visits):
+        exposures = {
+            name: exposure(each, owners[name] == index, samples.step_s)
+            for name, each in activity.items()
+        }
+        visits.append(
+            Visit(
+                function=visit.function,
+                start_s=visit.start_ns / 1e9,
+                duration_s=float(steps_of[index]) * samples.step_s,
+                outcome=visit.outcome,
+                exposures={name: each for name, each in exposures.items() if each != Exposure()},
+            )
+        )
+    return tuple(visits)
+
+
+def _uncovered(controller: Controller, recording: Recording) -> tuple[Uncovered, ...]:
+    try:
+        graph = call_graph(controller.source, controller.file)
+    except UnsafeRewriteError:
+        return ()
+    return uncovered(graph, MOTION_CALLS, {site.ref for site in recording.functions_ran})
+
+
+def _findings(recording: Recording, attribution: Attribution) -> tuple[Finding, ...]:
+    found = [*recording.findings, *attribution.findings]
+    return tuple(sorted(found, key=lambda finding: finding.time_s or 0.0))
+
+
+def _objects(recording: Recording) -> tuple[ObjectOffset, ...]:
+    note = recording.note("objects")
+    return () if note is None else tuple(ObjectOffset(**each) for each in note["found"])
+
+
+def _assumptions(
+    robot: Robot, scene: str, settings: Settings, end: RunEnd, given: RunInput
+) -> tuple[str, ...]:
+    lines = []
+    if settings.robot is None:
+        lines.append(f"robot: {robot.name}, told by the names in the controller's strings")
+    if settings.scene is None:
+        lines.append(f"scene: {scene}, the default of the robot")
+    if robot.approximate:
+        lines.append(f"robot: the figures of {robot.name} are approximate")
+    if given.answers:
+        lines.append("input: scripted answers, then Enter")
+    if end.cause == "duration":
+        lines.append(
+            f"mission: cut after {settings.duration_s:g} s of simulated time (--duration); the "
+            "controller did not end by itself"
+        )
+    return tuple(lines)

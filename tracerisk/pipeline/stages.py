@@ -1,0 +1,365 @@
+"""The stages joined: run a controller, annotate it, build its model, solve it.
+
+This is the public Python API; `tracerisk` re-exports it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import tokenize
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.adder.annotate import Annotation, Changed, EditsInTheWay, SourceBlocks
+from tracerisk.adder.computed import ComputedBlocks, ProfileText, compute_blocks
+from tracerisk.adder.lock import LOCK_NAME, lock_key, read_lock
+from tracerisk.adder.merge import MergePolicy
+from tracerisk.adder.read import read_blocks
+from tracerisk.config import Settings, controller_root, read_settings
+from tracerisk.errors import InputError, Location, SourceError
+from tracerisk.hardware.binding import bind
+from tracerisk.hardware.model import Hardware
+from tracerisk.trace import FunctionRef as FunctionRef
+from tracerisk.trace import Trace
+
+if TYPE_CHECKING:
+    from tracerisk.prm.assessment import Assessment
+    from tracerisk.prm.hybrid import HybridModel
+    from tracerisk.twin.robot import Robot
+
+Progress = Callable[[str, float], None]
+"""Told the phase and the simulated time [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Controller:
+    """A controller's script: its path, the folder of its own sources, and its bytes.
+
+    `file` is its name below the root, with forward slashes.
+    """
+
+    path: Path
+    root: Path
+    file: str
+    source: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class RunInput:
+    """What a run is given beside its settings: arguments of the script, answers to `input()`."""
+
+    argv: tuple[str, ...] = ()
+    answers: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Annotated:
+    """A controller with its blocks, not yet written.
+
+    `source` is what the file is to hold; `change` what there is to write, `None` for nothing.
+    """
+
+    controller: Controller
+    source: bytes
+    change: Changed | None
+    lock_path: Path
+    computed: ComputedBlocks
+
+    @property
+    def is_changed(self) -> bool:
+        """Whether writing would change the source or the lock."""
+        return self.change is not None
+
+    def write(self) -> None:
+        """Write the lock and the source, so that a kill between them does no harm."""
+        from tracerisk.adder.write import write_all
+
+        if self.change is not None:
+            write_all(self.change.writes(self.lock_path))
+
+
+def load_controller(path: Path | str) -> Controller:
+    """Read the controller at `path`.
+
+    Raises InputError when there is no such file, SourceError when it is not Python 3.
+    """
+    script = Path(path)
+    try:
+        source = script.read_bytes()
+    except OSError as error:
+        raise InputError(
+            f"the controller cannot be read: {error.strerror}; name a Python file",
+            Location(str(path)),
+        ) from error
+    root = controller_root(script)
+    file = script.resolve().relative_to(root.resolve()).as_posix()
+    return Controller(script, root, file, source)
+
+
+def load_settings(controller: Controller, options: Mapping[str, Any] | None = None) -> Settings:
+    """Return the settings of a controller's root, overridden by the options that are given."""
+    return read_settings(controller.root).with_options(options or {})
+
+
+def load_robot(controller: Controller, settings: Settings) -> Robot:
+    """Return the robot of the settings, else the one of which the controller's strings speak.
+
+    Raises RobotError when it is unknown, or none or several fit.
+    """
+    from tracerisk.twin.detect import detect_robot
+    from tracerisk.twin.robot import load_robot as read_robot
+
+    if settings.robot is not None:
+        return read_robot(settings.robot)
+    return detect_robot(string_literals(controller))
+
+
+def load_hardware(settings: Settings, robot: str) -> Hardware:
+    """Return the hardware description of the settings, else the one shipped for the robot.
+
+    Raises HardwareError when it is malformed or none is shipped.
+    """
+    from tracerisk.hardware.reader import read_hardware
+    from tracerisk.hardware.shipped import shipped_hardware
+
+    if settings.hardware is not None:
+        return read_hardware(Path(settings.hardware))
+    return shipped_hardware(robot)
+
+
+def trace_controller(
+    controller: Controller,
+    settings: Settings,
+    *,
+    given: RunInput | None = None,
+    keep: Path | None = None,
+    progress: Progress | None = None,
+) -> Trace:
+    """Run the controller on the twin and return what the run showed.
+
+    A run that ends badly gives a trace too, as far as it came: see `Trace.end`.
+    `keep` is a folder in which the recording stays.
+    Raises SourceError, RobotError, HardwareError before anything runs.
+    """
+    from tracerisk.pipeline.controller_run import run_controller
+
+    robot = load_robot(controller, settings)
+    if settings.hardware is not None or _is_shipped(robot):
+        # What the robot has no place for is told before a minute is spent on simulation.
+        bind(load_hardware(settings, robot.name), robot.elements)
+    return run_controller(
+        controller, robot, settings, given=given or RunInput(), keep=keep, progress=progress
+    )
+
+
+def annotate(
+    controller: Controller,
+    trace: Trace,
+    hardware: Hardware,
+    settings: Settings,
+    *,
+    policy: MergePolicy | None = None,
+    profile: ProfileText | None = None,
+) -> Annotated:
+    """Put the blocks of a trace into the controller's source; nothing is written yet.
+
+    Raises EditInTheWayError when a person edited a computed value and the policy says to stop,
+    HardwareError when the description does not fit, BlockError or UnsafeRewriteError when the
+    source cannot be annotated.
+    """
+    from tracerisk.adder.annotate import annotate_sources
+
+    computed = compute_blocks(trace, hardware, active=settings.active, profile=profile)
+    lock_path = controller.root / LOCK_NAME
+    key = lock_key(controller.path, controller.root)
+    here = {
+        ref.name: block for ref, block in computed.blocks.items() if ref.file == controller.file
+    }
+    lines = {
+        function.ref.name: function.line
+        for function in trace.functions
+        if function.line > 0 and function.ref.file == controller.file
+    }
+    outcome: Annotation = annotate_sources(
+        key,
+        [SourceBlocks(key, controller.source, here, lines, str(controller.path))],
+        read_lock(lock_path),
+        fingerprint=fingerprint(controller, trace, settings),
+        trace=trace_summary(trace),
+        policy=policy or MergePolicy(),
+    )
+    if isinstance(outcome, EditsInTheWay):
+        raise outcome.error()
+    change = outcome if isinstance(outcome, Changed) else None
+    source = controller.source
+    if change is not None and change.sources:
+        source = change.sources[0].after
+    return Annotated(controller, source, change, lock_path, computed)
+
+
+def build(
+    sources: Mapping[str, bytes],
+    *,
+    name: str,
+    profile: Mapping[str, Mapping[str, Fraction]] | None = None,
+) -> HybridModel:
+    """Build the hybrid risk model from the blocks in the sources, and from nothing else.
+
+    `sources` maps the names of files, for messages, to their bytes.
+    Raises BlockError or ModelError where the blocks are malformed or contradict each other.
+    """
+    from tracerisk.prm.build import build_model
+
+    blocks = [
+        placed.block for file, source in sources.items() for placed in read_blocks(source, file)
+    ]
+    if not blocks:
+        raise InputError(
+            f"no risk block in {', '.join(sources)}; `tracerisk run` or `annotate` writes them"
+        )
+    return build_model(blocks, profile=profile, name=name)
+
+
+def solve(model: HybridModel) -> Assessment:
+    """Solve a model exactly.
+
+    Raises ModelError when it has no solution.
+    """
+    from tracerisk.prm.solve import solve as solve_model
+
+    return solve_model(model)
+
+
+def strip(controller: Controller) -> bytes:
+    """Return the controller's source without its risk blocks, every other byte kept."""
+    from tracerisk.adder.insert import strip_blocks
+
+    return strip_blocks(controller.source, str(controller.path))
+
+
+def hand_set(controller: Controller) -> tuple[str, ...]:
+    """Return what a person set in the blocks of a source, each with its place.
+
+    Raises BlockError when a block cannot be read.
+    """
+    from tracerisk.adder.values import component_fields
+
+    found = []
+    for placed in read_blocks(controller.source, str(controller.path)):
+        block = placed.block
+        if block.added:
+            found.append(f"{block.location}: the block of {block.name}")
+        fields = [("callSequence", block.call_sequence), ("next", block.next)]
+        for component in block.components:
+            if component.added or component.omitted:
+                found.append(f"{component.location}: {block.name}.{component.name}")
+            fields += [
+                (f"{component.name}.{kind.key}", value)
+                for kind, value in component_fields(component)
+            ]
+        found += [
+            f"{value.location}: {block.name}.{key}"
+            for key, value in fields
+            if value is not None and value.pinned
+        ]
+    return tuple(found)
+
+
+def string_literals(controller: Controller) -> tuple[str, ...]:
+    """Return the strings in a controller's source, in their order."""
+    import ast
+
+    try:
+        tree = ast.parse(controller.source, filename=str(controller.path))
+    except (SyntaxError, ValueError):
+        from tracerisk.instrument.source import parse_source
+
+        # It knows how to say what is wrong, and of Python 2.
+        parse_source(controller.source, str(controller.path))
+        raise
+    return tuple(
+        node.value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    )
+
+
+def fingerprint(controller: Controller, trace: Trace, settings: Settings) -> str:
+    """Return a digest of what the trace depends on.
+
+    Sources without comments and blank lines, the robot, the scene, and those settings that
+    change a run; not the hardware data, from which values follow without a run.
+    """
+    from tracerisk import __version__
+
+    parts = [
+        __version__,
+        trace.robot,
+        trace.scene,
+        f"{settings.duration_s!r}",
+        f"{settings.seed!r}",
+        ",".join(settings.states),
+        ",".join(settings.helpers),
+        controller.file,
+        *_code_tokens(controller),
+    ]
+    return hashlib.sha256("\x00".join(parts).encode()).hexdigest()
+
+
+def trace_summary(trace: Trace) -> dict[str, Any]:
+    """Return what the lock keeps of a trace: the exposures of each function's elements [s]."""
+    functions: dict[str, Any] = {}
+    for function in trace.functions:
+        visits = [visit for visit in trace.visits if visit.function == function.ref]
+        elements: dict[str, Any] = {}
+        for element in trace.elements:
+            found = [e for v in visits if (e := v.exposures.get(element.name)) is not None]
+            if any(exposure.active_s for exposure in found):
+                elements[element.name] = {
+                    "moving_s": _rounded(sum(e.moving_s for e in found)),
+                    "holding_s": _rounded(sum(e.holding_s for e in found)),
+                    "grasping_s": _rounded(sum(e.grasping_s for e in found)),
+                }
+        known = [visit.duration_s for visit in visits if visit.duration_s is not None]
+        functions[function.ref.name] = {
+            "visits": len(visits),
+            "duration_s": _rounded(sum(known)),
+            "elements": elements,
+        }
+    return {
+        "robot": trace.robot,
+        "scene": trace.scene,
+        "end": trace.end.cause,
+        "functions": functions,
+    }
+
+
+def without_line_of(trace: Trace) -> Trace:
+    """Return the trace with no lines of its functions: for a source that it was not taken from."""
+    return replace(trace, functions=tuple(replace(each, line=0) for each in trace.functions))
+
+
+def _rounded(seconds: float) -> float:
+    return round(seconds, 3)
+
+
+def _is_shipped(robot: Robot) -> bool:
+    from tracerisk.twin.robot import robot_names
+
+    return robot.name in robot_names()
+
+
+def _code_tokens(controller: Controller) -> Sequence[str]:
+    left_out = {tokenize.COMMENT, tokenize.NL}
+    try:
+        return [
+            f"{token.type}:{token.string}"
+            for token in tokenize.tokenize(io.BytesIO(controller.source).readline)
+            if token.type not in left_out
+        ]
+    except (tokenize.TokenError, SyntaxError) as error:
+        raise SourceError(f"is not Python 3: {error}", Location(str(controller.path))) from error
