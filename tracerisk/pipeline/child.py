@@ -16,6 +16,7 @@ import os
 import resource
 import signal
 import sys
+import time
 import traceback
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -25,7 +26,7 @@ from tracerisk.errors import ExitCode, Location, TraceRiskError
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Tracer
-from tracerisk.pipeline.run_files import EVENTS, STACKS, RunRequest
+from tracerisk.pipeline.run_files import EVENTS, STACKS, WALL_TIME, RunRequest
 from tracerisk.ros.finder import StandInFinder
 from tracerisk.ros.graph import Graph
 from tracerisk.ros.patches import virtual_time
@@ -65,6 +66,8 @@ def _apply_limits(memory_limit_mb: int) -> None:
 
 def _run(request: RunRequest, folder: Path) -> int:
     script = Path(request.controller)
+    # Bound before virtual time takes the place of the machine's.
+    wall_clock = time.perf_counter
     with (
         (folder / EVENTS).open("wb", buffering=0) as stream,
         SampleWriter(folder) as samples,
@@ -102,14 +105,18 @@ def _run(request: RunRequest, folder: Path) -> int:
                 with prepared_controller(
                     script, tracer, request.argv, root=Path(request.root)
                 ) as run:
-                    return _run_to_the_end(lambda: scheduler.run_main(run), end)
+                    began = wall_clock()
+                    _run_to_the_end(lambda: scheduler.run_main(run), end)
+                    twin.close()
+                    (folder / WALL_TIME).write_text(f"{wall_clock() - began!r}\n")
+                    return 0
             except TraceRiskError as error:
                 # Nothing has run: the source itself is at fault.
                 end.failed(error)
                 return int(error.exit_code)
 
 
-def _run_to_the_end(run: Callable[[], None], end: _End) -> int:
+def _run_to_the_end(run: Callable[[], None], end: _End) -> None:
     try:
         run()
     except RunOver as over:
@@ -122,7 +129,6 @@ def _run_to_the_end(run: Callable[[], None], end: _End) -> int:
         end.raised(error, "raised")
     else:
         end.tell("ended", "the controller ended")
-    return 0
 
 
 class _End:

@@ -10,6 +10,9 @@ EVENTS = "events.jsonl"
 """The recorder's events."""
 STACKS = "stacks.txt"
 """Where the child's threads stand, written when the parent asks."""
+WALL_TIME = "wall_time.txt"
+"""How long the controller took from its first line to its end [s of wall time]; a measurement,
+which nothing is computed from."""
 
 
 @dataclass(frozen=True, slots=True)
