@@ -192,6 +192,7 @@ def test_an_arm_that_is_blocked_aborts_and_names_the_joint(free: Twin):
         ([0.0, 1.0], [[0.0], [np.nan]], "not finite"),
         ([0.0, 1.0, 2.0], [[0.0], [1.0]], "3 points of 1 joints"),
         ([], np.zeros((0, 1)), "no points"),
+        ([0.0, 1e9], [[0.0], [1.0]], r"lasts 1e\+09 s; at most 1800 s"),
     ],
 )
 def test_what_is_no_trajectory_is_refused(free: Twin, time, position, message: str):
@@ -249,3 +250,9 @@ def test_time_stops_at_the_time_asked_for(free: Twin):
     assert free.advance(1) == free.step_ns
     assert free.advance(5 * free.step_ns) == 5 * free.step_ns
     assert free.advance(0) == 5 * free.step_ns
+
+
+def test_a_simulation_that_blows_up_is_told(free: Twin):
+    free._data.qvel[0] = 1e12
+    with pytest.raises(RobotError, match=r"became unstable at \d"):
+        free.advance(SECOND)

@@ -80,3 +80,11 @@ def test_samples_end_at_the_last_point():
     path, speed = resample(time, position, np.zeros((2, 1)), 0.002)
     assert len(path) == 6
     assert (path[-1, 0], speed[-1, 0]) == (1.0, 0.0)
+
+
+def test_a_very_slow_line_is_no_larger_than_others():
+    start, goal = np.zeros(3), np.ones(3)
+    time, position, velocity = straight_line(start, goal, VELOCITY * 1e-6, ACCELERATION * 1e-6)
+    assert time[-1] > 1e6
+    assert len(position) <= 2001
+    assert velocity.max() == pytest.approx(0.5e-6, rel=1e-3)

@@ -14,9 +14,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.errors import one_of
 from tracerisk.twin.builder import JOINT_DAMPING, STEP_S
-from tracerisk.twin.motion import JointTrajectory, MotionOutcome
-from tracerisk.twin.robot import Gripper, Joint
+from tracerisk.twin.motion import JointTrajectory, MotionOutcome, PlanningError
+from tracerisk.twin.robot import Gripper, Joint, Robot
 from tracerisk.twin.timing import resample, straight_line
 
 Array = NDArray[np.float64]
@@ -27,6 +28,7 @@ _SETTLE_S = 1.0  # an arm that is not at its goal this long after the trajectory
 _STALL_S = 0.1  # fingers that stand still this long short of their goal hold something
 _FINGER_TOLERANCE = 0.0005  # [m]
 _FINGER_STILL = 0.001  # [m/s]
+_LONGEST_S = 1800.0  # of a trajectory, whose set-points are all held in memory
 _LOOK_STEPS = 5  # between two looks at what is measured, where that decides
 
 
@@ -313,3 +315,36 @@ class GripperTrack:
             self.motion.end_part("aborted", note, time_ns)
             return True
         return False
+
+
+def check_trajectory(trajectory: JointTrajectory, robot: Robot) -> None:
+    """Raise PlanningError("bad_request") for what no controller would follow."""
+    joints = [joint.name for joint in robot.joints]
+    shape = (len(trajectory.time), len(trajectory.joints))
+    if not shape[0] or not shape[1]:
+        raise PlanningError("bad_request", "the trajectory has no points or no joints")
+    for name in trajectory.joints:
+        if name not in joints:
+            raise PlanningError(
+                "bad_request", f"robot '{robot.name}' has no joint '{name}'; {one_of(joints, name)}"
+            )
+    if len(set(trajectory.joints)) != shape[1]:
+        raise PlanningError("bad_request", "the trajectory names a joint twice")
+    if trajectory.position.shape != shape or trajectory.velocity.shape != shape:
+        raise PlanningError(
+            "bad_request",
+            f"positions and velocities must be {shape[0]} points of {shape[1]} joints",
+        )
+    arrays = (trajectory.time, trajectory.position, trajectory.velocity)
+    if not all(np.isfinite(array).all() for array in arrays):
+        raise PlanningError("bad_request", "the trajectory holds a number that is not finite")
+    if trajectory.time[-1] > _LONGEST_S:
+        raise PlanningError(
+            "bad_request",
+            f"the trajectory lasts {trajectory.time[-1]:g} s; "
+            f"at most {_LONGEST_S:g} s are followed",
+        )
+    if trajectory.time[0] < 0.0 or not (np.diff(trajectory.time) > 0.0).all():
+        raise PlanningError(
+            "bad_request", "the times of a trajectory must rise from point to point, from 0 on"
+        )

@@ -117,7 +117,7 @@ class Kinematics:
     def _starts(
         self, group: str, seed: Mapping[str, float], restarts: int
     ) -> Iterator[NDArray[np.float64]]:
-        at_seed = self.positions(seed)
+        at_seed = self._clipped(self.positions(seed))
         yield at_seed
         if restarts == 0:
             return
@@ -130,6 +130,12 @@ class Kinematics:
             for joint in joints:
                 start[self._address[joint.name]] = generator.uniform(joint.lower, joint.upper)
             yield start
+
+    def _clipped(self, qpos: NDArray[np.float64]) -> NDArray[np.float64]:
+        for joint in self._robot.joints:
+            at = self._address[joint.name]
+            qpos[at] = min(max(float(qpos[at]), joint.lower), joint.upper)
+        return qpos
 
     def _within_limits(self, names: tuple[str, ...], qpos: NDArray[np.float64]) -> dict[str, float]:
         values = {}

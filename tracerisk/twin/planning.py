@@ -106,14 +106,13 @@ class Planner:
         here = self._kinematics.forward(start, tip)
         targets = _straight_steps([here, *waypoints], eef_step)
         path = [np.array([start[name] for name in names])]
-        current = dict(start)
         for target in targets:
             try:
                 found = self._kinematics.inverse(
                     group,
                     target,
                     link=tip,
-                    seed=current,
+                    seed={**start, **_onward(names, path)},
                     position_tolerance=1e-6,
                     orientation_tolerance=1e-5,
                     restarts=0,
@@ -126,7 +125,6 @@ class Planner:
             if float(np.abs(reached - path[-1]).max()) > _JUMP:
                 break
             path.append(reached)
-            current.update(found)
         fraction = (len(path) - 1) / len(targets) if targets else 1.0
         limits = self._limits(members, velocity_scaling, acceleration_scaling)
         return JointTrajectory(names, *along_path(np.array(path), *limits)), fraction
@@ -156,6 +154,12 @@ class Planner:
             np.array([joint.velocity_limit * v for joint in joints]),
             np.array([joint.acceleration_limit * a for joint in joints]),
         )
+
+
+def _onward(names: Sequence[str], path: Sequence[NDArray[np.float64]]) -> dict[str, float]:
+    """Return where the joints come if they go on as in the last step: a start near the goal."""
+    guess = 2 * path[-1] - path[-2] if len(path) > 1 else path[-1]
+    return dict(zip(names, guess.tolist(), strict=True))
 
 
 def _scaling(what: str, value: float) -> float:

@@ -5,23 +5,19 @@ Nothing here knows a physics engine; `builder` turns a `Robot` into a model of o
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
-from typing import Literal, cast, get_args
+from typing import Literal
 
 from tracerisk.errors import RobotError, one_of
 from tracerisk.trace import Element
-from tracerisk.twin.shapes import Shape, read_shapes
-from tracerisk.yaml_reader import YamlMap, read_yaml
+from tracerisk.twin.shapes import Shape
 
 JointType = Literal["revolute", "continuous", "prismatic", "fixed"]
 ControllerType = Literal["follow_joint_trajectory", "gripper_command"]
 
 _ROBOTS = Path(__file__).parent / "robots"
-_WHOLE_TURNS = 2 * math.pi  # what a joint without a stop is given as its range in a plan
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,273 +215,16 @@ def load_robot(name_or_path: str | Path) -> Robot:
     Raises RobotError with file and line when the file is malformed, or with the names of the
     shipped robots when there is no such robot.
     """
+    # Imported here, for the reader builds on the classes above.
+    from tracerisk.twin.robot_reader import read_robot
+
     text = str(name_or_path)
     if text in robot_names():
         path = _ROBOTS / f"{text}.yaml"
-        return _robot(read_yaml(path, RobotError, shown=f"robots/{path.name}"), path.name)
+        return read_robot(path, shown=f"robots/{path.name}")
     path = Path(name_or_path)
     if path.suffix in (".yaml", ".yml"):
-        return _robot(read_yaml(path, RobotError), text)
+        return read_robot(path)
     raise RobotError(
         f"unknown robot '{text}'; {one_of(robot_names(), text)}; or give a robot file (.yaml)"
     )
-
-
-def _robot(top: YamlMap, file: str) -> Robot:
-    top.forbid_unknown(
-        {
-            "name", "title", "aliases", "source", "base_link", "links", "joints", "servos",
-            "groups", "named_states", "initial_state", "grippers", "controllers",
-            "default_scaling", "default_scene",
-        }
-    )  # fmt: skip
-    links = tuple(_link(entry) for entry in top.maps("links"))
-    _unique((link.name for link in links), top, "links")
-    link_names = {link.name for link in links}
-    base_link = _known(top, "base_link", link_names)
-    attachments, joints = _joints(top, link_names)
-    _check_tree(top, base_link, link_names, attachments)
-    by_name = {joint.name: joint for joint in joints}
-    groups = {
-        name: _group(entry, by_name, link_names)
-        for name, entry in top.map("groups").items_as_maps()
-    }
-    named_states = _named_states(top, groups, by_name)
-    initial = _state(top.map("initial_state"), by_name)
-    initial.update({name: _rest(joint) for name, joint in by_name.items() if name not in initial})
-    scaling = top.optional_map("default_scaling")
-    return Robot(
-        name=top.string("name"),
-        title=top.string("title"),
-        source=top.string("source"),
-        base_link=base_link,
-        links=links,
-        attachments=attachments,
-        joints=joints,
-        groups=MappingProxyType(groups),
-        named_states=MappingProxyType(named_states),
-        initial_state=MappingProxyType({name: initial[name] for name in by_name}),
-        grippers=tuple(
-            _gripper(entry, by_name, link_names, groups) for entry in top.maps("grippers")
-        ),
-        controllers=tuple(_controller(entry, by_name) for entry in top.maps("controllers")),
-        default_scaling=Scaling(1.0, 1.0) if scaling is None else _scaling(scaling),
-        default_scene=top.optional_string("default_scene"),
-        file=file,
-        aliases=tuple(top.strings("aliases")),
-    )
-
-
-def _link(entry: YamlMap) -> Link:
-    entry.forbid_unknown({"name", "mass", "centre_of_mass", "inertia", "shapes"})
-    mass = entry.number("mass", default=0.0, minimum=0.0)
-    centre = entry.numbers("centre_of_mass", length=3) if "centre_of_mass" in entry else [0.0] * 3
-    inertia = entry.numbers("inertia", length=6) if "inertia" in entry else None
-    return Link(
-        name=entry.string("name"),
-        mass=mass,
-        centre_of_mass=(centre[0], centre[1], centre[2]),
-        inertia=None
-        if inertia is None
-        else (inertia[0], inertia[1], inertia[2], inertia[3], inertia[4], inertia[5]),
-        shapes=read_shapes(entry),
-    )
-
-
-def _joints(top: YamlMap, links: Iterable[str]) -> tuple[tuple[Attachment, ...], tuple[Joint, ...]]:
-    servos = {name: _servo(entry) for name, entry in top.map("servos").items_as_maps()}
-    attachments, joints = [], []
-    for entry in top.maps("joints"):
-        entry.forbid_unknown(
-            {
-                "name", "type", "parent", "child", "xyz", "rpy", "axis", "lower", "upper",
-                "velocity", "acceleration", "torque", "servo",
-            }
-        )  # fmt: skip
-        kind = entry.string("type", default="revolute")
-        if kind not in get_args(JointType):
-            entry.fail("type", f"unknown joint type '{kind}'; {one_of(get_args(JointType), kind)}")
-        joint_type = cast(JointType, kind)
-        attachments.append(
-            Attachment(
-                name=entry.string("name"),
-                type=joint_type,
-                parent=_known(entry, "parent", links),
-                child=_known(entry, "child", links),
-                xyz=_triple(entry, "xyz", (0.0, 0.0, 0.0)),
-                rpy=_triple(entry, "rpy", (0.0, 0.0, 0.0)),
-                axis=_triple(entry, "axis", (0.0, 0.0, 1.0)),
-            )
-        )
-        if joint_type != "fixed":
-            joints.append(_joint(entry, joint_type, servos))
-    _unique((attachment.name for attachment in attachments), top, "joints")
-    return tuple(attachments), tuple(joints)
-
-
-def _joint(entry: YamlMap, kind: JointType, servos: Mapping[str, Servo]) -> Joint:
-    endless = kind == "continuous"
-    lower = entry.number("lower", default=-_WHOLE_TURNS) if endless else entry.number("lower")
-    upper = entry.number("upper", default=_WHOLE_TURNS) if endless else entry.number("upper")
-    if lower >= upper:
-        entry.fail("upper", f"{upper:g} is not above the lower limit {lower:g}")
-    return Joint(
-        name=entry.string("name"),
-        type=kind,
-        lower=lower,
-        upper=upper,
-        velocity_limit=_positive(entry, "velocity"),
-        acceleration_limit=_positive(entry, "acceleration"),
-        torque_limit=_positive(entry, "torque"),
-        servo=servos[_known(entry, "servo", servos)],
-    )
-
-
-def _servo(entry: YamlMap) -> Servo:
-    entry.forbid_unknown({"stiffness", "damping", "armature"})
-    return Servo(
-        stiffness=entry.number("stiffness", minimum=0.0),
-        damping=entry.number("damping", minimum=0.0),
-        armature=entry.number("armature", default=0.0, minimum=0.0),
-    )
-
-
-def _group(entry: YamlMap, joints: Mapping[str, Joint], links: Iterable[str]) -> Group:
-    entry.forbid_unknown({"joints", "tip_link"})
-    names = _known_all(entry, "joints", joints)
-    return Group(names, _known(entry, "tip_link", links) if "tip_link" in entry else None)
-
-
-def _named_states(
-    top: YamlMap, groups: Mapping[str, Group], joints: Mapping[str, Joint]
-) -> dict[str, Mapping[str, Mapping[str, float]]]:
-    found: dict[str, Mapping[str, Mapping[str, float]]] = {}
-    section = top.optional_map("named_states")
-    if section is None:
-        return found
-    section.forbid_unknown(groups)
-    for group, entry in section.items_as_maps():
-        members = {name: joints[name] for name in groups[group].joints}
-        states = {
-            state: MappingProxyType(_state(values, members))
-            for state, values in entry.items_as_maps()
-        }
-        found[group] = MappingProxyType(states)
-    return found
-
-
-def _state(entry: YamlMap, joints: Mapping[str, Joint]) -> dict[str, float]:
-    entry.forbid_unknown(joints)
-    return {
-        name: entry.number(name, minimum=joints[name].lower, maximum=joints[name].upper)
-        for name in entry.keys()  # noqa: SIM118 (a YamlMap is no mapping)
-    }
-
-
-def _gripper(
-    entry: YamlMap,
-    joints: Mapping[str, Joint],
-    links: Iterable[str],
-    groups: Mapping[str, Group],
-) -> Gripper:
-    entry.forbid_unknown(
-        {
-            "name", "group", "joints", "pads", "opening", "effort", "velocity", "speed",
-            "stiffness", "damping",
-        }
-    )  # fmt: skip
-    return Gripper(
-        name=entry.string("name"),
-        group=_known(entry, "group", groups),
-        joints=_known_all(entry, "joints", joints),
-        pads=_known_all(entry, "pads", links),
-        opening=_positive(entry, "opening"),
-        effort=_positive(entry, "effort"),
-        velocity_limit=_positive(entry, "velocity"),
-        speed=entry.number("speed", minimum=1e-6, maximum=entry.number("velocity")),
-        stiffness=_positive(entry, "stiffness"),
-        damping=entry.number("damping", minimum=0.0),
-    )
-
-
-def _controller(entry: YamlMap, joints: Mapping[str, Joint]) -> Controller:
-    entry.forbid_unknown({"name", "type", "joints"})
-    kind = entry.string("type")
-    if kind not in get_args(ControllerType):
-        entry.fail("type", f"unknown type '{kind}'; {one_of(get_args(ControllerType), kind)}")
-    return Controller(
-        entry.string("name"), cast(ControllerType, kind), _known_all(entry, "joints", joints)
-    )
-
-
-def _scaling(entry: YamlMap) -> Scaling:
-    entry.forbid_unknown({"velocity", "acceleration"})
-    return Scaling(
-        entry.number("velocity", minimum=0.001, maximum=1.0),
-        entry.number("acceleration", minimum=0.001, maximum=1.0),
-    )
-
-
-def _check_tree(
-    top: YamlMap, base: str, links: Iterable[str], attachments: Iterable[Attachment]
-) -> None:
-    parents: dict[str, str] = {}
-    for attachment in attachments:
-        if attachment.child in parents or attachment.child == base:
-            top.fail("joints", f"link '{attachment.child}' hangs on more than one parent")
-        parents[attachment.child] = attachment.parent
-    for link in links:
-        seen = {link}
-        at = link
-        while at != base:
-            if at not in parents:
-                top.fail("joints", f"link '{link}' does not hang on the base link '{base}'")
-            at = parents[at]
-            if at in seen:
-                top.fail("joints", f"link '{link}' hangs on itself")
-            seen.add(at)
-
-
-def _rest(joint: Joint) -> float:
-    return min(max(0.0, joint.lower), joint.upper)
-
-
-def _positive(entry: YamlMap, key: str) -> float:
-    value = entry.number(key, minimum=0.0)
-    if value == 0.0:
-        entry.fail(key, "0 is not allowed; give a positive number")
-    return value
-
-
-def _triple(
-    entry: YamlMap, key: str, default: tuple[float, float, float]
-) -> tuple[float, float, float]:
-    if key not in entry:
-        return default
-    values = entry.numbers(key, length=3)
-    return values[0], values[1], values[2]
-
-
-def _known(entry: YamlMap, key: str, names: Iterable[str]) -> str:
-    value = entry.string(key)
-    if value not in names:
-        entry.fail(key, f"unknown name '{value}'; {one_of(names, value)}")
-    return value
-
-
-def _known_all(entry: YamlMap, key: str, names: Iterable[str]) -> tuple[str, ...]:
-    values = entry.strings(key)
-    if not values:
-        entry.fail(key, "names nothing; name one or more")
-    for value in values:
-        if value not in names:
-            entry.fail(key, f"unknown name '{value}'; {one_of(names, value)}")
-    return tuple(values)
-
-
-def _unique(names: Iterable[str], top: YamlMap, key: str) -> None:
-    seen: set[str] = set()
-    for name in names:
-        if name in seen:
-            top.fail(key, f"'{name}' is defined twice")
-        seen.add(name)

@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 _POINT_S = 0.02  # spacing of the points of a timed straight line, at most [s]
 _FEWEST_POINTS = 41  # between which a cubic keeps the limits to a few percent
+_MOST_POINTS = 2001  # of a line however slow, which a cubic between them follows as well
 _TINY = 1e-9
 
 
@@ -43,7 +44,7 @@ def straight_line(
     ramp = 1.5 * top / rise
     cruise = (1.0 - top * ramp) / top
     duration = 2 * ramp + cruise
-    n_points = max(_FEWEST_POINTS, math.ceil(duration / _POINT_S) + 1)
+    n_points = min(max(_FEWEST_POINTS, math.ceil(duration / _POINT_S) + 1), _MOST_POINTS)
     time = np.linspace(0.0, duration, n_points)
     fraction, speed = _ramped(time, top, ramp, duration)
     fraction[-1], speed[-1] = 1.0, 0.0

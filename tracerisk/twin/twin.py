@@ -14,10 +14,18 @@ from numpy.typing import NDArray
 
 from tracerisk.errors import RobotError, one_of
 from tracerisk.trace import Element, ObjectOffset
-from tracerisk.twin.builder import STEP_NS, SensorLayout, compile_model, place_robot, quaternion_of
-from tracerisk.twin.execution import ArmTrack, GripperTrack, Measured, Motion, Track
+from tracerisk.twin.builder import STEP_NS, SensorLayout, compile_model, place_robot
+from tracerisk.twin.execution import (
+    ArmTrack,
+    GripperTrack,
+    Measured,
+    Motion,
+    Track,
+    check_trajectory,
+)
 from tracerisk.twin.kinematics import Kinematics
 from tracerisk.twin.motion import JointState, JointTrajectory, PlanningError, Pose
+from tracerisk.twin.placement import offset
 from tracerisk.twin.planning import Planner
 from tracerisk.twin.robot import Gripper, Robot
 from tracerisk.twin.samples import POSE_EVERY, SampleHeader, SampleWriter
@@ -27,8 +35,11 @@ from tracerisk.twin.scene import Scene
 import mujoco  # isort: skip
 from dm_control.mujoco import Physics, wrapper  # isort: skip
 
-_UPRIGHT_TILT = math.radians(5.0)
-_UPRIGHT_HEIGHT = 0.005  # an object this far above or below its goal does not stand in it [m]
+_UNSTABLE = (
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+)
 _TRACKED = 0.01  # a measured position this near its set-point is planned from the set-point
 _FINGER_SLACK = 1e-4  # a finger's goal this far past its range is a rounding error [m]
 _CHUNK = 500  # steps at most between two looks at what happened
@@ -150,7 +161,10 @@ class Twin:
         an object is upright when it has tilted less than 5 degrees and, where there is a goal,
         stands within 5 mm of the goal's height.
         """
-        return tuple(self._offset(index) for index in range(len(self.scene.objects)))
+        return tuple(
+            offset(thing, self.object_pose(thing.name), self.scene.goals)
+            for thing in self.scene.objects
+        )
 
     # Planning
 
@@ -265,7 +279,7 @@ class Twin:
         Fingers go to the last point only, as a gripper's controller takes it.
         Raises PlanningError("bad_request") for a trajectory that is none.
         """
-        _check(trajectory, self._joint_index, self.robot)
+        check_trajectory(trajectory, self.robot)
         trajectory = self._led_in(trajectory)
         motion = Motion(trajectory.joints, self._elements_of(trajectory.joints), self.time_ns)
         self._preempt(motion.elements)
@@ -354,7 +368,7 @@ class Twin:
         if writer is not None:
             writer.commit(n)
         self._steps += n
-        if data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number:
+        if any(data.warning[kind].number for kind in _UNSTABLE):
             raise RobotError(
                 f"the simulation of robot '{self.robot.name}' in scene '{self.scene.name}' became "
                 f"unstable at {self.time_ns * 1e-9:.3f} s; bodies may overlap, or a servo of the "
@@ -474,46 +488,3 @@ class Twin:
     def _elements_of(self, joints: Iterable[str]) -> tuple[str, ...]:
         owner = {name: g.name for g in self.robot.grippers for name in g.joints}
         return tuple(dict.fromkeys(owner.get(name, name) for name in joints))
-
-    def _offset(self, index: int) -> ObjectOffset:
-        thing = self.scene.objects[index]
-        pose = self.object_pose(thing.name)
-        x, y, z = pose.position
-        qx, qy, qz, qw = pose.orientation
-        up = _z_axis(qw, qx, qy, qz) @ _z_axis(*quaternion_of(thing.rpy))
-        tilt = math.acos(min(1.0, max(-1.0, float(up))))
-        if not self.scene.goals:
-            return ObjectOffset(thing.name, None, 0.0, tilt, tilt < _UPRIGHT_TILT)
-        goal = min(self.scene.goals, key=lambda g: math.hypot(x - g.xyz[0], y - g.xyz[1]))
-        upright = tilt < _UPRIGHT_TILT and abs(z - goal.xyz[2]) < _UPRIGHT_HEIGHT
-        offset = math.hypot(x - goal.xyz[0], y - goal.xyz[1])
-        return ObjectOffset(thing.name, goal.name, offset, tilt, upright)
-
-
-def _z_axis(w: float, x: float, y: float, z: float) -> Array:
-    return np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
-
-
-def _check(trajectory: JointTrajectory, joints: Iterable[str], robot: Robot) -> None:
-    shape = (len(trajectory.time), len(trajectory.joints))
-    if not shape[0] or not shape[1]:
-        raise PlanningError("bad_request", "the trajectory has no points or no joints")
-    for name in trajectory.joints:
-        if name not in joints:
-            raise PlanningError(
-                "bad_request", f"robot '{robot.name}' has no joint '{name}'; {one_of(joints, name)}"
-            )
-    if len(set(trajectory.joints)) != shape[1]:
-        raise PlanningError("bad_request", "the trajectory names a joint twice")
-    if trajectory.position.shape != shape or trajectory.velocity.shape != shape:
-        raise PlanningError(
-            "bad_request",
-            f"positions and velocities must be {shape[0]} points of {shape[1]} joints",
-        )
-    arrays = (trajectory.time, trajectory.position, trajectory.velocity)
-    if not all(np.isfinite(array).all() for array in arrays):
-        raise PlanningError("bad_request", "the trajectory holds a number that is not finite")
-    if trajectory.time[0] < 0.0 or not (np.diff(trajectory.time) > 0.0).all():
-        raise PlanningError(
-            "bad_request", "the times of a trajectory must rise from point to point, from 0 on"
-        )
