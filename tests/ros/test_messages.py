@@ -77,7 +77,7 @@ def test_values_in_order_and_by_name_exclude_each_other(pose):
 
 
 def test_an_unknown_keyword_is_an_attribute_error(pose):
-    with pytest.raises(AttributeError, match="^pos is not an attribute of Pose$"):
+    with pytest.raises(AttributeError, match=r"^pos is not an attribute of Pose$"):
         pose(pos=1)
 
 
@@ -215,7 +215,7 @@ def test_an_unknown_message_names_the_nearest(interfaces):
 
 
 def test_an_unknown_package_lists_those_known(interfaces):
-    with pytest.raises(InputError, match="no message package 'foo_msgs'.*geometry_msgs"):
+    with pytest.raises(InputError, match=r"no message package 'foo_msgs'.*geometry_msgs"):
         interfaces.message("foo_msgs/Foo")
 
 

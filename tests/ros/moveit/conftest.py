@@ -1,0 +1,69 @@
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tracerisk.instrument.recording import Recorder, Recording, read_recording
+from tracerisk.instrument.tracer import Tracer
+from tracerisk.ros.finder import StandInFinder
+from tracerisk.ros.graph import Graph
+from tracerisk.ros.runtime import Runtime, activate
+from tracerisk.ros.virtual_time import Scheduler
+from tracerisk.twin.robot import Robot, load_robot
+from tracerisk.twin.scene import load_scene
+from tracerisk.twin.twin import Twin
+
+SECOND = 1_000_000_000
+PREAMBLE = """\
+import copy, math, sys
+import geometry_msgs.msg, moveit_commander, moveit_msgs.msg, sensor_msgs.msg
+from moveit_commander import MoveGroupCommander, MoveItCommanderException
+"""
+
+
+@dataclass
+class Ran:
+    """What a program left: its global names, what was recorded and the twin."""
+
+    names: dict[str, Any]
+    recording: Recording
+    twin: Twin
+
+    def __getitem__(self, name: str) -> Any:
+        return self.names[name]
+
+    @property
+    def findings(self) -> list[str]:
+        return [finding.message for finding in self.recording.findings]
+
+
+@pytest.fixture(scope="session")
+def panda() -> Robot:
+    return load_robot("panda")
+
+
+@pytest.fixture
+def run(panda: Robot, tmp_path: Path) -> Iterator[Callable[[str], Ran]]:
+    """Run a program of moveit_commander on the Panda in virtual time; at full speed."""
+    twin = Twin.build(panda, load_scene(panda.default_scene))
+    tracer = Tracer()
+    scheduler = Scheduler(twin, duration_ns=100 * SECOND, tracer=tracer)
+    events = tmp_path / "events.jsonl"
+    with events.open("wb", buffering=0) as stream, StandInFinder():
+        recorder = Recorder(stream, clock=lambda: scheduler.now_ns)
+        runtime = Runtime(scheduler, Graph(scheduler, tracer), twin, tracer, recorder)
+
+        def run_program(program: str) -> Ran:
+            source = PREAMBLE + textwrap.dedent(program)
+            code = compile(source, str(tmp_path / "program.py"), "exec")
+            names: dict[str, Any] = {"__name__": "__main__"}
+            with activate(runtime):
+                scheduler.run_main(lambda: tracer.run_module(code, names, "program.py"))
+            return Ran(names, read_recording(events), twin)
+
+        yield run_program

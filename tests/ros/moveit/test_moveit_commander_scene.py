@@ -1,0 +1,269 @@
+"""The planning scene, and pick and place in it."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import pytest
+
+SCENE = """
+scene = moveit_commander.PlanningSceneInterface()
+place = geometry_msgs.msg.PoseStamped()
+place.header.frame_id = "panda_link0"
+place.pose.position.x, place.pose.position.z = 0.4, 0.2
+place.pose.orientation.w = 1.0
+arm = MoveGroupCommander("panda_arm")
+arm.set_max_velocity_scaling_factor(1.0)
+arm.set_max_acceleration_scaling_factor(1.0)
+"""
+
+
+def test_objects_are_added_and_removed(run):
+    ran = run(
+        SCENE
+        + """
+scene.add_box("box", place, size=(0.1, 0.2, 0.3))
+scene.add_sphere("ball", place, radius=0.05)
+scene.add_cylinder("tube", place, 0.1, 0.01)
+scene.add_plane("floor", place)
+names = scene.get_known_object_names()
+box = scene.get_objects(["box"])["box"]
+near = scene.get_known_object_names_in_roi(0, -1, 0, 1, 1, 1)
+scene.remove_world_object("ball")
+after = scene.get_known_object_names()
+scene.remove_world_object()
+empty = scene.get_known_object_names()
+"""
+    )
+    assert ran["names"] == ["ball", "box", "floor", "tube"]
+    assert ran["box"].primitives[0].type == ran["box"].primitives[0].BOX
+    assert ran["box"].primitives[0].dimensions == [0.1, 0.2, 0.3]
+    assert {"ball", "box", "tube"} <= set(ran["near"])
+    assert ran["after"] == ["box", "floor", "tube"]
+    assert ran["empty"] == []
+
+
+def test_every_client_sees_the_same_scene(run):
+    ran = run(
+        SCENE
+        + """
+scene.add_box("box", place)
+names = moveit_commander.PlanningSceneInterface().get_known_object_names()
+"""
+    )
+    assert ran["names"] == ["box"]
+
+
+def test_an_attached_object_moves_with_its_link_and_stays_where_it_is_left(run):
+    ran = run(
+        SCENE
+        + """
+arm.set_named_target("ready"); arm.go()
+scene.add_box("box", arm.get_current_pose(), size=(0.02, 0.02, 0.1))
+arm.attach_object("box", "panda_hand", ["panda_leftfinger", "panda_rightfinger"])
+world, attached = scene.get_known_object_names(), scene.get_attached_objects()
+arm.shift_pose_target(2, -0.1); arm.go()
+hand = arm.get_current_pose().pose
+arm.detach_object("box")
+pose = scene.get_object_poses(["box"])["box"]
+"""
+    )
+    assert ran["world"] == []
+    assert ran["attached"]["box"].link_name == "panda_hand"
+    assert ran["attached"]["box"].touch_links == ["panda_leftfinger", "panda_rightfinger"]
+    assert ran["pose"].position.z == pytest.approx(ran["hand"].position.z, abs=2e-4)
+
+
+def test_removing_an_attached_object_leaves_it_in_the_world(run):
+    ran = run(
+        SCENE
+        + """
+scene.add_box("box", place)
+scene.attach_box("panda_hand", "box")
+scene.attach_sphere("panda_hand", "ball", place, 0.01)
+held = sorted(scene.get_attached_objects())
+scene.remove_attached_object("panda_hand", name="box")
+one = scene.get_known_object_names()
+scene.remove_attached_object("panda_hand")
+both = scene.get_known_object_names()
+"""
+    )
+    assert ran["held"] == ["ball", "box"]
+    assert (ran["one"], ran["both"]) == (["box"], ["ball", "box"])
+
+
+def test_an_object_that_is_not_there_is_a_finding(run):
+    ran = run(SCENE + "done = arm.attach_object('cup')\nscene.remove_world_object('cup')\n")
+    assert ran["done"] is True
+    assert [finding.kind for finding in ran.recording.findings] == ["planning_scene"] * 2
+    assert "object 'cup' cannot be attached" in ran.findings[0]
+
+
+def test_an_object_is_a_frame(run):
+    ran = run(
+        SCENE
+        + """
+scene.add_box("box", place)
+arm.set_pose_reference_frame("box")
+arm.set_pose_target([0.0, 0.0, 0.2, math.pi, 0.0, 0.0])
+request = arm.construct_motion_plan_request()
+"""
+    )
+    region = ran["request"].goal_constraints[0].position_constraints[0].constraint_region
+    position = region.primitive_poses[0].position
+    assert (position.x, position.y, position.z) == pytest.approx((0.4, 0.0, 0.4))
+
+
+def test_a_scene_message_is_applied_and_asked_back(run):
+    ran = run(
+        SCENE
+        + """
+message = moveit_msgs.msg.PlanningScene(is_diff=True)
+message.world.collision_objects = [scene.make_box("box", place, (1, 1, 1))]
+message.object_colors = [moveit_msgs.msg.ObjectColor(id="box")]
+done = scene.apply_planning_scene(message)
+parts = moveit_msgs.msg.PlanningSceneComponents
+back = scene.get_planning_scene(
+    parts.WORLD_OBJECT_NAMES | parts.ROBOT_STATE | parts.OBJECT_COLORS)
+"""
+    )
+    assert ran["done"] is True
+    assert [item.id for item in ran["back"].world.collision_objects] == ["box"]
+    assert [color.id for color in ran["back"].object_colors] == ["box"]
+    assert len(ran["back"].robot_state.joint_state.name) == 9
+
+
+def test_a_mesh_is_read_from_a_file(run, tmp_path: Path):
+    corners = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
+    faces = [(0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3)]
+    stl = tmp_path / "four.stl"
+    facets = [
+        struct.pack("<12f2x", 0, 0, 0, *(value for corner in face for value in corners[corner]))
+        for face in faces
+    ]
+    stl.write_bytes(b"\0" * 80 + struct.pack("<I", len(facets)) + b"".join(facets))
+    obj = tmp_path / "four.obj"
+    obj.write_text(
+        "".join(f"v {x} {y} {z}\n" for x, y, z in corners)
+        + "".join(f"f {a + 1}/1 {b + 1}/1 {c + 1}/1\n" for a, b, c in faces)
+    )
+    ran = run(
+        SCENE
+        + f"""
+scene.add_mesh("stl", place, {str(stl)!r}, size=(2, 2, 2))
+scene.add_mesh("obj", place, {str(obj)!r})
+stl, obj = (scene.get_objects()[name].meshes[0] for name in ("stl", "obj"))
+text = ""
+try:
+    scene.add_mesh("dae", place, "cup.dae")
+except MoveItCommanderException as error:
+    text = str(error)
+"""
+    )
+    assert (len(ran["stl"].vertices), len(ran["stl"].triangles)) == (4, 4)
+    assert (len(ran["obj"].vertices), len(ran["obj"].triangles)) == (4, 4)
+    assert max(vertex.x for vertex in ran["stl"].vertices) == 2.0
+    assert "There are no meshes in the file" in ran["text"]
+
+
+def test_allowed_collisions_can_be_set(run):
+    ran = run(
+        """
+matrix = moveit_msgs.msg.AllowedCollisionMatrix()
+matrix.set_allowed("floor")
+matrix.entry_names = ["a"]
+matrix.entry_values = [moveit_msgs.msg.AllowedCollisionEntry(enabled=[False])]
+matrix.set_allowed("b", "a")
+"""
+    )
+    matrix = ran["matrix"]
+    assert (matrix.default_entry_names, matrix.default_entry_values) == (["floor"], [True])
+    assert matrix.entry_names == ["a", "b"]
+    assert [entry.enabled for entry in matrix.entry_values] == [[False, True], [True, False]]
+
+
+PICK = """
+arm.set_named_target("ready"); arm.go()
+top = arm.get_current_pose()
+top.pose.position.z -= 0.15
+scene.add_box("cup", top, size=(0.02, 0.02, 0.1))
+def posture(opening):
+    message = moveit_msgs.msg.Grasp().grasp_posture
+    message.joint_names = ["panda_finger_joint1", "panda_finger_joint2"]
+    message.points = [type(arm.plan()[1].joint_trajectory.points[0])(
+        positions=[opening, opening])]
+    return message
+def along(z, distance):
+    message = moveit_msgs.msg.GripperTranslation(desired_distance=distance, min_distance=0.05)
+    message.direction.header.frame_id = "panda_link0"
+    message.direction.vector.z = z
+    return message
+"""
+
+
+def test_pick_and_place_go_through_their_steps(run):
+    ran = run(
+        SCENE
+        + PICK
+        + """
+grasp = moveit_msgs.msg.Grasp(
+    grasp_pose=top, pre_grasp_posture=posture(0.03), grasp_posture=posture(0.01),
+    pre_grasp_approach=along(-1.0, 0.1), post_grasp_retreat=along(1.0, 0.1))
+picked = arm.pick("cup", grasp)
+held = list(scene.get_attached_objects())
+goal = copy.deepcopy(top)
+goal.pose.position.y += 0.1
+location = moveit_msgs.msg.PlaceLocation(
+    place_pose=goal, pre_place_approach=along(-1.0, 0.1), post_place_retreat=along(1.0, 0.1))
+placed = arm.place("cup", location)
+pose = scene.get_object_poses(["cup"])["cup"]
+fingers = MoveGroupCommander("hand").get_current_joint_values()
+"""
+    )
+    assert ran.findings == []
+    assert (ran["picked"], ran["placed"]) == (1, True)
+    assert ran["held"] == ["cup"]
+    goal = ran["goal"].pose.position
+    assert (ran["pose"].position.x, ran["pose"].position.y) == pytest.approx(
+        (goal.x, goal.y), abs=0.004
+    )
+    # After placing the hand opens as far as it did before the grasp.
+    assert ran["fingers"] == pytest.approx([0.03, 0.03], abs=0.001)
+    steps = ["panda_hand" in command.elements for command in ran.recording.commands[1:]]
+    assert steps == [True, False, False, True, False, False, False, True, False]
+
+
+@pytest.mark.parametrize(
+    ("call", "code", "text"),
+    [
+        ("arm.pick('mug')", -19, "the planning scene has no such object; did you mean 'cup'"),
+        ("arm.pick('cup')", 99999, "no grasp was given"),
+    ],
+)
+def test_a_pick_that_cannot_be_done_returns_its_code(run, call, code, text):
+    text = text.replace("did you mean 'cup'", "allowed: cup")
+    ran = run(SCENE + PICK + f"code = {call}\n")
+    assert ran["code"] == code
+    assert text in ran.findings[0]
+
+
+def test_placing_what_is_not_held_fails(run):
+    ran = run(SCENE + PICK + "done = arm.place('cup', top)\n")
+    assert ran["done"] is False
+    assert "no such object is attached" in ran.findings[0]
+
+
+def test_a_grasp_out_of_reach_gives_way_to_the_next(run):
+    ran = run(
+        SCENE
+        + PICK
+        + """
+far = moveit_msgs.msg.Grasp(grasp_pose=copy.deepcopy(top))
+far.grasp_pose.pose.position.x = 4.0
+near = moveit_msgs.msg.Grasp(grasp_pose=top)
+code = arm.pick("cup", [far, near])
+"""
+    )
+    assert ran["code"] == 1
+    assert "picking 'cup' failed" in ran.findings[0]

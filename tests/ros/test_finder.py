@@ -1,0 +1,195 @@
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import subprocess
+import sys
+import types
+
+import pytest
+
+from tracerisk.ros.finder import StandInFinder
+from tracerisk.ros.messages import Interfaces
+
+
+@pytest.fixture
+def finder():
+    with StandInFinder() as installed:
+        yield installed
+
+
+def test_message_packages_are_imported_as_if_installed(finder):
+    from geometry_msgs.msg import Pose
+    from moveit_msgs.srv import GetPositionIK, GetPositionIKRequest
+
+    assert Pose()._type == "geometry_msgs/Pose"
+    assert GetPositionIK._request_class is GetPositionIKRequest
+
+
+def test_generated_modules_can_be_imported_too(finder):
+    from geometry_msgs.msg import Pose
+    from geometry_msgs.msg._Pose import Pose as SamePose
+
+    assert SamePose is Pose
+    assert Pose.__module__ == "geometry_msgs.msg._Pose"
+
+
+def test_a_star_import_brings_every_message(finder):
+    names: dict[str, object] = {}
+    exec("from control_msgs.msg import *", names)
+    assert {"FollowJointTrajectoryAction", "FollowJointTrajectoryGoal", "JointJog"} <= set(names)
+
+
+def test_dir_lists_the_messages_without_making_them(finder):
+    import moveit_msgs.msg
+
+    assert "PlanningScene" in dir(moveit_msgs.msg)
+    assert "PlanningScene" not in vars(moveit_msgs.msg)
+
+
+def test_genpy_is_served_with_the_classes_that_messages_use(finder):
+    import genpy
+    from std_msgs.msg import Header
+
+    assert type(Header().stamp) is genpy.Time
+    assert isinstance(Header(), genpy.Message)
+    from genpy.message import get_message_class, get_service_class
+
+    assert get_message_class("std_msgs/Header") is Header
+    assert get_message_class("Header") is Header
+    assert get_message_class("time") is genpy.Time
+    assert get_message_class("foo_msgs/Foo") is None
+    assert get_service_class("std_srvs/Empty")._type == "std_srvs/Empty"
+
+
+@pytest.mark.parametrize(
+    ("statement", "kind"),
+    [
+        ("import genpy; genpy.Tine", AttributeError),
+        ("from genpy import Tine", ImportError),
+        ("from genpy.rostime import Tine", ImportError),
+    ],
+)
+def test_a_name_that_a_library_lacks_is_told_with_the_nearest(finder, statement, kind):
+    with pytest.raises(
+        kind, match=r"genpy(\.rostime)? has no 'Tine' in tracerisk's stand-in for it; nearest: Time"
+    ):
+        exec(statement, {})
+
+
+@pytest.mark.parametrize(
+    ("statement", "kind"),
+    [
+        ("import geometry_msgs.msg; geometry_msgs.msg.Posee", AttributeError),
+        ("from geometry_msgs.msg import Posee", ImportError),
+    ],
+)
+def test_a_message_that_a_package_lacks_is_told_with_the_nearest(finder, statement, kind):
+    with pytest.raises(kind, match=r"geometry_msgs\.msg has no 'Posee'.*nearest: Pose"):
+        exec(statement, {})
+
+
+def test_asking_whether_a_library_has_a_name_raises_nothing(finder):
+    import genpy
+
+    assert not hasattr(genpy, "nope")
+    assert getattr(genpy, "nope", 3) == 3
+
+
+def test_a_submodule_that_a_library_lacks_is_not_found(finder):
+    with pytest.raises(ModuleNotFoundError, match="genpy has no 'nope'"):
+        importlib.import_module("genpy.nope")
+
+
+def test_an_unknown_ros_package_is_told_with_what_is_provided(finder):
+    with pytest.raises(ModuleNotFoundError) as raised:
+        importlib.import_module("geometri_msgs")
+    assert raised.value.name == "geometri_msgs"
+    assert "did you mean 'geometry_msgs'?" in str(raised.value)
+    assert "tracerisk has no stand-in for it; provided: " in str(raised.value)
+    assert "moveit_commander" in str(raised.value)
+
+
+def test_other_unknown_modules_are_left_to_python(finder):
+    with pytest.raises(ModuleNotFoundError, match=r"^No module named 'frobnicate'$"):
+        importlib.import_module("frobnicate")
+
+
+def test_a_ros_like_module_of_the_controllers_own_is_found_first(finder, tmp_path, monkeypatch):
+    (tmp_path / "my_robot_msgs.py").write_text("MINE = True\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert importlib.import_module("my_robot_msgs").MINE
+    del sys.modules["my_robot_msgs"]
+
+
+def test_stand_ins_win_over_installed_modules_and_give_them_back(tmp_path, monkeypatch):
+    (tmp_path / "std_msgs").mkdir()
+    (tmp_path / "std_msgs" / "__init__.py").write_text("REAL = True\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    real = importlib.import_module("std_msgs")
+    with StandInFinder():
+        assert not hasattr(importlib.import_module("std_msgs"), "REAL")
+        assert importlib.import_module("std_msgs.msg").String().data == ""
+    assert sys.modules["std_msgs"] is real
+    assert "std_msgs.msg" not in sys.modules
+    del sys.modules["std_msgs"]
+
+
+def test_leaving_takes_everything_out_again():
+    before = set(sys.modules)
+    path = list(sys.meta_path)
+    with StandInFinder():
+        importlib.import_module("moveit_msgs.msg")
+        importlib.import_module("genpy")
+    assert sys.meta_path == path
+    served = {"moveit_msgs", "moveit_msgs.msg", "genpy", "genpy.message"}
+    assert not served & (set(sys.modules) - before)
+
+
+def test_two_finders_in_turn_serve_the_same_names():
+    for _ in range(2):
+        with StandInFinder():
+            assert importlib.import_module("std_msgs.msg").Int32(3).data == 3
+
+
+def test_the_table_tells_libraries_from_interfaces():
+    table = StandInFinder().provides
+    assert table["genpy"] == "library"
+    assert table["moveit_commander"] == "library"
+    assert table["geometry_msgs"] == "interfaces"
+    assert list(table) == sorted(table)
+
+
+def test_every_library_in_the_table_can_be_found():
+    with StandInFinder() as finder:
+        for name in finder.provides:
+            assert importlib.util.find_spec(name) is not None
+
+
+def test_packages_used_for_their_code_are_not_served_by_their_messages_alone():
+    finder = StandInFinder()
+    assert "dynamic_reconfigure" in finder.interfaces.packages
+    assert "dynamic_reconfigure" not in finder.provides
+
+
+def test_messages_of_the_workspace_are_served(tmp_path):
+    (tmp_path / "msg").mkdir()
+    (tmp_path / "msg" / "Grip.msg").write_text("uint8 CLOSE=1\nuint8 command\n")
+    with StandInFinder(Interfaces({"my_msgs": tmp_path})):
+        grip = importlib.import_module("my_msgs.msg").Grip
+        assert grip(grip.CLOSE).command == 1
+
+
+def test_tracebacks_and_reprs_show_the_librarys_name(finder):
+    genpy = importlib.import_module("genpy")
+    assert isinstance(genpy, types.ModuleType)
+    assert genpy.__name__ == "genpy"
+
+
+def test_installing_brings_no_simulator():
+    code = (
+        "import sys; from tracerisk.ros.finder import StandInFinder; StandInFinder().install();"
+        "import geometry_msgs.msg; geometry_msgs.msg.Pose();"
+        "sys.exit(bool({'mujoco', 'dm_control', 'libcst', 'numpy'} & set(sys.modules)))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
