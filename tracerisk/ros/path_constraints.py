@@ -110,7 +110,7 @@ def _seen_from(place: Pose, point: tuple[float, float, float]) -> tuple[float, f
 
 def _is_inside(shape: Any, point: tuple[float, float, float]) -> bool:
     x, y, z = point
-    sizes = [value + _SLACK for value in shape.dimensions]
+    sizes = [float(value) + _SLACK for value in shape.dimensions]
     if shape.type == _BOX:
         return all(abs(part) <= size / 2 for part, size in zip(point, sizes, strict=True))
     if shape.type == _SPHERE:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import enum
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from tracerisk.errors import Location, one_of
 from tracerisk.twin.motion import JointTrajectory, PlanningError
 
 if TYPE_CHECKING:
+    from tracerisk.instrument.recording import Recorder
+    from tracerisk.instrument.tracer import Tracer
     from tracerisk.ros.runtime import Runtime
     from tracerisk.twin.execution import Motion
     from tracerisk.twin.robot import Gripper
@@ -65,6 +67,8 @@ class TrajectoryExecution:
     def __init__(self, runtime: Runtime) -> None:
         self._runtime = runtime
         self._twin: Twin = runtime.twin
+        self._tracer = cast("Tracer", runtime.tracer)
+        self._recorder: Recorder = runtime.recorder
         self._live: list[Execution] = []
         self._told: set[tuple[str, str, Location | None]] = set()
         self._watching = False
@@ -81,8 +85,7 @@ class TrajectoryExecution:
         if refusal is not None:
             self.tell("execution_failure", f"a trajectory was not executed: {refusal}")
             return ErrorCode.CONTROL_FAILED
-        runtime = self._runtime
-        command_id = runtime.recorder.command("move_group", motion.elements, runtime.tracer.stack())
+        command_id = self._recorder.command("move_group", motion.elements, self._tracer.stack())
         execution = Execution(motion, command_id)
         self._live.append(execution)
         self._watch()
@@ -110,21 +113,21 @@ class TrajectoryExecution:
             self._live.remove(execution)
             outcome = execution.motion.outcome
             execution.code = _CODE_OF_OUTCOME[outcome]
-            self._runtime.recorder.command_ended(execution.command_id, outcome)
+            self._recorder.command_ended(execution.command_id, outcome)
             if outcome == "aborted":
                 message = f"a motion was aborted: {execution.motion.message}"
                 self.tell("execution_failure", message)
 
     def tell(self, kind: str, message: str) -> None:
         """Record a finding at the line where the controller stands; the same one only once."""
-        stack = self._runtime.tracer.stack()
+        stack = self._tracer.stack()
         location = None
         if stack:
             line, column = stack[-1].site
             location = Location(stack[-1].function.file, line, column or None)
         if (kind, message, location) not in self._told:
             self._told.add((kind, message, location))
-            self._runtime.recorder.finding(kind, message, location)
+            self._recorder.finding(kind, message, location)
 
     def _watch(self) -> None:
         # A motion started without waiting ends when nobody looks; a thread of the library

@@ -261,9 +261,13 @@ class GroupTargets(GroupState):
                 f"unknown frame '{framed.frame}'; "
                 f"{one_of(self._server.robot.link_names, framed.frame)}",
             )
+        return self._goal(link, compose(frame, framed.pose), kind)
+
+    def _goal(self, link: str, pose: motion.Pose, kind: GoalKind = "pose") -> PoseGoal:
+        """Return a goal in the planning frame, with the tolerances that are set."""
         return PoseGoal(
             link=link,
-            pose=compose(frame, framed.pose),
+            pose=pose,
             kind=kind,
             position_tolerance=self._position_tolerance,
             orientation_tolerance=self._orientation_tolerance,

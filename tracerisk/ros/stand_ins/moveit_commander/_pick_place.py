@@ -130,8 +130,7 @@ class GroupPickPlace(GroupTargets):
         return self._carry_out(goal)
 
     def _move_to(self, link: str, pose: motion.Pose) -> ErrorCode:
-        framed = [self._pose_goal(link, self._framed([*pose.position, *pose.orientation]), "pose")]
-        plan = self._server.plan_pose(self._name, [framed], self._scaling)
+        plan = self._server.plan_pose(self._name, [[self._goal(link, pose)]], self._scaling)
         return plan.code if plan.trajectory is None else self._carry_out(plan.trajectory)
 
     def _straight(self, link: str, pose: motion.Pose, translation: Any) -> ErrorCode:
@@ -193,8 +192,7 @@ class GroupPickPlace(GroupTargets):
 
     def _reachable(self, link: str, poses: Iterable[motion.Pose]) -> ErrorCode:
         for pose in poses:
-            goal = self._pose_goal(link, self._framed([*pose.position, *pose.orientation]), "pose")
-            self._server.reach(self._name, [goal])
+            self._server.reach(self._name, [self._goal(link, pose)])
         return ErrorCode.SUCCESS
 
     def _locations(self, location: Any) -> list[Any]:
