@@ -214,8 +214,12 @@ class NameResolver:
     def _bases(self, klass: ClassBody) -> list[ClassBody]:
         scope = klass.scope.parent
         assert scope is not None
-        found = [meaning.klass for base in klass.bases for meaning in self.evaluate(base, scope)]
-        return [each for each in found if each is not None]
+        bases: list[ClassBody] = []
+        for base in klass.bases:
+            meanings = self.evaluate(base, scope)
+            found = {m.klass for m in meanings if m.klass is not None and m.kind == "class"}
+            bases += sorted(found, key=lambda each: each.name)
+        return bases
 
 
 def _below(klass: ClassBody) -> list[ClassBody]:
