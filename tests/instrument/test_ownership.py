@@ -160,7 +160,7 @@ def test_each_element_belongs_to_the_latest_live_command_that_addresses_it() -> 
         end_ns=24 * MS,
     )
     # Steps start at 0, 2, 4, ... ms; the first visit owns the time before it.
-    assert found.assign("l1", 12, STEP).tolist() == [0] * 12
+    assert found.assign("l1", 12, STEP).tolist() == [0] * 10 + [2, 2]
     assert found.assign("r1", 12, STEP).tolist() == [0] * 4 + [1, 1] + [0] + [2] + [0, 0] + [2, 2]
     # Superseded on l2 at 14 ms: from then on l2 goes with the current visit.
     assert found.assign("l2", 12, STEP).tolist() == [0] * 7 + [2] + [0, 0] + [2, 2]
