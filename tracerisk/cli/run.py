@@ -56,9 +56,9 @@ def run(options: argparse.Namespace) -> int:
             keep=None if options.keep is None else Path(options.keep),
             progress=progress,
         )
-    if options.trace is not None:
-        write_file(options.trace, trace_json.dumps(trace))
     if not trace.end.is_good:
+        if options.trace is not None:
+            write_file(options.trace, trace_json.dumps(trace))
         code = print_failure(trace)
         if options.json:
             print_json(
@@ -83,6 +83,9 @@ def run(options: argparse.Namespace) -> int:
     keeps_files = options.check or options.diff
     if not keeps_files:
         annotated.write()
+        trace = pipeline.at_annotated_lines(trace, annotated)
+    if options.trace is not None:
+        write_file(options.trace, trace_json.dumps(trace))
     code = risk_exit(assessment, options.max_risk)
     if options.check and annotated.is_changed:
         code = ExitCode.WOULD_CHANGE
@@ -90,7 +93,6 @@ def run(options: argparse.Namespace) -> int:
         print_json(
             "run",
             exit_code=int(code),
-            changed=annotated.is_changed,
             trace=trace_json.trace_data(trace),
             objects=trace_json.trace_data(trace)["objects"],
             assessment=assessment_to_json(assessment),

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.annotate import Annotation, Changed, EditsInTheWay, SourceBlocks
 from tracerisk.adder.computed import ComputedBlocks, ProfileText, compute_blocks
+from tracerisk.adder.line_map import line_map
 from tracerisk.adder.lock import LOCK_NAME, lock_key, read_lock
 from tracerisk.adder.merge import MergePolicy
 from tracerisk.adder.read import read_blocks
@@ -23,8 +24,7 @@ from tracerisk.config import Settings, controller_root, read_settings
 from tracerisk.errors import InputError, Location, SourceError
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.model import Hardware
-from tracerisk.trace import FunctionRef as FunctionRef
-from tracerisk.trace import Trace
+from tracerisk.trace import FunctionRef, Trace
 
 if TYPE_CHECKING:
     from tracerisk.prm.assessment import Assessment
@@ -338,9 +338,29 @@ def trace_summary(trace: Trace) -> dict[str, Any]:
     }
 
 
-def without_line_of(trace: Trace) -> Trace:
-    """Return the trace with no lines of its functions: for a source that it was not taken from."""
-    return replace(trace, functions=tuple(replace(each, line=0) for each in trace.functions))
+def at_annotated_lines(trace: Trace, annotated: Annotated) -> Trace:
+    """Return the trace with the lines of the annotated source: those the file has once written.
+
+    So a second run, of the annotated source, tells the same lines.
+    """
+    controller = annotated.controller
+    moved = line_map(controller.source, annotated.source, str(controller.path))
+
+    def place(location: Location | None) -> Location | None:
+        if location is None or location.file != controller.file or location.line is None:
+            return location
+        return Location(location.file, moved(location.line), location.column)
+
+    def line(ref: FunctionRef, old: int) -> int:
+        return moved(old) if ref.file == controller.file else old
+
+    return replace(
+        trace,
+        end=replace(trace.end, location=place(trace.end.location)),
+        functions=tuple(replace(f, line=line(f.ref, f.line)) for f in trace.functions),
+        uncovered=tuple(replace(u, line=line(u.ref, u.line)) for u in trace.uncovered),
+        findings=tuple(replace(f, location=place(f.location)) for f in trace.findings),
+    )
 
 
 def _rounded(seconds: float) -> float:

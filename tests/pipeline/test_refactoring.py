@@ -1,0 +1,129 @@
+"""The law of refactoring: how the code is cut into functions is no risk."""
+
+from __future__ import annotations
+
+import pytest
+
+
+def replace_once(text: str, old: str, new: str) -> str:
+    assert text.count(old) == 1, f"{text.count(old)} times: {old}"
+    return text.replace(old, new)
+
+
+LOOP = """\
+        init(arm, hand)
+        pick_position(arm, number)
+        pick(arm, hand)
+        place_position(arm, number)
+        place(hand)
+"""
+
+
+def body_of(text: str, name: str) -> str:
+    """The statements of a function of the sample, its docstring left out."""
+    lines = text[text.index(f"def {name}(") :].split("\n")
+    kept = []
+    for line in lines[2:]:
+        if line and not line.startswith(" "):
+            break
+        kept.append(line)
+    return "\n".join(kept).rstrip() + "\n"
+
+
+def split_in_two(text: str) -> str:
+    text = replace_once(
+        text,
+        '    hand.set_named_target("close")\n',
+        '\n\ndef take(arm, hand):\n    """Close on the tube and lift it."""\n'
+        '    hand.set_named_target("close")\n',
+    )
+    return replace_once(
+        text, "        pick(arm, hand)\n", "        pick(arm, hand)\n        take(arm, hand)\n"
+    )
+
+
+def two_merged(text: str) -> str:
+    body = body_of(text, "pick_position") + body_of(text, "pick")
+    both = f'def fetch(arm, hand, number):\n    """Fetch the tube."""\n{body}\n\ndef main():\n'
+    text = replace_once(text, "def main():\n", both)
+    return replace_once(
+        text,
+        "        pick_position(arm, number)\n        pick(arm, hand)\n",
+        "        fetch(arm, hand, number)\n",
+    )
+
+
+def all_inlined(text: str) -> str:
+    bodies = "".join(
+        body_of(text, name) for name in ("init", "pick_position", "pick", "place_position", "place")
+    )
+    indented = "".join(f"    {line}\n" if line else "\n" for line in bodies.split("\n")[:-1])
+    return replace_once(text, LOOP, indented)
+
+
+def dead_function_added(text: str) -> str:
+    dead = "def never(arm, hand, number):\n" + LOOP.replace("        ", "    ")
+    return replace_once(text, "def main():\n", f"{dead}\n\ndef main():\n")
+
+
+def renamed(text: str) -> str:
+    assert text.count("place_position(") == 2
+    return text.replace("place_position(", "bring_home(")
+
+
+def step_extracted(text: str) -> str:
+    """Two functions share a helper for what both did themselves."""
+    shared = (
+        'def above(arm, number, rack_y):\n    """Go above a slot."""\n'
+        "    arm.set_pose_target(slot(number, rack_y, TRAVEL_HEIGHT))\n    arm.go(wait=True)\n"
+        "    arm.stop()\n    arm.clear_pose_targets()\n\n\ndef init(arm, hand):\n"
+    )
+    text = replace_once(text, "def init(arm, hand):\n", shared)
+    for rack in ("SOURCE_RACK_Y", "TARGET_RACK_Y"):
+        text = replace_once(
+            text,
+            f"    arm.set_pose_target(slot(number, {rack}, TRAVEL_HEIGHT))\n    arm.go(wait=True)\n"
+            "    arm.stop()\n    arm.clear_pose_targets()\n",
+            f"    above(arm, number, {rack})\n",
+        )
+    return text
+
+
+CHANGES = {
+    "split in two": (
+        split_in_two,
+        ["init", "pick_position", "pick", "take", "place_position", "place"],
+    ),
+    "two merged": (two_merged, ["init", "fetch", "place_position", "place"]),
+    "all inlined": (all_inlined, ["main"]),
+    "dead function added": (
+        dead_function_added,
+        ["init", "pick_position", "pick", "place_position", "place"],
+    ),
+    "renamed": (renamed, ["init", "pick_position", "pick", "bring_home", "place"]),
+    "step extracted": (
+        step_extracted,
+        ["init", "pick_position", "pick", "place_position", "place"],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_the_missions_failure_probability_stays(name, sample_run, example, pick_and_place):
+    change, functions = CHANGES[name]
+    example.write("pick_and_place.py", change(pick_and_place.decode()))
+    outcome = example.run("run", "pick_and_place.py", "--json")
+    assert outcome.code == 0, outcome.err
+    assessment = outcome.json["assessment"]
+    assert [state["name"] for state in assessment["states"]] == functions
+    _, original = sample_run
+    expected = original.json["assessment"]["mission"]
+    for figure in ("failure_probability", "fixed_cycles", "visits_as_run"):
+        assert assessment["mission"][figure] == pytest.approx(expected[figure], rel=0.01)
+
+
+def test_a_function_that_never_ran_is_told_as_no_risk_data(example, pick_and_place):
+    example.write("pick_and_place.py", dead_function_added(pick_and_place.decode()))
+    outcome = example.run("trace", "pick_and_place.py", "--json")
+    (uncovered,) = outcome.json["trace"]["uncovered"]
+    assert uncovered["ref"] == {"file": "pick_and_place.py", "name": "never"}
