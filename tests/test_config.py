@@ -52,10 +52,11 @@ def test_a_bad_setting_is_an_error_with_file_and_line(tmp_path, body, message):
     assert "pyproject.toml" in str(caught.value)
 
 
-def test_root_is_the_nearest_marked_folder_else_the_scripts_own(tmp_path):
+@pytest.mark.parametrize("mark", ["package.xml", "pyproject.toml", "setup.py", ".git"])
+def test_root_is_the_nearest_marked_folder_else_the_scripts_own(tmp_path, mark):
     package = tmp_path / "ws" / "pkg"
     (package / "scripts").mkdir(parents=True)
     script = package / "scripts" / "arm.py"
     assert controller_root(script) == package / "scripts"
-    (package / "package.xml").touch()
+    (package / mark).touch()
     assert controller_root(script) == package

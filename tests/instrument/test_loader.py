@@ -15,7 +15,7 @@ import pytest
 
 from tracerisk.errors import InputError, Location, SourceError
 from tracerisk.instrument.hidden_frames import format_visible
-from tracerisk.instrument.loader import controller_root, prepared_controller, run_controller
+from tracerisk.instrument.loader import prepared_controller, run_controller
 from tracerisk.instrument.tracer import Tracer
 
 Run = Callable[[str], Any]
@@ -200,11 +200,3 @@ def test_thread_failure_is_shown_without_frames_of_ours(
     shown = capsys.readouterr().err
     assert "ValueError: in a thread" in shown
     assert "tracerisk" not in shown
-
-
-@pytest.mark.parametrize("mark", ["package.xml", "pyproject.toml", "setup.py", ".git"])
-def test_root_is_the_nearest_marked_folder(tmp_path: Path, mark: str) -> None:
-    folder = tmp_path / "ws" / "scripts"
-    folder.mkdir(parents=True)
-    (tmp_path / "ws" / mark).touch()
-    assert controller_root(folder / "c.py") == tmp_path / "ws"

@@ -29,6 +29,8 @@ def object_lines(trace: Trace) -> list[str]:
     if not with_goal:
         return []
     at_goal = [each for each in with_goal if each.upright and each.offset_m < _AT_GOAL_M]
+    if not at_goal:
+        return [f"objects: none of {len(with_goal)} stands at its goal"]
     lines = [f"objects: {len(at_goal)} of {len(with_goal)} stand at their goal"]
     if at_goal:
         largest = max(each.offset_m for each in at_goal)

@@ -10,6 +10,7 @@ from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import CodeType, ModuleType
 
+from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
 from tracerisk.instrument.hidden_frames import hidden_frames, hide
 from tracerisk.instrument.tracer import Tracer
@@ -18,21 +19,6 @@ from tracerisk.instrument.transform import (
     compile_instrumented,
     instrument_source,
 )
-
-_ROOT_MARKS = ("package.xml", "pyproject.toml", "setup.py", ".git")
-
-
-def controller_root(path: Path) -> Path:
-    """Return the folder that holds a controller's own source.
-
-    The nearest folder upwards with `package.xml`, `pyproject.toml`, `setup.py` or `.git`; where
-    there is none, the script's own folder.
-    """
-    folder = path.resolve().parent
-    for each in (folder, *folder.parents):
-        if any((each / mark).exists() for mark in _ROOT_MARKS):
-            return each
-    return folder
 
 
 def compile_file(path: Path, root: Path) -> tuple[CodeType, str]:

@@ -65,7 +65,7 @@ def run_controller(
         recording = _recording(folder)
         _raise_failure(recording)
         end = _run_end(recording, process_end, controller)
-        return make_trace(controller, robot, scene, settings, recording, folder, end, given=given)
+        return make_trace(controller, robot, scene, settings, recording, folder, end)
 
 
 def simulation_seconds(folder: Path) -> float:

@@ -27,7 +27,7 @@ from tracerisk.twin.exposure import exposure
 from tracerisk.twin.samples import Samples, has_samples, read_samples
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.stages import Controller, RunInput
+    from tracerisk.pipeline.stages import Controller
     from tracerisk.twin.robot import Robot
 
 MOTION_CALLS = frozenset({"go", "execute", "pick", "place"})
@@ -42,8 +42,6 @@ def make_trace(
     recording: Recording,
     folder: Path,
     end: RunEnd,
-    *,
-    given: RunInput,
 ) -> Trace:
     """Return the trace of a recording whose samples lie in `folder`."""
     attribution = attribute(
@@ -71,7 +69,7 @@ def make_trace(
         uncovered=_uncovered(controller, recording),
         findings=_findings(recording, attribution),
         objects=_objects(recording),
-        assumptions=_assumptions(robot, scene, settings, end, given),
+        assumptions=_assumptions(robot, scene, settings, recording, end),
     )
 
 
@@ -124,7 +122,7 @@ def _objects(recording: Recording) -> tuple[ObjectOffset, ...]:
 
 
 def _assumptions(
-    robot: Robot, scene: str, settings: Settings, end: RunEnd, given: RunInput
+    robot: Robot, scene: str, settings: Settings, recording: Recording, end: RunEnd
 ) -> tuple[str, ...]:
     lines = []
     if settings.robot is None:
@@ -133,8 +131,12 @@ def _assumptions(
         lines.append(f"scene: {scene}, the default of the robot")
     if robot.approximate:
         lines.append(f"robot: the figures of {robot.name} are approximate")
-    if given.answers:
-        lines.append("input: scripted answers, then Enter")
+    answers = [note.data["answer"] for note in recording.notes if note.kind == "input"]
+    if answers:
+        scripted = sum(1 for answer in answers if answer)
+        lines.append(
+            f"input: {scripted} questions got scripted answers, {len(answers) - scripted} got Enter"
+        )
     if end.cause == "duration":
         lines.append(
             f"mission: cut after {settings.duration_s:g} s of simulated time (--duration); the "
