@@ -1,14 +1,13 @@
 """The stages joined: run a controller, annotate it, build its model, solve it."""
 
+from tracerisk.pipeline.controller import Controller, load_controller
 from tracerisk.pipeline.stages import (
     Annotated,
-    Controller,
     RunInput,
     annotate,
     at_annotated_lines,
     build,
     hand_set,
-    load_controller,
     load_hardware,
     load_robot,
     load_settings,

@@ -24,7 +24,8 @@ from tracerisk.pipeline.run_trace import make_trace
 from tracerisk.trace import RunEnd, Trace
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.stages import Controller, Progress, RunInput
+    from tracerisk.pipeline.controller import Controller
+    from tracerisk.pipeline.stages import Progress, RunInput
     from tracerisk.twin.robot import Robot
 
 _POLL_S = 0.02

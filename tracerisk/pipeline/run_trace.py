@@ -27,7 +27,7 @@ from tracerisk.twin.exposure import exposure
 from tracerisk.twin.samples import Samples, has_samples, read_samples
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.stages import Controller
+    from tracerisk.pipeline.controller import Controller
     from tracerisk.twin.robot import Robot
 
 MOTION_CALLS = frozenset({"go", "execute", "pick", "place"})

@@ -5,10 +5,7 @@ This is the public Python API; `tracerisk` re-exports it.
 
 from __future__ import annotations
 
-import hashlib
-import io
-import tokenize
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
@@ -20,10 +17,12 @@ from tracerisk.adder.line_map import line_map
 from tracerisk.adder.lock import LOCK_NAME, lock_key, read_lock
 from tracerisk.adder.merge import MergePolicy
 from tracerisk.adder.read import read_blocks
-from tracerisk.config import Settings, controller_root, read_settings
-from tracerisk.errors import InputError, Location, SourceError
+from tracerisk.config import Settings, read_settings
+from tracerisk.errors import InputError, Location
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.model import Hardware
+from tracerisk.pipeline.controller import Controller, string_literals
+from tracerisk.pipeline.freshness import fingerprint, trace_summary
 from tracerisk.trace import FunctionRef, Trace
 
 if TYPE_CHECKING:
@@ -33,19 +32,6 @@ if TYPE_CHECKING:
 
 Progress = Callable[[str, float], None]
 """Told the phase and the simulated time [s]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Controller:
-    """A controller's script: its path, the folder of its own sources, and its bytes.
-
-    `file` is its name below the root, with forward slashes.
-    """
-
-    path: Path
-    root: Path
-    file: str
-    source: bytes
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,24 +66,6 @@ class Annotated:
 
         if self.change is not None:
             write_all(self.change.writes(self.lock_path))
-
-
-def load_controller(path: Path | str) -> Controller:
-    """Read the controller at `path`.
-
-    Raises InputError when there is no such file, SourceError when it is not Python 3.
-    """
-    script = Path(path)
-    try:
-        source = script.read_bytes()
-    except OSError as error:
-        raise InputError(
-            f"the controller cannot be read: {error.strerror}; name a Python file",
-            Location(str(path)),
-        ) from error
-    root = controller_root(script)
-    file = script.resolve().relative_to(root.resolve()).as_posix()
-    return Controller(script, root, file, source)
 
 
 def load_settings(controller: Controller, options: Mapping[str, Any] | None = None) -> Settings:
@@ -269,75 +237,6 @@ def hand_set(controller: Controller) -> tuple[str, ...]:
     return tuple(found)
 
 
-def string_literals(controller: Controller) -> tuple[str, ...]:
-    """Return the strings in a controller's source, in their order."""
-    import ast
-
-    try:
-        tree = ast.parse(controller.source, filename=str(controller.path))
-    except (SyntaxError, ValueError):
-        from tracerisk.instrument.source import parse_source
-
-        # It knows how to say what is wrong, and of Python 2.
-        parse_source(controller.source, str(controller.path))
-        raise
-    return tuple(
-        node.value
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Constant) and isinstance(node.value, str)
-    )
-
-
-def fingerprint(controller: Controller, trace: Trace, settings: Settings) -> str:
-    """Return a digest of what the trace depends on.
-
-    Sources without comments and blank lines, the robot, the scene, and those settings that
-    change a run; not the hardware data, from which values follow without a run.
-    """
-    from tracerisk import __version__
-
-    parts = [
-        __version__,
-        trace.robot,
-        trace.scene,
-        f"{settings.duration_s!r}",
-        f"{settings.seed!r}",
-        ",".join(settings.states),
-        ",".join(settings.helpers),
-        controller.file,
-        *_code_tokens(controller),
-    ]
-    return hashlib.sha256("\x00".join(parts).encode()).hexdigest()
-
-
-def trace_summary(trace: Trace) -> dict[str, Any]:
-    """Return what the lock keeps of a trace: the exposures of each function's elements [s]."""
-    functions: dict[str, Any] = {}
-    for function in trace.functions:
-        visits = [visit for visit in trace.visits if visit.function == function.ref]
-        elements: dict[str, Any] = {}
-        for element in trace.elements:
-            found = [e for v in visits if (e := v.exposures.get(element.name)) is not None]
-            if any(exposure.active_s for exposure in found):
-                elements[element.name] = {
-                    "moving_s": _rounded(sum(e.moving_s for e in found)),
-                    "holding_s": _rounded(sum(e.holding_s for e in found)),
-                    "grasping_s": _rounded(sum(e.grasping_s for e in found)),
-                }
-        known = [visit.duration_s for visit in visits if visit.duration_s is not None]
-        functions[function.ref.name] = {
-            "visits": len(visits),
-            "duration_s": _rounded(sum(known)),
-            "elements": elements,
-        }
-    return {
-        "robot": trace.robot,
-        "scene": trace.scene,
-        "end": trace.end.cause,
-        "functions": functions,
-    }
-
-
 def at_annotated_lines(trace: Trace, annotated: Annotated) -> Trace:
     """Return the trace with the lines of the annotated source: those the file has once written.
 
@@ -363,23 +262,7 @@ def at_annotated_lines(trace: Trace, annotated: Annotated) -> Trace:
     )
 
 
-def _rounded(seconds: float) -> float:
-    return round(seconds, 3)
-
-
 def _is_shipped(robot: Robot) -> bool:
     from tracerisk.twin.robot import robot_names
 
     return robot.name in robot_names()
-
-
-def _code_tokens(controller: Controller) -> Sequence[str]:
-    left_out = {tokenize.COMMENT, tokenize.NL}
-    try:
-        return [
-            f"{token.type}:{token.string}"
-            for token in tokenize.tokenize(io.BytesIO(controller.source).readline)
-            if token.type not in left_out
-        ]
-    except (tokenize.TokenError, SyntaxError) as error:
-        raise SourceError(f"is not Python 3: {error}", Location(str(controller.path))) from error

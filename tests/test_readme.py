@@ -1,0 +1,64 @@
+"""What the README shows is what happens; CI runs its two set-up commands."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
+
+
+def test_the_library_example_prints_the_missions_failure_probability(capsys):
+    (code,) = [block for block in blocks("python") if "import" in block]
+    exec(compile(code, "README.md", "exec"), {})
+    assert capsys.readouterr().out == "7.344e-08\n"
+
+
+def test_the_block_shown_is_part_of_what_the_run_writes(example, pick_and_place):
+    example.write("pick_and_place.py", pick_and_place)
+    assert example.run("run", "pick_and_place.py", "--quiet").code == 0
+    written = example.read("pick_and_place.py").decode()
+    (shown,) = [block for block in blocks("python") if "RiskAnnotation" in block]
+    function, component = shown.split("    # | @Component {\n")
+    assert function in written
+    assert (
+        component.removesuffix('    """Go to the ready pose with an open gripper."""\n') in written
+    )
+
+
+@pytest.mark.parametrize("verb", re.findall(r"^\| `tracerisk (\w+)", README, re.MULTILINE))
+def test_every_verb_of_the_table_has_a_help(verb, capsys):
+    from tracerisk.cli import VERBS, main
+
+    assert verb in VERBS
+    with pytest.raises(SystemExit) as ended:
+        main([verb, "--help"])
+    assert ended.value.code == 0
+    assert "usage: tracerisk" in capsys.readouterr().out
+
+
+def test_every_verb_stands_in_the_table():
+    from tracerisk.cli import VERBS
+
+    assert set(re.findall(r"^\| `tracerisk (\w+)", README, re.MULTILINE)) == set(VERBS)
+
+
+def test_links_lead_to_files():
+    for target in re.findall(r"\]\(((?!http)[^)#]+)", README):
+        assert (ROOT / target).exists(), target
+
+
+def test_ci_finds_both_commands_in_the_readme():
+    commands = blocks("sh")
+    assert [sum(word in each for each in commands) for word in ("tracerisk run ", "pytest")] == [
+        1,
+        1,
+    ]
+    assert all(each.count("\n") == 1 for each in commands)

@@ -1,0 +1,58 @@
+"""The controller: its script, its root, its bytes."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import dataclass
+from pathlib import Path
+
+from tracerisk.config import controller_root
+from tracerisk.errors import InputError, Location
+
+
+@dataclass(frozen=True, slots=True)
+class Controller:
+    """A controller's script: its path, the folder of its own sources, and its bytes.
+
+    `file` is its name below the root, with forward slashes.
+    """
+
+    path: Path
+    root: Path
+    file: str
+    source: bytes
+
+
+def load_controller(path: Path | str) -> Controller:
+    """Read the controller at `path`.
+
+    Raises InputError when there is no such file, SourceError when it is not Python 3.
+    """
+    script = Path(path)
+    try:
+        source = script.read_bytes()
+    except OSError as error:
+        raise InputError(
+            f"the controller cannot be read: {error.strerror}; name a Python file",
+            Location(str(path)),
+        ) from error
+    root = controller_root(script)
+    file = script.resolve().relative_to(root.resolve()).as_posix()
+    return Controller(script, root, file, source)
+
+
+def string_literals(controller: Controller) -> tuple[str, ...]:
+    """Return the strings in a controller's source, in their order."""
+    try:
+        tree = ast.parse(controller.source, filename=str(controller.path))
+    except (SyntaxError, ValueError):
+        from tracerisk.instrument.source import parse_source
+
+        # It knows how to say what is wrong, and of Python 2.
+        parse_source(controller.source, str(controller.path))
+        raise
+    return tuple(
+        node.value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    )
