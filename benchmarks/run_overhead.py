@@ -1,7 +1,8 @@
 """Compare the simulation of a traced run with a plain loop over `mj_step`.
 
 The loop replays the recorded controls on the same model from the same state, so both do the
-same physics; the ratio is what motion, sampling and the virtual time of the controller cost.
+same physics: the ratio is what following motions and sampling at every step cost. The whole
+time of the controller, with its imports, planning and inverse kinematics, stands beside it.
 
     python benchmarks/run_overhead.py [CONTROLLER] [--repeat N]
 """
@@ -14,8 +15,8 @@ import tempfile
 from pathlib import Path
 
 from tracerisk import pipeline
-from tracerisk.pipeline.controller_run import simulation_seconds
-from tracerisk.twin.replay import replay
+from tracerisk.pipeline.run_files import WallTime
+from tracerisk.twin.replay import Replay, replay
 from tracerisk.twin.robot import load_robot
 from tracerisk.twin.samples import read_samples
 from tracerisk.twin.scene import load_scene
@@ -23,38 +24,38 @@ from tracerisk.twin.scene import load_scene
 SAMPLE = Path(__file__).parent.parent / "sample_controllers" / "pick_and_place.py"
 
 
-def measure(script: Path) -> tuple[float, float, int, bool]:
-    """Return the seconds of the run's simulation and of the loop, the steps, and bit equality."""
+def measure(script: Path) -> tuple[WallTime, Replay]:
+    """Run the controller once, and replay its controls."""
     controller = pipeline.load_controller(script)
     settings = pipeline.load_settings(controller)
-    with tempfile.TemporaryDirectory() as folder:
-        trace = pipeline.trace_controller(controller, settings, keep=Path(folder))
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        trace = pipeline.trace_controller(controller, settings, keep=folder)
         if not trace.end.is_good:
             raise SystemExit(f"the run failed: {trace.end.message}")
-        samples = read_samples(Path(folder))
+        samples = read_samples(folder)
         plain = replay(samples, load_robot(trace.robot), load_scene(trace.scene))
-        seconds = simulation_seconds(Path(folder))
-        return seconds, plain.seconds, plain.n_steps, plain.same_end
+        return WallTime.read(folder), plain
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("controller", nargs="?", type=Path, default=SAMPLE)
-    parser.add_argument("--repeat", type=int, default=3)
+    parser.add_argument("--repeat", type=int, default=5)
     options = parser.parse_args()
-    rows = []
+    ratios = []
     for number in range(1, options.repeat + 1):
-        traced, plain, steps, same = measure(options.controller)
-        rows.append((traced, plain))
+        took, plain = measure(options.controller)
+        ratios.append((took.simulation_s / plain.seconds, took.controller_s / plain.seconds))
         print(
-            f"{number}: {steps} steps; simulation in the run {traced:.2f} s, "
-            f"plain mj_step loop {plain:.2f} s, ratio {traced / plain:.2f}; "
-            f"end states {'equal to the bit' if same else 'DIFFER'}"
+            f"{number}: {plain.n_steps} steps, plain mj_step loop {plain.seconds:.2f} s; "
+            f"simulation in the run {took.simulation_s:.2f} s, ratio {ratios[-1][0]:.2f}; "
+            f"whole controller {took.controller_s:.2f} s, ratio {ratios[-1][1]:.2f}; "
+            f"end states {'equal to the bit' if plain.same_end else 'DIFFER'}"
         )
-    traced = statistics.median(row[0] for row in rows)
-    plain = statistics.median(row[1] for row in rows)
-    ratio = statistics.median(row[0] / row[1] for row in rows)
-    print(f"median: {traced:.2f} s, {plain:.2f} s, ratio {ratio:.2f}")
+    simulation = statistics.median(ratio for ratio, _ in ratios)
+    whole = statistics.median(ratio for _, ratio in ratios)
+    print(f"median ratios: simulation {simulation:.2f}, whole controller {whole:.2f}")
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ from tracerisk.errors import ExitCode, Location, TraceRiskError
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Tracer
-from tracerisk.pipeline.run_files import EVENTS, STACKS, WALL_TIME, RunRequest
+from tracerisk.pipeline.run_files import EVENTS, STACKS, RunRequest, WallTime
 from tracerisk.ros.finder import StandInFinder
 from tracerisk.ros.graph import Graph
 from tracerisk.ros.patches import virtual_time
@@ -77,8 +77,9 @@ def _run(request: RunRequest, folder: Path) -> int:
         clock: list[Callable[[], int]] = [lambda: 0]
         recorder = Recorder(stream, clock=lambda: clock[0]())
         tracer = Tracer(recorder.function_ran)
+        world = _Metered(twin, wall_clock)
         scheduler = Scheduler(
-            twin,
+            world,
             duration_ns=round(request.duration_s * 1e9),
             tracer=tracer,
             on_stuck=lambda over: _end_now(recorder, over),
@@ -108,12 +109,36 @@ def _run(request: RunRequest, folder: Path) -> int:
                     began = wall_clock()
                     _run_to_the_end(lambda: scheduler.run_main(run), end)
                     twin.close()
-                    (folder / WALL_TIME).write_text(f"{wall_clock() - began!r}\n")
+                    WallTime(wall_clock() - began, world.seconds).write(folder)
                     return 0
             except TraceRiskError as error:
                 # Nothing has run: the source itself is at fault.
                 end.failed(error)
                 return int(error.exit_code)
+
+
+class _Metered:
+    """The twin as the scheduler's world, with the wall time that its steps take [s]."""
+
+    def __init__(self, twin: Twin, wall_clock: Callable[[], float]) -> None:
+        self._twin = twin
+        self._wall_clock = wall_clock
+        self.seconds = 0.0
+
+    @property
+    def time_ns(self) -> int:
+        return self._twin.time_ns
+
+    @property
+    def busy(self) -> bool:
+        return self._twin.busy
+
+    def advance(self, until_ns: int) -> int:
+        began = self._wall_clock()
+        try:
+            return self._twin.advance(until_ns)
+        finally:
+            self.seconds += self._wall_clock() - began
 
 
 def _run_to_the_end(run: Callable[[], None], end: _End) -> None:

@@ -19,7 +19,7 @@ from tracerisk import errors
 from tracerisk.config import Settings
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.recording import Recording, read_recording
-from tracerisk.pipeline.run_files import EVENTS, STACKS, WALL_TIME, RunRequest
+from tracerisk.pipeline.run_files import EVENTS, STACKS, RunRequest
 from tracerisk.pipeline.run_trace import make_trace
 from tracerisk.trace import RunEnd, Trace
 
@@ -67,11 +67,6 @@ def run_controller(
         _raise_failure(recording)
         end = _run_end(recording, process_end, controller)
         return make_trace(controller, robot, scene, settings, recording, folder, end)
-
-
-def simulation_seconds(folder: Path) -> float:
-    """Return the wall time that a kept recording's controller took, start-up left out [s]."""
-    return float((folder / WALL_TIME).read_text(encoding="utf-8"))
 
 
 @dataclass(frozen=True, slots=True)

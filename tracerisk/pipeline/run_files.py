@@ -5,14 +5,13 @@ from __future__ import annotations
 import dataclasses
 import json
 from dataclasses import dataclass
+from pathlib import Path
 
 EVENTS = "events.jsonl"
 """The recorder's events."""
 STACKS = "stacks.txt"
 """Where the child's threads stand, written when the parent asks."""
-WALL_TIME = "wall_time.txt"
-"""How long the controller took from its first line to its end [s of wall time]; a measurement,
-which nothing is computed from."""
+_WALL_TIME = "wall_time.json"
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,3 +38,25 @@ class RunRequest:
         """Read what `dumps` wrote."""
         data = json.loads(text)
         return cls(**{**data, "argv": tuple(data["argv"]), "answers": tuple(data["answers"])})
+
+
+@dataclass(frozen=True, slots=True)
+class WallTime:
+    """How long a run took [s of wall time]: a measurement, which nothing is computed from.
+
+    `controller_s` is the time from the controller's first line to its end, planning and all;
+    `simulation_s` the part in which physics was stepped and sampled.
+    """
+
+    controller_s: float
+    simulation_s: float
+
+    def write(self, folder: Path) -> None:
+        """Write the times beside the recording."""
+        text = json.dumps(dataclasses.asdict(self), sort_keys=True)
+        (folder / _WALL_TIME).write_text(f"{text}\n", encoding="utf-8")
+
+    @classmethod
+    def read(cls, folder: Path) -> WallTime:
+        """Read the times of a kept recording, of a run that came to its end."""
+        return cls(**json.loads((folder / _WALL_TIME).read_text(encoding="utf-8")))
