@@ -11,7 +11,9 @@ from tracerisk.twin.scene import Scene
 import mujoco  # isort: skip
 from dm_control.mujoco import Physics, wrapper  # isort: skip
 
-# Denavit-Hartenberg parameters (Craig's convention: a, d, alpha) as the maker publishes them.
+# Denavit-Hartenberg parameters (Craig's convention: a, d, alpha) and the flange's d, from the
+# maker's table: github.com/frankaemika/docs, source/control_parameters.rst, said to be the Panda's
+# up to commit 321d1f1 and, unchanged, the Franka Research 3's since.
 PANDA_DH = [
     (0.0, 0.333, 0.0),
     (0.0, 0.0, -np.pi / 2),
