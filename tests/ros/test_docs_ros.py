@@ -1,0 +1,26 @@
+"""`docs/ros.md` lists what the finder serves, no more and no less."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from tracerisk.ros.finder import StandInFinder
+
+TEXT = (Path(__file__).parents[2] / "docs" / "ros.md").read_text(encoding="utf-8")
+
+
+def section(title: str) -> str:
+    return TEXT.split(f"## {title}\n")[1].split("\n## ")[0]
+
+
+def served(kind: str) -> set[str]:
+    return {name for name, provided in StandInFinder().provides.items() if provided == kind}
+
+
+def test_every_library_is_listed():
+    assert set(re.findall(r"^\| `(\w+)`", section("Libraries"), re.MULTILINE)) == served("library")
+
+
+def test_every_message_package_is_listed():
+    assert set(re.findall(r"`(\w+)`", section("Message packages"))) == served("interfaces")
