@@ -5,7 +5,10 @@ from typing import Any
 
 import pytest
 
+from tracerisk.ros.finder import StandInFinder
+from tracerisk.ros.graph import Graph
 from tracerisk.ros.patches import virtual_time
+from tracerisk.ros.runtime import Runtime, activate
 from tracerisk.ros.virtual_time import Scheduler
 
 SECOND = 1_000_000_000
@@ -53,6 +56,23 @@ def run(scheduler: Scheduler) -> Callable[[Callable[[], Any]], Any]:
 
     def run_controller(main: Callable[[], Any]) -> Any:
         with virtual_time(scheduler):
+            return scheduler.run_main(main)
+
+    return run_controller
+
+
+@pytest.fixture
+def graph(scheduler: Scheduler) -> Graph:
+    return Graph(scheduler)
+
+
+@pytest.fixture
+def run_node(scheduler: Scheduler, graph: Graph) -> Callable[..., Any]:
+    """Run a function that imports ROS stand-ins as the controller's main program."""
+
+    def run_controller(main: Callable[[], Any], *arguments: str) -> Any:
+        runtime = Runtime(scheduler, graph, argv=("controller.py", *arguments))
+        with activate(runtime), StandInFinder(), virtual_time(scheduler):
             return scheduler.run_main(main)
 
     return run_controller

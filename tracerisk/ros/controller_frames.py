@@ -21,6 +21,10 @@ _LIBRARIES = tuple(
     )
 )
 
+# They read the clock to find the end of a wait, or to stamp a record: no busy wait of theirs.
+_QUIET = frozenset({"asyncio", "concurrent", "logging", "queue", "sched", "threading", "tracerisk"})
+_WAITS = frozenset({"__enter__", "acquire", "wait", "wait_for"})
+
 
 @lru_cache(maxsize=4096)
 def is_library(file: str) -> bool:
@@ -56,5 +60,27 @@ def controller_frame() -> FrameType | None:
     """Return the controller's innermost frame in the calling thread."""
     frame: FrameType | None = _getframe(1)
     while frame is not None and is_library(frame.f_code.co_filename):
+        frame = frame.f_back
+    return frame
+
+
+def is_quiet(frame: FrameType | None) -> bool:
+    """Tell whether the frame is a library's whose looks at the clock move nothing."""
+    if frame is None:
+        return True
+    name = str(frame.f_globals.get("__name__", ""))
+    if name == "asyncio.base_events" and frame.f_code.co_name == "time":
+        # `loop.time()`: what matters is who asks the loop.
+        return is_quiet(frame.f_back)
+    return name.partition(".")[0] in _QUIET and ".stand_ins" not in name
+
+
+def poller(frame: FrameType | None) -> FrameType | None:
+    """Return who polls a primitive through the waits of `threading`, which are written on it."""
+    while (
+        frame is not None
+        and frame.f_globals.get("__name__") == "threading"
+        and frame.f_code.co_name in _WAITS
+    ):
         frame = frame.f_back
     return frame

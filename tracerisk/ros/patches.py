@@ -20,8 +20,9 @@ from contextlib import contextmanager
 from sys import _getframe
 from typing import Any
 
+from tracerisk.ros.controller_frames import is_quiet
 from tracerisk.ros.controller_thread import RunOver
-from tracerisk.ros.virtual_clock import VirtualClock, is_quiet
+from tracerisk.ros.virtual_clock import VirtualClock
 from tracerisk.ros.virtual_selector import VirtualSelector
 from tracerisk.ros.virtual_threads import Lock, ThreadHandle, ThreadStarter
 from tracerisk.ros.virtual_time import Scheduler

@@ -11,6 +11,7 @@ from sys import _getframe
 from types import FrameType
 from typing import Any
 
+from tracerisk.ros.controller_frames import is_quiet
 from tracerisk.ros.virtual_threads import NANOSECONDS, nanoseconds
 from tracerisk.ros.virtual_time import Scheduler
 
@@ -18,18 +19,6 @@ EPOCH_NS = 1_767_225_600 * NANOSECONDS
 """What `time.time_ns()` tells at simulated time zero: 2026-01-01T00:00:00Z [ns]."""
 MONOTONIC_START_NS = 10_000 * NANOSECONDS
 """What `time.monotonic_ns()` tells at simulated time zero; a machine that just booted is rare."""
-
-# They read the clock to find the end of a wait, or to stamp a record: no busy wait of theirs.
-_QUIET = frozenset({"asyncio", "concurrent", "logging", "queue", "sched", "threading", "tracerisk"})
-
-
-def is_quiet(frame: FrameType) -> bool:
-    """Tell whether the frame is a library's whose looks at the clock move nothing."""
-    name = str(frame.f_globals.get("__name__", ""))
-    if name == "asyncio.base_events" and frame.f_code.co_name == "time":
-        # `loop.time()`: what matters is who asks the loop.
-        return frame.f_back is None or is_quiet(frame.f_back)
-    return name.partition(".")[0] in _QUIET and ".stand_ins" not in name
 
 
 class VirtualClock:
@@ -156,6 +145,9 @@ class VirtualClock:
             def today(cls) -> Any:
                 return cls.fromtimestamp(seconds(_getframe(1)))
 
+            def __repr__(self) -> str:
+                return _with_module(super().__repr__(), type(self) is Date)
+
         class DateTime(dt.datetime, metaclass=_KindOf):
             @classmethod
             def now(cls, tz: dt.tzinfo | None = None) -> Any:
@@ -169,6 +161,9 @@ class VirtualClock:
             @classmethod
             def today(cls) -> Any:
                 return cls.fromtimestamp(seconds(_getframe(1)))
+
+            def __repr__(self) -> str:
+                return _with_module(super().__repr__(), type(self) is DateTime)
 
         classes: dict[str, type] = {"date": Date, "datetime": DateTime}
         for name, replacement in classes.items():
@@ -189,6 +184,11 @@ class _KindOf(type):
         if type(cls.__base__) is _KindOf:
             return super().__subclasscheck__(subclass)
         return issubclass(subclass, cls.__base__ or object)
+
+
+def _with_module(text: str, is_ours: bool) -> str:
+    # A class written in Python is shown without its module, the one in C with it.
+    return f"datetime.{text}" if is_ours else text
 
 
 def _named_as(function: Callable[..., Any], real: Callable[..., Any]) -> Callable[..., Any]:

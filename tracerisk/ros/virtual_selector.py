@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from tracerisk.ros.virtual_threads import NANOSECONDS
-from tracerisk.ros.virtual_time import POLLS_PER_INSTANT, Scheduler
+from tracerisk.ros.virtual_time import POLL_COST, Scheduler
 
 _RealSelector = selectors.DefaultSelector
 
@@ -41,7 +41,7 @@ class VirtualSelector(selectors.BaseSelector):
         if self._scheduler.current is None:
             return self._real.select(timeout)
         if timeout is not None and timeout <= 0:
-            self._scheduler.count_call(POLLS_PER_INSTANT)
+            self._scheduler.count_call(POLL_COST)
             return self._real.select(0)
         # Rounded up: a loop that wakes a nanosecond early finds nothing due and polls again.
         timeout_ns = None if timeout is None else max(1, math.ceil(timeout * NANOSECONDS))

@@ -14,6 +14,7 @@ from sys import _getframe
 from types import TracebackType
 from typing import Any, NoReturn
 
+from tracerisk.ros.controller_frames import is_quiet, poller
 from tracerisk.ros.controller_thread import ControllerThread
 from tracerisk.ros.virtual_time import Scheduler
 
@@ -57,7 +58,8 @@ class Lock:
         if thread is None:
             return self._inner.acquire(blocking, timeout)
         if not blocking:
-            scheduler.touch()
+            if not is_quiet(poller(_getframe(1))):
+                scheduler.touch()
         else:
             # A condition's waiter acquires its lock twice: held by itself, freed by another.
             waits_to_be_notified = _caller_is(threading.Condition.wait)

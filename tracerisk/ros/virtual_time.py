@@ -47,8 +47,10 @@ READ_STEP_NS = 1_000_000
 """How far a second reading of the clock at one instant moves it [ns]."""
 CALLS_PER_INSTANT = 1000
 """Waits that need not wait, and locks that are free, that one thread gets at one instant."""
-POLLS_PER_INSTANT = 10
-"""Turns of an event loop with nothing to wait for that one thread gets at one instant."""
+TURNS_PER_INSTANT = 2000
+"""How often threads may hand the baton to each other at one instant."""
+POLL_COST = 50
+"""For how many such calls a turn of an event loop counts that finds nothing to wait for."""
 RAISES_BEFORE_GIVING_UP = 1000
 """How often a thread may swallow the end of the run."""
 
@@ -135,6 +137,8 @@ class Scheduler:
         self._threads: list[ControllerThread] = []
         self._by_ident: dict[int, ControllerThread] = {}
         self._main: ControllerThread | None = None
+        self._turns = 0
+        self._turns_ns = -1
         self._kernel_depth = 0
         self._over: RunOver | None = None
         self._fault: BaseException | None = None
@@ -176,15 +180,15 @@ class Scheduler:
             self._block(thread, None, self._now_ns + READ_STEP_NS, "the clock to move")
         thread.read_ns = self._now_ns
 
-    def count_call(self, allowed: int = CALLS_PER_INSTANT) -> None:
+    def count_call(self, cost: int = 1) -> None:
         """Note a call that could wait and need not; too many at one instant move the clock."""
         thread = self.current
         if thread is None or self._kernel_depth or self._over is not None:
             return
         if thread.calls_ns != self._now_ns:
             thread.calls, thread.calls_ns = 0, self._now_ns
-        thread.calls += 1
-        if thread.calls > allowed:
+        thread.calls += cost
+        if thread.calls > CALLS_PER_INSTANT:
             self._block(thread, None, self._now_ns + READ_STEP_NS, "the clock to move")
 
     # Waiting
@@ -421,6 +425,11 @@ class Scheduler:
         try:
             while self._over is None:
                 self._run_due_events()
+                if self.over is not None:
+                    break
+                if self._turns_are_spent():
+                    self._pass_time(READ_STEP_NS)
+                    continue
                 ready = self._first_ready()
                 if ready is not None:
                     return ready
@@ -433,7 +442,7 @@ class Scheduler:
         return thread or self._next_to_end()
 
     def _run_due_events(self) -> None:
-        while self._events and self._events[0].time_ns <= self._now_ns:
+        while self._over is None and self._events and self._events[0].time_ns <= self._now_ns:
             call = heapq.heappop(self._events)
             if call.callback is not None:
                 call.callback()
@@ -453,7 +462,14 @@ class Scheduler:
                 return thread
         return None
 
-    def _pass_time(self) -> None:
+    def _turns_are_spent(self) -> bool:
+        """Count the turns of this instant: threads that only hand on work take no time else."""
+        if self._turns_ns != self._now_ns:
+            self._turns, self._turns_ns = 0, self._now_ns
+        self._turns += 1
+        return self._turns > TURNS_PER_INSTANT
+
+    def _pass_time(self, at_most_ns: int | None = None) -> None:
         while self._events and self._events[0].callback is None:
             heapq.heappop(self._events)
         deadlines = [
@@ -462,14 +478,16 @@ class Scheduler:
             if thread.wait is not None and thread.wait.deadline_ns is not None
         ]
         events = [call.time_ns for call in self._events[:1]]
+        if at_most_ns is not None:
+            later = [due_ns for due_ns in deadlines if due_ns > self._now_ns]
+            deadlines = [*later, self._now_ns + at_most_ns]
         expected = deadlines or any(
             call.callback is not None and not call.background for call in self._events
         )
         if not expected and not self.world.busy:
             self._over = end_of_standstill(self._threads, listens=self.listens())
             return
-        target_ns = min([*deadlines, *events, self.duration_ns])
-        self._advance(target_ns)
+        self._advance(min([*deadlines, *events, self.duration_ns]))
         if self._now_ns >= self.duration_ns:
             self._over = end_of_duration(self._main, self.duration_ns)
 
