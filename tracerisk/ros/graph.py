@@ -8,6 +8,7 @@ something spins (ROS 2) is the client library's affair. Actions are topics and s
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, field
@@ -18,6 +19,10 @@ from tracerisk.ros.parameters import ParameterTree
 from tracerisk.ros.virtual_time import CallTracer, Scheduler
 
 Change = Literal["advertised", "unadvertised", "subscribed", "unsubscribed", "served", "unserved"]
+
+
+def _tell_on_stderr(message: str) -> None:
+    sys.stderr.write(f"[ERROR] {message}\n")
 
 
 @dataclass(slots=True, eq=False)
@@ -136,8 +141,8 @@ class ServiceFailedError(Exception):
 class Graph:
     """Topics, services and parameters of one run.
 
-    `tracer` makes each service handler a root. `warn` is told what a node should know, such as
-    two types on one topic.
+    `tracer` makes each service handler a root. `warn` is told what a person should know, such as
+    two types on one topic; by default it is an error line on standard error.
     """
 
     def __init__(
@@ -145,7 +150,7 @@ class Graph:
         scheduler: Scheduler,
         tracer: CallTracer | None = None,
         *,
-        warn: Callable[[str], None] | None = None,
+        warn: Callable[[str], None] = _tell_on_stderr,
     ) -> None:
         self.scheduler = scheduler
         self.tracer = tracer
@@ -369,7 +374,7 @@ class Graph:
             watcher(change, name, type_name)
 
     def _warn_of_types(self, topic: str, published: str, subscribed: str) -> None:
-        if self._warn is not None and not _types_agree(published, subscribed):
+        if not _types_agree(published, subscribed):
             self._warn(
                 f"topic {topic} is published as {published} and subscribed to as {subscribed}: "
                 f"no message passes between the two"

@@ -16,7 +16,7 @@ def numpy_msg(msg_type: Any) -> Any:
         return msg_type.deserialize_numpy(self, str, np)
 
     body = {
-        "__slots__": [],
+        "__slots__": msg_type.__slots__,
         "__doc__": msg_type.__doc__,
         "deserialize": deserialize,
     }
