@@ -50,14 +50,13 @@ def compute_blocks(
 
     A profile pins the `next` of the functions it names.
     Raises HardwareError where the description does not fit the robot, or a figure needs an
-    exposure that the trace does not tell; InputError where the profile names no function.
+    exposure that the trace does not tell; InputError where the profile names a
+    function that the trace does not.
     """
     bound = bind(hardware, trace.elements)
     counts = next_counts(trace)
     names = [function.ref.name for function in trace.functions]
-    for name in profile or {}:
-        if name not in names:
-            raise InputError(f"profile: no function '{name}' in the trace; {one_of(names, name)}")
+    _check_profile(profile or {}, names)
     blocks = {}
     exposures = {}
     observed = {}
@@ -99,6 +98,18 @@ def next_counts(trace: Trace) -> dict[FunctionRef, dict[str, int]]:
         ref: {target: count for target, count in row.items() if count}
         for ref, row in counts.items()
     }
+
+
+def _check_profile(profile: ProfileText, names: Sequence[str]) -> None:
+    for name, shares in profile.items():
+        if name not in names:
+            raise InputError(f"profile: no function '{name}' in the trace; {one_of(names, name)}")
+        for target in shares:
+            if target not in (*names, DONE):
+                raise InputError(
+                    f"profile of '{name}': no function '{target}' in the trace; "
+                    f"{one_of((*names, DONE), target)}"
+                )
 
 
 def _pinned(shares: Mapping[str, str], computed: str, name: str) -> Field[tuple[Transition, ...]]:
