@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from tracerisk.ros.virtual_time import RunOver, Scheduler
+from tracerisk.ros.virtual_time import STREAM_PATIENCE_NS, RunOver, Scheduler
 
 SECOND = 1_000_000_000
 MS = 1_000_000
@@ -328,9 +328,9 @@ def test_a_thread_that_waits_for_work_makes_a_standstill_a_quiet_end(scheduler):
     assert over.value.cause == "quiescent"
 
 
-def test_a_background_event_does_not_keep_a_run_going(scheduler):
+def test_background_events_alone_do_not_keep_a_run_going_for_long(scheduler):
     def tick():
-        scheduler.call_at(scheduler.now_ns + SECOND, tick, background=True)
+        scheduler.call_at(scheduler.now_ns + SECOND // 10, tick, background=True)
 
     def main():
         tick()
@@ -339,7 +339,18 @@ def test_a_background_event_does_not_keep_a_run_going(scheduler):
     with pytest.raises(RunOver) as over:
         scheduler.run_main(main)
     assert over.value.cause == "quiescent"
-    assert scheduler.now_ns == 0
+    assert scheduler.now_ns == STREAM_PATIENCE_NS
+
+
+def test_a_background_event_may_bring_what_a_thread_waits_for(scheduler):
+    seen = []
+
+    def main():
+        scheduler.call_at(SECOND // 50, lambda: seen.append("joint states"), background=True)
+        scheduler.wait_until(lambda: bool(seen), reason="a message", kind="unmet")
+        return scheduler.now_ns
+
+    assert scheduler.run_main(main) == SECOND // 50
 
 
 def test_a_motion_that_is_live_keeps_the_run_going(scheduler, world):

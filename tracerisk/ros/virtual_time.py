@@ -51,6 +51,9 @@ TURNS_PER_INSTANT = 2000
 """How often threads may hand the baton to each other at one instant."""
 POLL_COST = 50
 """For how many such calls a turn of an event loop counts that finds nothing to wait for."""
+STREAM_PATIENCE_NS = 1_000_000_000
+"""How long background events alone may go on before it is a standstill: what they bring may
+satisfy a wait, or move a callback to act [ns]."""
 RAISES_BEFORE_GIVING_UP = 1000
 """How often a thread may swallow the end of the run."""
 
@@ -140,6 +143,7 @@ class Scheduler:
         self._turns = 0
         self._turns_ns = -1
         self._kernel_depth = 0
+        self._stirred_ns = 0
         self._over: RunOver | None = None
         self._fault: BaseException | None = None
         self._main_end_calls: list[Callable[[], object]] = []
@@ -240,7 +244,7 @@ class Scheduler:
     ) -> ScheduledCall:
         """Run `callback` when the clock reaches `time_ns`; it must not wait.
 
-        A background event (a sensor's stream) does not by itself keep the run going.
+        Background events (a sensor's stream) alone do not keep the run going for long.
         """
         call = ScheduledCall(time_ns, next(self._sequence), callback, background)
         heapq.heappush(self._events, call)
@@ -432,6 +436,8 @@ class Scheduler:
                     continue
                 ready = self._first_ready()
                 if ready is not None:
+                    if ready.is_controllers:
+                        self._stirred_ns = self._now_ns
                     return ready
                 self._pass_time()
         except BaseException as error:  # noqa: BLE001 - ours, not the controller's: kept for run_main
@@ -484,7 +490,9 @@ class Scheduler:
         expected = deadlines or any(
             call.callback is not None and not call.background for call in self._events
         )
-        if not expected and not self.world.busy:
+        if expected or self.world.busy:
+            self._stirred_ns = self._now_ns
+        elif not events or self._now_ns - self._stirred_ns >= STREAM_PATIENCE_NS:
             self._over = end_of_standstill(self._threads, listens=self.listens())
             return
         self._advance(min([*deadlines, *events, self.duration_ns]))
