@@ -217,12 +217,11 @@ def test_shutdown_wakes_a_sleep_with_an_interruption(run_node, scheduler):
 
         rospy.init_node("arm")
         rospy.Timer(rospy.Duration(1), lambda _: rospy.signal_shutdown("enough"), oneshot=True)
-        try:
+        with pytest.raises(rospy.ROSInterruptException) as caught:
             rospy.sleep(10)
-        except rospy.ROSInterruptException as error:
-            assert isinstance(error, rospy.ROSException)
-            assert isinstance(error, KeyboardInterrupt)
-            return str(error), rospy.is_shutdown()
+        assert isinstance(caught.value, rospy.ROSException)
+        assert isinstance(caught.value, KeyboardInterrupt)
+        return str(caught.value), rospy.is_shutdown()
 
     assert run_node(main) == ("ROS shutdown request", True)
     assert scheduler.now_ns == SECOND

@@ -22,6 +22,7 @@ from typing import Any
 
 from tracerisk.ros.controller_frames import is_quiet
 from tracerisk.ros.controller_thread import RunOver
+from tracerisk.ros.seeded_randomness import entropy_replacements, seeded_generators
 from tracerisk.ros.virtual_clock import VirtualClock
 from tracerisk.ros.virtual_selector import VirtualSelector
 from tracerisk.ros.virtual_threads import Lock, ThreadHandle, ThreadStarter
@@ -33,9 +34,10 @@ _SimpleQueue: Any = vars(queue)["_PySimpleQueue"]
 
 
 @contextmanager
-def virtual_time(scheduler: Scheduler) -> Iterator[None]:
-    """Replace clocks, sleeps, locks and threads process-wide; undo it all at the end.
+def virtual_time(scheduler: Scheduler, *, seed: int = 0) -> Iterator[None]:
+    """Replace clocks, sleeps, locks, threads and entropy process-wide; undo it all at the end.
 
+    What is random is drawn from `seed`.
     Threads that are not under `scheduler` go on with the real ones. Names that a module took
     from another before (`from time import sleep`) are not reached, so a controller must be
     imported inside.
@@ -45,7 +47,10 @@ def virtual_time(scheduler: Scheduler) -> Iterator[None]:
     try:
         for owner, name, value in _replacements(scheduler):
             undo.append(_replace(owner, name, value))
-        yield
+        with seeded_generators(seed):
+            for owner, name, value in entropy_replacements(scheduler, seed):
+                undo.append(_replace(owner, name, value))
+            yield
     finally:
         for restore in reversed(undo):
             restore()
