@@ -279,8 +279,10 @@ def test_exit_calls_run_last_first_and_in_virtual_time(scheduler):
     log = []
 
     def main():
-        scheduler.at_exit(lambda: log.append(("first", scheduler.now_ns)))
-        scheduler.at_exit(lambda: (log.append(("last", scheduler.now_ns)), scheduler.sleep(SECOND)))
+        scheduler.exit_calls.at_exit(lambda: log.append(("first", scheduler.now_ns)))
+        scheduler.exit_calls.at_exit(
+            lambda: (log.append(("last", scheduler.now_ns)), scheduler.sleep(SECOND))
+        )
 
     scheduler.run_main(main)
     assert log == [("last", 0), ("first", SECOND)]

@@ -43,7 +43,7 @@ def virtual_time(scheduler: Scheduler, *, seed: int = 0) -> Iterator[None]:
     imported inside.
     """
     undo: list[Callable[[], None]] = []
-    scheduler.at_main_end(lambda: _stop_pools(scheduler))
+    scheduler.exit_calls.at_main_end(lambda: _stop_pools(scheduler))
     try:
         for owner, name, value in _replacements(scheduler):
             undo.append(_replace(owner, name, value))
@@ -268,11 +268,11 @@ def _process_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]
     def register(function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Any:
         if scheduler.current is None:
             return real_register(function, *args, **kwargs)
-        scheduler.at_exit(functools.partial(function, *args, **kwargs), function)
+        scheduler.exit_calls.at_exit(functools.partial(function, *args, **kwargs), function)
         return function
 
     def unregister(function: Callable[..., Any], /) -> None:
-        scheduler.forget_at_exit(function)
+        scheduler.exit_calls.forget(function)
         real_unregister(function)
 
     def pause() -> None:

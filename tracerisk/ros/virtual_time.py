@@ -11,16 +11,13 @@ Times are integer nanoseconds of simulated time.
 
 from __future__ import annotations
 
-import heapq
 import itertools
 import threading
-import traceback
 from _thread import get_ident, start_new_thread
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass, field
+from contextlib import contextmanager, nullcontext
 from sys import _getframe
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 from tracerisk.errors import Location
 from tracerisk.ros.controller_thread import (
@@ -30,7 +27,10 @@ from tracerisk.ros.controller_thread import (
     Wait,
     WaitKind,
 )
+from tracerisk.ros.event_queue import EventQueue, ScheduledCall
+from tracerisk.ros.exit_calls import ExitCalls
 from tracerisk.ros.standstill import end_of_duration, end_of_standstill
+from tracerisk.ros.world import CallTracer, World
 from tracerisk.trace import EndCause
 
 __all__ = [
@@ -58,54 +58,6 @@ RAISES_BEFORE_GIVING_UP = 1000
 """How often a thread may swallow the end of the run."""
 
 Result = TypeVar("Result")
-
-
-class World(Protocol):
-    """What moves while the controller waits: the twin, or a clock."""
-
-    @property
-    def time_ns(self) -> int:
-        """The time of the world [ns]."""
-        ...
-
-    @property
-    def busy(self) -> bool:
-        """Whether a motion is live."""
-        ...
-
-    def advance(self, until_ns: int) -> int:
-        """Move to `until_ns`, or return at the end of the step in which a motion ended [ns]."""
-        ...
-
-
-class CallTracer(Protocol):
-    """What the scheduler needs of a tracer: the stack that a new thread inherits."""
-
-    def capture(self) -> Any:
-        """Return the stack of the calling thread."""
-        ...
-
-    def resume(self, captured: Any, /) -> AbstractContextManager[Any]:
-        """Go on with a captured stack."""
-        ...
-
-    def root(self, kind: Any, /) -> AbstractContextManager[Any]:
-        """Begin an empty stack: a callback's."""
-        ...
-
-
-@dataclass(slots=True, order=True)
-class ScheduledCall:
-    """A kernel event; `cancel()` takes it back."""
-
-    time_ns: int
-    sequence: int
-    callback: Callable[[], None] | None = field(compare=False)
-    background: bool = field(compare=False)
-
-    def cancel(self) -> None:
-        """Do not run the callback; nothing happens where it has run already."""
-        self.callback = None
 
 
 class Scheduler:
@@ -136,7 +88,7 @@ class Scheduler:
         self._now_ns = 0
         self._sequence = itertools.count()
         self._thread_numbers = itertools.count()
-        self._events: list[ScheduledCall] = []
+        self._events = EventQueue()
         self._threads: list[ControllerThread] = []
         self._by_ident: dict[int, ControllerThread] = {}
         self._main: ControllerThread | None = None
@@ -146,8 +98,7 @@ class Scheduler:
         self._stirred_ns = 0
         self._over: RunOver | None = None
         self._fault: BaseException | None = None
-        self._main_end_calls: list[Callable[[], object]] = []
-        self._exit_calls: list[tuple[object, Callable[[], object]]] = []
+        self.exit_calls = ExitCalls()
 
     # The clock
 
@@ -246,9 +197,8 @@ class Scheduler:
 
         Background events (a sensor's stream) alone do not keep the run going for long.
         """
-        call = ScheduledCall(time_ns, next(self._sequence), callback, background)
-        heapq.heappush(self._events, call)
-        return call
+        sequence = next(self._sequence)
+        return self._events.add(ScheduledCall(time_ns, sequence, callback, background))
 
     def raise_if_over(self) -> None:
         """Raise the end of the run in a thread of the controller, once it is over.
@@ -334,18 +284,6 @@ class Scheduler:
                 raise self._fault
             if self._over.cause != "ended":
                 raise self._over.again() from None
-
-    def at_main_end(self, callback: Callable[[], object]) -> None:
-        """Run `callback` when the main thread has ended by itself, before others are joined."""
-        self._main_end_calls.append(callback)
-
-    def at_exit(self, callback: Callable[[], object], key: object = None) -> None:
-        """Run `callback` when the main thread has ended by itself; the last one first."""
-        self._exit_calls.append((callback if key is None else key, callback))
-
-    def forget_at_exit(self, key: object) -> None:
-        """Take back every exit call that was given under `key`."""
-        self._exit_calls = [call for call in self._exit_calls if call[0] != key]
 
     def end(self, cause: EndCause, message: str, location: Location | None = None) -> None:
         """End the run: every thread's next wait raises `RunOver`."""
@@ -448,10 +386,8 @@ class Scheduler:
         return thread or self._next_to_end()
 
     def _run_due_events(self) -> None:
-        while self._over is None and self._events and self._events[0].time_ns <= self._now_ns:
-            call = heapq.heappop(self._events)
-            if call.callback is not None:
-                call.callback()
+        while self._over is None and (callback := self._events.pop_due(self._now_ns)) is not None:
+            callback()
 
     def _first_ready(self) -> ControllerThread | None:
         waiting = [(thread.wait.since, thread) for thread in self._threads if thread.wait]
@@ -476,26 +412,23 @@ class Scheduler:
         return self._turns > TURNS_PER_INSTANT
 
     def _pass_time(self, at_most_ns: int | None = None) -> None:
-        while self._events and self._events[0].callback is None:
-            heapq.heappop(self._events)
         deadlines = [
             thread.wait.deadline_ns
             for thread in self._threads
             if thread.wait is not None and thread.wait.deadline_ns is not None
         ]
-        events = [call.time_ns for call in self._events[:1]]
         if at_most_ns is not None:
             later = [due_ns for due_ns in deadlines if due_ns > self._now_ns]
             deadlines = [*later, self._now_ns + at_most_ns]
-        expected = deadlines or any(
-            call.callback is not None and not call.background for call in self._events
-        )
-        if expected or self.world.busy:
+        next_event_ns = self._events.next_ns
+        if deadlines or self._events.is_expecting or self.world.busy:
             self._stirred_ns = self._now_ns
-        elif not events or self._now_ns - self._stirred_ns >= STREAM_PATIENCE_NS:
+        elif next_event_ns is None or self._now_ns - self._stirred_ns >= STREAM_PATIENCE_NS:
             self._over = end_of_standstill(self._threads, listens=self.listens())
             return
-        self._advance(min([*deadlines, *events, self.duration_ns]))
+        if next_event_ns is not None:
+            deadlines.append(next_event_ns)
+        self._advance(min([*deadlines, self.duration_ns]))
         if self._now_ns >= self.duration_ns:
             self._over = end_of_duration(self._main, self.duration_ns)
 
@@ -543,8 +476,7 @@ class Scheduler:
 
     def _finish_as_interpreter(self) -> None:
         """Do what CPython does between the end of the main module and its own."""
-        for callback in self._main_end_calls:
-            callback()
+        self.exit_calls.run_before_joining()
         while lasting := [t for t in self._threads if not t.daemon and not t.is_main]:
             thread = lasting[0]
             self.wait_until(
@@ -552,12 +484,7 @@ class Scheduler:
                 reason=f"the end of thread {thread.name}",
                 on=thread,
             )
-        while self._exit_calls:
-            _, callback = self._exit_calls.pop()
-            try:
-                callback()
-            except Exception:  # noqa: BLE001 - the controller's; CPython prints it and goes on
-                traceback.print_exc()
+        self.exit_calls.run_at_exit()
 
     def _run_thread(
         self, thread: ControllerThread, target: Callable[[], object], captured: Any
