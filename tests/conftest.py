@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,38 @@ from typing import Any
 import pytest
 
 SAMPLES = Path(__file__).parent.parent / "sample_controllers"
+
+
+QUICK = """\
+import os, sys, time
+import moveit_commander, rospy
+from geometry_msgs.msg import Pose
+
+def home(arm):
+    arm.set_named_target("ready")
+    arm.go(wait=True)
+
+def act(arm):
+    joints = arm.get_current_joint_values()
+    joints[0] += 0.05
+    arm.go(joints, wait=True)
+    ACT
+
+def main():
+    moveit_commander.roscpp_initialize(sys.argv)
+    rospy.init_node("quick")
+    arm = moveit_commander.MoveGroupCommander("panda_arm")
+    arm.set_max_velocity_scaling_factor(1.0)
+    act(arm)
+
+if __name__ == "__main__":
+    main()
+"""
+
+
+def quick_controller(*statements: str) -> str:
+    """A controller that turns the first joint a little, and then does the statements in `act`."""
+    return QUICK.replace("ACT", "\n    ".join(statements or ("pass",)))
 
 
 @dataclass(frozen=True)
@@ -66,6 +99,12 @@ class Example:
 def example_in() -> type[Example]:
     """The class itself, for fixtures that outlive a test."""
     return Example
+
+
+@pytest.fixture(scope="session")
+def quick() -> Callable[..., str]:
+    """Makes the source of a controller that takes about a second of simulated time."""
+    return quick_controller
 
 
 @pytest.fixture

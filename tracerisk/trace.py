@@ -28,6 +28,7 @@ EndCause = Literal[
     "deadlock",  # a wait that nothing can end, which the real library would hang on
     "wall_limit",
     "memory_limit",
+    "not_importable",  # a module it imports is missing, or is not Python 3
 ]
 GOOD_ENDS: frozenset[EndCause] = frozenset({"ended", "quiescent", "duration"})
 

@@ -32,7 +32,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--max-risk",
         metavar="P",
-        type=float,
+        type=shared.probability,
         help="exit 1 if the mission's failure probability is above P",
     )
     shared.add_json(parser)
@@ -48,6 +48,7 @@ def run(options: argparse.Namespace) -> int:
     policy = shared.merge_policy(options)
     controller = pipeline.load_controller(options.controller)
     settings = pipeline.load_settings(controller, shared.run_settings(options))
+    pipeline.check_blocks(controller)
     with progress_bar(settings.duration_s, quiet=options.quiet) as progress:
         trace = pipeline.trace_controller(
             controller,

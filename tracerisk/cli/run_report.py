@@ -89,7 +89,13 @@ def print_failure(trace: Trace) -> int:
     for line in [*trace_lines(trace), *(f"  {line}" for line in finding_lines(trace))]:
         print(line, file=sys.stderr)
     print("No source was changed.", file=sys.stderr)
-    return int(ExitCode.CONTROLLER_FAILED)
+    return int(failure_code(trace))
+
+
+def failure_code(trace: Trace) -> ExitCode:
+    """Return the exit code of a badly ended run: an import that fails is bad input."""
+    missing = trace.end.cause == "not_importable"
+    return ExitCode.BAD_INPUT if missing else ExitCode.CONTROLLER_FAILED
 
 
 def failure_of(trace: Trace) -> dict[str, Any] | None:
@@ -98,7 +104,7 @@ def failure_of(trace: Trace) -> dict[str, Any] | None:
         return None
     place = trace.end.location
     return {
-        "kind": "ControllerFailedError",
+        "kind": ("SourceError" if trace.end.cause == "not_importable" else "ControllerFailedError"),
         "message": trace.end.message,
         "file": None if place is None else place.file,
         "line": None if place is None else place.line,

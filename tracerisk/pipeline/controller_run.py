@@ -19,7 +19,8 @@ from tracerisk import errors
 from tracerisk.config import Settings
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.recording import Recording, read_recording
-from tracerisk.pipeline.run_files import EVENTS, STACKS, RunRequest
+from tracerisk.pipeline.left_running import RUN_MARK, end_left_running
+from tracerisk.pipeline.run_files import EVENTS, STACKS, STARTED, RunRequest
 from tracerisk.pipeline.run_trace import make_trace
 from tracerisk.trace import RunEnd, Trace
 
@@ -61,10 +62,12 @@ def run_controller(
             duration_s=settings.duration_s,
             memory_limit_mb=settings.memory_limit_mb,
             seed=settings.seed,
+            parent=os.getpid(),
         )
         process_end = _run_child(request, folder, settings, progress)
         recording = _recording(folder)
         _raise_failure(recording)
+        _raise_unstarted(recording, process_end, settings)
         end = _run_end(recording, process_end, controller)
         return make_trace(controller, robot, scene, settings, recording, folder, end)
 
@@ -94,7 +97,13 @@ def _run_child(
     request_path = folder / "request.json"
     request_path.write_text(request.dumps(), encoding="utf-8")
     # A fixed hash seed keeps what a controller iterates over, sets say, in the same order.
-    environment = {**os.environ, "MUJOCO_GL": "disable", "PYTHONHASHSEED": "0"}
+    mark = f"{os.getpid()}-{time.monotonic_ns()}"
+    environment = {
+        **os.environ,
+        "MUJOCO_GL": "disable",
+        "PYTHONHASHSEED": "0",
+        RUN_MARK: mark,
+    }
     child = subprocess.Popen(
         [sys.executable, "-u", "-m", "tracerisk.pipeline.child", str(request_path)],
         stdin=subprocess.DEVNULL,
@@ -107,8 +116,7 @@ def _run_child(
         return _watch(child, folder, settings, progress)
     finally:
         # Whatever the controller started goes with it.
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(child.pid, signal.SIGKILL)
+        end_left_running(child.pid, mark)
         child.wait()
 
 
@@ -206,6 +214,18 @@ def _raise_failure(recording: Recording) -> None:
     assert issubclass(kind, TraceRiskError)
     place = None if failed["location"] is None else Location(*failed["location"])
     raise kind(failed["message"], place)
+
+
+def _raise_unstarted(recording: Recording, process: _ProcessEnd, settings: Settings) -> None:
+    """Raise what kept the process from reaching the controller's first line."""
+    if recording.note(STARTED) is not None or process.limit is not None:
+        return
+    if settings.memory_limit_mb < Settings().memory_limit_mb:
+        raise errors.InputError(
+            f"{settings.memory_limit_mb} MB are too little to start the simulation; give it more "
+            f"with --memory-limit (default: {Settings().memory_limit_mb})"
+        )
+    raise RuntimeError(f"the process of the run ended with code {process.code} before it began")
 
 
 def _run_end(recording: Recording, process: _ProcessEnd, controller: Controller) -> RunEnd:

@@ -11,12 +11,14 @@ EVENTS = "events.jsonl"
 """The recorder's events."""
 STACKS = "stacks.txt"
 """Where the child's threads stand, written when the parent asks."""
+STARTED = "started"
+"""The note that says that all is built and the controller's own code begins."""
 _WALL_TIME = "wall_time.json"
 
 
 @dataclass(frozen=True, slots=True)
 class RunRequest:
-    """What the child is asked to run; `folder` is that of the recording."""
+    """What the child is asked to run; `folder` is that of the recording, `parent` who asks."""
 
     controller: str
     root: str
@@ -28,6 +30,7 @@ class RunRequest:
     duration_s: float
     memory_limit_mb: int
     seed: int
+    parent: int
 
     def dumps(self) -> str:
         """Return the request as JSON."""

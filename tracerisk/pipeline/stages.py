@@ -61,11 +61,30 @@ class Annotated:
         return self.change is not None
 
     def write(self) -> None:
-        """Write the lock and the source, so that a kill between them does no harm."""
-        from tracerisk.adder.write import write_all
+        """Write the lock and the source, so that a kill between them does no harm.
 
-        if self.change is not None:
-            write_all(self.change.writes(self.lock_path))
+        What other runs wrote into the lock meanwhile stays.
+        Raises InputError when a file cannot be written, or the source was changed meanwhile.
+        """
+        from tracerisk.adder.write import write_all
+        from tracerisk.pipeline.one_writer import one_writer
+
+        if self.change is None:
+            return
+        with one_writer(self.lock_path.parent):
+            write_all(self._as_things_stand(self.change).writes(self.lock_path))
+
+    def _as_things_stand(self, change: Changed) -> Changed:
+        """Put the change on top of what the lock and the source hold by now."""
+        key = lock_key(self.controller.path, self.controller.root)
+        lock = read_lock(self.lock_path)
+        # A second run of the same controller may have written the very same.
+        written = self.controller.path.read_bytes() == self.source
+        return Changed(
+            () if written else change.sources,
+            lock.with_controller(key, change.lock.controllers[key]),
+            lock.with_controller(key, change.pending.controllers[key]),
+        )
 
 
 def load_settings(controller: Controller, options: Mapping[str, Any] | None = None) -> Settings:
@@ -97,6 +116,15 @@ def load_hardware(settings: Settings, robot: str) -> Hardware:
     if settings.hardware is not None:
         return read_hardware(Path(settings.hardware))
     return shipped_hardware(robot)
+
+
+def check_blocks(controller: Controller) -> None:
+    """Read what is there of blocks and lock, so that a fault in them is told before a run.
+
+    Raises BlockError, SourceError or InputError at what is malformed.
+    """
+    read_blocks(controller.source, str(controller.path))
+    read_lock(controller.root / LOCK_NAME)
 
 
 def trace_controller(

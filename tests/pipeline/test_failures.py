@@ -1,0 +1,396 @@
+"""Controllers that fail, hang, die or ask for what is not there: one clear message each, the
+documented exit code, the trace so far, and no byte of the folder changed."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+HELD = "1 act (line 9, 1 visit): panda_joint1"
+"""What the trace so far tells of the quick controller, once it has moved."""
+
+
+def line_of(source: str, text: str) -> int:
+    """The line on which a text stands first."""
+    return source[: source.index(text)].count("\n") + 1
+
+
+def assert_untouched(example, before) -> None:
+    assert example.files() == before, "neither source nor lock nor anything else is written"
+
+
+FAILURES = {
+    "raises": (['raise RuntimeError("tube lost")'], "raised RuntimeError: tube lost"),
+    "exits at once": (["os._exit(3)"], "called os._exit(3)"),
+    "exits with a code": (["sys.exit(2)"], "exited with code 2"),
+    "exits with a text": (['sys.exit("no part")'], "exited with the message: no part"),
+    "recurses without end": (["def again(): again()", "again()"], "raised RecursionError"),
+    "interrupts itself": (["raise KeyboardInterrupt"], "raised KeyboardInterrupt"),
+    "closes its streams and raises": (
+        ["sys.stdout.close()", "sys.stderr.close()", "1 / 0"],
+        "raised ZeroDivisionError: division by zero",
+    ),
+    "waits for a service": (
+        ['rospy.wait_for_service("/nobody")'],
+        "waits for service /nobody, which nothing provides",
+    ),
+    "calls a service": (
+        ["from std_srvs.srv import Empty", 'rospy.ServiceProxy("/nobody", Empty)()'],
+        "service [/nobody] unavailable",
+    ),
+    "names an unknown target": (
+        ['arm.set_named_target("nowhere")'],
+        "no named target 'nowhere'; allowed: extended, ready, transport",
+    ),
+    "ignores no pose out of reach": (
+        [
+            "pose = Pose()",
+            "pose.position.x = 5.0",
+            "pose.orientation.w = 1.0",
+            "arm.set_pose_target(pose)",
+            'if not arm.go(): raise RuntimeError("out of reach")',
+        ],
+        "raised RuntimeError: out of reach",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FAILURES)
+def test_a_failure_of_the_controller_is_told_with_its_place_and_the_trace_so_far(
+    name, example, quick
+):
+    statements, message = FAILURES[name]
+    source = quick(*statements)
+    path = example.write("controller.py", source)
+    before = example.files()
+    outcome = example.run("run", path.name)
+    assert outcome.code == 4
+    told = [line for line in outcome.err.splitlines() if line.startswith("tracerisk: ")]
+    assert len(told) == 1, "one message"
+    assert told[0].startswith(f"tracerisk: controller.py:{line_of(source, statements[-1])}: ")
+    assert message in told[0]
+    assert HELD in outcome.err
+    assert "No source was changed." in outcome.err
+    assert "/tracerisk/" not in outcome.err, "a traceback shows the controller's frames alone"
+    assert_untouched(example, before)
+
+
+DEATHS = {
+    "kills itself": (["os.kill(os.getpid(), 9)"], "ended by SIGKILL"),
+    "reads a null pointer": (["import ctypes", "ctypes.string_at(0)"], "ended by SIGSEGV"),
+    "leaves through libc": (["import ctypes", "ctypes.CDLL(None)._exit(7)"], "ended with code 7"),
+}
+
+
+@pytest.mark.parametrize("name", DEATHS)
+def test_a_sudden_death_leaves_the_trace_and_the_place_of_the_last_command(name, example, quick):
+    statements, message = DEATHS[name]
+    source = quick(*statements)
+    example.write("controller.py", source)
+    before = example.files()
+    outcome = example.run("run", "controller.py")
+    assert outcome.code == 4
+    place = f"controller.py:{line_of(source, 'arm.go(joints')}"
+    assert f"tracerisk: {place}: the controller's process" in outcome.err
+    assert message in outcome.err
+    assert HELD in outcome.err
+    assert_untouched(example, before)
+
+
+def test_an_endless_loop_is_stopped_and_its_line_is_told(example, quick):
+    source = quick("while True: pass")
+    example.write("controller.py", source)
+    before = example.files()
+    outcome = example.run("run", "controller.py", "--stall-limit", "3")
+    assert outcome.code == 4
+    assert f"tracerisk: controller.py:{line_of(source, 'while True')}: " in outcome.err
+    assert "nothing has moved" in outcome.err
+    assert "3 s of wall time" in outcome.err
+    assert HELD in outcome.err
+    assert_untouched(example, before)
+
+
+LOOPS = {
+    "busy": "while not rospy.is_shutdown(): pass",
+    "with a rate": "rate = rospy.Rate(10)\n    while not rospy.is_shutdown(): rate.sleep()",
+}
+
+
+@pytest.mark.parametrize("name", LOOPS)
+def test_a_loop_in_which_nothing_was_ever_commanded_is_a_failure(name, example, quick):
+    source = quick().replace("    act(arm)\n", f"    {LOOPS[name]}\n")
+    example.write("controller.py", source)
+    before = example.files()
+    outcome = example.run("run", "controller.py", "--duration", "3")
+    assert outcome.code == 4
+    place = f"controller.py:{line_of(source, 'while not rospy')}"
+    assert f"tracerisk: {place}: nothing was commanded, and the 3 s of simulated" in outcome.err
+    assert_untouched(example, before)
+
+
+def test_a_loop_that_asks_for_keys_that_never_come_ends(example, quick):
+    source = quick('while sys.stdin.readline() != "q": pass')
+    example.write("controller.py", source)
+    outcome = example.run("trace", "controller.py", "--duration", "2")
+    assert outcome.code == 0
+    assert "the 2 s of simulated time are over" in outcome.err
+
+
+def test_a_controller_that_takes_too_much_memory_is_told_the_limit(example, quick):
+    source = quick("hoard = bytearray(4_000_000_000)")
+    example.write("controller.py", source)
+    before = example.files()
+    outcome = example.run("run", "controller.py", "--memory-limit", "2500")
+    assert outcome.code == 4
+    place = f"controller.py:{line_of(source, 'hoard')}"
+    assert f"tracerisk: {place}: the controller ran out of memory" in outcome.err
+    assert "2500 MB (--memory-limit)" in outcome.err
+    assert HELD in outcome.err
+    assert_untouched(example, before)
+
+
+def test_a_memory_limit_below_what_the_simulation_takes_is_bad_input(example, quick):
+    example.write("controller.py", quick())
+    outcome = example.run("run", "controller.py", "--memory-limit", "250")
+    assert outcome.code == 2
+    assert "250 MB are too little to start the simulation" in outcome.err
+
+
+def running(word: str) -> list[int]:
+    """The processes that have a word among their arguments."""
+    found = []
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            words = (folder / "cmdline").read_bytes().split(b"\0")
+        except OSError:
+            continue
+        if word.encode() in words:
+            found.append(int(folder.name))
+    return found
+
+
+def test_nothing_that_a_controller_started_is_left_running(example, quick):
+    seconds = f"3000.{os.getpid()}"
+    sleep = f"os.execvp('sleep', ['sleep', '{seconds}'])"
+    example.write(
+        "controller.py",
+        quick(
+            f"if os.fork() == 0: {sleep}",
+            f"if os.fork() == 0: os.setsid(); {sleep}",
+            f"if os.fork() == 0: os.setsid(); os.fork(); {sleep}",
+            f"import subprocess; subprocess.Popen(['sleep', '{seconds}'])",
+        ),
+    )
+    outcome = example.run("trace", "controller.py")
+    assert outcome.code == 0, outcome.err
+    assert "the controller ended" in outcome.err
+    assert running(seconds) == []
+
+
+def test_a_forked_copy_of_the_controller_writes_nothing_into_the_trace(example, quick):
+    example.write("controller.py", quick())
+    alone = example.run("trace", "controller.py", "--json")
+    example.write("controller.py", quick("if os.fork() == 0: os._exit(5)"))
+    forked = example.run("trace", "controller.py", "--json")
+    assert (alone.code, forked.code) == (0, 0)
+    assert forked.json["trace"]["end"]["cause"] == "ended"
+    assert forked.json["trace"]["active"] == alone.json["trace"]["active"]
+
+
+def test_what_a_controller_prints_stays_out_of_the_json(example, quick):
+    printing = quick('print("one")', 'os.write(1, b"two\\n")', 'os.system("echo three")')
+    example.write("controller.py", printing)
+    outcome = example.run("trace", "controller.py", "--json")
+    assert outcome.code == 0
+    assert outcome.json["verb"] == "trace"
+    assert all(word in outcome.err for word in ("one", "two", "three"))
+
+
+def test_a_failed_run_is_told_as_json_too(example, quick):
+    source = quick('raise RuntimeError("tube lost")')
+    example.write("controller.py", source)
+    outcome = example.run("run", "controller.py", "--json")
+    assert outcome.code == outcome.json["exit_code"] == 4
+    assert outcome.json["error"] == {
+        "kind": "ControllerFailedError",
+        "message": "the controller raised RuntimeError: tube lost",
+        "file": "controller.py",
+        "line": line_of(source, "raise "),
+        "column": None,
+    }
+    assert [f["ref"]["name"] for f in outcome.json["trace"]["functions"]] == ["act"]
+
+
+REFUSED = {
+    "a syntax error": ("def f(:\n    pass\n", "controller.py:1:7: not valid Python"),
+    "Python 2": ("import rospy\nprint 'hi'\n", "controller.py:2:1: this is Python 2"),
+    "an encoding that Python does not know": (
+        "# -*- coding: klingon -*-\n",
+        "controller.py:1: unknown encoding: klingon",
+    ),
+    "bytes that are not UTF-8": (
+        b"import rospy\n\nNAME = 'Gr\xfc\xdfe'\n",
+        "controller.py:3:11: byte 0xfc is not utf-8",
+    ),
+    "an empty file": ("", "say which one it drives with --robot; allowed: panda"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_is_no_controller_is_refused_before_anything_runs(name, example):
+    source, message = REFUSED[name]
+    example.write("controller.py", source)
+    before = example.files()
+    outcome = example.run("run", "controller.py")
+    assert outcome.code == 2
+    (line,) = outcome.err.splitlines()
+    assert line.startswith("tracerisk: ")
+    assert message in line
+    assert_untouched(example, before)
+
+
+def test_an_empty_file_commands_nothing(example):
+    example.write("controller.py", "")
+    outcome = example.run("run", "controller.py", "--robot", "panda")
+    assert outcome.code == 4
+    assert "controller.py:1: the controller ended, and it commanded no hardware" in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"), [("nowhere.py", "No such file or directory"), (".", "Is a directory")]
+)
+def test_a_controller_that_cannot_be_read_is_bad_input(name, reason, example):
+    outcome = example.run("run", name)
+    assert outcome.code == 2
+    assert f"tracerisk: {name}: the controller cannot be read: {reason}" in outcome.err
+
+
+IMPORTS = {
+    "a module": ("import nothere", "No module named 'nothere': put it beside the controller"),
+    "a module of a package": ("from nothere.deep import thing", "No module named 'nothere'"),
+    "a ROS package": ("import cv_bridge", "tracerisk has no stand-in for it; provided: "),
+    "a name of a ROS package": ("from rospy import nope", "rospy has no 'nope'"),
+}
+
+
+@pytest.mark.parametrize("name", IMPORTS)
+def test_an_import_of_what_is_not_there_is_bad_input(name, example, quick):
+    statement, message = IMPORTS[name]
+    source = quick().replace("import moveit", f"{statement}\nimport moveit", 1)
+    example.write("controller.py", source)
+    before = example.files()
+    outcome = example.run("run", "controller.py")
+    assert outcome.code == 2
+    assert "Traceback" not in outcome.err
+    assert "tracerisk: controller.py:2: " in outcome.err
+    assert message in outcome.err
+    assert_untouched(example, before)
+
+
+def test_an_import_that_fails_late_keeps_the_trace_so_far(example, quick):
+    source = quick("import nothere")
+    example.write("controller.py", source)
+    outcome = example.run("run", "controller.py", "--json")
+    assert outcome.code == outcome.json["exit_code"] == 2
+    assert outcome.json["error"]["line"] == line_of(source, "import nothere")
+    assert HELD in outcome.err
+
+
+def test_an_import_whose_failure_is_handled_is_none(example, quick):
+    example.write("controller.py", quick("try: import nothere", "except ImportError: pass"))
+    assert example.run("trace", "controller.py").code == 0
+
+
+def test_a_module_beside_the_controller_is_imported(example, quick):
+    example.write("cell.py", "STEP = 0.05\n")
+    example.write("controller.py", quick("import cell", "assert cell.STEP == 0.05"))
+    outcome = example.run("trace", "controller.py")
+    assert outcome.code == 0, outcome.err
+    assert not (example.folder / "__pycache__").exists()
+
+
+def test_a_broken_module_beside_the_controller_is_told_by_its_own_line(example, quick):
+    example.write("cell.py", "STEP = 0.05\ndef f(:\n")
+    example.write("controller.py", quick("import cell"))
+    outcome = example.run("run", "controller.py")
+    assert outcome.code == 2
+    assert "tracerisk: cell.py:2:7: not valid Python: invalid syntax" in outcome.err
+
+
+def test_an_unknown_group_is_told_with_those_that_are_there(example, quick):
+    source = quick().replace('"panda_arm"', '"panda_leg"')
+    example.write("controller.py", source)
+    outcome = example.run("run", "controller.py", "--robot", "panda")
+    assert outcome.code == 4
+    place = f"controller.py:{line_of(source, 'panda_leg')}"
+    assert f"tracerisk: {place}: the controller raised" in outcome.err
+    assert "did you mean 'panda_arm'?" in outcome.err
+
+
+def test_a_pose_out_of_reach_that_the_controller_handles_is_a_finding(example, quick):
+    source = quick(
+        "pose = Pose()",
+        "pose.position.x = 5.0",
+        "pose.orientation.w = 1.0",
+        "arm.set_pose_target(pose)",
+        "assert not arm.go(wait=True)",
+    )
+    example.write("controller.py", source)
+    outcome = example.run("trace", "controller.py", "--json")
+    assert outcome.code == 0, outcome.err
+    (finding,) = outcome.json["trace"]["findings"]
+    assert finding["location"]["line"] == line_of(source, "assert not")
+    assert "no position of group 'panda_arm'" in finding["message"]
+
+
+def test_a_thread_that_dies_is_a_finding(example, quick):
+    source = quick(
+        "import threading",
+        "def work(): raise ValueError('no tube')",
+        "thread = threading.Thread(target=work, name='worker')",
+        "thread.start(); thread.join()",
+    )
+    example.write("controller.py", source)
+    outcome = example.run("trace", "controller.py", "--json")
+    assert outcome.code == 0
+    (finding,) = outcome.json["trace"]["findings"]
+    assert finding["message"].startswith("thread worker died of ValueError: no tube")
+    assert finding["location"]["line"] == line_of(source, "def work")
+
+
+def test_latin_1_and_crlf_survive_a_run(example, quick):
+    source = "# -*- coding: latin-1 -*-\nNAME = 'Grü\xdfe'\n" + quick("assert NAME[2] == chr(252)")
+    data = source.replace("\n", "\r\n").encode("latin-1")
+    example.write("controller.py", data)
+    outcome = example.run("run", "controller.py")
+    assert outcome.code == 0, outcome.err
+    annotated = example.read("controller.py")
+    assert b"# | RiskAnnotation\r\n" in annotated
+    assert annotated.count(b"\n") == annotated.count(b"\r\n")
+    assert example.run("strip", "controller.py").code == 0
+    assert example.read("controller.py") == data
+
+
+def test_arguments_after_two_dashes_are_the_controllers(example, quick):
+    example.write("controller.py", quick('assert sys.argv[1:] == ["--speed", "2", "x"], sys.argv'))
+    outcome = example.run("trace", "controller.py", "--", "--speed", "2", "x")
+    assert outcome.code == 0, outcome.err
+
+
+def test_answers_are_given_in_turn_and_then_enter(example, quick):
+    source = quick(
+        'assert input("go? ") == "yes"',
+        "assert not os.isatty(sys.stdin.fileno()) and not sys.stdin.isatty()",
+        'assert sys.stdin.readline() == "no\\n"',
+        'assert sys.stdin.read(1) == "k"',
+        'assert sys.stdin.readline() == "\\n"',
+        'assert input() == ""',
+        "assert [*sys.stdin] == []",
+    )
+    example.write("controller.py", source)
+    answers = [word for text in ("yes", "no", "k") for word in ("--answer", text)]
+    outcome = example.run("trace", "controller.py", *answers)
+    assert outcome.code == 0, outcome.err
+    assert "assumed: input: 3 questions got scripted answers, 1 got Enter" in outcome.err
