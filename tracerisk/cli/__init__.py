@@ -10,6 +10,7 @@ import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from typing import Any, NoReturn
 
 VERBS = {
     "run": "run a controller on the twin, annotate it, build and solve its risk model",
@@ -30,6 +31,9 @@ in the way; 4 the controller failed; 5 a fault of tracerisk; 130 interrupted
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code."""
     given = list(sys.argv[1:] if arguments is None else arguments)
+    # A stream that was closed before the start is `None` here.
+    sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: PTH123, SIM115 - lives as long as we
+    sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: PTH123, SIM115
     try:
         return _run(given)
     except KeyboardInterrupt:
@@ -42,22 +46,27 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(given: list[str]) -> int:
-    # The verb is found first: only its own options and its own imports are then made.
-    verb = next((word for word in given if not word.startswith("-")), None)
-    parser = _parser(verb if verb in VERBS else None)
-    options = parser.parse_args(given)
-    from tracerisk.cli.boundary import guarded
+    try:
+        # The verb is found first: only its own options and its own imports are then made.
+        verb = next((word for word in given if not word.startswith("-")), None)
+        parser = _parser(verb if verb in VERBS else None, as_json="--json" in given)
+        options = parser.parse_args(given)
+        from tracerisk.cli.boundary import guarded
 
-    return guarded(options)
+        return guarded(options)
+    finally:
+        # What is still buffered may meet a broken pipe; `main` is where that is caught.
+        sys.stdout.flush()
 
 
-def _parser(chosen: str | None) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+def _parser(chosen: str | None, *, as_json: bool) -> argparse.ArgumentParser:
+    parser = _Parser(
         prog="tracerisk",
         description="Redo the risk assessment of a robot arm at every commit of its controller.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    parser.verb = chosen if as_json else None
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
     for verb, summary in VERBS.items():
@@ -65,8 +74,50 @@ def _parser(chosen: str | None) -> argparse.ArgumentParser:
             verb, help=summary, description=f"{summary[0].upper()}{summary[1:]}."
         )
         if verb == chosen:
+            sub.verb = parser.verb
+            parser.chosen = sub
             import_module(f"tracerisk.cli.{verb}").add_options(sub)
     return parser
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose errors suggest, and are JSON too where that was asked for.
+
+    `verb` is that of the JSON, `None` for none; `chosen` parses the options of the verb.
+    """
+
+    verb: str | None = None
+    chosen: _Parser | None = None
+
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        options, unknown = self.parse_known_args(args, namespace)
+        if unknown:
+            (self.chosen or self)._unknown(unknown)
+        return options
+
+    def _unknown(self, words: list[str]) -> None:
+        from difflib import get_close_matches
+
+        known = [word for word in self._option_string_actions if word.startswith("--")]
+        option = next((word for word in words if word.startswith("-")), None)
+        if option is None:
+            self.error(f"unexpected: {' '.join(words)}")
+        near = get_close_matches(option.partition("=")[0], known, n=1)
+        message = f"unknown option {option}" + (f"; did you mean {near[0]}?" if near else "")
+        if "--answer" in known:
+            message += "; options for the controller go after --, as in `FILE -- --speed 2`"
+        self.error(message)
+
+    def error(self, message: str) -> NoReturn:
+        self.print_usage(sys.stderr)
+        print(f"{self.prog}: {message}", file=sys.stderr)
+        if self.verb is not None:
+            from tracerisk.cli.output import print_json
+
+            place = {"file": None, "line": None, "column": None}
+            data = {"kind": "UsageError", "message": message, **place}
+            print_json(self.verb, exit_code=2, error=data)
+        self.exit(2)
 
 
 class _Version(argparse.Action):

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
+import threading
 import traceback
 from importlib import import_module
+from typing import NoReturn
 
 from tracerisk.cli.output import print_json
 from tracerisk.errors import ExitCode, TraceRiskError
@@ -15,6 +18,8 @@ _FAULT_ADVICE = "this is a fault of tracerisk; please report it with the lines a
 
 def guarded(options: argparse.Namespace) -> int:
     """Run the chosen verb and return its exit code."""
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, _terminated)
     try:
         return int(import_module(f"tracerisk.cli.{options.verb}").run(options))
     except TraceRiskError as error:
@@ -28,6 +33,11 @@ def guarded(options: argparse.Namespace) -> int:
         traceback.print_exc()
         print(f"tracerisk: {_FAULT_ADVICE}", file=sys.stderr)
         return int(ExitCode.INTERNAL_FAULT)
+
+
+def _terminated(number: int, _: object) -> NoReturn:
+    # As Ctrl-C: the controller's process ends with us, and temporary files go.
+    sys.exit(128 + number)
 
 
 def _error_data(error: TraceRiskError) -> dict[str, object]:

@@ -13,7 +13,7 @@ from tracerisk.errors import InputError
 if TYPE_CHECKING:
     from tracerisk.adder.merge import MergePolicy
 
-_WEIGHT = re.compile(r"\d{1,40}(?:/\d{1,40}|\.\d{1,40})?|\.\d{1,40}")
+_WEIGHT = re.compile(r"\d{1,40}(?:/0*[1-9]\d{0,39}|\.\d{1,40})?|\.\d{1,40}")
 
 ProfileText = dict[str, dict[str, str]]
 
@@ -176,24 +176,35 @@ def read_profile(options: argparse.Namespace) -> ProfileText:
 
 def profile_fractions(profile: ProfileText) -> dict[str, dict[str, Fraction]]:
     """Return the profile as exact fractions."""
-    try:
-        return {
-            function: {target: Fraction(share) for target, share in row.items()}
-            for function, row in profile.items()
-        }
-    except ZeroDivisionError as error:
-        raise InputError("--profile: a share is divided by zero") from error
+    return {
+        function: {target: Fraction(share) for target, share in row.items()}
+        for function, row in profile.items()
+    }
+
+
+def probability(text: str) -> float:
+    """Read a probability of the command line."""
+    value = _number(text)
+    if not 0.0 <= value <= 1.0:
+        raise argparse.ArgumentTypeError(f"{text} is no probability; allowed: 0 to 1")
+    return value
 
 
 def _positive(text: str) -> float:
-    value = float(text)
+    value = _number(text)
     if not 0.0 < value < 1e9:
-        raise argparse.ArgumentTypeError(f"{text} is not above 0")
+        raise argparse.ArgumentTypeError(f"{text} is not a number above 0 and below 1e9")
     return value
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
 
 
 def _count(text: str) -> int:
-    value = int(text)
-    if value < 0:
-        raise argparse.ArgumentTypeError(f"{text} is below 0")
-    return value
+    if not text.isascii() or not text.isdigit() or len(text) > 18:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0 up")
+    return int(text)

@@ -19,7 +19,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--max-risk",
         metavar="P",
-        type=float,
+        type=shared.probability,
         help="exit 1 if the mission's failure probability is above P",
     )
     shared.add_json(parser)

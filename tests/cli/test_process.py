@@ -1,0 +1,231 @@
+"""The command as a process: pipes, signals, neighbours, and what it imports."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+LONG = """\
+open({mark!r}, "w").write(str(os.getpid()))
+    while True: home(arm); act(arm)"""
+"""Statements that tell the process they run in, and then move the arm until they are stopped."""
+
+
+def until(condition: Callable[[], bool], limit_s: float = 60.0) -> None:
+    end = time.monotonic() + limit_s
+    while not condition():
+        assert time.monotonic() < end, "it did not come about"
+        os.sched_yield()
+
+
+def is_alive(process: int) -> bool:
+    try:
+        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except OSError:
+        return False
+    return state != "Z"
+
+
+@contextlib.contextmanager
+def started(example, *arguments: str) -> Iterator[subprocess.Popen[bytes]]:
+    """The command in a process group of its own."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tracerisk", *arguments],
+        cwd=example.folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env={**os.environ, "TMPDIR": str(example.folder / "tmp")},
+        start_new_session=True,
+    )
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+@pytest.fixture
+def simulating(example, quick, tmp_path_factory):
+    """A command whose controller runs, the process of the controller, and the folder before."""
+    mark = tmp_path_factory.mktemp("mark") / "process"
+    source = quick().replace("    act(arm)\n", f"    {LONG.format(mark=str(mark))}\n")
+    example.write("controller.py", source)
+    before = example.files()
+    (example.folder / "tmp").mkdir()
+    with started(example, "run", "controller.py", "--duration", "100000") as process:
+        until(lambda: mark.exists() and mark.read_text() != "")
+        yield process, int(mark.read_text()), before
+
+
+def test_ctrl_c_ends_the_command_and_the_controller(simulating, example):
+    process, controller, before = simulating
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert err.decode().splitlines() == ["tracerisk: interrupted"]
+    assert not is_alive(controller)
+    assert example.files() == before, "no source, no lock, no temporary file"
+
+
+def test_termination_ends_the_controller_too(simulating, example):
+    process, controller, before = simulating
+    process.terminate()
+    process.communicate(timeout=30)
+    assert process.returncode == 128 + signal.SIGTERM
+    assert not is_alive(controller)
+    assert example.files() == before
+
+
+def test_a_command_that_is_killed_leaves_no_controller_behind(simulating):
+    process, controller, _ = simulating
+    process.kill()
+    process.wait(timeout=30)
+    until(lambda: not is_alive(controller))
+
+
+def test_two_runs_of_two_controllers_in_one_folder_both_reach_the_lock(example, two_steps):
+    example.write("one.py", two_steps)
+    example.write("two.py", two_steps)
+    (example.folder / "tmp").mkdir()
+    with started(example, "run", "one.py") as one, started(example, "run", "two.py") as two:
+        _, one_err = one.communicate(timeout=120)
+        _, two_err = two.communicate(timeout=120)
+    assert (one.returncode, two.returncode) == (0, 0), one_err + two_err
+    before = example.files()
+    assert before["one.py"] == before["two.py"]
+    lock = before["tracerisk.lock"].decode()
+    assert '"one.py": {' in lock
+    assert '"two.py": {' in lock
+
+
+def test_two_runs_of_one_controller_at_once_give_what_one_gives(annotated_run, example, two_steps):
+    run, _ = annotated_run
+    example.write("controller.py", two_steps)
+    (example.folder / "tmp").mkdir()
+    arguments = ("run", "controller.py")
+    with started(example, *arguments) as one, started(example, *arguments) as two:
+        _, one_err = one.communicate(timeout=120)
+        _, two_err = two.communicate(timeout=120)
+    assert (one.returncode, two.returncode) == (0, 0), one_err + two_err
+    for name in ("controller.py", "tracerisk.lock"):
+        assert example.read(name) == run.read(name)
+
+
+def test_a_run_keeps_what_another_wrote_into_the_lock_meanwhile(example, two_steps):
+    from tracerisk import pipeline, trace_json
+    from tracerisk.adder.lock import ControllerLock, Lock, read_lock
+
+    path = example.write("controller.py", two_steps)
+    assert example.run("trace", "controller.py", "-o", "trace.json").code == 0
+
+    trace = trace_json.loads(example.read("trace.json").decode(), "trace.json")
+    controller = pipeline.load_controller(path)
+    settings = pipeline.load_settings(controller)
+    hardware = pipeline.load_hardware(settings, trace.robot)
+    annotated = pipeline.annotate(controller, trace, hardware, settings)
+    other = Lock().with_controller("other.py", ControllerLock("f", {"other.py": {}}))
+    example.write("tracerisk.lock", other.dumps())
+    annotated.write()
+    lock = read_lock(example.folder / "tracerisk.lock")
+    assert sorted(lock.controllers) == ["controller.py", "other.py"]
+    assert lock.controllers["other.py"] == other.controllers["other.py"]
+
+
+def test_a_source_that_someone_changes_during_a_run_is_not_overwritten(example, two_steps):
+    from tracerisk import pipeline, trace_json
+    from tracerisk.errors import InputError
+
+    path = example.write("controller.py", two_steps)
+    assert example.run("trace", "controller.py", "-o", "trace.json").code == 0
+    trace = trace_json.loads(example.read("trace.json").decode(), "trace.json")
+    controller = pipeline.load_controller(path)
+    settings = pipeline.load_settings(controller)
+    annotated = pipeline.annotate(
+        controller, trace, pipeline.load_hardware(settings, trace.robot), settings
+    )
+    example.write("controller.py", two_steps + "# saved in an editor\n")
+    with pytest.raises(InputError, match="was changed by someone else meanwhile"):
+        annotated.write()
+    assert example.read("controller.py").decode() == two_steps + "# saved in an editor\n"
+    assert not (example.folder / "tracerisk.lock").exists()
+
+
+@pytest.mark.parametrize(
+    "call",
+    ["solve model.json", "solve model.json --json", "build controller.py", "--help", "run -h"],
+)
+def test_a_reader_that_goes_away_is_no_error(call, annotated):
+    read_end, write_end = os.pipe()
+    os.close(read_end)
+    done = subprocess.run(
+        [sys.executable, "-m", "tracerisk", *call.split()],
+        cwd=annotated.folder,
+        stdout=write_end,
+        stderr=subprocess.PIPE,
+        check=False,
+    )
+    os.close(write_end)
+    assert done.returncode == 0
+    assert b"Traceback" not in done.stderr
+    assert b"BrokenPipe" not in done.stderr
+
+
+def test_a_closed_standard_output_is_no_error(annotated):
+    done = subprocess.run(
+        ["sh", "-c", f"exec {sys.executable} -m tracerisk solve model.json >&-"],
+        cwd=annotated.folder,
+        capture_output=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+HEAVY = {"mujoco", "dm_control", "libcst", "mink", "rosbags"}
+
+LISTING = """\
+import sys
+from tracerisk.cli import main
+try:
+    code = main({arguments!r})
+except SystemExit as end:
+    code = end.code
+assert code == 0, code
+print(*sorted(sys.modules), file=sys.stderr)
+"""
+
+
+def modules_of(example, code: str) -> set[str]:
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=example.folder, capture_output=True, check=True
+    )
+    return set(done.stderr.decode().split())
+
+
+@pytest.mark.parametrize(
+    "call", ["solve model.json", "solve controller.py", "build controller.py", "--help", "run -h"]
+)
+def test_verbs_without_a_simulation_import_no_simulator_and_no_libcst(call, annotated):
+    modules = modules_of(annotated, LISTING.format(arguments=call.split()))
+    assert "tracerisk.cli" in modules
+    assert not HEAVY & modules
+
+
+def test_help_imports_nothing_of_the_stages(example):
+    modules = modules_of(example, LISTING.format(arguments=["--help"]))
+    ours = {name for name in modules if name.startswith("tracerisk.")}
+    assert ours == {"tracerisk.cli"}
+
+
+def test_importing_the_package_is_light(example):
+    code = "import tracerisk, sys; print(*sorted(sys.modules), file=sys.stderr)"
+    modules = modules_of(example, code)
+    assert {name for name in modules if name.startswith("tracerisk")} == {"tracerisk"}
+    assert not (HEAVY | {"numpy", "rich", "argparse"}) & modules
