@@ -1,8 +1,10 @@
 """What `threading`, `queue` and `concurrent.futures` do in virtual time: as documented."""
 
 import _thread
+import os
 import queue
 import random
+import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor, as_completed, wait
@@ -375,6 +377,26 @@ def test_a_lock_taken_twice_by_one_thread_is_a_deadlock(run):
     assert over.value.location.line == main.__code__.co_firstlineno + 3
 
 
+def test_a_join_of_a_thread_that_waits_for_the_joiners_lock_is_a_deadlock(run):
+    def main():
+        lock = threading.Lock()
+
+        def worker():
+            with lock:
+                pass
+
+        thread = threading.Thread(target=worker)
+        with lock:
+            thread.start()
+            thread.join()
+
+    with pytest.raises(RunOver) as over:
+        run(main)
+    assert over.value.cause == "deadlock"
+    assert "waits for a lock" in over.value.message
+    assert "waits for the end of thread" in over.value.message
+
+
 def test_an_endless_get_names_the_queue_and_the_line(run):
     def main():
         queue.Queue().get()
@@ -458,6 +480,36 @@ def test_threads_that_start_at_random_interleave_the_same_twice(seed, world):
     again = interleave(Scheduler(type(world)(), duration_ns=10 * SECOND), seed)
     assert len(first) > 2
     assert first == again
+
+
+def test_two_threads_that_import_a_slow_module_wait_for_it_once(run, scheduler, tmp_path):
+    (tmp_path / "slow_to_import.py").write_text("import time\ntime.sleep(2)\nREADY = 1\n")
+    seen = []
+
+    def load():
+        import slow_to_import
+
+        seen.append((slow_to_import.READY, scheduler.now_ns))
+
+    def main():
+        sys.path.insert(0, str(tmp_path))
+        try:
+            threads = [threading.Thread(target=load) for _ in range(2)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+        finally:
+            sys.path.remove(str(tmp_path))
+            del sys.modules["slow_to_import"]
+
+    run(main)
+    assert seen == [(1, 2 * SECOND)] * 2
+
+
+def test_a_controller_cannot_fork_the_simulation(run):
+    with pytest.raises(RuntimeError, match="runs in one process"):
+        run(lambda: os.fork())
 
 
 def test_everything_is_put_back(run):

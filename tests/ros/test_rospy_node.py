@@ -281,6 +281,21 @@ def test_hooks_run_when_the_program_simply_ends_and_may_still_sleep(run_node, sc
     assert scheduler.now_ns == 2 * SECOND
 
 
+def test_hooks_run_after_the_programs_own_exit_functions_also_without_a_node(run_node):
+    log = []
+
+    def main():
+        import atexit
+
+        import rospy
+
+        rospy.on_shutdown(lambda: log.append("hook"))
+        atexit.register(log.append, "atexit")
+
+    run_node(main)
+    assert log == ["atexit", "hook"]
+
+
 def test_a_hook_that_raises_does_not_stop_the_others(run_node, capsys):
     log = []
 

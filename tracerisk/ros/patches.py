@@ -8,6 +8,7 @@ import concurrent.futures.thread as pool
 import datetime as dt
 import functools
 import itertools
+import os
 import queue
 import select
 import selectors
@@ -261,6 +262,19 @@ class _LockOfEither:
         return self._virtual if self._scheduler.current is not None else self._real
 
 
+def _no_fork(scheduler: Scheduler, name: str, real: Callable[[], Any]) -> Callable[[], Any]:
+    @functools.wraps(real)
+    def fork() -> Any:
+        if scheduler.current is None:
+            return real()
+        raise RuntimeError(
+            f"os.{name}: a traced controller runs in one process, and its simulated arm cannot be "
+            "in two; use threads instead of multiprocessing"
+        )
+
+    return fork
+
+
 def _process_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
     real_register, real_unregister = atexit.register, atexit.unregister
     real_pause = signal.pause
@@ -284,6 +298,8 @@ def _process_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]
     def make_selector() -> selectors.BaseSelector:
         return VirtualSelector(scheduler) if scheduler.current is not None else _real_selector()
 
+    for name in ("fork", "forkpty"):
+        yield os, name, _no_fork(scheduler, name, vars(os)[name])
     yield atexit, "register", register
     yield atexit, "unregister", unregister
     yield signal, "pause", pause

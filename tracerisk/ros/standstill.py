@@ -88,11 +88,6 @@ def _chain(start: ControllerThread) -> Sequence[ControllerThread]:
 
 
 def _circle(start: ControllerThread) -> Sequence[ControllerThread]:
-    """Return the threads that hold the locks that they wait for in a ring through `start`."""
+    """Return the threads that wait for each other's locks or ends in a ring through `start`."""
     chain = _chain(start)
-    closed = _waits_for(chain[-1]) is start
-    locks_only = all(
-        thread.wait is not None and not isinstance(thread.wait.on, ControllerThread)
-        for thread in chain
-    )
-    return chain if closed and locks_only else ()
+    return chain if _waits_for(chain[-1]) is start else ()

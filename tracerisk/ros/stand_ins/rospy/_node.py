@@ -40,6 +40,7 @@ class NodeState:
         self.logged_at: dict[tuple[str, int, int], int] = {}
         self.logged_text: dict[tuple[str, int, int], str] = {}
         self.rosout: Any = None
+        self.scheduler.exit_calls.at_exit(_shut_down)
 
     def set_name(self, name: str) -> None:
         """Take a resolved name, and resolve the remappings with it."""
@@ -67,6 +68,12 @@ class NodeState:
             kind=kind,
         )
         return predicate()
+
+
+def _shut_down() -> None:
+    from .core import signal_shutdown
+
+    signal_shutdown("atexit")
 
 
 def node() -> NodeState:

@@ -131,7 +131,6 @@ def init_node(
         state.log_level = log_level
     state.is_initialized = True
     state.is_time_initialized = True
-    state.scheduler.exit_calls.at_exit(lambda: signal_shutdown("atexit"))
 
 
 def spin() -> None:
