@@ -55,7 +55,8 @@ class Exposure:
 
     `moving_s` and `holding_s` are disjoint, `grasping_s` may overlap either;
     `active_s` is the time in any of the three [s].
-    `longest_moving_s` and `longest_active_s` are the longest uninterrupted stretches [s].
+    `longest_moving_s` and `longest_active_s` are the longest uninterrupted stretches [s]; one
+    that fills the span, or an unbroken part of it, counts from its begin to its end in the run.
     `starts` counts the motions begun, `grasps` the grasps closed.
     `torque_rms` and `torque_cubic` are fractions of the rated limit: the root mean square over
     the active time, and the speed-weighted cubic mean over the moving time.

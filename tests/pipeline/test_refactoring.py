@@ -122,6 +122,43 @@ def test_the_missions_failure_probability_stays(name, sample_run, example, pick_
         assert assessment["mission"][figure] == pytest.approx(expected[figure], rel=0.01)
 
 
+JOG = """\
+import moveit_commander
+import rospy
+
+
+{functions}
+rospy.init_node("jog")
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+arm.set_named_target("ready")
+arm.go(wait=True)
+for i in range(60):
+    target = arm.get_current_joint_values()
+    target[0] += 0.02 if i % 40 < 20 else -0.02
+    {call}
+    rospy.sleep(0.02)
+"""
+
+
+def test_steps_shorter_than_any_activity_lose_no_hardware(example):
+    """A motion streamed by two functions in turn, each for 20 ms at a time."""
+    nudge = "def {}(target):\n    arm.go(target, wait=False)\n\n\n"
+    programs = {
+        "one.py": (nudge.format("nudge"), "nudge(target)"),
+        "two.py": (
+            nudge.format("left") + nudge.format("right"),
+            "(left if i % 2 else right)(target)",
+        ),
+    }
+    figures = []
+    for name, (functions, call) in programs.items():
+        example.write(name, JOG.format(functions=functions, call=call))
+        outcome = example.run("run", name, "--json")
+        assert outcome.code == 0, outcome.err
+        figures.append(outcome.json["assessment"]["mission"]["visits_as_run"])
+    assert figures[1] == pytest.approx(figures[0], rel=0.01)
+
+
 def test_a_function_that_never_ran_is_told_as_no_risk_data(example, pick_and_place):
     example.write("pick_and_place.py", dead_function_added(pick_and_place.decode()))
     outcome = example.run("trace", "pick_and_place.py", "--json")

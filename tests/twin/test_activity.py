@@ -142,6 +142,20 @@ def test_exposure_of_a_crafted_visit(panda: Robot):
     assert not got.borderline
 
 
+def test_a_state_that_fills_many_short_spans_keeps_its_length_in_each(panda: Robot):
+    samples = crafted(panda, velocity_panda_joint1=steps((100, 500, 0.5)))
+    found = element_activity(samples, panda)["panda_joint1"]
+    every_other_10_steps = np.arange(N) // 10 % 2 == 0
+    assert exposure(found, every_other_10_steps, STEP).longest_moving_s == pytest.approx(0.8)
+
+
+def test_a_state_that_only_reaches_into_a_span_counts_there_for_what_lies_in_it(panda: Robot):
+    samples = crafted(panda, velocity_panda_joint1=steps((100, 500, 0.5)))
+    found = element_activity(samples, panda)["panda_joint1"]
+    got = exposure(found, steps((490, 600, 1.0)).astype(bool), STEP)
+    assert got.longest_moving_s == pytest.approx(0.02)
+
+
 def test_the_cubic_mean_weighs_by_speed(panda: Robot):
     samples = crafted(
         panda,

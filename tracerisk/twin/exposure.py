@@ -10,6 +10,7 @@ from tracerisk.twin.activity import ElementActivity
 
 Flags = NDArray[np.bool_]
 Array = NDArray[np.float64]
+Steps = NDArray[np.intp]
 
 ACTIVE_S = 0.05  # a state that lasted less does not make an element active [s]
 _BORDER = 2.0  # a factor of the threshold, up or down
@@ -29,8 +30,8 @@ def exposure(activity: ElementActivity, mask: Flags, step_s: float) -> Exposure:
         holding_s=_seconds(holding, step_s),
         grasping_s=_seconds(grasping, step_s),
         active_s=_seconds(active, step_s),
-        longest_moving_s=_longest(moving) * step_s,
-        longest_active_s=_longest(active) * step_s,
+        longest_moving_s=_longest(activity.moving, mask) * step_s,
+        longest_active_s=_longest(activity.active, mask) * step_s,
         starts=int(np.count_nonzero(_begins(activity.moving) & mask)),
         grasps=int(np.count_nonzero(_begins(activity.grasping) & mask)),
         torque_rms=_rms(activity.torque[active]),
@@ -43,11 +44,25 @@ def _seconds(flags: Flags, step_s: float) -> float:
     return int(np.count_nonzero(flags)) * step_s
 
 
-def _longest(flags: Flags) -> int:
-    """Return the length of the longest run of true entries."""
-    padded = np.concatenate(([False], flags, [False]))
-    edges = np.flatnonzero(np.diff(padded))
-    return int((edges[1::2] - edges[::2]).max(initial=0))
+def _longest(flags: Flags, mask: Flags) -> int:
+    """Return the length of the longest run of true entries within `mask`, in steps.
+
+    A span of the mask in which `flags` never fails counts with the whole run around it: a state
+    that outlasts many short visits would otherwise belong to none of them, and how a motion is
+    cut into visits would decide whether it is seen at all.
+    """
+    starts, stops = _runs(flags & mask)
+    fills = np.isin(starts, _runs(mask)[0]) & np.isin(stops, _runs(mask)[1])
+    whole_starts, whole_stops = _runs(flags)
+    around = np.searchsorted(whole_starts, starts, side="right") - 1
+    lengths = np.where(fills, (whole_stops - whole_starts)[around], stops - starts)
+    return int(lengths.max(initial=0))
+
+
+def _runs(flags: Flags) -> tuple[Steps, Steps]:
+    """Return where the runs of true entries start, and where they stop."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False]))))
+    return edges[::2], edges[1::2]
 
 
 def _begins(flags: Flags) -> Flags:
@@ -74,7 +89,7 @@ def _is_borderline(activity: ElementActivity, mask: Flags, step_s: float) -> boo
         return True
     if _near(_sustained(activity.grip[mask], n_steps), limits.grasping_on):
         return True
-    if _longest(activity.moving & mask) * step_s >= ACTIVE_S:
+    if _longest(activity.moving, mask) * step_s >= ACTIVE_S:
         return False
     return _near(_sustained(activity.torque[mask], n_steps), limits.holding_on)
 
