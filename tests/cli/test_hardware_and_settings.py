@@ -20,7 +20,7 @@ FAULTS = {
     "a joint that the robot lacks": (
         '"*"',
         f"[{', '.join(f'panda_joint{n}' for n in range(2, 9))}]",
-        5,
+        2,
         "panda_joint8",
     ),
     "a gripper's place that is none": ('{joints: "*"}', "{grippers: true}", 5, "gripper"),
