@@ -38,6 +38,7 @@ BAD = {
     "duration_s = true": "expected a number above 0",
     "seed = 1.5": "expected a whole number",
     "robot = 3": "expected a string",
+    "states = ['a', 'b']\nhelpers = ['b']": "6: helpers: b stands in `states` too; keep it in one",
     "states = 'a'": "expected a list of qualified names",
     "seed = ": "is not valid TOML",
 }

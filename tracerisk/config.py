@@ -91,6 +91,9 @@ class _Reader:
             if key not in names:
                 self._fail(key, f"unknown setting; {one_of(names, key)}")
         settings = Settings(**{key: self._value(key, value) for key, value in table.items()})
+        both = sorted(set(settings.states) & set(settings.helpers))
+        if both:
+            self._fail("helpers", f"{', '.join(both)} stands in `states` too; keep it in one")
         files: dict[str, Any] = {}
         for key in ("robot", "scene", "hardware"):
             name = getattr(settings, key)

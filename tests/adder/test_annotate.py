@@ -100,6 +100,32 @@ def test_a_pin_survives_ten_refreshes(computed, drifted) -> None:
         assert b"probability := 2e-07  ! computed " + now + b"; FMEA-112\n" in source
 
 
+def test_a_pinned_block_left_behind_makes_room_for_the_blocks_of_the_run(
+    computed, make_block
+) -> None:
+    first = annotate({"pick.py": (PICK, computed)})
+    pinned = first.sources[0].after.replace(
+        b"probability = 7.344e-08", b"probability := 2e-07  ! ; mine", 1
+    )
+    run = {"place": make_block("place", 1)}
+    kept = annotate({"pick.py": (pinned, run)}, first.lock)
+    source = kept.sources[0].after
+    blocks = {b.function: b.block for b in read_blocks(source, "pick.py")}
+    assert (blocks["place"].call_sequence.value, blocks["pick"].call_sequence.value) == (1, 2)
+    assert blocks["pick"].components[0].probability.text == "2e-07"
+    assert annotate({"pick.py": (source, run)}, kept.lock) == Unchanged(kept.lock)
+    # The function that followed it has no block any more.
+    alone = annotate({"pick.py": (pinned, {})}, first.lock)
+    (block,) = read_blocks(alone.sources[0].after, "pick.py")
+    assert (block.function, block.block.next) == ("pick", None)
+    assert annotate({"pick.py": (alone.sources[0].after, {})}, alone.lock) == Unchanged(alone.lock)
+    # It comes back as it was, the person's word kept.
+    back = annotate({"pick.py": (alone.sources[0].after, computed)}, alone.lock)
+    (pick, _) = read_blocks(back.sources[0].after, "pick.py")
+    assert pick.block.next == computed["pick"].next
+    assert pick.block.components[0].probability.computed == "7.344e-08"
+
+
 def test_blocks_of_functions_no_longer_relevant_go_and_pinned_ones_stay(computed) -> None:
     first = annotate({"pick.py": (PICK, computed)})
     source = first.sources[0].after

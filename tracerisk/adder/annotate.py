@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -12,6 +12,7 @@ from tracerisk.adder.insert import insert_blocks
 from tracerisk.adder.lock import ControllerLock, Lock, WrittenBlock, written_block
 from tracerisk.adder.merge import MergePolicy, PersonEdit, edits_error, merge
 from tracerisk.adder.read import read_blocks
+from tracerisk.adder.values import DONE, computed_count
 from tracerisk.adder.write import FileWrite
 from tracerisk.errors import EditInTheWayError
 from tracerisk.trace import QualifiedName
@@ -121,6 +122,7 @@ def annotate_sources(
     edits = tuple(edit for one in merged.values() for edit in one.edits)
     if edits and policy.edits == "stop":
         return EditsInTheWay(edits)
+    merged = _left_blocks_last(sources, merged)
     changed = []
     for source in sources:
         after = insert_blocks(source.source, merged[source.file].blocks, source.name, source.lines)
@@ -177,6 +179,42 @@ def _merge_with(
         blocks[name] = outcome.block
         edits += outcome.edits
     return _MergedSource(base, blocks, tuple(edits))
+
+
+def _left_blocks_last(
+    sources: Sequence[SourceBlocks], merged: Mapping[str, _MergedSource]
+) -> dict[str, _MergedSource]:
+    """Put the blocks that stay only for a person's word behind those of the run.
+
+    Nothing is computed for them, so what the tool once wrote may contradict the run's blocks:
+    their rank may be another's by now, and their `next` may name a function without a block.
+    """
+    computed = {source.file: source.computed for source in sources}
+    placed = [
+        (file, name, block)
+        for file, one in merged.items()
+        for name, block in one.blocks.items()
+        if block is not None
+    ]
+    left = [
+        each
+        for each in placed
+        if each[1] not in computed[each[0]]
+        and not each[2].added
+        and not each[2].call_sequence.pinned
+    ]
+    names = {block.name for _, _, block in placed} | {DONE}
+    ranks = [each[2].call_sequence.value for each in placed if each not in left]
+    result = dict(merged)
+    left.sort(key=lambda each: (each[2].call_sequence.value, each[0], each[1]))
+    for rank, (file, name, block) in enumerate(left, start=max(ranks, default=0) + 1):
+        following = block.next
+        if following is not None and not following.pinned:
+            leads_on = all(transition.target in names for transition in following.value)
+            following = following if leads_on else None
+        moved = replace(block, call_sequence=computed_count(rank), next=following)
+        result[file] = replace(result[file], blocks={**result[file].blocks, name: moved})
+    return result
 
 
 def _written(blocks: Mapping[QualifiedName, RiskBlock | None]) -> dict[str, WrittenBlock]:
