@@ -115,7 +115,7 @@ def _run_recorded(
     with (
         activate(runtime),
         StandInFinder(interfaces),
-        virtual_time(scheduler),
+        virtual_time(scheduler, seed=request.seed),
         scripted_input(request.answers, recorder, scheduler.touch),
         prepared_controller(script, tracer, request.argv, root=Path(request.root)) as run,
     ):

@@ -98,10 +98,12 @@ def _run_child(
     request_path.write_text(request.dumps(), encoding="utf-8")
     # A fixed hash seed keeps what a controller iterates over, sets say, in the same order.
     mark = f"{os.getpid()}-{time.monotonic_ns()}"
+    # Nor may the host's time zone or a sourced ROS set-up show in what it sees.
     environment = {
-        **os.environ,
+        **{name: value for name, value in os.environ.items() if not name.startswith("ROS_")},
         "MUJOCO_GL": "disable",
         "PYTHONHASHSEED": "0",
+        "TZ": "UTC",
         RUN_MARK: mark,
     }
     child = subprocess.Popen(
