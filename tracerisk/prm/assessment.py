@@ -11,7 +11,8 @@ FIGURE_STATEMENT = (
 
 RENEWED_REDUNDANCY = (
     "redundant units are taken as good at the start of every visit: a first failure that stays "
-    "hidden is not counted, which understates a pair by a factor near the number of visits"
+    "hidden is not counted, which understates a pair by a factor near the number of visits and "
+    "makes its share depend on how the code is cut into functions"
 )
 GEOMETRIC_CYCLES = (
     "by the chain, the number of cycles is geometric: it varies from mission to mission around "
