@@ -18,7 +18,7 @@ from tracerisk.adder.lock import LOCK_NAME, lock_key, read_lock
 from tracerisk.adder.merge import MergePolicy
 from tracerisk.adder.read import read_blocks
 from tracerisk.config import Settings, read_settings
-from tracerisk.errors import InputError, Location
+from tracerisk.errors import HardwareError, InputError, Location
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.controller import Controller, string_literals
@@ -108,14 +108,21 @@ def load_robot(controller: Controller, settings: Settings) -> Robot:
 def load_hardware(settings: Settings, robot: str) -> Hardware:
     """Return the hardware description of the settings, else the one shipped for the robot.
 
-    Raises HardwareError when it is malformed or none is shipped.
+    Raises HardwareError when it is malformed, is that of another robot, or none is shipped.
     """
     from tracerisk.hardware.reader import read_hardware
     from tracerisk.hardware.shipped import shipped_hardware
 
-    if settings.hardware is not None:
-        return read_hardware(Path(settings.hardware))
-    return shipped_hardware(robot)
+    if settings.hardware is None:
+        return shipped_hardware(robot)
+    hardware = read_hardware(Path(settings.hardware))
+    if hardware.robot is not None and robot not in ("", hardware.robot):
+        raise HardwareError(
+            f"describes robot '{hardware.robot}', but the controller drives '{robot}'; give the "
+            "description of that robot, or leave 'robot' out of one that fits several",
+            Location(hardware.file),
+        )
+    return hardware
 
 
 def check_blocks(controller: Controller) -> None:

@@ -1,0 +1,15 @@
+import pytest
+
+from tracerisk.config import Settings
+from tracerisk.errors import HardwareError
+from tracerisk.pipeline import load_hardware
+
+
+def test_the_description_of_another_robot_is_refused_by_name(tmp_path):
+    path = tmp_path / "arm.yaml"
+    path.write_text("robot: ur5e\ncomponents: {brain: {probability: 1e-9, active: always}}\n")
+    settings = Settings(hardware=str(path))
+    with pytest.raises(HardwareError, match="describes robot 'ur5e', but the controller drives"):
+        load_hardware(settings, "panda")
+    assert load_hardware(settings, "ur5e").robot == "ur5e"
+    assert load_hardware(settings, "").robot == "ur5e", "a log tells no robot"
