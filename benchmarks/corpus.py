@@ -1,0 +1,135 @@
+"""Run real public controllers, each in a process of its own and with no hint, and tabulate them.
+
+The list is a CSV file with the columns `repo` (owner/name), `path`, `commit`. The sources are
+checkouts below a folder: DIR/owner/name, or DIR/owner/name@commit where a list names several.
+Nothing is written into them.
+
+    python benchmarks/corpus.py --list controllers.csv --sources DIR [--jobs N] [--only TEXT]
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import os
+import subprocess
+import sys
+import time
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+TIMEOUT_S = 240.0
+RULES = {"quiescent", "duration", "cycles"}
+
+
+@dataclass(frozen=True)
+class Row:
+    """What became of one controller."""
+
+    name: str
+    outcome: str
+    seconds: float
+    functions: int
+    components: tuple[str, ...]
+    cause: str
+
+
+def run(repo: str, commit: str, path: str, sources: Path) -> Row:
+    """Run one controller and say what became of it."""
+    name = f"{repo}:{path}"
+    checkout = sources / f"{repo}@{commit}"
+    if not (checkout / path).is_file():
+        checkout = sources / repo
+    if not (checkout / path).is_file():
+        return Row(name, "absent", 0.0, 0, (), "the file is not in the checkout")
+    began = time.monotonic()
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", "tracerisk", "run", path, "--check", "--json", "--quiet"],
+            cwd=checkout,
+            capture_output=True,
+            stdin=subprocess.DEVNULL,
+            env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},
+            timeout=TIMEOUT_S,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return Row(name, "HANGS", TIMEOUT_S, 0, (), f"no end within {TIMEOUT_S:g} s")
+    seconds = time.monotonic() - began
+    try:
+        found = json.loads(done.stdout)
+    except json.JSONDecodeError:
+        last = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
+        return Row(name, "FAULT", seconds, 0, (), " ".join(last)[:200])
+    return _row(name, seconds, found)
+
+
+def _row(name: str, seconds: float, found: dict[str, Any]) -> Row:
+    trace = found.get("trace") or {}
+    functions = len(trace.get("functions", ()))
+    active = sorted(
+        element
+        for element, exposure in trace.get("active", {}).items()
+        if exposure["active_s"] > 0.05
+    )
+    end = trace.get("end", {}).get("cause")
+    error = found.get("error") or {}
+    cause = " ".join(str(error.get("message") or "").split())[:160]
+    if error.get("line"):
+        cause = f"{error['file']}:{error['line']}: {cause}"
+    return Row(name, _outcome(found, error, end), seconds, functions, tuple(active), cause)
+
+
+def _outcome(found: dict[str, Any], error: dict[str, Any], end: str | None) -> str:
+    if found["exit_code"] == 5:
+        return "FAULT"
+    if error.get("kind") == "SourceError":
+        return "bad source"
+    if end == "not_importable":
+        return "unsupported"
+    if end == "deadlock":
+        return "waits"
+    if found["exit_code"] in (0, 1):
+        return "stopped by rule" if end in RULES else "ended"
+    if end is None:
+        return "refused"
+    return end
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--list", type=Path, required=True)
+    parser.add_argument("--sources", type=Path, required=True)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--only", default="", help="only rows whose name holds this text")
+    options = parser.parse_args()
+    with options.list.open(encoding="utf-8") as stream:
+        listed = list(csv.DictReader(line for line in stream if not line.startswith("#")))
+    wanted = [each for each in listed if options.only in f"{each['repo']}:{each['path']}"]
+    with ThreadPoolExecutor(options.jobs) as pool:
+        rows = list(
+            pool.map(
+                lambda each: run(each["repo"], each["commit"], each["path"], options.sources),
+                wanted,
+            )
+        )
+    print("| controller | outcome | s | functions | active | cause |\n|---|---|---|---|---|---|")
+    for row in rows:
+        active = ", ".join(row.components)
+        print(
+            f"| {row.name} | {row.outcome} | {row.seconds:.1f} | {row.functions} "
+            f"| {active} | {row.cause.replace('|', '/')} |"
+        )
+    traced = sum(1 for row in rows if row.functions)
+    counts = ", ".join(
+        f"{n} {outcome}" for outcome, n in Counter(r.outcome for r in rows).most_common()
+    )
+    print(f"\n{traced} of {len(rows)} gave a trace with a relevant function; {counts}")
+
+
+if __name__ == "__main__":
+    main()
