@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from tracerisk.ros.finder import StandInFinder
+from tracerisk.ros.messages2 import Interfaces2
 
 TEXT = (Path(__file__).parents[2] / "docs" / "ros.md").read_text(encoding="utf-8")
 
@@ -24,3 +25,8 @@ def test_every_library_is_listed():
 
 def test_every_message_package_is_listed():
     assert set(re.findall(r"`(\w+)`", section("Message packages"))) == served("interfaces")
+
+
+def test_every_message_package_of_ros_2_is_listed():
+    listed = re.findall(r"`(\w+)`", section("Message packages of ROS 2").partition("rosidl:")[2])
+    assert listed == list(Interfaces2().packages)

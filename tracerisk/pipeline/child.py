@@ -26,9 +26,11 @@ from tracerisk.pipeline.scripted_input import scripted_input
 from tracerisk.ros.finder import StandInFinder
 from tracerisk.ros.graph import Graph
 from tracerisk.ros.messages import Interfaces
+from tracerisk.ros.messages2 import Interfaces2
 from tracerisk.ros.patches import virtual_time
 from tracerisk.ros.runtime import Runtime, activate
 from tracerisk.ros.twin_topics import TwinTopics
+from tracerisk.ros.version_choice import ros_version
 from tracerisk.ros.virtual_time import Scheduler
 from tracerisk.twin.robot import load_robot
 from tracerisk.twin.samples import SampleWriter
@@ -110,7 +112,8 @@ def _run_recorded(
         seed=request.seed,
     )
     end = ControllerEnd(recorder, twin, Path(request.root), request.memory_limit_mb)
-    interfaces = Interfaces()
+    is_ros2 = ros_version(script, Path(request.root)) == 2
+    interfaces = Interfaces2() if is_ros2 else Interfaces()
     TwinTopics(runtime, interfaces)
     with (
         activate(runtime),

@@ -17,9 +17,12 @@ from importlib.machinery import ModuleSpec, SourceFileLoader
 from importlib.util import spec_from_file_location
 from pathlib import Path
 from types import MappingProxyType, ModuleType, TracebackType
-from typing import Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from tracerisk.ros.messages import Interfaces
+
+if TYPE_CHECKING:
+    from tracerisk.ros.messages2 import Interfaces2
 
 Provided = Literal["library", "interfaces", "library and interfaces"]
 
@@ -31,7 +34,6 @@ _ROS_LIKE = re.compile(
     r"|image_geometry|laser_geometry|message_filters|dynamic_reconfigure|pluginlib|rospkg|std_srvs"
     r"|smach(_ros)?|py_trees(_ros)?|urdf_parser_py|kdl_parser_py|sensor_msgs_py|pymoveit2"
 )
-_KINDS = ("msg", "srv")
 # Packages that are used for their code; their messages alone would be a half of them.
 _CODE_WITH_INTERFACES = frozenset({"actionlib", "bond", "dynamic_reconfigure", "roscpp"})
 
@@ -43,7 +45,7 @@ class StandInFinder(MetaPathFinder):
     served out of `sys.modules` and puts back what stood there before.
     """
 
-    def __init__(self, interfaces: Interfaces | None = None) -> None:
+    def __init__(self, interfaces: Interfaces | Interfaces2 | None = None) -> None:
         self.interfaces = interfaces if interfaces is not None else Interfaces()
         self._missing = _MissingRosFinder(self)
         self._shadowed: dict[str, ModuleType] = {}
@@ -128,18 +130,13 @@ class StandInFinder(MetaPathFinder):
         kind, _, leaf = rest.partition(".")
         if not rest:
             return ModuleSpec(fullname, _InterfaceLoader(_empty_package), is_package=True)
-        if kind not in _KINDS:
+        if kind not in self.interfaces.kinds:
             return None
         # Generated packages hold `msg/_Pose.py`, and editors write imports of it.
-        if leaf and leaf not in [f"_{name}" for name in self._leaves(package, kind)]:
+        if leaf and leaf not in self.interfaces.modules(package, kind):
             return None
         make = _InterfaceModule.maker(self.interfaces, package, kind)
         return ModuleSpec(fullname, _InterfaceLoader(make), is_package=True)
-
-    def _leaves(self, package: str, kind: str) -> tuple[str, ...]:
-        if kind == "msg":
-            return self.interfaces.message_names(package)
-        return self.interfaces.service_names(package)
 
     def _no_such_name(self, fullname: str) -> ModuleNotFoundError:
         # `from rospy import nope` comes here as a module `rospy.nope`. An error that carries
@@ -199,15 +196,15 @@ class _InterfaceLoader(Loader):
 
 
 class _InterfaceModule(ModuleType):
-    """`<package>.msg` or `<package>.srv`: a class is made when its name is first read."""
+    """`<package>.msg`, `.srv` or `.action`: a class is made when its name is first read."""
 
-    _interfaces: Interfaces
+    _interfaces: Interfaces | Interfaces2
     _package: str
     _kind: str
 
     @classmethod
     def maker(
-        cls, interfaces: Interfaces, package: str, kind: str
+        cls, interfaces: Interfaces | Interfaces2, package: str, kind: str
     ) -> Callable[[ModuleSpec], ModuleType]:
         def make(spec: ModuleSpec) -> ModuleType:
             module = cls(spec.name, f"Interfaces of the ROS package {package}.")
@@ -231,16 +228,10 @@ class _InterfaceModule(ModuleType):
         return sorted({*vars(self), *self._names()})
 
     def _names(self) -> list[str]:
-        if self._kind == "msg":
-            return list(self._interfaces.message_names(self._package))
-        services = self._interfaces.service_names(self._package)
-        return [name + part for name in services for part in ("", "Request", "Response")]
+        return list(self._interfaces.module_names(self._package, self._kind))
 
     def _make(self, name: str) -> Any:
-        full = f"{self._package}/{name}"
-        if self._kind == "srv" and name in self._interfaces.service_names(self._package):
-            return self._interfaces.service(full)
-        return self._interfaces.message(full)
+        return self._interfaces.interface(self._package, self._kind, name)
 
 
 def _empty_package(spec: ModuleSpec) -> ModuleType:

@@ -78,6 +78,8 @@ class Interfaces:
     `workspace` maps a package's name to the folder that holds its `msg`, `srv` and `action`.
     """
 
+    kinds = ("msg", "srv")
+
     def __init__(self, workspace: Mapping[str, Path] | None = None) -> None:
         self._workspace = dict(workspace or {})
         self._definitions: Typesdict = {}
@@ -104,6 +106,28 @@ class Interfaces:
     def service_names(self, package: str) -> tuple[str, ...]:
         """Return the names of a package's services, sorted."""
         return tuple(sorted(path.stem for path in self._files(package, "srv")))
+
+    def modules(self, package: str, kind: str) -> tuple[str, ...]:
+        """Return the modules below `package.kind`, as genpy generates them: `_PoseStamped`."""
+        names = self.message_names if kind == "msg" else self.service_names
+        return tuple(f"_{name}" for name in names(package))
+
+    def module_names(self, package: str, kind: str) -> tuple[str, ...]:
+        """Return all names that `package.kind` gives, requests and responses included."""
+        if kind == "msg":
+            return self.message_names(package)
+        services = self.service_names(package)
+        return tuple(name + part for name in services for part in ("", "Request", "Response"))
+
+    def interface(self, package: str, kind: str, name: str) -> Any:
+        """Return the class `name` of `package.kind`.
+
+        Raises:
+            InputError: none is known, or its text is malformed.
+        """
+        if kind == "srv" and name in self.service_names(package):
+            return self.service(f"{package}/{name}")
+        return self.message(f"{package}/{name}")
 
     def message(self, name: str) -> type[Message]:
         """Return the class of `package/Name`.

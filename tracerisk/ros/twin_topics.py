@@ -8,6 +8,7 @@ from typing import Any
 from tracerisk.ros.graph import Change, Publication
 from tracerisk.ros.message_base import Message
 from tracerisk.ros.messages import Interfaces
+from tracerisk.ros.messages2 import Interfaces2, Message2
 from tracerisk.ros.rostime import Time
 from tracerisk.ros.runtime import Runtime
 from tracerisk.ros.virtual_clock import EPOCH_NS
@@ -27,9 +28,11 @@ class TwinTopics:
     going: a controller that only listens still comes to its end.
     """
 
-    def __init__(self, runtime: Runtime, interfaces: Interfaces) -> None:
+    def __init__(self, runtime: Runtime, interfaces: Interfaces | Interfaces2) -> None:
         self._runtime = runtime
-        self._message: Callable[[], type[Message]] = lambda: interfaces.message(JOINT_STATE_TYPE)
+        self._message: Callable[[], type[Message | Message2]] = lambda: interfaces.message(
+            JOINT_STATE_TYPE
+        )
         self._publication: Publication = runtime.graph.advertise(
             JOINT_STATES, JOINT_STATE_TYPE, node=_PUBLISHER
         )
@@ -59,8 +62,13 @@ class TwinTopics:
         state = self._runtime.twin.joint_state()
         message: Any = self._message()()
         self._sequence += 1
-        message.header.seq = self._sequence
-        message.header.stamp = Time(0, EPOCH_NS + self._runtime.scheduler.now_ns)
+        stamp = Time(0, EPOCH_NS + self._runtime.scheduler.now_ns)
+        if isinstance(message, Message2):
+            header: Any = message.header  # type: ignore[attr-defined]
+            header.stamp.sec, header.stamp.nanosec = stamp.secs, stamp.nsecs
+        else:
+            message.header.seq = self._sequence
+            message.header.stamp = stamp
         message.name = list(state.names)
         message.position = list(state.position)
         message.velocity = list(state.velocity)

@@ -1,0 +1,97 @@
+"""Which ROS a controller is written for, by what its own sources import."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections import deque
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Literal
+
+RosVersion = Literal[1, 2]
+
+_ROS2 = re.compile(
+    r"(rclpy|rclcpp|rcl_interfaces|builtin_interfaces|action_msgs|unique_identifier_msgs"
+    r"|lifecycle_msgs|ament_index_python|launch|launch_ros|rosidl_runtime_py|moveit|pymoveit2"
+    r"|tf_transformations|composition_interfaces|ros2cli|ros2_numpy)(\..*)?"
+)
+_ROS1 = re.compile(
+    r"(rospy|roslib|rospkg|roscpp|actionlib|actionlib_msgs|moveit_commander|tf|tf_conversions"
+    r"|dynamic_reconfigure|genpy|rosbag|roslaunch|smach|smach_ros|ros_numpy)(\..*)?"
+)
+# `from control_msgs.action import ...`: ROS 1 has actions in `msg`. A folder of a ROS 1 program
+# may have that name too, so that it decides only where nothing else does.
+_ACTIONS = re.compile(r"\w+\.action(\..*)?")
+_IMPORT = re.compile(r"\s*(?:from\s+([\w.]+)\s+import|import\s+([\w., ]+))")
+
+
+def ros_version(script: Path, root: Path) -> RosVersion:
+    """Return the ROS of a script: that of the first module which imports what only one of them has.
+
+    The script comes first, then the modules below `root` that it imports, the nearest first.
+    A script that imports neither is of ROS 1, whose message packages take more forms of call.
+    """
+    waiting, seen = deque([script]), {script}
+    while waiting:
+        path = waiting.popleft()
+        names = list(_imported(path))
+        for name in names:
+            if _ROS2.fullmatch(name):
+                return 2
+            if _ROS1.fullmatch(name):
+                return 1
+        if any(_ACTIONS.fullmatch(name) for name in names):
+            return 2
+        for name in names:
+            for found in _own(name, path.parent, root):
+                if found not in seen:
+                    seen.add(found)
+                    waiting.append(found)
+    return 1
+
+
+def _imported(path: Path) -> Iterator[str]:
+    try:
+        text = path.read_bytes()
+    except OSError:
+        return
+    try:
+        tree = ast.parse(text)
+    except (SyntaxError, ValueError):
+        yield from _imported_by_lines(text.decode("utf-8", "replace"))
+        return
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield "." * node.level + (node.module or "")
+            # A submodule may be named as what is imported: `from control_msgs import action`.
+            base = f"{'.' * node.level}{node.module}." if node.module else "." * node.level
+            yield from (base + alias.name for alias in node.names)
+
+
+def _imported_by_lines(text: str) -> Iterator[str]:
+    # A source that Python 3 cannot parse still says what it imports.
+    for line in text.splitlines():
+        match = _IMPORT.match(line)
+        if match is not None:
+            for name in (match[1] or match[2]).split(","):
+                yield name.split()[0] if name.split() else ""
+
+
+def _own(name: str, folder: Path, root: Path) -> Iterator[Path]:
+    """Find the file of an imported module beside the importing one, or below the root."""
+    dots = len(name) - len(name.lstrip("."))
+    parts = [part for part in name.split(".") if part]
+    if not parts:
+        return
+    bases = [folder, root, root / parts[0], root / "src", root / "scripts"]
+    if dots:
+        bases = [folder.joinpath(*[".."] * (dots - 1)).resolve()]
+    for base in bases:
+        target = base.joinpath(*parts)
+        for file in (target.with_suffix(".py"), target / "__init__.py"):
+            if file.is_file():
+                yield file
+                return
