@@ -1,0 +1,62 @@
+"""What clients and servers share: names, the types of an action, what goes over the wire."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import rospy
+from rospy import names
+from rospy._node import node
+from rospy.msg import sent_copy
+
+from .exceptions import ActionException
+
+
+@dataclass(frozen=True, slots=True)
+class ActionParts:
+    """The type name of an action, its goal, result and feedback messages, and their wrappers."""
+
+    type_name: str
+    messages: tuple[Any, Any, Any]
+    wrappers: tuple[Any, Any, Any]
+
+
+def action_parts(spec: Any) -> ActionParts:
+    """Return the parts of an action's message class, `FibonacciAction`.
+
+    Raises:
+        ActionException: it is no action's.
+    """
+    try:
+        action = spec()
+        wrappers = (action.action_goal, action.action_result, action.action_feedback)
+        messages = (wrappers[0].goal, wrappers[1].result, wrappers[2].feedback)
+    except (AttributeError, TypeError) as error:
+        raise ActionException(f"Type is not an action spec: {spec}") from error
+    return ActionParts(
+        spec._type.removesuffix("Action"),
+        (type(messages[0]), type(messages[1]), type(messages[2])),
+        (type(wrappers[0]), type(wrappers[1]), type(wrappers[2])),
+    )
+
+
+def action_name(ns: str) -> str:
+    """Return the global name of an action, remapped."""
+    if node().is_initialized:
+        return str(rospy.resolve_name(rospy.remap_name(ns)))
+    return str(names.resolve_name_without_node_name(ns))
+
+
+def is_shut_down() -> bool:
+    """Tell whether the node has shut down; asking moves no clock."""
+    return bool(node().is_shutdown)
+
+
+def sent(message: Any) -> Any:
+    """Return a message as it comes out of the wire.
+
+    Raises:
+        SerializationError: a field holds what its type cannot take.
+    """
+    return sent_copy(message, type(message))

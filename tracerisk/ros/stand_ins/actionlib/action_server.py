@@ -1,0 +1,136 @@
+"""The server that tells of each goal, and leaves what becomes of it to its user."""
+
+from __future__ import annotations
+
+import threading
+import traceback
+from collections.abc import Callable
+from typing import Any
+
+import rospy
+from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
+
+from tracerisk.ros.action_graph import ActionGoal, Actions, ActionServerEnd
+from tracerisk.ros.callback_thread import CallbackThread
+from tracerisk.ros.runtime import current
+
+from ._node import action_name, action_parts, is_shut_down, sent
+from .exceptions import ActionException
+from .goal_id_generator import GoalIDGenerator
+from .server_goal_handle import ServerGoalHandle
+
+__all__ = [
+    "ActionException",
+    "ActionServer",
+    "GoalID",
+    "GoalIDGenerator",
+    "GoalStatus",
+    "GoalStatusArray",
+    "ServerGoalHandle",
+    "nop_cb",
+]
+
+
+def nop_cb(goal_handle: ServerGoalHandle) -> None:
+    """Do nothing."""
+
+
+class ActionServer:
+    """Serve the action `ns` of type `ActionSpec`.
+
+    `goal_cb` gets a handle of each new goal, `cancel_cb` that of a goal which is to end early;
+    both run on a thread of the server.
+
+    Raises:
+        ActionException: `ActionSpec` is no action's message, such as `FibonacciAction`.
+    """
+
+    def __init__(
+        self,
+        ns: str,
+        ActionSpec: Any,
+        goal_cb: Callable[[ServerGoalHandle], object],
+        cancel_cb: Callable[[ServerGoalHandle], object] = nop_cb,
+        auto_start: bool = True,
+    ) -> None:
+        self.ns = ns
+        self.ActionSpec = ActionSpec
+        self._parts = action_parts(ActionSpec)
+        self.ActionGoal, self.ActionResult, self.ActionFeedback = self._parts.wrappers
+        self.ActionResultType = self._parts.messages[1]
+        self.goal_callback = goal_cb
+        self.cancel_callback = cancel_cb
+        self.auto_start = auto_start
+        self.started = False
+        self.lock = threading.RLock()
+        self._end: ActionServerEnd | None = None
+        run = current()
+        self._name = action_name(ns)
+        self._calls = CallbackThread(run.scheduler, run.tracer, f"action server {self._name}")
+        if auto_start:
+            rospy.logwarn(
+                "You've passed in true for auto_start to the python action server, you should "
+                "always pass in false to avoid race conditions."
+            )
+            self.start()
+
+    def register_goal_callback(self, cb: Callable[[ServerGoalHandle], object]) -> None:
+        """Take another callback for goals."""
+        self.goal_callback = cb
+
+    def register_cancel_callback(self, cancel_cb: Callable[[ServerGoalHandle], object]) -> None:
+        """Take another callback for goals that are to end early."""
+        self.cancel_callback = cancel_cb
+
+    def start(self) -> None:
+        """Begin to serve."""
+        if self._end is None:
+            self._end = (
+                current()
+                .client(Actions)
+                .serve(
+                    self._name,
+                    self._parts.type_name,
+                    node=rospy.get_name(),
+                    on_goal=lambda goal: self._put(lambda: self.internal_goal_callback(goal)),
+                    on_cancel=lambda goal: self._put(lambda: self.internal_cancel_callback(goal)),
+                    copy=sent,
+                )
+            )
+        self.started = True
+
+    def stop(self) -> None:
+        """Serve no more."""
+        self.started = False
+        if self._end is not None:
+            self._end.close()
+            self._end = None
+
+    def internal_goal_callback(self, goal: ActionGoal) -> None:
+        """Take a goal that came."""
+        if self.started:
+            self.goal_callback(ServerGoalHandle(goal, self))
+
+    def internal_cancel_callback(self, goal: ActionGoal) -> None:
+        """Take that a goal is to end early."""
+        handle = ServerGoalHandle(goal, self)
+        if self.started and handle.set_cancel_requested():
+            self.cancel_callback(handle)
+
+    def _put(self, call: Callable[[], None]) -> None:
+        def run() -> None:
+            try:
+                call()
+            except Exception as error:  # noqa: BLE001 - the controller's; rospy logs it, goes on
+                if is_shut_down():
+                    return
+                shown = "".join(traceback.format_exception(error)).rstrip()
+                rospy.logerr("bad callback of action server %s\n%s", self._name, shown)
+                recorder = current().recorder
+                if recorder is not None:
+                    told = f"{type(error).__name__}: {error}"
+                    recorder.finding(
+                        "callback_failed", f"a callback of action server {self._name} raised {told}"
+                    )
+
+        self._calls.put(run)

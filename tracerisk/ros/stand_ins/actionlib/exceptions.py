@@ -1,0 +1,5 @@
+"""What the library raises."""
+
+
+class ActionException(Exception):
+    """The type is no action: `Nav` in place of `NavAction`, say."""
