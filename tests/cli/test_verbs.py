@@ -37,7 +37,7 @@ def test_run_check_tells_that_a_controller_would_change_and_leaves_it(example, q
     before = example.files()
     outcome = example.run("run", "controller.py", "--check")
     assert outcome.code == 1
-    assert "controller.py: 1 risk blocks, would change" in outcome.err
+    assert "controller.py: 1 risk block, would change" in outcome.err
     assert example.files() == before
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.cli import options as shared
 from tracerisk.cli.output import note, print_diff, print_json
+from tracerisk.cli.run_report import blocks_line
 from tracerisk.errors import ExitCode, InputError, Location
 
 if TYPE_CHECKING:
@@ -67,9 +68,13 @@ def run(options: argparse.Namespace) -> int:
         return int(code)
     if options.diff:
         print_diff(controller.source, annotated.source, str(controller.path))
-    verb = "would change" if keeps_files else "changed"
-    outcome = verb if annotated.is_changed else "unchanged"
-    note(f"{controller.path}: {len(blocks)} risk blocks, {outcome}", quiet=options.quiet)
+    line = blocks_line(
+        str(controller.path),
+        len(annotated.computed.blocks),
+        keeps_files=keeps_files,
+        is_changed=annotated.is_changed,
+    )
+    note(line, quiet=options.quiet)
     for line in annotated.computed.assumptions:
         note(f"assumed: {line}", quiet=options.quiet)
     return int(code)

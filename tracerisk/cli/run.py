@@ -9,6 +9,7 @@ from tracerisk.cli import options as shared
 from tracerisk.cli.assessment import print_assessment, risk_exit
 from tracerisk.cli.output import note, print_diff, print_json, progress_bar
 from tracerisk.cli.run_report import (
+    blocks_line,
     failure_of,
     finding_lines,
     headline,
@@ -107,10 +108,13 @@ def run(options: argparse.Namespace) -> int:
     note(headline(trace), quiet=quiet)
     for line in object_lines(trace):
         note(line, quiet=quiet)
-    blocks = len(annotated.computed.blocks)
-    verb = "would change" if keeps_files else "changed"
-    outcome = verb if annotated.is_changed else "unchanged"
-    note(f"{controller.path}: {blocks} risk blocks, {outcome}", quiet=quiet)
+    line = blocks_line(
+        str(controller.path),
+        len(annotated.computed.blocks),
+        keeps_files=keeps_files,
+        is_changed=annotated.is_changed,
+    )
+    note(line, quiet=quiet)
     if not options.diff:
         print_assessment(
             assessment,

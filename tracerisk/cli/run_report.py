@@ -128,3 +128,11 @@ def write_outputs(options: argparse.Namespace, computed: ComputedBlocks) -> None
     if options.log is not None:
         log = {ref.name: computed.observed[ref] for ref in computed.observed}
         write_file(options.log, write_log(log))
+
+
+def blocks_line(path: str, count: int, *, keeps_files: bool, is_changed: bool) -> str:
+    """Return one line on what became of a source's blocks."""
+    outcome = "unchanged"
+    if is_changed:
+        outcome = "would change" if keeps_files else "changed"
+    return f"{path}: {count} risk block{'' if count == 1 else 's'}, {outcome}"
