@@ -17,18 +17,21 @@ from collections.abc import Callable
 from pathlib import Path
 
 from tracerisk.errors import ExitCode, TraceRiskError
+from tracerisk.instrument.import_finder import ControllerFinder, controller_imports
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.controller_end import ControllerEnd
 from tracerisk.pipeline.run_files import EVENTS, STACKS, STARTED, RunRequest, WallTime
 from tracerisk.pipeline.scripted_input import scripted_input
+from tracerisk.pipeline.workspace import find_workspace
 from tracerisk.ros.finder import StandInFinder
 from tracerisk.ros.graph import Graph
 from tracerisk.ros.messages import Interfaces
 from tracerisk.ros.messages2 import Interfaces2
 from tracerisk.ros.patches import virtual_time
 from tracerisk.ros.runtime import Runtime, activate
+from tracerisk.ros.twin_frames import TwinFrames
 from tracerisk.ros.twin_topics import TwinTopics
 from tracerisk.ros.version_choice import ros_version
 from tracerisk.ros.virtual_time import Scheduler
@@ -89,7 +92,7 @@ def _run_recorded(
     recorder: Recorder,
     clock: list[Callable[[], int]],
 ) -> None:
-    script = Path(request.controller)
+    script, root = Path(request.controller), Path(request.root)
     # Bound before virtual time takes the place of the machine's.
     wall_clock = time.perf_counter
     twin = Twin.build(load_robot(request.robot), load_scene(request.scene), samples=samples)
@@ -111,17 +114,33 @@ def _run_recorded(
         argv=(str(script), *request.argv),
         seed=request.seed,
     )
-    end = ControllerEnd(recorder, twin, Path(request.root), request.memory_limit_mb)
-    is_ros2 = ros_version(script, Path(request.root)) == 2
-    interfaces = Interfaces2() if is_ros2 else Interfaces()
+    end = ControllerEnd(recorder, twin, root, request.memory_limit_mb)
+    workspace = find_workspace(root)
+    is_ros2 = ros_version(script, root) == 2
+    own = workspace.interfaces
+    interfaces = Interfaces2(workspace=own) if is_ros2 else Interfaces(workspace=own)
     TwinTopics(runtime, interfaces)
+    TwinFrames(runtime, interfaces)
+    stand_ins = StandInFinder(interfaces)
+    libraries = {name for name, kind in stand_ins.provides.items() if kind.startswith("library")}
+    imports = ControllerFinder(
+        tracer,
+        root,
+        packages=workspace.python_packages,
+        reserved=libraries,
+        shared=set(stand_ins.provides) - libraries,
+    )
     with (
         activate(runtime),
-        StandInFinder(interfaces),
+        stand_ins,
         virtual_time(scheduler, seed=request.seed),
         scripted_input(request.answers, recorder, scheduler.touch),
-        prepared_controller(script, tracer, request.argv, root=Path(request.root)) as run,
+        prepared_controller(script, tracer, request.argv, root=root) as run,
+        controller_imports(imports),
     ):
+        # Behind what is installed: a build puts no file before another package's.
+        sys.path += [str(folder) for folder in workspace.import_paths]
+
         # The controller's own modules leave no `__pycache__` in its folder.
         sys.dont_write_bytecode = True
         recorder.note(STARTED)

@@ -64,6 +64,12 @@ class Kinematics:
         mujoco.mj_kinematics(self._model, self._data)
         return self._pose(body)
 
+    def forward_all(self, positions: Mapping[str, float]) -> dict[str, Pose]:
+        """Return the pose of every link at the joint positions; raise RobotError as `forward`."""
+        self._data.qpos[:] = self.positions(positions)
+        mujoco.mj_kinematics(self._model, self._data)
+        return {name: self._pose(body) for name, body in self._body.items()}
+
     def inverse(
         self,
         group: str,

@@ -143,6 +143,10 @@ class Twin:
         """Return where a link is; raise RobotError listing the links there are."""
         return self._kinematics.forward(self._positions(), link)
 
+    def link_poses(self) -> dict[str, Pose]:
+        """Return where every link is, in the frame of the robot's base link."""
+        return self._kinematics.forward_all(self._positions())
+
     def object_pose(self, name: str) -> Pose:
         """Return where an object of the scene is, in the world frame."""
         names = [thing.name for thing in self.scene.objects]

@@ -11,6 +11,7 @@ from moveit_msgs.msg import RobotState, RobotTrajectory
 from trajectory_msgs.msg import JointTrajectoryPoint
 
 from tracerisk.ros.poses import quaternion_from_rpy, unit_quaternion
+from tracerisk.ros.virtual_clock import EPOCH_NS
 from tracerisk.twin import motion
 
 from ._server import server
@@ -148,7 +149,7 @@ def _state_message(positions: Mapping[str, float], frame: str) -> Any:
 
 
 def _now() -> Any:
-    return Time(0, server().now_ns())
+    return Time(0, EPOCH_NS + server().now_ns())
 
 
 def _vector(message: Any) -> list[float]:

@@ -1,0 +1,197 @@
+"""The transforms that were set, and lookups among them."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from geometry_msgs.msg import TransformStamped
+
+from tracerisk.ros.message_dialect import nanoseconds, set_time
+from tracerisk.ros.runtime import current
+from tracerisk.ros.transform_tree import CACHE_NS, FrameError, TransformTree
+from tracerisk.twin.motion import Pose
+
+from .exceptions import (
+    ConnectivityException,
+    ExtrapolationException,
+    InvalidArgumentException,
+    LookupException,
+)
+
+_EXCEPTIONS = {
+    "connectivity": ConnectivityException,
+    "extrapolation": ExtrapolationException,
+    "invalid_argument": InvalidArgumentException,
+    "lookup": LookupException,
+}
+Answer = TypeVar("Answer")
+
+
+def _warn(message: str) -> None:
+    print(f"Warning: {message}", file=sys.stderr)  # noqa: T201 - as the real one's console
+
+
+class BufferCore:
+    """Keeps transforms for `cache_time`, 10 s by default, and looks up what follows from them."""
+
+    def __init__(self, cache_time: Any = None) -> None:
+        cache_ns = CACHE_NS if cache_time is None else nanoseconds(cache_time)
+        self._tree = TransformTree(cache_ns, warn=_warn)
+
+    def set_transform(self, transform: Any, authority: str) -> None:
+        """Note a TransformStamped; one that makes no sense is told on the console and dropped."""
+        self._set(transform, authority, static=False)
+
+    def set_transform_static(self, transform: Any, authority: str) -> None:
+        """Note a TransformStamped that holds for all times."""
+        self._set(transform, authority, static=True)
+
+    def can_transform_core(
+        self, target_frame: str, source_frame: str, time: Any
+    ) -> tuple[bool, str]:
+        """Tell whether a lookup would be answered, and if not why not."""
+        _look()
+        return self._tree.can_transform(target_frame, source_frame, nanoseconds(time))
+
+    def can_transform_full_core(
+        self,
+        target_frame: str,
+        target_time: Any,
+        source_frame: str,
+        source_time: Any,
+        fixed_frame: str,
+    ) -> tuple[bool, str]:
+        """Tell whether a lookup over a fixed frame would be answered, and if not why not."""
+        _look()
+        return self._tree.can_transform_full(
+            target_frame,
+            nanoseconds(target_time),
+            source_frame,
+            nanoseconds(source_time),
+            fixed_frame,
+        )
+
+    def lookup_transform_core(self, target_frame: str, source_frame: str, time: Any) -> Any:
+        """Return the transform from source to target at a time, 0 for the latest.
+
+        Raises:
+            LookupException, ConnectivityException, ExtrapolationException,
+            InvalidArgumentException: there is none.
+        """
+        _look()
+        time_ns = nanoseconds(time)
+        found = self._answer(lambda: self._tree.lookup(target_frame, source_frame, time_ns))
+        return _stamped(target_frame, source_frame, *found)
+
+    def lookup_transform_full_core(
+        self,
+        target_frame: str,
+        target_time: Any,
+        source_frame: str,
+        source_time: Any,
+        fixed_frame: str,
+    ) -> Any:
+        """Return the transform from source at one time to target at another.
+
+        Raises:
+            LookupException, ConnectivityException, ExtrapolationException,
+            InvalidArgumentException: there is none.
+        """
+        _look()
+        target_ns, source_ns = nanoseconds(target_time), nanoseconds(source_time)
+        found = self._answer(
+            lambda: self._tree.lookup_full(
+                target_frame, target_ns, source_frame, source_ns, fixed_frame
+            )
+        )
+        return _stamped(target_frame, source_frame, *found)
+
+    def get_latest_common_time(self, target_frame: str, source_frame: str) -> Any:
+        """Return the latest time at which the whole way between two frames is known.
+
+        Raises:
+            LookupException, ConnectivityException: there is no way.
+        """
+        _look()
+        time_ns = self._answer(lambda: self._tree.latest_common_time(target_frame, source_frame))
+        return _client_time(time_ns)
+
+    def clear(self) -> None:
+        """Forget every transform that is not static."""
+        self._tree.clear()
+
+    def all_frames_as_yaml(self) -> str:
+        """Return all frames with their parents, rates and times as YAML."""
+        return self._tree.as_yaml()
+
+    def all_frames_as_string(self) -> str:
+        """Return all frames with their parents as sentences."""
+        return self._tree.as_string()
+
+    def _allFramesAsDot(self, time: Any = None) -> str:
+        return self._tree.as_dot()
+
+    def _frameExists(self, frame_id: str) -> bool:
+        return frame_id in self._tree.frames
+
+    def _getFrameStrings(self) -> list[str]:
+        return sorted(self._tree.frames)
+
+    def _chain(
+        self,
+        target_frame: str,
+        target_time: Any,
+        source_frame: str,
+        source_time: Any,
+        fixed_frame: str,
+    ) -> list[str]:
+        target_ns, source_ns = nanoseconds(target_time), nanoseconds(source_time)
+        return self._answer(
+            lambda: self._tree.chain(target_frame, target_ns, source_frame, source_ns, fixed_frame)
+        )
+
+    def _set(self, transform: Any, authority: str, *, static: bool) -> None:
+        turn, shift = transform.transform.rotation, transform.transform.translation
+        pose = Pose(
+            (float(shift.x), float(shift.y), float(shift.z)),
+            (float(turn.x), float(turn.y), float(turn.z), float(turn.w)),
+        )
+        header = transform.header
+        stamp_ns = nanoseconds(header.stamp)
+        child = transform.child_frame_id
+        self._tree.place(header.frame_id, child, pose, stamp_ns, authority, static=static)
+
+    def _answer(self, ask: Callable[[], Answer]) -> Answer:
+        try:
+            return ask()
+        except FrameError as error:
+            raise _EXCEPTIONS[error.failure](str(error)) from None
+
+
+def _look() -> None:
+    # A loop that asks until there is an answer must see the clock move.
+    current().scheduler.touch()
+
+
+def _client_time(time_ns: int) -> Any:
+    message = TransformStamped()
+    if hasattr(message.header.stamp, "nanosec"):
+        from rclpy.time import Time
+
+        return Time(nanoseconds=time_ns)
+    from rospy import Time as Time1
+
+    return Time1(0, time_ns)
+
+
+def _stamped(target: str, source: str, pose: Pose, stamp_ns: int) -> Any:
+    message = TransformStamped()
+    message.header.frame_id = target
+    message.child_frame_id = source
+    set_time(message.header.stamp, stamp_ns)
+    shift, turn = message.transform.translation, message.transform.rotation
+    shift.x, shift.y, shift.z = pose.position
+    turn.x, turn.y, turn.z, turn.w = pose.orientation
+    return message

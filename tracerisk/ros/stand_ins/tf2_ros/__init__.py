@@ -1,0 +1,50 @@
+"""Stand-in for tf2_ros, the buffer, listeners and broadcasters of tf2, of ROS 1 and of ROS 2."""
+
+from tf2_py import (
+    BufferCore,
+    ConnectivityException,
+    ExtrapolationException,
+    InvalidArgumentException,
+    LookupException,
+    TimeoutException,
+    TransformException,
+)
+
+from .buffer_interface import (
+    BufferInterface,
+    ConvertRegistration,
+    NotImplementedException,
+    Stamped,
+    TransformRegistration,
+    TypeException,
+    convert,
+)
+
+# Their modules need the interface of the package, as in the real one.
+from .buffer import Buffer  # isort: skip
+from .buffer_client import BufferClient  # isort: skip
+from .static_transform_broadcaster import StaticTransformBroadcaster  # isort: skip
+from .transform_broadcaster import TransformBroadcaster  # isort: skip
+from .transform_listener import TransformListener  # isort: skip
+
+__all__ = [
+    "Buffer",
+    "BufferClient",
+    "BufferCore",
+    "BufferInterface",
+    "ConnectivityException",
+    "ConvertRegistration",
+    "ExtrapolationException",
+    "InvalidArgumentException",
+    "LookupException",
+    "NotImplementedException",
+    "Stamped",
+    "StaticTransformBroadcaster",
+    "TimeoutException",
+    "TransformBroadcaster",
+    "TransformException",
+    "TransformListener",
+    "TransformRegistration",
+    "TypeException",
+    "convert",
+]
