@@ -109,10 +109,16 @@ def _program(script: Path, tracer: Tracer, argv: Sequence[str]) -> Iterator[Modu
         __cached__=None,
         __annotations__={},
     )
+    package, above = _package_of(script)
+    if package:
+        # As `python -m package.module`, so that its relative imports work.
+        module.__dict__["__package__"] = package
     linecache.checkcache(name)
     old_argv, old_path, old_limit = sys.argv, sys.path[:], sys.getrecursionlimit()
     sys.argv = [name, *argv]
     sys.path.insert(0, str(script.parent))
+    if package and str(above) not in sys.path:
+        sys.path.insert(1, str(above))
     # Each traced call takes two frames where the controller would take one.
     sys.setrecursionlimit(2 * old_limit)
     try:
@@ -121,6 +127,16 @@ def _program(script: Path, tracer: Tracer, argv: Sequence[str]) -> Iterator[Modu
     finally:
         sys.argv, sys.path[:] = old_argv, old_path
         sys.setrecursionlimit(old_limit)
+
+
+def _package_of(script: Path) -> tuple[str, Path]:
+    """Return the dotted name of the package a script stands in, and the folder that holds it."""
+    parts: list[str] = []
+    folder = script.parent
+    while (folder / "__init__.py").is_file() and folder.name.isidentifier():
+        parts.insert(0, folder.name)
+        folder = folder.parent
+    return ".".join(parts), folder
 
 
 @contextlib.contextmanager

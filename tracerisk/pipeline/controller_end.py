@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import FrameType, TracebackType
 
-from tracerisk.errors import Location
+from tracerisk.errors import Location, SourceError, UnsafeRewriteError
 from tracerisk.instrument.recording import Recorder
 from tracerisk.ros.controller_frames import is_library
 from tracerisk.ros.virtual_time import RunOver
@@ -96,6 +96,10 @@ class ControllerEnd:
         if isinstance(error, SyntaxError) and self._is_controllers(error.filename or ""):
             place = Location(self._below_root(error.filename or ""), error.lineno, error.offset)
             self._tell("not_importable", f"not valid Python: {error.msg}", place)
+            return
+        if isinstance(error, SourceError | UnsafeRewriteError):
+            # A module that it imports cannot be read or instrumented.
+            self._tell("not_importable", error.message, error.location)
             return
         self._tell("raised", f"the controller raised {_one_text(error)}", self._place_of(error))
         _print_traceback(error)

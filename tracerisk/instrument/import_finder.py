@@ -1,0 +1,135 @@
+"""Instrument every module that a controller imports from under its root, in memory.
+
+Nothing is written beside the sources, no `__pycache__` either. Modules of installed libraries,
+of Python itself and of tracerisk are left alone wherever they stand.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+import sysconfig
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from importlib.abc import MetaPathFinder
+from importlib.machinery import FrozenImporter, ModuleSpec, PathFinder, SourceFileLoader
+from importlib.util import spec_from_file_location
+from pathlib import Path
+from types import CodeType, ModuleType
+
+from tracerisk.instrument.hidden_frames import hide
+from tracerisk.instrument.loader import compile_file
+from tracerisk.instrument.tracer import Tracer
+
+_INSTALLED = frozenset({"site-packages", "dist-packages"})
+
+
+class ControllerFinder(MetaPathFinder):
+    """Finds what a controller imports of its own.
+
+    A module below `root` is traced. `packages` maps the name of a Python package of the
+    workspace to the folder that holds it; those are importable as if they were installed.
+    Top names in `reserved` are another finder's; those in `shared` too, but where the controller
+    has a whole Python package of that name (a script may be called as the messages it uses are).
+    """
+
+    def __init__(
+        self,
+        tracer: Tracer,
+        root: Path,
+        *,
+        packages: Mapping[str, Path] | None = None,
+        reserved: Collection[str] = (),
+        shared: Collection[str] = (),
+    ) -> None:
+        self._tracer = tracer
+        self._root = root.resolve()
+        self._packages = dict(packages or {})
+        self._reserved = frozenset(reserved)
+        self._shared = frozenset(shared)
+        self._foreign = _foreign_folders()
+
+    def find_spec(
+        self,
+        fullname: str,
+        path: Sequence[str] | None = None,
+        target: ModuleType | None = None,
+    ) -> ModuleSpec | None:
+        """Return the spec of a module of the controller or its workspace, else None."""
+        top = fullname.partition(".")[0]
+        if top in self._reserved or fullname in sys.builtin_module_names:
+            return None
+        spec = PathFinder.find_spec(fullname, path, target)
+        if path is None and fullname in self._packages and not _is_package(spec):
+            # As if built: what `import` finds beside the script comes first, as a whole package.
+            spec = PathFinder.find_spec(fullname, [str(self._packages[fullname])], target)
+        if spec is None or (path is None and fullname in self._shared and not _is_package(spec)):
+            return None
+        if spec.loader is None:
+            # A namespace package: the folder of a workspace package that has no `__init__.py`.
+            return spec if fullname in self._packages else None
+        if not isinstance(spec.loader, SourceFileLoader) or spec.origin is None:
+            return None
+        if FrozenImporter.find_spec(fullname) is not None:
+            return None
+        if not self.is_own(Path(spec.origin)):
+            return spec if fullname in self._packages and path is None else None
+        return spec_from_file_location(
+            fullname,
+            spec.origin,
+            loader=_TracedLoader(fullname, spec.origin, self._tracer, self._root),
+            submodule_search_locations=spec.submodule_search_locations,
+        )
+
+    def is_own(self, file: Path) -> bool:
+        """Tell whether a file is the controller's own source."""
+        resolved = file.resolve()
+        if not resolved.is_relative_to(self._root):
+            return False
+        if _INSTALLED.intersection(resolved.relative_to(self._root).parts):
+            return False
+        return not any(resolved.is_relative_to(folder) for folder in self._foreign)
+
+
+@contextlib.contextmanager
+def controller_imports(finder: ControllerFinder) -> Iterator[None]:
+    """Let the controller's imports go through `finder` until closed; its modules go with it."""
+    before = set(sys.modules)
+    sys.meta_path.insert(0, finder)
+    try:
+        yield
+    finally:
+        sys.meta_path.remove(finder)
+        for name in set(sys.modules) - before:
+            loader = getattr(getattr(sys.modules[name], "__spec__", None), "loader", None)
+            if isinstance(loader, _TracedLoader):
+                del sys.modules[name]
+
+
+class _TracedLoader(SourceFileLoader):
+    """Compiles a module with its tracing decorators; reads and writes no bytecode."""
+
+    def __init__(self, fullname: str, path: str, tracer: Tracer, root: Path) -> None:
+        super().__init__(fullname, path)
+        self._tracer = tracer
+        self._root = root
+
+    def get_code(self, fullname: str) -> CodeType:
+        return compile_file(Path(self.get_filename(fullname)), self._root)[0]
+
+    @hide
+    def exec_module(self, module: ModuleType) -> None:
+        code, file = compile_file(Path(self.get_filename(module.__name__)), self._root)
+        # Python names no bytecode that is not there.
+        module.__dict__.pop("__cached__", None)
+        self._tracer.run_module(code, module.__dict__, file)
+
+
+def _is_package(spec: ModuleSpec | None) -> bool:
+    return spec is not None and bool(spec.submodule_search_locations) and spec.loader is not None
+
+
+def _foreign_folders() -> tuple[Path, ...]:
+    """Return tracerisk's own folder and those of the standard library and of what is installed."""
+    names = ("stdlib", "platstdlib", "purelib", "platlib")
+    installed = {Path(sysconfig.get_path(name)).resolve() for name in names}
+    return (Path(__file__).resolve().parents[1], *sorted(installed))

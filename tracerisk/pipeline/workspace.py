@@ -1,0 +1,120 @@
+"""The ROS workspace around a controller: its packages, importable as if they were built."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+PACKAGE_FILE = "package.xml"
+_INTERFACES = ("msg", "srv", "action")
+_IGNORED_MARKS = ("COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE")
+_NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
+_TESTS = frozenset({"test", "tests"})
+_UPWARDS = 4
+_DEEPEST = 5
+_MOST_FOLDERS = 5000
+_NAME = re.compile(r"<name>\s*([\w.-]+)\s*</name>")
+
+
+@dataclass(frozen=True, slots=True)
+class Workspace:
+    """The packages that can be seen from a controller: each name and the folder it stands in."""
+
+    packages: Mapping[str, Path]
+
+    @property
+    def interfaces(self) -> dict[str, Path]:
+        """The packages that hold messages, services or actions of their own."""
+        return {
+            name: folder
+            for name, folder in self.packages.items()
+            if any(any((folder / kind).glob(f"*.{kind}")) for kind in _INTERFACES)
+        }
+
+    @property
+    def import_paths(self) -> tuple[Path, ...]:
+        """The folders that a build would put on the import path: `<package>/src`."""
+        return tuple(
+            folder / "src" for folder in self.packages.values() if (folder / "src").is_dir()
+        )
+
+    @property
+    def python_packages(self) -> dict[str, Path]:
+        """The Python packages that stand directly in a ROS package, and the folder of that."""
+        found: dict[str, Path] = {}
+        for name, folder in self.packages.items():
+            for each in sorted(folder.iterdir()):
+                is_python = (each / "__init__.py").is_file() and each.name not in _TESTS
+                if is_python or (each.name == name and any(each.glob("*.py"))):
+                    found.setdefault(each.name, folder)
+        return found
+
+
+def find_workspace(root: Path) -> Workspace:
+    """Return the packages below a controller's root and, where that is one itself, around it.
+
+    Looked for upwards, at most four folders up and never beyond the repository: without one, the
+    nearest folder that holds several packages counts. Where two packages have one name, the one
+    that contains `root` or is nearer to the top wins.
+    """
+    top = _top(root.resolve())
+    packages: dict[str, Path] = {}
+    for folder in _packages_below(top):
+        packages.setdefault(_name_of(folder), folder)
+    if (root / PACKAGE_FILE).is_file():
+        packages[_name_of(root.resolve())] = root.resolve()
+    return Workspace(dict(sorted(packages.items())))
+
+
+def _top(root: Path) -> Path:
+    if not (root / PACKAGE_FILE).is_file() or (root / ".git").exists():
+        return root
+    upwards = [
+        folder for folder in root.parents[:_UPWARDS] if folder not in (Path.home(), Path("/"))
+    ]
+    for folder in upwards:
+        if (folder / ".git").exists():
+            return folder
+    for folder in upwards[:2]:
+        if sum(1 for _ in zip(range(2), _packages_below(folder, deepest=2), strict=False)) == 2:
+            return folder
+    return root
+
+
+def _packages_below(top: Path, deepest: int = _DEEPEST) -> Iterator[Path]:
+    """Yield the folders with a `package.xml`, nearer ones first; none inside another."""
+    waiting, seen = [(top, 0)], 0
+    while waiting and seen < _MOST_FOLDERS:
+        folder, depth = waiting.pop(0)
+        seen += 1
+        try:
+            with os.scandir(folder) as entries:
+                listed = sorted(entries, key=lambda entry: entry.name)
+        except OSError:
+            continue
+        names = {entry.name for entry in listed}
+        if names.intersection(_IGNORED_MARKS):
+            continue
+        if PACKAGE_FILE in names:
+            yield folder
+            continue
+        if depth < deepest:
+            waiting += [
+                (folder / entry.name, depth + 1)
+                for entry in listed
+                if entry.is_dir(follow_symlinks=False)
+                and not entry.name.startswith(".")
+                and entry.name not in _NOT_SEARCHED
+            ]
+
+
+def _name_of(folder: Path) -> str:
+    try:
+        text = (folder / PACKAGE_FILE).read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return folder.name
+    found = _NAME.search(text)
+    return found[1] if found else folder.name
