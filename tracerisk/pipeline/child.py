@@ -32,6 +32,7 @@ from tracerisk.ros.messages2 import Interfaces2
 from tracerisk.ros.patches import virtual_time
 from tracerisk.ros.runtime import Runtime, activate
 from tracerisk.ros.twin_frames import TwinFrames
+from tracerisk.ros.twin_interfaces import TwinInterfaces
 from tracerisk.ros.twin_topics import TwinTopics
 from tracerisk.ros.version_choice import ros_version
 from tracerisk.ros.virtual_time import Scheduler
@@ -120,6 +121,7 @@ def _run_recorded(
     own = workspace.interfaces
     interfaces = Interfaces2(workspace=own) if is_ros2 else Interfaces(workspace=own)
     TwinTopics(runtime, interfaces)
+    TwinInterfaces(runtime, interfaces)
     TwinFrames(runtime, interfaces)
     stand_ins = StandInFinder(interfaces)
     libraries = {name for name, kind in stand_ins.provides.items() if kind.startswith("library")}

@@ -1,0 +1,179 @@
+"""Command topics of the twin, as programs publish on them."""
+
+from __future__ import annotations
+
+import pytest
+
+from tracerisk.ros.twin_set_points import group_joints, single_joint
+from tracerisk.twin.robot import load_robot
+
+PREAMBLE = """\
+import math, rospy
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64, Float64MultiArray
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+JOINTS = ["panda_joint%d" % i for i in range(1, 8)]
+READY = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
+
+def measured():
+    state = rospy.wait_for_message("/joint_states", JointState)
+    return dict(zip(state.name, state.position))
+
+rospy.init_node("controller")
+"""
+
+
+@pytest.fixture
+def ran(run_on_twin):
+    return lambda program, **options: run_on_twin(PREAMBLE + program, **options)
+
+
+def test_a_published_trajectory_is_followed(ran):
+    result = ran("""
+def send(seconds):
+    message = JointTrajectory(joint_names=JOINTS)
+    for share in (0.5, 1.0):
+        message.points.append(JointTrajectoryPoint(
+            positions=[share * value for value in READY[:3]] + READY[3:],
+            time_from_start=rospy.Duration(share * seconds)))
+    publisher.publish(message)
+
+publisher = rospy.Publisher("/any_controller/command", JointTrajectory, queue_size=1)
+send(2.0)
+rospy.sleep(4.0)
+here = measured()
+""")
+    assert result["here"]["panda_joint2"] == pytest.approx(-0.785, abs=0.005)
+    (command,) = result.recording.commands
+    assert (command.kind, command.outcome) == ("joint_trajectory", "succeeded")
+    assert result.owners == ["send"]
+    assert 2.0e9 <= command.end_ns - command.issue_ns < 2.6e9
+
+
+def test_a_stream_of_set_points_from_a_timer_is_one_visit(ran):
+    result = ran("""
+began = rospy.get_time()
+
+def stream(event):
+    angle = 0.3 * math.sin(2.0 * (rospy.get_time() - began))
+    publisher.publish(Float64MultiArray(data=[angle] + READY[1:]))
+
+publisher = rospy.Publisher("/position_joint_group_controller/command", Float64MultiArray,
+                            queue_size=1)
+timer = rospy.Timer(rospy.Duration(0.01), stream)
+rospy.sleep(5.0)
+timer.shutdown()
+rospy.sleep(2.0)
+here = measured()["panda_joint1"]
+""")
+    assert result.owners == ["stream"]
+    assert abs(result["here"] - 0.3 * __import__("math").sin(10.0)) < 0.02
+    assert len(result.recording.commands) <= 2
+    last = result.recording.commands[-1]
+    assert last.outcome == "succeeded"
+    assert 5.2e9 < last.end_ns < 6.2e9
+
+
+def test_a_stream_of_short_trajectories_is_one_visit(ran):
+    result = ran("""
+def stream():
+    rate = rospy.Rate(50)
+    for step in range(100):
+        send(step / 100.0)
+        rate.sleep()
+
+def send(share):
+    message = JointTrajectory(joint_names=JOINTS)
+    point = JointTrajectoryPoint(positions=[0.4 * share] + READY[1:])
+    point.time_from_start = rospy.Duration(0.02)
+    message.points = [point]
+    publisher.publish(message)
+
+publisher = rospy.Publisher("arm/joint_trajectory", JointTrajectory, queue_size=1)
+stream()
+rospy.sleep(2.0)
+here = measured()["panda_joint1"]
+""")
+    assert len(result.recording.commands) == 1
+    assert len(result.owners) == 1
+    assert result["here"] == pytest.approx(0.396, abs=0.01)
+
+
+def test_each_place_that_sends_is_a_command_of_its_own(ran):
+    result = ran("""
+def left():
+    publisher.publish(Float64MultiArray(data=[0.3] + READY[1:]))
+    rospy.sleep(2.0)
+
+def right():
+    publisher.publish(Float64MultiArray(data=[-0.3] + READY[1:]))
+    rospy.sleep(0.2)
+
+publisher = rospy.Publisher("/position_joint_group_controller/commands", Float64MultiArray,
+                            queue_size=1)
+left()
+right()
+left()
+""")
+    assert result.owners == ["left", "right", "left"]
+    assert [each.outcome for each in result.recording.commands] == [
+        "succeeded",
+        "preempted",
+        "succeeded",
+    ]
+
+
+def test_one_joint_is_commanded_by_its_own_topic(ran):
+    result = ran("""
+def turn():
+    publisher.publish(-2.0)
+
+publisher = rospy.Publisher("/arm/joint4_position_controller/command", Float64, queue_size=1)
+turn()
+rospy.sleep(2.0)
+here = measured()["panda_joint4"]
+""")
+    assert result["here"] == pytest.approx(-2.0, abs=0.005)
+    assert [each.elements for each in result.recording.commands] == [("panda_joint4",)]
+
+
+@pytest.mark.parametrize(
+    ("topic", "message", "told"),
+    [
+        ("/velocity_controller/command", "Float64MultiArray(data=READY)", "commands of velocity"),
+        ("/group/command", "Float64MultiArray(data=[1.0] * 5)", "5 values fit no controller"),
+        ("/wheel/command", "Float64(1.0)", "no joint of the robot is meant"),
+    ],
+)
+def test_a_message_that_moves_nothing_is_a_finding(ran, topic, message, told):
+    result = ran(f"""
+rospy.Publisher("{topic}", type({message}), queue_size=1).publish({message})
+""")
+    assert any(told in each for each in result.findings)
+    assert result.recording.commands == ()
+
+
+def test_a_topic_that_the_controller_reads_itself_moves_nothing(ran):
+    result = ran("""
+rospy.Subscriber("plan", JointTrajectory, lambda message: None)
+message = JointTrajectory(joint_names=JOINTS)
+message.points = [JointTrajectoryPoint(positions=READY, time_from_start=rospy.Duration(1.0))]
+rospy.Publisher("plan", JointTrajectory, queue_size=1).publish(message)
+rospy.sleep(1.0)
+""")
+    assert result.recording.commands == ()
+
+
+def test_which_joints_a_topic_is_for():
+    panda = load_robot("panda")
+    arm = tuple(f"panda_joint{i}" for i in range(1, 8))
+    fingers = ("panda_finger_joint1", "panda_finger_joint2")
+    assert group_joints(panda, "/panda_arm_controller/command", 7) == arm
+    assert group_joints(panda, "/x/command", 7) == arm
+    assert group_joints(panda, "/my_gripper/commands", 2) == fingers
+    assert group_joints(panda, "/x/command", 3) is None
+    assert single_joint(panda, "/panda_joint3/command") == "panda_joint3"
+    assert single_joint(panda, "/panda/joint_2_controller/command") == "panda_joint2"
+    assert single_joint(panda, "/gripper_controller/command") == "panda_finger_joint1"
+    assert single_joint(panda, "/wheel/command") is None

@@ -1,0 +1,215 @@
+"""The twin follows trajectories: the action FollowJointTrajectory under any name."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.ros.action_graph import ActionGoal, GoalState
+from tracerisk.ros.message_dialect import set_time
+from tracerisk.ros.twin_commands import LiveCommand, TwinCommands
+from tracerisk.ros.twin_messages import TwinMessages
+from tracerisk.ros.twin_trajectory_messages import (
+    TrajectoryCode,
+    TrajectoryRefusedError,
+    twin_trajectory,
+)
+from tracerisk.twin.execution import Motion
+from tracerisk.twin.motion import JointTrajectory, PlanningError
+
+TYPE = "control_msgs/FollowJointTrajectory"
+FEEDBACK_HZ = 20.0
+"""How often feedback is sent and path tolerances are looked at: `action_monitor_rate`."""
+
+_NO_TOLERANCE = 1e9
+Array = NDArray[np.float64]
+
+
+class FollowServer:
+    """Carries out the goals of FollowJointTrajectory.
+
+    A goal with joints that the robot lacks, or an ill-formed one, is rejected with the action's
+    error code; a new goal on the same joints preempts the one before.
+    """
+
+    def __init__(self, commands: TwinCommands, messages: TwinMessages) -> None:
+        self._commands = commands
+        self._messages = messages
+
+    def on_goal(self, goal: ActionGoal) -> None:
+        """Take a goal or reject it."""
+        twin, now_ns = self._commands.twin, self._commands.scheduler.now_ns
+        asked = goal.message
+        try:
+            trajectory = twin_trajectory(asked.trajectory, twin, now_ns)
+        except TrajectoryRefusedError as error:
+            self._refuse(goal, error.code, str(error))
+            return
+        tolerances = [
+            each.position
+            for each in asked.goal_tolerance
+            if each.name in trajectory.joints and each.position != 0.0
+        ]
+        tolerance = None
+        if tolerances:
+            tolerance = min(each if each > 0.0 else _NO_TOLERANCE for each in tolerances)
+        goal.accept()
+        try:
+            motion = twin.follow(trajectory, goal_tolerance=tolerance)
+        except PlanningError as error:
+            self._tell_refused(goal, error.message)
+            goal.abort(self._result(TrajectoryCode.INVALID_GOAL, error.message), error.message)
+            return
+        _Pursuit(self, goal, trajectory, motion)
+
+    def on_cancel(self, goal: ActionGoal) -> None:
+        """Bring the joints to rest; the goal ends with their motion."""
+        goal.accept_cancel()
+        if isinstance(goal.data, _Pursuit):
+            goal.data.cancel()
+
+    def _refuse(self, goal: ActionGoal, code: TrajectoryCode, message: str) -> None:
+        self._tell_refused(goal, message)
+        goal.reject(message, self._result(code, message))
+
+    def _tell_refused(self, goal: ActionGoal, message: str) -> None:
+        self._commands.tell(
+            "goal_rejected", f"action {goal.client.name} refused a goal: {message}", goal.stack
+        )
+
+    def _result(self, code: TrajectoryCode, message: str = "") -> Any:
+        result = self._messages.part(TYPE, "Result")
+        result.error_code = int(code)
+        result.error_string = message
+        return result
+
+
+class _Pursuit:
+    """One goal while its motion goes on."""
+
+    def __init__(
+        self, server: FollowServer, goal: ActionGoal, trajectory: JointTrajectory, motion: Motion
+    ) -> None:
+        self._server = server
+        self._goal = goal
+        self._trajectory = trajectory
+        self._motion = motion
+        self._commands = server._commands
+        self._began_ns = self._commands.scheduler.now_ns
+        self._violation = ""
+        self._limits = {
+            each.name: each.position
+            for each in goal.message.path_tolerance
+            if each.position > 0.0 and each.name in trajectory.joints
+        }
+        state = self._commands.twin.joint_state()
+        here = dict(zip(state.names, state.position, strict=True))
+        self._start = np.array([here[name] for name in trajectory.joints])
+        goal.data = self
+        self._command: LiveCommand = self._commands.begin(
+            "follow_joint_trajectory", motion, goal.stack, self._ended
+        )
+        self._schedule()
+
+    def cancel(self) -> None:
+        """Bring the joints to rest."""
+        if self._motion.outcome == "active":
+            self._commands.twin.stop(self._motion.joints)
+        self._commands.poll()
+
+    def _schedule(self) -> None:
+        scheduler = self._commands.scheduler
+        due_ns = scheduler.now_ns + round(1e9 / FEEDBACK_HZ)
+        scheduler.call_at(due_ns, self._look, background=True)
+
+    def _look(self) -> None:
+        if self._motion.outcome != "active" or self._goal.state.is_terminal:
+            return
+        desired, rate = self._desired()
+        twin = self._commands.twin
+        state = twin.joint_state()
+        at = [state.names.index(name) for name in self._trajectory.joints]
+        actual = np.array([state.position[i] for i in at])
+        speed = np.array([state.velocity[i] for i in at])
+        for name, wanted, found in zip(self._trajectory.joints, desired, actual, strict=True):
+            limit = self._limits.get(name, math.inf)
+            if abs(wanted - found) > limit and not self._violation:
+                self._violation = (
+                    f"joint '{name}' is {abs(wanted - found):.4f} off its path "
+                    f"(tolerance {limit:g})"
+                )
+        if self._violation:
+            twin.stop(self._motion.joints)
+            return
+        feedback = self._server._messages.part(TYPE, "Feedback")
+        self._server._messages.stamp(feedback.header, self._commands.scheduler.now_ns)
+        feedback.joint_names = list(self._trajectory.joints)
+        elapsed_ns = self._commands.scheduler.now_ns - self._began_ns
+        for part, positions, velocities in (
+            (feedback.desired, desired, rate),
+            (feedback.actual, actual, speed),
+            (feedback.error, desired - actual, rate - speed),
+        ):
+            part.positions = positions.tolist()
+            part.velocities = velocities.tolist()
+            set_time(part.time_from_start, elapsed_ns)
+        self._goal.publish_feedback(feedback)
+        self._schedule()
+
+    def _desired(self) -> tuple[Array, Array]:
+        """Return the positions and velocities that the trajectory asks for now."""
+        time, position = self._trajectory.time, self._trajectory.position
+        velocity = self._trajectory.velocity
+        if time[0] > 0.0:
+            time = np.concatenate(([0.0], time))
+            position = np.vstack((self._start, position))
+            velocity = np.vstack((np.zeros(len(self._start)), velocity))
+        elapsed = (self._commands.scheduler.now_ns - self._began_ns) * 1e-9
+        after = int(np.searchsorted(time, elapsed, side="right"))
+        if after >= len(time):
+            return position[-1], np.zeros(position.shape[1])
+        if after == 0:
+            return position[0], velocity[0]
+        span = time[after] - time[after - 1]
+        u = (elapsed - time[after - 1]) / span
+        p0, p1 = position[after - 1], position[after]
+        m0, m1 = velocity[after - 1] * span, velocity[after] * span
+        # The cubic through both ends with their velocities (Hermite).
+        place = (
+            (2 * u**3 - 3 * u**2 + 1) * p0
+            + (u**3 - 2 * u**2 + u) * m0
+            + (3 * u**2 - 2 * u**3) * p1
+            + (u**3 - u**2) * m1
+        )
+        rate = (
+            (6 * u**2 - 6 * u) * (p0 - p1) + (3 * u**2 - 4 * u + 1) * m0 + (3 * u**2 - 2 * u) * m1
+        ) / span
+        return place, rate
+
+    def _ended(self, motion: Motion) -> None:
+        goal, result = self._goal, self._server._result
+        if goal.state.is_terminal:
+            return
+        if motion.outcome == "succeeded":
+            goal.succeed(result(TrajectoryCode.SUCCESSFUL, motion.message))
+        elif self._violation:
+            code = TrajectoryCode.PATH_TOLERANCE_VIOLATED
+            goal.abort(result(code, self._violation), self._violation)
+            self._tell(self._violation)
+        elif motion.outcome == "aborted":
+            code = TrajectoryCode.GOAL_TOLERANCE_VIOLATED
+            goal.abort(result(code, motion.message), motion.message)
+            self._tell(motion.message)
+        else:
+            told = "" if goal.state is GoalState.PREEMPTING else "a new command took the joints"
+            goal.cancel(result(TrajectoryCode.SUCCESSFUL, told), told)
+
+    def _tell(self, message: str) -> None:
+        self._commands.tell(
+            "execution_failure",
+            f"a goal of action {self._goal.client.name} was aborted: {message}",
+            self._goal.stack,
+        )

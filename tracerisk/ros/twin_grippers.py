@@ -1,0 +1,187 @@
+"""The twin's grippers as actions: GripperCommand, and the four of franka_gripper."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from tracerisk.ros.action_graph import ActionGoal
+from tracerisk.ros.twin_commands import TwinCommands
+from tracerisk.ros.twin_messages import TwinMessages
+from tracerisk.twin.execution import Motion
+from tracerisk.twin.motion import PlanningError
+from tracerisk.twin.robot import Gripper, Robot
+
+GRIPPER_COMMAND = "control_msgs/GripperCommand"
+MOVE, GRASP = "franka_gripper/Move", "franka_gripper/Grasp"
+HOMING, STOP = "franka_gripper/Homing", "franka_gripper/Stop"
+
+
+def gripper_of(robot: Robot, name: str) -> Gripper | None:
+    """Return the gripper that an action or topic of this name drives, None where none is meant.
+
+    Of several, it is that of the robot's controller which the name contains, else the one whose
+    own name it contains.
+    """
+    if len(robot.grippers) <= 1:
+        return next(iter(robot.grippers), None)
+    parts = name.strip("/").split("/")
+    for controller in robot.controllers:
+        if controller.name in parts:
+            for gripper in robot.grippers:
+                if set(controller.joints) & set(gripper.joints):
+                    return gripper
+    return next((each for each in robot.grippers if each.name in name), None)
+
+
+class GripperServer:
+    """Carries out the goals of gripper actions.
+
+    Fingers that stop on an object have reached their goal, with `stalled` set.
+    """
+
+    def __init__(self, commands: TwinCommands, messages: TwinMessages) -> None:
+        self._commands = commands
+        self._messages = messages
+
+    @property
+    def handlers(self) -> dict[str, Callable[[ActionGoal], None]]:
+        """What is done with a goal of each type."""
+        return {
+            GRIPPER_COMMAND: self._gripper_command,
+            MOVE: self._move,
+            GRASP: self._grasp,
+            HOMING: self._homing,
+            STOP: self._stop,
+        }
+
+    def on_cancel(self, goal: ActionGoal) -> None:
+        """Stop the fingers; the goal ends with their motion."""
+        goal.accept_cancel()
+        if isinstance(goal.data, Motion) and goal.data.outcome == "active":
+            self._commands.twin.stop(goal.data.joints)
+            self._commands.poll()
+
+    def _gripper_command(self, goal: ActionGoal) -> None:
+        command = goal.message.command
+        # ROS 2's controller of the same name may take effort 0 for "whatever it needs".
+        effort = float(command.max_effort) if command.max_effort > 0.0 else None
+        wanted = _first(command.position)
+
+        def end(motion: Motion, gripper: Gripper) -> None:
+            result = self._messages.part(GRIPPER_COMMAND, "Result")
+            result.position, result.effort = self._measured(gripper)
+            result.stalled = motion.stalled
+            result.reached_goal = motion.outcome == "succeeded" and not motion.stalled
+            self._end(goal, motion, result, is_good=True)
+
+        self._start(goal, wanted, effort, end)
+
+    def _move(self, goal: ActionGoal) -> None:
+        self._start(goal, goal.message.width / 2, None, self._told(goal, MOVE))
+
+    def _grasp(self, goal: ActionGoal) -> None:
+        asked = goal.message
+
+        def end(motion: Motion, gripper: Gripper) -> None:
+            width = 2 * self._measured(gripper)[0]
+            inner, outer = asked.epsilon.inner, asked.epsilon.outer
+            is_good = asked.width - inner <= width <= asked.width + outer
+            result = self._messages.part(GRASP, "Result")
+            result.success = motion.outcome == "succeeded" and is_good
+            if not is_good:
+                result.error = f"the fingers stopped at a width of {width:.4f} m"
+            self._end(goal, motion, result, is_good=is_good)
+
+        # The fingers close until they hold something, then press with the force.
+        self._start(goal, 0.0, asked.force or None, end)
+
+    def _homing(self, goal: ActionGoal) -> None:
+        gripper = gripper_of(self._commands.twin.robot, goal.client.name)
+        self._start(
+            goal, 0.0 if gripper is None else gripper.opening, None, self._told(goal, HOMING)
+        )
+
+    def _stop(self, goal: ActionGoal) -> None:
+        gripper = self._gripper(goal)
+        if gripper is None:
+            return
+        goal.accept()
+        self._commands.twin.stop(gripper.joints)
+        self._commands.poll()
+        result = self._messages.part(STOP, "Result")
+        result.success = True
+        goal.succeed(result)
+
+    def _told(self, goal: ActionGoal, kind: str) -> Callable[[Motion, Gripper], None]:
+        def end(motion: Motion, gripper: Gripper) -> None:
+            del gripper
+            result = self._messages.part(kind, "Result")
+            result.success = motion.outcome == "succeeded" and not motion.stalled
+            result.error = "" if result.success else motion.message or motion.outcome
+            self._end(goal, motion, result, is_good=bool(result.success))
+
+        return end
+
+    def _start(
+        self,
+        goal: ActionGoal,
+        position: float,
+        effort: float | None,
+        end: Callable[[Motion, Gripper], None],
+    ) -> None:
+        gripper = self._gripper(goal)
+        if gripper is None:
+            return
+        goal.accept()
+        # A servo pushes on where the fingers cannot go: beyond their range is its end.
+        reachable = min(max(float(position), 0.0), gripper.opening)
+        try:
+            motion = self._commands.twin.move_gripper(gripper.name, reachable, max_effort=effort)
+        except PlanningError as error:
+            self._tell(goal, error.message)
+            goal.abort(None, error.message)
+            return
+        goal.data = motion
+        self._commands.begin(
+            "gripper_command", motion, goal.stack, lambda ended: end(ended, gripper)
+        )
+
+    def _gripper(self, goal: ActionGoal) -> Gripper | None:
+        robot = self._commands.twin.robot
+        gripper = gripper_of(robot, goal.client.name)
+        if gripper is None:
+            names = ", ".join(each.name for each in robot.grippers) or "none"
+            message = (
+                f"no gripper of robot '{robot.name}' is meant by the name {goal.client.name}; "
+                f"it has {names}, whose name or controller the action's name must contain"
+            )
+            self._tell(goal, message)
+            goal.reject(message)
+        return gripper
+
+    def _end(self, goal: ActionGoal, motion: Motion, result: Any, *, is_good: bool) -> None:
+        if goal.state.is_terminal:
+            return
+        if motion.outcome == "preempted":
+            goal.cancel(result, motion.message)
+        elif motion.outcome == "succeeded" and is_good:
+            goal.succeed(result, motion.message)
+        else:
+            goal.abort(result, motion.message)
+
+    def _measured(self, gripper: Gripper) -> tuple[float, float]:
+        """Return position and effort of one finger."""
+        state = self._commands.twin.joint_state()
+        at = [state.names.index(name) for name in gripper.joints]
+        position = sum(state.position[i] for i in at) / len(at)
+        return position, max(abs(state.effort[i]) for i in at)
+
+    def _tell(self, goal: ActionGoal, message: str) -> None:
+        self._commands.tell(
+            "goal_rejected", f"action {goal.client.name} refused a goal: {message}", goal.stack
+        )
+
+
+def _first(value: Any) -> float:
+    return float(value[0]) if hasattr(value, "__len__") else float(value)

@@ -1,0 +1,54 @@
+"""All that the twin offers on the graph, found by the type of what a controller asks for.
+
+Nothing here knows names of robots: whoever becomes a client of an action of a known type is
+served under the name that they chose, unless the controller serves it itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from tracerisk.ros.action_graph import ActionChange, ActionGoal, Actions
+from tracerisk.ros.runtime import Runtime
+from tracerisk.ros.twin_commands import TwinCommands
+from tracerisk.ros.twin_follow import TYPE as FOLLOW
+from tracerisk.ros.twin_follow import FollowServer
+from tracerisk.ros.twin_grippers import GripperServer
+from tracerisk.ros.twin_messages import TwinMessages
+from tracerisk.ros.twin_set_points import SetPoints
+
+_NODE = "/robot_driver"
+Handler = Callable[[ActionGoal], None]
+
+
+class TwinInterfaces:
+    """Serves actions, command topics and services of the robot's driver to one run.
+
+    `interfaces` makes the message classes of the ROS that the controller speaks.
+    """
+
+    def __init__(self, runtime: Runtime, interfaces: Any) -> None:
+        self._actions = runtime.client(Actions)
+        commands = runtime.client(TwinCommands)
+        messages = TwinMessages(interfaces)
+        follow = FollowServer(commands, messages)
+        self._types: dict[str, tuple[Handler, Handler]] = {
+            FOLLOW: (follow.on_goal, follow.on_cancel)
+        }
+        if runtime.twin.robot.grippers:
+            gripper = GripperServer(commands, messages)
+            for name, handler in gripper.handlers.items():
+                self._types[name] = (handler, gripper.on_cancel)
+        self._served: set[tuple[str, str]] = set()
+        self._actions.watch(self._on_action)
+        SetPoints(runtime, commands)
+
+    def _on_action(self, change: ActionChange, name: str, type_name: str) -> None:
+        if change != "client" or type_name not in self._types or (name, type_name) in self._served:
+            return
+        self._served.add((name, type_name))
+        on_goal, on_cancel = self._types[type_name]
+        self._actions.serve(
+            name, type_name, node=_NODE, on_goal=on_goal, on_cancel=on_cancel, by_controller=False
+        )

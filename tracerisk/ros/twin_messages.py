@@ -1,0 +1,44 @@
+"""Message classes of either ROS, for what the twin sends."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tracerisk.errors import InputError
+from tracerisk.ros.message_dialect import set_time
+from tracerisk.ros.virtual_clock import EPOCH_NS
+
+
+class TwinMessages:
+    """Makes messages of the ROS that the controller speaks; `interfaces` knows their classes."""
+
+    def __init__(self, interfaces: Any) -> None:
+        self._interfaces = interfaces
+
+    def new(self, name: str) -> Any:
+        """Return an empty message `package/Name`."""
+        return self._interfaces.message(name)()
+
+    def part(self, action: str, part: str) -> Any:
+        """Return an empty `Goal`, `Result` or `Feedback` of the action `package/Name`."""
+        if hasattr(self._interfaces, "action"):
+            return getattr(self._interfaces.action(action), part)()
+        return self.new(action + part)
+
+    def response(self, service: str) -> Any:
+        """Return an empty response of the service `package/Name`."""
+        found = self._interfaces.service(service)
+        kind = found._response_class if hasattr(found, "_response_class") else found.Response
+        return kind()
+
+    def has_service(self, service: str) -> bool:
+        """Tell whether the controller's ROS has the service `package/Name`."""
+        try:
+            self._interfaces.service(service)
+        except InputError:
+            return False
+        return True
+
+    def stamp(self, header: Any, now_ns: int) -> None:
+        """Set a header's time to the present."""
+        set_time(header.stamp, EPOCH_NS + now_ns)
