@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tracerisk.errors import RobotError
+from tracerisk.twin.clearance import Clearance
 from tracerisk.twin.kinematics import Kinematics
 from tracerisk.twin.motion import PlanningError, Pose
 from tracerisk.twin.planning import Planner
@@ -82,7 +83,7 @@ def test_the_same_question_has_the_same_answer(kinematics: Kinematics, ready: di
 def test_a_cartesian_path_is_straight(
     panda: Robot, kinematics: Kinematics, ready: dict[str, float]
 ):
-    planner = Planner(panda, kinematics)
+    planner = Planner(panda, kinematics, Clearance(panda))
     start = {
         **ready,
         **kinematics.inverse("panda_manipulator", Pose((0.5, 0.2, 0.3), DOWN), seed=ready),
@@ -101,7 +102,7 @@ def test_a_cartesian_path_is_straight(
 def test_a_cartesian_path_out_of_reach_is_followed_in_part(
     panda: Robot, kinematics: Kinematics, ready: dict[str, float]
 ):
-    planner = Planner(panda, kinematics)
+    planner = Planner(panda, kinematics, Clearance(panda))
     here = kinematics.forward(ready, "panda_link8").position
     far = Pose(
         (here[0] + 1.0, here[1], here[2]), kinematics.forward(ready, "panda_link8").orientation
@@ -116,7 +117,7 @@ def test_a_cartesian_path_out_of_reach_is_followed_in_part(
 def test_a_target_outside_the_limits_is_an_invalid_goal(
     panda: Robot, kinematics: Kinematics, ready: dict[str, float]
 ):
-    planner = Planner(panda, kinematics)
+    planner = Planner(panda, kinematics, Clearance(panda))
     with pytest.raises(PlanningError, match=r"3 for joint 'panda_joint2' is outside") as caught:
         planner.joints("panda_arm", {"panda_joint2": 3.0}, ready)
     assert caught.value.failure == "invalid_goal"

@@ -24,11 +24,10 @@ import mujoco
 
 STEP_NS = 2_000_000
 STEP_S = STEP_NS * 1e-9
-JOINT_DAMPING = 1.0  # passive, of each joint [N m s/rad or N s/m]
 
 # Collision classes. A pair meets if contype of one has a bit of conaffinity of the other:
 # the robot does not meet itself, for primitive hulls of neighbouring links overlap.
-_FIXTURE, _ROBOT, _OBJECT = 1, 2, 4
+FIXTURE, ROBOT, OBJECT = 1, 2, 4
 _PAD_MARGIN = 0.003  # how far the site that feels a pad's contacts reaches around it [m]
 
 _GEOMS = {
@@ -107,8 +106,7 @@ def place_robot(model: Any, data: Any, robot: Robot) -> None:
     for joint in robot.arm_joints:
         data.ctrl[model.actuator(joint.name).id] = initial[joint.name]
     for gripper in robot.grippers:
-        held = [initial[name] for name in gripper.joints]
-        data.ctrl[model.actuator(gripper.name).id] = sum(held) / len(held)
+        data.ctrl[model.actuator(gripper.name).id] = gripper.position(initial)
     mujoco.mj_forward(model, data)
 
 
@@ -140,22 +138,22 @@ def _add_scene(spec: Any, robot: Robot, scene: Scene) -> None:
             name=fixture.name, pos=fixture.xyz, quat=quaternion_of(fixture.rpy)
         )
         for shape in fixture.shapes:
-            _add_geom(body, shape, contype=_FIXTURE, conaffinity=_ROBOT | _OBJECT, friction=0.3)
+            add_geom(body, shape, contype=FIXTURE, conaffinity=ROBOT | OBJECT, friction=0.3)
     for thing in scene.objects:
         body = spec.worldbody.add_body(
             name=thing.name, pos=thing.xyz, quat=quaternion_of(thing.rpy)
         )
         body.add_freejoint(name=thing.name)
-        total = sum(_volume(shape) for shape in thing.shapes)
+        total = sum(shape_volume(shape) for shape in thing.shapes)
         for shape in thing.shapes:
-            geom = _add_geom(
+            geom = add_geom(
                 body,
                 shape,
-                contype=_OBJECT,
-                conaffinity=_FIXTURE | _ROBOT | _OBJECT,
+                contype=OBJECT,
+                conaffinity=FIXTURE | ROBOT | OBJECT,
                 friction=thing.friction,
             )
-            geom.mass = thing.mass * _volume(shape) / total
+            geom.mass = thing.mass * shape_volume(shape) / total
 
 
 def _add_robot(spec: Any, robot: Robot, scene: Scene | None) -> None:
@@ -196,7 +194,7 @@ def _fill_link(body: Any, link: Link) -> None:
         else:
             body.inertia = (1e-3 * link.mass,) * 3
     for shape in link.shapes:
-        geom = _add_geom(body, shape, contype=_ROBOT, conaffinity=_FIXTURE | _OBJECT, friction=0.5)
+        geom = add_geom(body, shape, contype=ROBOT, conaffinity=FIXTURE | OBJECT, friction=0.5)
         geom.mass = 0.0  # the link's own mass is given
         if shape.pad:
             # The pad's softness and friction hold against whatever it touches.
@@ -222,7 +220,7 @@ def _add_joint(body: Any, attachment: Attachment, joint: Joint) -> None:
         limited=joint.type != "continuous",
         range=(joint.lower, joint.upper),
         armature=joint.servo.armature,
-        damping=JOINT_DAMPING,
+        damping=joint.servo.friction,
     )
     # Gravity compensation goes through the motor, and with it counts against its torque.
     added.actgravcomp = True
@@ -244,11 +242,11 @@ def _add_servo(spec: Any, joint: Joint) -> None:
 
 
 def _add_gripper(spec: Any, gripper: Gripper) -> None:
-    """One servo on the mean of the finger positions; equal fingers, as by one gear."""
+    """One servo on the mean of the finger positions; fingers of equal travel, as by one gear."""
     share = 1.0 / len(gripper.joints)
     tendon = spec.add_tendon(name=gripper.name)
     for name in gripper.joints:
-        tendon.wrap_joint(name, share)
+        tendon.wrap_joint(name, share * gripper.sign(name))
     first = gripper.joints[0]
     for other in gripper.joints[1:]:
         equality = spec.add_equality(
@@ -260,7 +258,7 @@ def _add_gripper(spec: Any, gripper: Gripper) -> None:
             solref=(0.005, 1.0),
             solimp=(0.95, 0.99, 0.001, 0.5, 2.0),
         )
-        equality.data[:2] = (0.0, 1.0)
+        equality.data[:2] = (0.0, gripper.sign(other))
     actuator = spec.add_actuator(
         name=gripper.name,
         target=gripper.name,
@@ -302,7 +300,8 @@ def _add_sensors(spec: Any, robot: Robot, bodies: dict[str, Any]) -> None:
             )
 
 
-def _add_geom(body: Any, shape: Shape, *, contype: int, conaffinity: int, friction: float) -> Any:
+def add_geom(body: Any, shape: Shape, *, contype: int, conaffinity: int, friction: float) -> Any:
+    """Add a shape to a body of a spec and return its geom."""
     size = (*shape.size, 0.0, 0.0)[:3]
     return body.add_geom(
         type=_GEOMS[shape.kind],
@@ -326,7 +325,8 @@ def _site_size(shape: Shape) -> tuple[float, float, float]:
     return x + _PAD_MARGIN, y + _PAD_MARGIN, z + _PAD_MARGIN
 
 
-def _volume(shape: Shape) -> float:
+def shape_volume(shape: Shape) -> float:
+    """Return the volume of a shape [m^3]."""
     if shape.kind == "box":
         x, y, z = shape.size
         return 8 * x * y * z

@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import one_of
-from tracerisk.twin.builder import JOINT_DAMPING, STEP_S
+from tracerisk.twin.builder import STEP_S
 from tracerisk.twin.motion import JointTrajectory, MotionOutcome, PlanningError
 from tracerisk.twin.robot import Gripper, Joint, Robot
 from tracerisk.twin.timing import resample, straight_line
@@ -71,23 +71,14 @@ class Motion:
             self.ended_ns = time_ns
 
 
-class Measured:
+class Measured(Protocol):
     """What the simulation measures now, by the joints' places in the robot's order."""
-
-    def __init__(self, data: Any, qpos: NDArray[np.int64], dofs: NDArray[np.int64]) -> None:
-        self._data = data
-        self._qpos = qpos
-        self._dofs = dofs
 
     def position(self, joints: Sequence[int]) -> Array:
         """Return the positions of some joints [rad or m]."""
-        found: Array = self._data.qpos[self._qpos[joints]]
-        return found
 
     def velocity(self, joints: Sequence[int]) -> Array:
         """Return the velocities of some joints [rad/s or m/s]."""
-        found: Array = self._data.qvel[self._dofs[joints]]
-        return found
 
 
 class Track(Protocol):
@@ -116,7 +107,7 @@ def servo_lead(joint: Joint) -> float:
     A position servo with damping settles kv/kp of the speed behind; leading the set-point by as
     much cancels it.
     """
-    return (joint.servo.damping + JOINT_DAMPING) / joint.servo.stiffness
+    return (joint.servo.damping + joint.servo.friction) / joint.servo.stiffness
 
 
 @dataclass
@@ -266,7 +257,9 @@ class GripperTrack:
         )
         path, slope = resample(times, position, velocity, STEP_S)
         share = 1.0 / len(joints)
-        lead = (gripper.damping + JOINT_DAMPING / share) / gripper.stiffness
+        friction = sum(joint.servo.friction for joint in members)
+        lead = (gripper.damping + friction) / gripper.stiffness
+        self._signs = np.array([gripper.sign(name) for name in gripper.joints], dtype=np.float64)
         self._reference = (path + lead * slope)[:, 0]
         # The servo's force on one finger is share * stiffness * (set-point - position).
         self._slack = max_effort / (share * gripper.stiffness)
@@ -287,7 +280,7 @@ class GripperTrack:
         if len(wanted) < count:
             wanted = np.append(wanted, np.repeat(self._reference[-1], count - len(wanted)))
         if self._is_soft:
-            here = float(measured.position(self.joints).mean())
+            here = self._here(measured)
             wanted = np.clip(wanted, here - self._slack, here + self._slack)
         block[:, self.actuators[0]] = wanted
         self._waited += max(0, min(count, self._at + count - len(self._reference)))
@@ -297,7 +290,7 @@ class GripperTrack:
         """Say whether the fingers are there, or stand still on something."""
         if self._at < len(self._reference) or self.motion is None:
             return False
-        here = float(measured.position(self.joints).mean())
+        here = self._here(measured)
         speed = float(np.abs(measured.velocity(self.joints)).max())
         still = speed < _FINGER_STILL
         if still and abs(here - self._target) <= _FINGER_TOLERANCE:
@@ -315,6 +308,9 @@ class GripperTrack:
             self.motion.end_part("aborted", note, time_ns)
             return True
         return False
+
+    def _here(self, measured: Measured) -> float:
+        return float((self._signs * measured.position(self.joints)).mean())
 
 
 def check_trajectory(trajectory: JointTrajectory, robot: Robot) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -80,11 +80,12 @@ class Kinematics:
         position_tolerance: float = 1e-4,
         orientation_tolerance: float = 1e-3,
         restarts: int = _RESTARTS,
+        accept: Callable[[Mapping[str, float]], bool] | None = None,
     ) -> dict[str, float]:
         """Return joint positions of `group` within limits that bring `link` to `pose`.
 
         The search starts at `seed`, then at the group's named states, then at positions drawn
-        from a generator that begins anew with each call.
+        from a generator that begins anew with each call; what `accept` refuses is passed over.
         Tolerances in [m] and [rad].
 
         Raises PlanningError("no_ik_solution") when no start leads there, and
@@ -105,7 +106,9 @@ class Kinematics:
         for start in self._starts(group, seed or {}, restarts):
             found, error = search.descend(start, position_tolerance, orientation_tolerance)
             if found is not None:
-                return self._within_limits(members.joints, found)
+                reached = self._within_limits(members.joints, found)
+                if accept is None or accept(reached):
+                    return reached
             best = min(best, error)
         self._data.qpos[:] = self.positions(seed or {})
         mujoco.mj_kinematics(self._model, self._data)

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from tracerisk.errors import TraceRiskError
 
 MotionOutcome = Literal["active", "succeeded", "aborted", "preempted"]
-PlanningFailure = Literal["invalid_goal", "no_ik_solution", "no_plan", "collision", "bad_request"]
+PlanningFailure = Literal[
+    "invalid_goal", "no_ik_solution", "no_plan", "collision", "start_in_collision", "bad_request"
+]
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,7 @@
-"""Plan motions of a group: straight in joint space, to a pose, or straight in space."""
+"""Plan motions of a group: in joint space, to a pose, or straight in space.
+
+A move in joint space is straight where that is free, else it leads around what is declared.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import one_of
+from tracerisk.twin.clearance import Clearance
 from tracerisk.twin.kinematics import Kinematics
 from tracerisk.twin.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.twin.robot import Joint, Robot
@@ -22,11 +26,12 @@ _JUMP = 0.8  # a joint that turns further between them has changed branch [rad]
 
 
 class Planner:
-    """Plans on the robot's kinematics; it knows nothing of obstacles, and keeps no state."""
+    """Plans on the robot's kinematics, clear of itself and of what `clearance` has declared."""
 
-    def __init__(self, robot: Robot, kinematics: Kinematics) -> None:
+    def __init__(self, robot: Robot, kinematics: Kinematics, clearance: Clearance) -> None:
         self._robot = robot
         self._kinematics = kinematics
+        self._clearance = clearance
 
     def joints(
         self,
@@ -37,10 +42,11 @@ class Planner:
         velocity_scaling: float | None = None,
         acceleration_scaling: float | None = None,
     ) -> JointTrajectory:
-        """Return the synchronised straight move of `group` from `start` to `target`.
+        """Return the move of `group` from `start` to `target`, straight and synchronised if free.
 
         Joints of the group that `target` leaves out stay where `start` has them.
-        Raises PlanningError("invalid_goal") for a joint outside the group or its limits.
+        Raises PlanningError("invalid_goal") for a joint outside the group or its limits,
+        ("collision") for a goal that touches something, ("start_in_collision") and ("no_plan").
         """
         members = self._members(group)
         names = [joint.name for joint in members]
@@ -55,7 +61,10 @@ class Planner:
         )
         begin = np.array([start[name] for name in names])
         limits = self._limits(members, velocity_scaling, acceleration_scaling)
-        return JointTrajectory(tuple(names), *straight_line(begin, goal, *limits))
+        path = self._clearance.way(members, start, begin, goal)
+        if path is None:
+            return JointTrajectory(tuple(names), *straight_line(begin, goal, *limits))
+        return JointTrajectory(tuple(names), *along_path(np.array(path), *limits))
 
     def pose(
         self,
@@ -71,7 +80,7 @@ class Planner:
 
         Raises PlanningError("no_ik_solution") for a pose out of reach.
         """
-        target = self._kinematics.inverse(group, pose, link=link, seed=start)
+        target = self.reach(group, pose, seed=start, link=link)
         return self.joints(
             group,
             target,
@@ -79,6 +88,49 @@ class Planner:
             velocity_scaling=velocity_scaling,
             acceleration_scaling=acceleration_scaling,
         )
+
+    def reach(
+        self,
+        group: str,
+        pose: Pose,
+        *,
+        seed: Mapping[str, float],
+        link: str | None = None,
+        position_tolerance: float = 1e-4,
+        orientation_tolerance: float = 1e-3,
+    ) -> dict[str, float]:
+        """Return joint positions that bring `link` (the tip) to `pose`, clear of everything.
+
+        The search begins at `seed`, which also says where the other joints are.
+
+        Raises PlanningError("no_ik_solution") for a pose out of reach, ("collision") for one that
+        is reached in collision only.
+        """
+        pair: tuple[str, str] | None = None
+
+        def is_clear(found: Mapping[str, float]) -> bool:
+            nonlocal pair
+            touching = self._clearance.collision({**seed, **found})
+            pair = pair or touching
+            return touching is None
+
+        try:
+            return self._kinematics.inverse(
+                group,
+                pose,
+                link=link,
+                seed=seed,
+                position_tolerance=position_tolerance,
+                orientation_tolerance=orientation_tolerance,
+                accept=is_clear,
+            )
+        except PlanningError as error:
+            if pair is None:
+                raise
+            raise PlanningError(
+                "collision",
+                f"the goal is in collision however it is reached: '{pair[0]}' touches '{pair[1]}'",
+            ) from error
 
     def cartesian(
         self,
@@ -88,13 +140,15 @@ class Planner:
         *,
         link: str | None = None,
         eef_step: float = 0.01,
+        avoid_collisions: bool = True,
         velocity_scaling: float | None = None,
         acceleration_scaling: float | None = None,
     ) -> tuple[JointTrajectory, float]:
         """Return the move of `link` in straight lines through `waypoints`, and how much of it.
 
-        The path is followed in steps of `eef_step` [m] until a pose is out of reach or the joints
-        would have to jump; the fraction achieved is in [0, 1].
+        The path is followed in steps of `eef_step` [m] until a pose is out of reach, the joints
+        would have to jump or, with `avoid_collisions`, something is touched; the fraction
+        achieved is in [0, 1].
         """
         if not math.isfinite(eef_step) or eef_step <= 0.0:
             raise PlanningError("bad_request", f"eef_step {eef_step} m; give a length above 0")
@@ -125,6 +179,8 @@ class Planner:
             if float(np.abs(reached - path[-1]).max()) > _JUMP:
                 break
             path.append(reached)
+        if avoid_collisions:
+            path = path[: self._clearance.free_share(members, start, path)]
         fraction = (len(path) - 1) / len(targets) if targets else 1.0
         limits = self._limits(members, velocity_scaling, acceleration_scaling)
         return JointTrajectory(names, *along_path(np.array(path), *limits)), fraction

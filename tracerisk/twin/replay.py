@@ -32,14 +32,20 @@ class Replay:
 def replay(samples: Samples, robot: Robot, scene: Scene) -> Replay:
     """Step the model of `robot` in `scene` under the recorded controls, in a plain loop.
 
-    Raises LogError when the samples are of another robot or scene, or of a run cut short, whose
-    end is not among its poses.
+    Raises LogError when the samples are of another robot or scene, of a run cut short, whose end
+    is not among its poses, or of one that put bodies into the scene.
     """
     header = samples.header
     if (header.robot, header.scene) != (robot.name, scene.name):
         raise LogError(
             f"the samples are of robot '{header.robot}' in scene '{header.scene}', "
             f"not of '{robot.name}' in '{scene.name}'"
+        )
+    if samples.changed_at is not None:
+        raise LogError(
+            f"the controller put objects of its planning scene into the simulation at "
+            f"{samples.changed_at * samples.step_s:.3f} s, which the samples do not hold; replay "
+            "a run without planning-scene objects"
         )
     if samples.end_pose is None:
         raise LogError("the samples end without a last pose; replay a run that came to its end")

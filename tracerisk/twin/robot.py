@@ -36,11 +36,15 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class Servo:
-    """The position servo of a joint: stiffness [N m/rad] and damping [N m s/rad] (or [N/m]...)."""
+    """The position servo of a joint: stiffness [N m/rad] and damping [N m s/rad] (or [N/m]...).
+
+    `friction` is the passive damping of the joint itself, in the unit of `damping`.
+    """
 
     stiffness: float
     damping: float
     armature: float
+    friction: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,9 +90,10 @@ class Group:
 class Gripper:
     """A gripper whose fingers move together, driven by one servo.
 
-    `opening` is the greatest position of one finger joint [m or rad], `effort` the greatest
-    force of one finger [N or N m], `velocity_limit` the rated speed of one finger, `speed` the
-    one it is driven at [m/s or rad/s].
+    Its position is that of the first joint, from `least` to `opening` [m or rad]; the other
+    joints follow with their sign in `signs`. `effort` is the greatest force of one finger
+    [N or N m], `velocity_limit` the rated speed of one finger, `speed` the one it is driven at
+    [m/s or rad/s].
     `pads` are the links that touch what is held.
     """
 
@@ -102,6 +107,17 @@ class Gripper:
     speed: float
     stiffness: float
     damping: float
+    least: float = 0.0
+    signs: tuple[int, ...] = ()
+
+    def sign(self, joint: str) -> int:
+        """Return 1 for a joint that moves as the first one, -1 for one that moves against it."""
+        return self.signs[self.joints.index(joint)] if self.signs else 1
+
+    def position(self, joints: Mapping[str, float]) -> float:
+        """Return the position of the gripper for those of its joints that are given."""
+        found = [self.sign(name) * joints[name] for name in self.joints if name in joints]
+        return sum(found) / len(found)
 
 
 @dataclass(frozen=True, slots=True)

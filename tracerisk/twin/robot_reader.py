@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import cast, get_args
 
 from tracerisk.errors import RobotError, one_of
+from tracerisk.twin.outline import derived_servo, outlined
 from tracerisk.twin.robot import (
     Attachment,
     Controller,
@@ -42,11 +43,17 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
             "default_scaling", "default_scene",
         }
     )  # fmt: skip
-    links = tuple(_link(entry) for entry in top.maps("links"))
-    _unique((link.name for link in links), top, "links")
-    link_names = {link.name for link in links}
+    plain = tuple(_link(entry) for entry in top.maps("links"))
+    _unique((link.name for link in plain), top, "links")
+    link_names = {link.name for link in plain}
     base_link = _known(top, "base_link", link_names)
     attachments, joints = _joints(top, link_names)
+    radii = {
+        entry.string("name"): _positive(entry, "radius")
+        for entry in top.maps("links")
+        if "radius" in entry
+    }
+    links = tuple(outlined(link, radii.get(link.name), attachments) for link in plain)
     _check_tree(top, base_link, link_names, attachments)
     by_name = {joint.name: joint for joint in joints}
     groups = {
@@ -57,6 +64,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
     initial = _state(top.map("initial_state"), by_name)
     initial.update({name: _rest(joint) for name, joint in by_name.items() if name not in initial})
     scaling = top.optional_map("default_scaling")
+    _unique((entry.string("name") for entry in top.maps("grippers")), top, "grippers")
     return Robot(
         name=top.string("name"),
         title=top.string("title"),
@@ -80,7 +88,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
 
 
 def _link(entry: YamlMap) -> Link:
-    entry.forbid_unknown({"name", "mass", "centre_of_mass", "inertia", "shapes"})
+    entry.forbid_unknown({"name", "mass", "centre_of_mass", "inertia", "radius", "shapes"})
     mass = entry.number("mass", default=0.0, minimum=0.0)
     centre = entry.numbers("centre_of_mass", length=3) if "centre_of_mass" in entry else [0.0] * 3
     inertia = entry.numbers("inertia", length=6) if "inertia" in entry else None
@@ -96,7 +104,8 @@ def _link(entry: YamlMap) -> Link:
 
 
 def _joints(top: YamlMap, links: Iterable[str]) -> tuple[tuple[Attachment, ...], tuple[Joint, ...]]:
-    servos = {name: _servo(entry) for name, entry in top.map("servos").items_as_maps()}
+    section = top.optional_map("servos")
+    servos = {name: _servo(entry) for name, entry in section.items_as_maps()} if section else {}
     attachments, joints = [], []
     for entry in top.maps("joints"):
         entry.forbid_unknown(
@@ -132,15 +141,20 @@ def _joint(entry: YamlMap, kind: JointType, servos: Mapping[str, Servo]) -> Join
     upper = entry.number("upper", default=_WHOLE_TURNS) if endless else entry.number("upper")
     if lower >= upper:
         entry.fail("upper", f"{upper:g} is not above the lower limit {lower:g}")
+    velocity, torque = _positive(entry, "velocity"), _positive(entry, "torque")
+    if "servo" in entry:
+        servo = servos[_known(entry, "servo", servos)]
+    else:
+        servo = derived_servo(torque, velocity)
     return Joint(
         name=entry.string("name"),
         type=kind,
         lower=lower,
         upper=upper,
-        velocity_limit=_positive(entry, "velocity"),
+        velocity_limit=velocity,
         acceleration_limit=_positive(entry, "acceleration"),
-        torque_limit=_positive(entry, "torque"),
-        servo=servos[_known(entry, "servo", servos)],
+        torque_limit=torque,
+        servo=servo,
     )
 
 
@@ -194,20 +208,26 @@ def _gripper(
     entry.forbid_unknown(
         {
             "name", "group", "joints", "pads", "opening", "effort", "velocity", "speed",
-            "stiffness", "damping",
+            "stiffness", "damping", "signs",
         }
     )  # fmt: skip
+    names = _known_all(entry, "joints", joints)
+    signs = entry.numbers("signs", length=len(names)) if "signs" in entry else [1.0] * len(names)
+    if signs[0] != 1.0 or any(sign not in (1.0, -1.0) for sign in signs):
+        entry.fail("signs", "each is 1 or -1, the first 1: the joint whose position is told")
     return Gripper(
         name=entry.string("name"),
         group=_known(entry, "group", groups),
-        joints=_known_all(entry, "joints", joints),
+        joints=names,
         pads=_known_all(entry, "pads", links),
-        opening=_positive(entry, "opening"),
+        opening=entry.number("opening", minimum=joints[names[0]].lower),
         effort=_positive(entry, "effort"),
         velocity_limit=_positive(entry, "velocity"),
         speed=entry.number("speed", minimum=1e-6, maximum=entry.number("velocity")),
         stiffness=_positive(entry, "stiffness"),
         damping=entry.number("damping", minimum=0.0),
+        least=joints[names[0]].lower,
+        signs=tuple(int(sign) for sign in signs),
     )
 
 

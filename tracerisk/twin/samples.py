@@ -24,6 +24,7 @@ _ROWS = "samples.bin"
 _POSES = "poses.bin"
 _END = "end_pose.bin"
 _HEADER = "samples.json"
+_CHANGED = "model_changed.bin"
 _VERSION = 1
 _SEGMENT_ROWS = 16_384  # a multiple of every page size, in rows of 8 bytes
 POSE_EVERY = 20  # steps between two poses of everything that can move
@@ -61,6 +62,8 @@ class Samples:
     [rad or m, and per second; N m or N]; pad_force: (n_steps, n_pads) [N].
     poses: (n_poses, n_pose), every `POSE_EVERY` steps from the first.
     end_pose: (n_pose,) after the last step; `None` for a run that was cut short.
+    changed_at: the step before which bodies were first put into the running simulation, else
+    `None`.
     """
 
     header: SampleHeader
@@ -71,6 +74,7 @@ class Samples:
     pad_force: Array
     poses: Array
     end_pose: Array | None = None
+    changed_at: int | None = None
 
     @property
     def n_steps(self) -> int:
@@ -102,6 +106,7 @@ class SampleWriter:
         text = json.dumps({"version": _VERSION, **names}, indent=1, sort_keys=True)
         (self._directory / _HEADER).write_text(text + "\n", encoding="utf-8")
         (self._directory / _END).unlink(missing_ok=True)
+        (self._directory / _CHANGED).unlink(missing_ok=True)
         flags = os.O_RDWR | os.O_CREAT | os.O_TRUNC
         self._file = os.open(self._directory / _ROWS, flags, 0o644)
         self._poses = os.open(self._directory / _POSES, flags, 0o644)
@@ -125,6 +130,12 @@ class SampleWriter:
     def pose(self, qpos: Array) -> None:
         """Append the pose of everything that can move; qpos: (n_pose,)."""
         os.write(self._poses, qpos.tobytes())
+
+    def model_changed(self) -> None:
+        """Note that bodies were put into the simulation after the rows committed so far."""
+        path = self._directory / _CHANGED
+        if not path.exists():
+            path.write_bytes(np.array([self._committed], dtype=np.float64).tobytes())
 
     def close(self, end_pose: Array | None = None) -> None:
         """Cut the file to the rows written, and close; further calls do nothing.
@@ -193,6 +204,7 @@ def read_samples(directory: Path) -> Samples:
         pad_force=rows[:, cuts[4] :],
         poses=poses[: n_poses * header.n_pose].reshape(n_poses, -1 if n_poses else header.n_pose),
         end_pose=_floats(end) if (end := directory / _END).exists() else None,
+        changed_at=int(_floats(at)[0]) if (at := directory / _CHANGED).exists() else None,
     )
 
 

@@ -1,0 +1,169 @@
+"""Find a free path between two joint positions: RRT-Connect with shortcuts.
+
+J. Kuffner and S. LaValle, "RRT-Connect: an efficient approach to single-query path planning",
+ICRA 2000: two trees grow towards random samples and greedily towards one another.
+Bounded by a number of iterations, not by time, so that a plan does not depend on the machine.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+RESOLUTION = 0.04  # between two checked points of a path, in the joint that moves most [rad or m]
+_REACH = 0.4  # by which a tree grows at once [rad or m]
+_ITERATIONS = 3000
+_SHORTCUTS = 120
+_SMOOTHINGS = 4
+_FINE = 0.02  # between two points of the path returned [rad or m]
+
+IsFree = Callable[[Array], bool]
+
+
+def segment_is_free(a: Array, b: Array, is_free: IsFree) -> bool:
+    """Say whether the straight way from `a`, left out, to `b` is free; a, b: (n_joints,)."""
+    count = max(1, math.ceil(float(np.abs(b - a).max()) / RESOLUTION))
+    # The middle first, then quarters: what is in the way is found sooner than from one end on.
+    return all(is_free(a + (k / count) * (b - a)) for k in _halving(count))
+
+
+def connect(
+    start: Array, goal: Array, lower: Array, upper: Array, is_free: IsFree
+) -> list[Array] | None:
+    """Return a free path from `start` to `goal` within limits, None where none was found.
+
+    start, goal, lower, upper: (n_joints,) [rad or m]; start and goal are free.
+    The path is dense: its points are near one another, and its corners are rounded where there
+    is room. The same arguments give the same path.
+    """
+    generator = np.random.default_rng(0)
+    ours, others = _Tree(start), _Tree(goal)
+    forward = True
+    for _ in range(_ITERATIONS):
+        sample = generator.uniform(lower, upper)
+        reached = ours.grow(sample, is_free)
+        if reached is not None:
+            met = others.grow_to(ours.points[reached], is_free)
+            if met is not None:
+                one, two = ours.way_to(reached), others.way_to(met)
+                path = [*one, *two[::-1][1:]] if forward else [*two, *one[::-1][1:]]
+                return _rounded(_shortened(path, generator, is_free), is_free)
+        ours, others = others, ours
+        forward = not forward
+    return None
+
+
+class _Tree:
+    """A tree of free positions, each joined to its parent by a free straight line."""
+
+    def __init__(self, root: Array) -> None:
+        self.points = [root]
+        self._parents = [-1]
+        self._table = np.empty((64, len(root)))
+        self._table[0] = root
+
+    def grow(self, target: Array, is_free: IsFree) -> int | None:
+        """Return the new point after a step towards `target`, None where it is blocked."""
+        nearest = self._nearest(target)
+        here = self.points[nearest]
+        delta = target - here
+        far = float(np.abs(delta).max())
+        there = target if far <= _REACH else here + delta * (_REACH / far)
+        if not segment_is_free(here, there, is_free):
+            return None
+        return self._add(there, nearest)
+
+    def grow_to(self, target: Array, is_free: IsFree) -> int | None:
+        """Return the point at `target` after as many steps as it takes, None where blocked."""
+        while True:
+            at = self.grow(target, is_free)
+            if at is None:
+                return None
+            if self.points[at] is target:
+                return at
+
+    def way_to(self, index: int) -> list[Array]:
+        """Return the points from the root to a point."""
+        way = []
+        while index >= 0:
+            way.append(self.points[index])
+            index = self._parents[index]
+        return way[::-1]
+
+    def _nearest(self, target: Array) -> int:
+        distances = np.square(self._table[: len(self.points)] - target).sum(axis=1)
+        return int(distances.argmin())
+
+    def _add(self, point: Array, parent: int) -> int:
+        index = len(self.points)
+        if index == len(self._table):
+            self._table = np.concatenate((self._table, np.empty_like(self._table)))
+        self._table[index] = point
+        self.points.append(point)
+        self._parents.append(parent)
+        return index
+
+
+def _shortened(path: list[Array], generator: np.random.Generator, is_free: IsFree) -> list[Array]:
+    """Replace stretches of the path by straight lines where these are free."""
+    for _ in range(_SHORTCUTS):
+        if len(path) < 3:
+            break
+        # Two places on the path, by length, so that a corner is cut wherever it stands.
+        lengths = np.array([np.linalg.norm(b - a) for a, b in pairwise(path)])
+        ends = np.concatenate(([0.0], np.cumsum(lengths)))
+        low, high = sorted(generator.uniform(0.0, ends[-1], 2))
+        i, a = _point_at(path, ends, low)
+        j, b = _point_at(path, ends, high)
+        if i != j and segment_is_free(a, b, is_free):
+            path = [*path[: i + 1], a, b, *path[j + 1 :]]
+    return path
+
+
+def _point_at(path: list[Array], ends: Array, length: float) -> tuple[int, Array]:
+    i = min(int(np.searchsorted(ends, length, side="right")) - 1, len(path) - 2)
+    part = (length - ends[i]) / max(float(ends[i + 1] - ends[i]), 1e-12)
+    return i, path[i] + part * (path[i + 1] - path[i])
+
+
+def _rounded(path: list[Array], is_free: IsFree) -> list[Array]:
+    """Cut the path into small steps and round its corners as far as there is room."""
+    points = [path[0]]
+    for a, b in pairwise(path):
+        count = max(1, math.ceil(float(np.abs(b - a).max()) / _FINE))
+        points += [a + (k / count) * (b - a) for k in range(1, count + 1)]
+    dense = np.array(points)
+    for _ in range(_SMOOTHINGS):
+        wide = min(4, (len(dense) - 1) // 2)
+        if wide < 1:
+            break
+        padded = np.concatenate(
+            (np.repeat(dense[:1], wide, axis=0), dense, np.repeat(dense[-1:], wide, axis=0))
+        )
+        shifted = [padded[k : k + len(dense)] for k in range(2 * wide + 1)]
+        smooth: Array = np.mean(shifted, axis=0)
+        smooth[0], smooth[-1] = dense[0], dense[-1]
+        if not all(is_free(point) for point in smooth):
+            break
+        dense = smooth
+    return list(dense)
+
+
+def _halving(count: int) -> list[int]:
+    """Return 1..count, the end first, then middles of ever shorter stretches."""
+    order, stretches = [count], [(0, count)]
+    while stretches:
+        longer = []
+        for low, high in stretches:
+            if high - low > 1:
+                middle = (low + high) // 2
+                order.append(middle)
+                longer += [(low, middle), (middle, high)]
+        stretches = longer
+    return order

@@ -1,0 +1,204 @@
+"""The stepping core: the physics of robot and scene, what it measures, and its samples."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.errors import RobotError, one_of
+from tracerisk.twin.builder import STEP_NS, compile_model, place_robot
+from tracerisk.twin.declared import Declared, rebuild
+from tracerisk.twin.motion import JointState, Pose
+from tracerisk.twin.robot import Robot
+from tracerisk.twin.samples import POSE_EVERY, SampleHeader, SampleWriter
+from tracerisk.twin.scene import Scene
+from tracerisk.twin.scene_body import SceneBody, body_name
+
+# After the builder, which says that no window is needed.
+import mujoco  # isort: skip
+from dm_control.mujoco import Physics, wrapper  # isort: skip
+
+_UNSTABLE = (
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+)
+_CHUNK = 500  # steps at most between two looks at what happened
+
+Array = NDArray[np.float64]
+
+
+class Controls(Protocol):
+    """What gives the set-points of the next steps."""
+
+    def set_points(self, count: int) -> Array:
+        """Return the set-points of the next `count` steps, (count, n_actuators)."""
+
+
+class Simulation:
+    """The physics of a robot in its scene; time advances in `step` alone.
+
+    `actuator` maps each arm joint and gripper to its column of the controls, `joint_index` each
+    joint to its row of what is measured.
+    """
+
+    def __init__(self, robot: Robot, scene: Scene, samples: SampleWriter | None) -> None:
+        self.robot = robot
+        self.scene = scene
+        self._use(compile_model(robot, scene))
+        model = self._model
+        self.joint_index: Mapping[str, int] = {
+            joint.name: i for i, joint in enumerate(robot.joints)
+        }
+        self._qpos = np.array([model.joint(joint.name).qposadr[0] for joint in robot.joints])
+        self._dofs = np.array([model.joint(joint.name).dofadr[0] for joint in robot.joints])
+        self.actuator: Mapping[str, int] = {
+            name: int(model.actuator(name).id)
+            for name in (
+                *(joint.name for joint in robot.arm_joints),
+                *(gripper.name for gripper in robot.grippers),
+            )
+        }
+        self._n_pose = int(model.nq)
+        self._steps = 0
+        self._samples = samples
+        self._scratch = np.zeros((_CHUNK, 1 + model.nu + model.nsensordata))
+        self._declared = Declared()
+        self._wanted: tuple[SceneBody, ...] = ()
+        place_robot(self._model, self._data, robot)
+        if samples is not None:
+            samples.begin(self._header())
+
+    @property
+    def time_ns(self) -> int:
+        """The simulated time [ns]."""
+        return self._steps * STEP_NS
+
+    def controls(self) -> Array:
+        """Return a copy of the controls applied last, (n_actuators,)."""
+        applied: Array = self._data.ctrl.copy()
+        return applied
+
+    def declare(self, bodies: Sequence[SceneBody]) -> None:
+        """Take `bodies` for all that is declared, from the next step on."""
+        self._wanted = tuple(bodies)
+
+    def step(self, wanted: int, controls: Controls) -> None:
+        """Run up to `wanted` physics steps and sample each.
+
+        Raises RobotError when the simulation becomes unstable.
+        """
+        if self._wanted != self._declared.bodies:
+            self._rebuild()
+        writer = self._samples
+        if writer is None:
+            rows = self._scratch[: min(wanted, _CHUNK)]
+        else:
+            if self._steps % POSE_EVERY == 0:
+                writer.pose(self._data.qpos[: self._n_pose])
+            rows = writer.rows(min(wanted, POSE_EVERY - self._steps % POSE_EVERY))
+        n = len(rows)
+        block = controls.set_points(n)
+        first_sensor = 1 + block.shape[1]
+        rows[:, 1:first_sensor] = block
+        # Only views and C calls in here: this loop is the cost of sampling.
+        model, data, step = self._model, self._data, mujoco.mj_step
+        control, sensors = data.ctrl, data.sensordata
+        for set_points, sampled in zip(block, rows[:, first_sensor:], strict=True):
+            control[:] = set_points
+            step(model, data)
+            sampled[:] = sensors
+        if writer is not None:
+            writer.commit(n)
+        self._steps += n
+        if any(data.warning[kind].number for kind in _UNSTABLE):
+            raise RobotError(
+                f"the simulation of robot '{self.robot.name}' in scene '{self.scene.name}' became "
+                f"unstable at {self.time_ns * 1e-9:.3f} s; bodies may overlap, or a servo of the "
+                "robot's file is too stiff for its masses"
+            )
+
+    def close(self) -> None:
+        """Close the samples, with the pose of everything at the end."""
+        if self._samples is not None:
+            self._samples.close(self._data.qpos[: self._n_pose])
+
+    # What is measured
+
+    def position(self, joints: Sequence[int] | None = None) -> Array:
+        """Return the positions of some joints, by their index (of all) [rad or m]."""
+        found: Array = self._data.qpos[self._qpos if joints is None else self._qpos[joints]]
+        return found
+
+    def velocity(self, joints: Sequence[int] | None = None) -> Array:
+        """Return the velocities of some joints, by their index (of all) [rad/s or m/s]."""
+        found: Array = self._data.qvel[self._dofs if joints is None else self._dofs[joints]]
+        return found
+
+    def joint_state(self) -> JointState:
+        """Return positions, velocities and motor torques of all joints."""
+        return JointState(
+            names=tuple(self.joint_index),
+            position=tuple(self.position().tolist()),
+            velocity=tuple(self.velocity().tolist()),
+            effort=tuple(self._data.qfrc_actuator[self._dofs].tolist()),
+        )
+
+    def object_pose(self, name: str) -> Pose:
+        """Return where an object of the scene, or a declared body, is in the world frame."""
+        names = [thing.name for thing in self.scene.objects]
+        declared = {body.name: body for body in self._declared.bodies}
+        if name in names:
+            return self._body_pose(name)
+        if name in declared:
+            if self._declared.simulated(declared[name]):
+                return self._body_pose(body_name(name))
+            return self._body_pose((self._declared.stands_for or {})[name])
+        raise RobotError(
+            f"scene '{self.scene.name}' has no object '{name}'; {one_of([*names, *declared], name)}"
+        )
+
+    # How
+
+    def _use(self, model: Any, data: Any = None) -> None:
+        wrapped = wrapper.MjModel(model)
+        if data is None:
+            self._physics = Physics.from_model(wrapped)
+            self._model: Any = self._physics.model.ptr
+            self._data: Any = self._physics.data.ptr
+        else:
+            self._model, self._data = model, data
+
+    def _rebuild(self) -> None:
+        self._declared, model, data = rebuild(
+            self.robot, self.scene, self._declared, self._wanted, self._model, self._data
+        )
+        self._use(model, data)
+        if self._samples is not None:
+            self._samples.model_changed()
+
+    def _header(self) -> SampleHeader:
+        robot = self.robot
+        return SampleHeader(
+            robot=robot.name,
+            scene=self.scene.name,
+            step_ns=STEP_NS,
+            controls=tuple(sorted(self.actuator, key=self.actuator.__getitem__)),
+            joints=tuple(self.joint_index),
+            pads=tuple(pad for gripper in robot.grippers for pad in gripper.pads),
+            n_pose=self._n_pose,
+        )
+
+    def _body_pose(self, name: str) -> Pose:
+        # Where it is moved by a joint, the joint is the newer: bodies are one step behind.
+        body = self._model.body(name)
+        if body.jntnum[0]:
+            address = int(self._model.jnt_qposadr[body.jntadr[0]])
+            x, y, z, qw, qx, qy, qz = (float(v) for v in self._data.qpos[address : address + 7])
+        else:
+            x, y, z = (float(v) for v in self._data.xpos[body.id])
+            qw, qx, qy, qz = (float(v) for v in self._data.xquat[body.id])
+        return Pose((x, y, z), (qx, qy, qz, qw))
