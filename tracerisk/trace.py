@@ -153,6 +153,7 @@ class Trace:
     `functions` are in the order of their call sequence, `visits` in the order they began.
     `elements` are all that the twin watched; `active` is the exposure of each over the run.
     The exposures of an element over all visits sum to its entry in `active`.
+    `files` are the controller's files that were imported, its script left out, sorted.
     """
 
     controller: str
@@ -167,3 +168,4 @@ class Trace:
     findings: tuple[Finding, ...] = ()
     objects: tuple[ObjectOffset, ...] = ()
     assumptions: tuple[str, ...] = ()
+    files: tuple[str, ...] = ()

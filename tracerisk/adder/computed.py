@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from tracerisk.adder.block import ComponentEntry, Field, RiskBlock, Transition
+from tracerisk.adder.model_names import model_names
 from tracerisk.adder.values import (
     DONE,
     computed_count,
@@ -42,6 +43,16 @@ class ComputedBlocks:
     observed: Mapping[FunctionRef, tuple[str, ...]]
     assumptions: tuple[str, ...]
 
+    @property
+    def names(self) -> dict[FunctionRef, str]:
+        """Each function's name in the model."""
+        return model_names(self.blocks)
+
+    @property
+    def exposures_by_name(self) -> dict[str, Mapping[str, float]]:
+        """The exposures by the function's name in the model."""
+        return {self.names[ref]: row for ref, row in self.exposures.items()}
+
 
 def compute_blocks(
     trace: Trace, hardware: Hardware, *, active: ActiveMode, profile: ProfileText | None = None
@@ -55,8 +66,8 @@ def compute_blocks(
     """
     bound = bind(hardware, trace.elements)
     counts = next_counts(trace)
-    names = [function.ref.name for function in trace.functions]
-    _check_profile(profile or {}, names)
+    names = model_names([function.ref for function in trace.functions])
+    _check_profile(profile or {}, list(names.values()))
     blocks = {}
     exposures = {}
     observed = {}
@@ -64,8 +75,9 @@ def compute_blocks(
         visits = [visit for visit in trace.visits if visit.function == function.ref]
         here = [each for each in bound if _is_active(each, visits, active)]
         following = computed_next(counts[function.ref])
-        if profile and function.ref.name in profile:
-            following = _pinned(profile[function.ref.name], following.text, function.ref.name)
+        name = names[function.ref]
+        if profile and name in profile:
+            following = _pinned(profile[name], following.text, name)
         blocks[function.ref] = RiskBlock(
             name=function.ref.name,
             call_sequence=computed_count(function.call_sequence),
@@ -86,12 +98,14 @@ def compute_blocks(
 def next_counts(trace: Trace) -> dict[FunctionRef, dict[str, int]]:
     """Return how many visits of each target followed the visits of each function.
 
-    Targets stand in the order of their call sequence, `done` last.
+    Targets stand in the order of their call sequence, `done` last, and are called as in the
+    model.
     """
+    names = model_names([function.ref for function in trace.functions])
     counts: dict[FunctionRef, dict[str, int]] = {}
     for function in trace.functions:
-        counts[function.ref] = {each.ref.name: 0 for each in trace.functions} | {DONE: 0}
-    followers = [visit.function.name for visit in trace.visits[1:]] + [DONE]
+        counts[function.ref] = dict.fromkeys((*names.values(), DONE), 0)
+    followers = [names[visit.function] for visit in trace.visits[1:]] + [DONE]
     for visit, follower in zip(trace.visits, followers, strict=True):
         counts[visit.function][follower] += 1
     return {

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_diff, print_json
+from tracerisk.cli.output import note, print_diffs, print_json
 from tracerisk.cli.run_report import blocks_line
 from tracerisk.errors import ExitCode, InputError, Location
 
@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
         annotated.write()
     would_change = options.check and annotated.is_changed
     code = ExitCode.WOULD_CHANGE if would_change else ExitCode.FINE
-    blocks = [ref.name for ref in annotated.computed.blocks]
+    blocks = list(annotated.computed.names.values())
     if options.json:
         print_json(
             "annotate",
@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
         )
         return int(code)
     if options.diff:
-        print_diff(controller.source, annotated.source, str(controller.path))
+        print_diffs(annotated)
     line = blocks_line(
         str(controller.path),
         len(annotated.computed.blocks),

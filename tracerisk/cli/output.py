@@ -8,7 +8,10 @@ import json
 import os
 import sys
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline import Annotated
 
 SCHEMA = "tracerisk"
 VERSION = 1
@@ -40,6 +43,14 @@ def print_diff(before: bytes, after: bytes, name: str) -> None:
         end = "" if line.endswith("\n") else "\n\\ No newline at end of file\n"
         sys.stdout.buffer.write((line + end).encode("utf-8", "surrogateescape"))
     sys.stdout.flush()
+
+
+def print_diffs(annotated: Annotated) -> None:
+    """Print what would change in each source of a controller."""
+    for file, after in annotated.sources.items():
+        before = annotated.before[file]
+        if before != after:
+            print_diff(before, after, str(annotated.controller.path_of(file)))
 
 
 def use_color() -> bool:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tracerisk.cli import options as shared
 from tracerisk.cli.assessment import print_assessment, risk_exit
-from tracerisk.cli.output import note, print_diff, print_json, progress_bar
+from tracerisk.cli.output import note, print_diffs, print_json, progress_bar
 from tracerisk.cli.run_report import (
     blocks_line,
     failure_of,
@@ -78,7 +78,8 @@ def run(options: argparse.Namespace) -> int:
         controller, trace, hardware, settings, policy=policy, profile=profile
     )
     write_outputs(options, annotated.computed)
-    model = pipeline.build({str(controller.path): annotated.source}, name=controller.path.name)
+    sources = {str(controller.path_of(file)): text for file, text in annotated.sources.items()}
+    model = pipeline.build(sources, name=controller.path.name)
     if options.model is not None:
         write_file(options.model, model_json.dumps(model))
     assessment = pipeline.solve(model)
@@ -103,7 +104,7 @@ def run(options: argparse.Namespace) -> int:
         )
         return int(code)
     if options.diff:
-        print_diff(controller.source, annotated.source, str(controller.path))
+        print_diffs(annotated)
     quiet = options.quiet
     note(headline(trace), quiet=quiet)
     for line in object_lines(trace):
@@ -118,7 +119,7 @@ def run(options: argparse.Namespace) -> int:
     if not options.diff:
         print_assessment(
             assessment,
-            exposures={ref.name: row for ref, row in annotated.computed.exposures.items()},
+            exposures=annotated.computed.exposures_by_name,
             findings=finding_lines(trace),
             assumptions=(*trace.assumptions, *annotated.computed.assumptions),
         )

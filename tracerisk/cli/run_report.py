@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.adder.computed import ComputedBlocks
+from tracerisk.adder.model_names import model_names
 from tracerisk.errors import ExitCode, InputError, Location
-from tracerisk.trace import Finding, Trace
+from tracerisk.trace import Finding, QualifiedName, Trace
 from tracerisk.trace_log import write_log
 
 _AT_GOAL_M = 0.003
@@ -64,6 +65,7 @@ def finding_lines(trace: Trace) -> list[str]:
 def trace_lines(trace: Trace) -> list[str]:
     """Return what the trace tells of each relevant function, a line each."""
     lines = []
+    names = model_names([function.ref for function in trace.functions])
     for function in trace.functions:
         visits = [visit for visit in trace.visits if visit.function == function.ref]
         seconds: dict[str, float] = {}
@@ -72,9 +74,11 @@ def trace_lines(trace: Trace) -> list[str]:
                 if exposure is not None:
                     seconds[name] = seconds.get(name, 0.0) + exposure.active_s
         active = ", ".join(f"{name} {total:.2f} s" for name, total in seconds.items() if total)
+        is_script = function.ref.file == trace.controller
+        where = f"{'' if is_script else f'{function.ref.file}, '}line {function.line}"
         count = f"{len(visits)} visit{'s' if len(visits) != 1 else ''}"
         lines.append(
-            f"  {function.call_sequence} {function.ref.name} (line {function.line}, {count}): "
+            f"  {function.call_sequence} {names[function.ref]} ({where}, {count}): "
             f"{active or 'nothing active'}"
         )
     return lines or ["  no function commanded hardware"]
@@ -126,7 +130,8 @@ def write_file(path: str, text: str) -> None:
 def write_outputs(options: argparse.Namespace, computed: ComputedBlocks) -> None:
     """Write the log where one was asked for."""
     if options.log is not None:
-        log = {ref.name: computed.observed[ref] for ref in computed.observed}
+        names = computed.names
+        log = {QualifiedName(names[ref]): found for ref, found in computed.observed.items()}
         write_file(options.log, write_log(log))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,6 +22,27 @@ class Controller:
     root: Path
     file: str
     source: bytes
+
+    def path_of(self, file: str) -> Path:
+        """Return the path of one of the controller's files, as messages call it."""
+        if file == self.file:
+            return self.path
+        path = self.root.resolve() / file
+        return path if self.path.is_absolute() else Path(os.path.relpath(path))
+
+    def source_of(self, file: str) -> bytes:
+        """Return the bytes of one of the controller's files, named below the root.
+
+        Raises InputError when it cannot be read.
+        """
+        if file == self.file:
+            return self.source
+        try:
+            return self.path_of(file).read_bytes()
+        except OSError as error:
+            raise InputError(
+                f"cannot be read: {error.strerror}", Location(str(self.path_of(file)))
+            ) from error
 
 
 def load_controller(path: Path | str) -> Controller:

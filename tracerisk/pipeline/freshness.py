@@ -8,6 +8,7 @@ import tokenize
 from collections.abc import Sequence
 from typing import Any
 
+from tracerisk.adder.model_names import model_names
 from tracerisk.config import Settings
 from tracerisk.errors import Location, SourceError
 from tracerisk.pipeline.controller import Controller
@@ -30,15 +31,16 @@ def fingerprint(controller: Controller, trace: Trace, settings: Settings) -> str
         f"{settings.seed!r}",
         ",".join(settings.states),
         ",".join(settings.helpers),
-        controller.file,
-        *_code_tokens(controller),
     ]
+    for file in (controller.file, *sorted(set(trace.files) - {controller.file})):
+        parts += [file, *_code_tokens(controller.source_of(file), file)]
     return hashlib.sha256("\x00".join(parts).encode()).hexdigest()
 
 
 def trace_summary(trace: Trace) -> dict[str, Any]:
     """Return what the lock keeps of a trace: the exposures of each function's elements [s]."""
     functions: dict[str, Any] = {}
+    names = model_names([function.ref for function in trace.functions])
     for function in trace.functions:
         visits = [visit for visit in trace.visits if visit.function == function.ref]
         elements: dict[str, Any] = {}
@@ -51,7 +53,7 @@ def trace_summary(trace: Trace) -> dict[str, Any]:
                     "grasping_s": _rounded(sum(e.grasping_s for e in found)),
                 }
         known = [visit.duration_s for visit in visits if visit.duration_s is not None]
-        functions[function.ref.name] = {
+        functions[names[function.ref]] = {
             "visits": len(visits),
             "duration_s": _rounded(sum(known)),
             "elements": elements,
@@ -68,13 +70,13 @@ def _rounded(seconds: float) -> float:
     return round(seconds, 3)
 
 
-def _code_tokens(controller: Controller) -> Sequence[str]:
+def _code_tokens(source: bytes, file: str) -> Sequence[str]:
     left_out = {tokenize.COMMENT, tokenize.NL}
     try:
         return [
             f"{token.type}:{token.string}"
-            for token in tokenize.tokenize(io.BytesIO(controller.source).readline)
+            for token in tokenize.tokenize(io.BytesIO(source).readline)
             if token.type not in left_out
         ]
     except (tokenize.TokenError, SyntaxError) as error:
-        raise SourceError(f"is not Python 3: {error}", Location(str(controller.path))) from error
+        raise SourceError(f"is not Python 3: {error}", Location(file)) from error

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,7 +11,7 @@ import numpy as np
 
 from tracerisk.config import Settings
 from tracerisk.errors import UnsafeRewriteError
-from tracerisk.instrument.call_graph import call_graph, uncovered
+from tracerisk.instrument.call_graph import CallGraph, call_graph, uncovered
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
 from tracerisk.trace import (
@@ -70,6 +71,7 @@ def make_trace(
         findings=_findings(recording, attribution),
         objects=_objects(recording),
         assumptions=_assumptions(robot, scene, settings, recording, end),
+        files=tuple(file for file in _files(controller, recording) if file != controller.file),
     )
 
 
@@ -103,11 +105,17 @@ def _visits(
     return tuple(visits)
 
 
+def _files(controller: Controller, recording: Recording) -> tuple[str, ...]:
+    """Return the files of the controller that ran, sorted."""
+    return tuple(sorted({site.ref.file for site in recording.functions_ran} | {controller.file}))
+
+
 def _uncovered(controller: Controller, recording: Recording) -> tuple[Uncovered, ...]:
-    try:
-        graph = call_graph(controller.source, controller.file)
-    except UnsafeRewriteError:
-        return ()
+    graphs = []
+    for file in _files(controller, recording):
+        with contextlib.suppress(UnsafeRewriteError):
+            graphs.append(call_graph(controller.source_of(file), file))
+    graph = CallGraph.joined(graphs)
     return uncovered(graph, MOTION_CALLS, {site.ref for site in recording.functions_ran})
 
 

@@ -5,7 +5,7 @@ This is the public Python API; `tracerisk` re-exports it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.adder.annotate import Annotation, Changed, EditsInTheWay, SourceBlocks
 from tracerisk.adder.computed import ComputedBlocks, ProfileText, compute_blocks
 from tracerisk.adder.line_map import line_map
-from tracerisk.adder.lock import LOCK_NAME, lock_key, read_lock
+from tracerisk.adder.lock import LOCK_NAME, Lock, lock_key, read_lock
 from tracerisk.adder.merge import MergePolicy
+from tracerisk.adder.model_names import model_names
 from tracerisk.adder.read import read_blocks
 from tracerisk.config import Settings, read_settings
 from tracerisk.errors import HardwareError, InputError, Location
@@ -23,7 +24,7 @@ from tracerisk.hardware.binding import bind
 from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.controller import Controller, string_literals
 from tracerisk.pipeline.freshness import fingerprint, trace_summary
-from tracerisk.trace import FunctionRef, Trace
+from tracerisk.trace import FunctionRef, QualifiedName, Trace
 
 if TYPE_CHECKING:
     from tracerisk.prm.assessment import Assessment
@@ -46,14 +47,22 @@ class RunInput:
 class Annotated:
     """A controller with its blocks, not yet written.
 
-    `source` is what the file is to hold; `change` what there is to write, `None` for nothing.
+    `sources` are the files with risk blocks, the script among them, by their names below the
+    root: what each is to hold; `before` what each holds. `change` is what there is to write,
+    `None` for nothing.
     """
 
     controller: Controller
-    source: bytes
+    sources: Mapping[str, bytes]
+    before: Mapping[str, bytes]
     change: Changed | None
     lock_path: Path
     computed: ComputedBlocks
+
+    @property
+    def source(self) -> bytes:
+        """What the script is to hold."""
+        return self.sources[self.controller.file]
 
     @property
     def is_changed(self) -> bool:
@@ -79,9 +88,13 @@ class Annotated:
         key = lock_key(self.controller.path, self.controller.root)
         lock = read_lock(self.lock_path)
         # A second run of the same controller may have written the very same.
-        written = self.controller.path.read_bytes() == self.source
+        left = tuple(
+            each
+            for each in change.sources
+            if (self.lock_path.parent / each.file).read_bytes() != each.after
+        )
         return Changed(
-            () if written else change.sources,
+            left,
             lock.with_controller(key, change.lock.controllers[key]),
             lock.with_controller(key, change.pending.controllers[key]),
         )
@@ -131,7 +144,11 @@ def check_blocks(controller: Controller) -> None:
     Raises BlockError, SourceError or InputError at what is malformed.
     """
     read_blocks(controller.source, str(controller.path))
-    read_lock(controller.root / LOCK_NAME)
+    lock = read_lock(controller.root / LOCK_NAME)
+    entry = lock.controllers.get(lock_key(controller.path, controller.root))
+    for file in sorted(entry.blocks if entry is not None else ()):
+        if file != controller.file and controller.path_of(file).is_file():
+            read_blocks(controller.source_of(file), str(controller.path_of(file)))
 
 
 def trace_controller(
@@ -179,18 +196,14 @@ def annotate(
     computed = compute_blocks(trace, hardware, active=settings.active, profile=profile)
     lock_path = controller.root / LOCK_NAME
     key = lock_key(controller.path, controller.root)
-    here = {
-        ref.name: block for ref, block in computed.blocks.items() if ref.file == controller.file
-    }
-    lines = {
-        function.ref.name: function.line
-        for function in trace.functions
-        if function.line > 0 and function.ref.file == controller.file
-    }
+    lock = read_lock(lock_path)
+    files = _annotated_files(controller, trace, lock)
+    _forbid_shared(key, files, lock, controller)
+    before = {file: controller.source_of(file) for file in files}
     outcome: Annotation = annotate_sources(
         key,
-        [SourceBlocks(key, controller.source, here, lines, str(controller.path))],
-        read_lock(lock_path),
+        [_source_blocks(controller, file, before[file], trace, computed) for file in files],
+        lock,
         fingerprint=fingerprint(controller, trace, settings),
         trace=trace_summary(trace),
         policy=policy or MergePolicy(),
@@ -198,10 +211,45 @@ def annotate(
     if isinstance(outcome, EditsInTheWay):
         raise outcome.error()
     change = outcome if isinstance(outcome, Changed) else None
-    source = controller.source
-    if change is not None and change.sources:
-        source = change.sources[0].after
-    return Annotated(controller, source, change, lock_path, computed)
+    after = {each.file: each.after for each in change.sources} if change is not None else {}
+    return Annotated(controller, {**before, **after}, before, change, lock_path, computed)
+
+
+def _annotated_files(controller: Controller, trace: Trace, lock: Lock) -> tuple[str, ...]:
+    """Return the files that hold, held or will hold blocks of the controller, its script first."""
+    files = {function.ref.file for function in trace.functions}
+    entry = lock.controllers.get(lock_key(controller.path, controller.root))
+    for blocks in (entry.blocks, entry.previous or {}) if entry is not None else ():
+        files |= {file for file in blocks if blocks[file] and controller.path_of(file).is_file()}
+    return (controller.file, *sorted(files - {controller.file}))
+
+
+def _source_blocks(
+    controller: Controller, file: str, source: bytes, trace: Trace, computed: ComputedBlocks
+) -> SourceBlocks:
+    blocks = {ref.name: block for ref, block in computed.blocks.items() if ref.file == file}
+    lines = {
+        function.ref.name: function.line
+        for function in trace.functions
+        if function.line > 0 and function.ref.file == file
+    }
+    return SourceBlocks(file, source, blocks, lines, str(controller.path_of(file)))
+
+
+def _forbid_shared(key: str, files: Sequence[str], lock: Lock, controller: Controller) -> None:
+    """Raise InputError where another controller has its blocks in a file of this one."""
+    for other, entry in sorted(lock.controllers.items()):
+        if other == key or not (controller.root / other).is_file():
+            continue
+        for file in files:
+            if shared := sorted(entry.blocks.get(file, ())):
+                raise InputError(
+                    f"holds the risk blocks of two controllers, {other} ({', '.join(shared)}) and "
+                    f"{key}, whose figures differ; name its functions in `helpers` of "
+                    "[tool.tracerisk], so that their callers get the blocks, or give each "
+                    "controller a root of its own",
+                    Location(str(controller.path_of(file))),
+                )
 
 
 def build(
@@ -217,9 +265,13 @@ def build(
     """
     from tracerisk.prm.build import build_model
 
-    blocks = [
-        placed.block for file, source in sources.items() for placed in read_blocks(source, file)
-    ]
+    found = {
+        FunctionRef(file, placed.function): placed.block
+        for file, source in sources.items()
+        for placed in read_blocks(source, file)
+    }
+    names = model_names(found)
+    blocks = [replace(block, name=QualifiedName(names[ref])) for ref, block in found.items()]
     if not blocks:
         raise InputError(
             f"no risk block in {', '.join(sources)}; `tracerisk run` or `annotate` writes them"
@@ -277,16 +329,18 @@ def at_annotated_lines(trace: Trace, annotated: Annotated) -> Trace:
 
     So a second run, of the annotated source, tells the same lines.
     """
-    controller = annotated.controller
-    moved = line_map(controller.source, annotated.source, str(controller.path))
+    moved = {
+        file: line_map(before, annotated.sources[file], str(annotated.controller.path_of(file)))
+        for file, before in annotated.before.items()
+    }
 
     def place(location: Location | None) -> Location | None:
-        if location is None or location.file != controller.file or location.line is None:
+        if location is None or location.file not in moved or location.line is None:
             return location
-        return Location(location.file, moved(location.line), location.column)
+        return Location(location.file, moved[location.file](location.line), location.column)
 
     def line(ref: FunctionRef, old: int) -> int:
-        return moved(old) if ref.file == controller.file else old
+        return moved[ref.file](old) if ref.file in moved else old
 
     return replace(
         trace,
