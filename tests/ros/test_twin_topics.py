@@ -42,3 +42,46 @@ def test_a_message_that_nobody_publishes_is_named_with_the_line_that_waits(examp
     assert outcome.code == 4
     assert "waiter.py:7" in outcome.err
     assert "a message on /joint_stats (sensor_msgs/JointState)" in outcome.err
+
+
+def test_the_clock_is_published_while_somebody_listens(run_on_twin):
+    ran = run_on_twin("""
+import rospy
+from rosgraph_msgs.msg import Clock
+
+rospy.init_node("listener")
+seen = []
+subscriber = rospy.Subscriber("/clock", Clock, lambda message: seen.append(message.clock))
+rospy.sleep(1.0)
+subscriber.unregister()
+count = len(seen)
+late = abs((rospy.Time.now() - seen[-1]).to_sec())
+rospy.sleep(1.0)
+""")
+    assert 99 <= ran["count"] <= 101
+    assert ran["late"] < 0.02
+    assert len(ran["seen"]) == ran["count"]
+
+
+def test_joint_states_come_in_the_order_and_at_the_rate_of_a_driver(scheduler, graph, run):
+    from types import SimpleNamespace
+
+    from tracerisk.ros.messages import Interfaces
+    from tracerisk.ros.runtime import Runtime
+    from tracerisk.ros.twin_topics import TwinTopics
+    from tracerisk.twin.motion import JointState
+
+    state = JointState(("a", "b", "c"), (1.0, 2.0, 3.0), (0.0,) * 3, (0.0,) * 3)
+    twin = SimpleNamespace(joint_state=lambda: state)
+    TwinTopics(Runtime(scheduler, graph, twin), Interfaces(), rate_hz=10.0, order=("c", "a"))
+    seen = []
+
+    def main():
+        graph.subscribe(
+            "/joint_states", "sensor_msgs/JointState", lambda m, _: seen.append(m), node="/n"
+        )
+        scheduler.sleep(1_000_000_000)
+
+    run(main)
+    assert len(seen) == 10
+    assert (seen[0].name, seen[0].position) == (["c", "a", "b"], [3.0, 1.0, 2.0])

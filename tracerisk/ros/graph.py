@@ -158,6 +158,7 @@ class Graph:
         self._warn = warn
         self._topics: dict[str, _Topic] = {}
         self._services: dict[str, ServiceServer] = {}
+        self._offers: dict[str, tuple[str, Callable[[Any], Any], str]] = {}
         self._watchers: list[Callable[[Change, str, str], None]] = []
         scheduler.listens = self.listens
 
@@ -279,8 +280,22 @@ class Graph:
         self._tell("served", name, type_name)
         return server
 
+    def offer(
+        self, base_name: str, type_name: str, handle: Callable[[Any], Any], *, node: str
+    ) -> None:
+        """Serve `base_name` in whatever namespace somebody asks for it: a service of the twin's.
+
+        It begins when it is first asked for by name, and where nobody else serves that name.
+        """
+        self._offers[base_name] = (type_name, handle, node)
+
     def service(self, name: str) -> ServiceServer | None:
-        """Return who serves a name, if anybody."""
+        """Return who serves a name, if anybody; a service of the twin's begins with that."""
+        if name not in self._services:
+            offered = self._offers.get(name.rsplit("/", 1)[-1])
+            if offered is not None:
+                type_name, handle, node = offered
+                self.serve(name, type_name, handle, node=node, is_callback=False)
         return self._services.get(name)
 
     def services(self) -> tuple[ServiceServer, ...]:
@@ -303,6 +318,7 @@ class Graph:
             RunOver: the run is over; a wait that nothing can end is a deadlock that names the
                 service and where the controller waits.
         """
+        self.service(name)
         told = f"service {name}" + (f" ({type_name})" if type_name else "")
         self.scheduler.wait_until(
             lambda: name in self._services or unless(),

@@ -12,10 +12,12 @@ from typing import Any
 from tracerisk.ros.action_graph import ActionChange, ActionGoal, Actions
 from tracerisk.ros.runtime import Runtime
 from tracerisk.ros.twin_commands import TwinCommands
+from tracerisk.ros.twin_controllers import ControllerManager
 from tracerisk.ros.twin_follow import TYPE as FOLLOW
 from tracerisk.ros.twin_follow import FollowServer
 from tracerisk.ros.twin_grippers import GripperServer
 from tracerisk.ros.twin_messages import TwinMessages
+from tracerisk.ros.twin_moveit import EXECUTE_TRAJECTORY, MOVE_GROUP, MoveItInterfaces
 from tracerisk.ros.twin_set_points import SetPoints
 
 _NODE = "/robot_driver"
@@ -40,9 +42,14 @@ class TwinInterfaces:
             gripper = GripperServer(commands, messages)
             for name, handler in gripper.handlers.items():
                 self._types[name] = (handler, gripper.on_cancel)
+        if runtime.recorder is not None:
+            moveit = MoveItInterfaces(runtime, messages)
+            self._types[MOVE_GROUP] = (moveit.move_group, moveit.on_cancel)
+            self._types[EXECUTE_TRAJECTORY] = (moveit.execute_trajectory, moveit.on_cancel)
         self._served: set[tuple[str, str]] = set()
         self._actions.watch(self._on_action)
         SetPoints(runtime, commands)
+        ControllerManager(runtime, messages)
 
     def _on_action(self, change: ActionChange, name: str, type_name: str) -> None:
         if change != "client" or type_name not in self._types or (name, type_name) in self._served:

@@ -1,15 +1,14 @@
-"""What the twin publishes of itself, as the drivers of a real robot do: `/joint_states`."""
+"""What the twin publishes of itself, as the drivers of a real robot do: joint states, the clock."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from tracerisk.ros.graph import Change, Publication
-from tracerisk.ros.message_base import Message
+from tracerisk.ros.message_dialect import set_time
 from tracerisk.ros.messages import Interfaces
 from tracerisk.ros.messages2 import Interfaces2, Message2
-from tracerisk.ros.rostime import Time
 from tracerisk.ros.runtime import Runtime
 from tracerisk.ros.virtual_clock import EPOCH_NS
 
@@ -18,59 +17,89 @@ JOINT_STATE_TYPE = "sensor_msgs/JointState"
 RATE_HZ = 50.0
 """How often joint states are published while somebody listens; a usual rate of drivers."""
 
+CLOCK = "/clock"
+CLOCK_TYPE = "rosgraph_msgs/Clock"
+CLOCK_HZ = 100.0
+"""How often the simulated time is published while somebody listens."""
+
 _PUBLISHER = "/joint_state_publisher"
+_CLOCK_PUBLISHER = "/clock_publisher"
 
 
 class TwinTopics:
-    """Publishes the state of the twin's joints while anybody subscribes to it.
+    """Publishes the twin's joint states, and the clock, while anybody subscribes to them.
 
-    `interfaces` makes the classes that the controller receives. What is published keeps no run
-    going: a controller that only listens still comes to its end.
+    `interfaces` makes the classes that the controller receives. `rate_hz` is how often joint
+    states come, `order` the joints in the order in which a driver tells them: first these, then
+    the others in the robot's own. What is published keeps no run going: a controller that only
+    listens still comes to its end.
     """
 
-    def __init__(self, runtime: Runtime, interfaces: Interfaces | Interfaces2) -> None:
+    def __init__(
+        self,
+        runtime: Runtime,
+        interfaces: Interfaces | Interfaces2,
+        *,
+        rate_hz: float = RATE_HZ,
+        order: Sequence[str] = (),
+    ) -> None:
         self._runtime = runtime
-        self._message: Callable[[], type[Message | Message2]] = lambda: interfaces.message(
-            JOINT_STATE_TYPE
-        )
-        self._publication: Publication = runtime.graph.advertise(
-            JOINT_STATES, JOINT_STATE_TYPE, node=_PUBLISHER
-        )
+        self._interfaces = interfaces
+        self._order = tuple(order)
         self._sequence = 0
+        for topic, type_name, node, hz, make in (
+            (JOINT_STATES, JOINT_STATE_TYPE, _PUBLISHER, rate_hz, self._joint_state),
+            (CLOCK, CLOCK_TYPE, _CLOCK_PUBLISHER, CLOCK_HZ, self._clock),
+        ):
+            _Stream(runtime, runtime.graph.advertise(topic, type_name, node=node), hz, make)
+
+    def _joint_state(self) -> Any:
+        state = self._runtime.twin.joint_state()
+        message: Any = self._interfaces.message(JOINT_STATE_TYPE)()
+        self._sequence += 1
+        if not isinstance(message, Message2):
+            message.header.seq = self._sequence
+        set_time(message.header.stamp, EPOCH_NS + self._runtime.scheduler.now_ns)
+        first = [state.names.index(name) for name in self._order if name in state.names]
+        places = [*first, *(i for i in range(len(state.names)) if i not in first)]
+        message.name = [state.names[i] for i in places]
+        message.position = [state.position[i] for i in places]
+        message.velocity = [state.velocity[i] for i in places]
+        message.effort = [state.effort[i] for i in places]
+        return message
+
+    def _clock(self) -> Any:
+        message: Any = self._interfaces.message(CLOCK_TYPE)()
+        set_time(message.clock, EPOCH_NS + self._runtime.scheduler.now_ns)
+        return message
+
+
+class _Stream:
+    """Publishes what `make` makes, `hz` times a second, while the topic has a subscription."""
+
+    def __init__(
+        self, runtime: Runtime, publication: Publication, hz: float, make: Callable[[], Any]
+    ) -> None:
+        self._scheduler = runtime.scheduler
+        self._publication = publication
+        self._period_ns = round(1e9 / hz)
+        self._make = make
         self._is_ticking = False
         runtime.graph.watch(self._on_change)
 
-    def _on_change(self, change: Change, name: str, type_name: str) -> None:  # noqa: ARG002
-        if change == "subscribed" and name == JOINT_STATES and not self._is_ticking:
+    def _on_change(self, change: Change, name: str, type_name: str) -> None:
+        del type_name
+        if change == "subscribed" and name == self._publication.topic and not self._is_ticking:
             self._is_ticking = True
             self._schedule()
 
     def _schedule(self) -> None:
-        scheduler = self._runtime.scheduler
-        period_ns = round(1e9 / RATE_HZ)
-        following_ns = (scheduler.now_ns // period_ns + 1) * period_ns
-        scheduler.call_at(following_ns, self._tick, background=True)
+        following_ns = (self._scheduler.now_ns // self._period_ns + 1) * self._period_ns
+        self._scheduler.call_at(following_ns, self._tick, background=True)
 
     def _tick(self) -> None:
         if not self._publication.subscriptions:
             self._is_ticking = False
             return
-        self._publication.publish(self._joint_state())
+        self._publication.publish(self._make())
         self._schedule()
-
-    def _joint_state(self) -> Any:
-        state = self._runtime.twin.joint_state()
-        message: Any = self._message()()
-        self._sequence += 1
-        stamp = Time(0, EPOCH_NS + self._runtime.scheduler.now_ns)
-        if isinstance(message, Message2):
-            header: Any = message.header  # type: ignore[attr-defined]
-            header.stamp.sec, header.stamp.nanosec = stamp.secs, stamp.nsecs
-        else:
-            message.header.seq = self._sequence
-            message.header.stamp = stamp
-        message.name = list(state.names)
-        message.position = list(state.position)
-        message.velocity = list(state.velocity)
-        message.effort = list(state.effort)
-        return message
