@@ -106,6 +106,7 @@ def _run_recorded(
         on_stuck=lambda over: end.kill(over),
     )
     clock[0] = lambda: scheduler.now_ns
+    workspace = find_workspace(root)
     runtime = Runtime(
         scheduler,
         Graph(scheduler, tracer),
@@ -114,9 +115,9 @@ def _run_recorded(
         recorder=recorder,
         argv=(str(script), *request.argv),
         seed=request.seed,
+        packages=workspace.packages,
     )
     end = ControllerEnd(recorder, twin, root, request.memory_limit_mb)
-    workspace = find_workspace(root)
     is_ros2 = ros_version(script, root) == 2
     own = workspace.interfaces
     interfaces = Interfaces2(workspace=own) if is_ros2 else Interfaces(workspace=own)

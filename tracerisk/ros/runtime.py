@@ -6,9 +6,10 @@ slot from which the stand-ins take theirs; nothing else in tracerisk is process-
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ class Runtime:
     """What a run is made of.
 
     `argv` is the controller's command line, `seed` that of everything random.
+    `packages` are those of the controller's workspace, each name with its folder.
     `clients` holds the state of each client library, by the class of that state.
     """
 
@@ -33,6 +35,7 @@ class Runtime:
     recorder: Any = None
     argv: tuple[str, ...] = ("controller",)
     seed: int = 0
+    packages: Mapping[str, Path] = field(default_factory=dict)
     clients: dict[type, Any] = field(default_factory=dict)
 
     def client(self, kind: Callable[[Runtime], State]) -> State:

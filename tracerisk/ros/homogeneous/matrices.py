@@ -159,23 +159,26 @@ def projection_from_matrix(
         ValueError: the matrix is no projection.
     """
     given = np.asarray(matrix, dtype=np.float64)
-    values, vectors = np.linalg.eig(given)
-    one = np.flatnonzero(np.abs(values - 1.0) < 1e-8)
-    if not pseudo and one.size:
+    if not pseudo and float(np.linalg.norm(given[3, :3])) < EPS:
         point = fixed_point(given)
         direction = eigenvector(given[:3, :3], 0.0)
         normal = eigenvector(given[:3, :3].T, 0.0)
         if point is None or direction is None or normal is None:
             raise ValueError("no eigenvector corresponding to eigenvalue 0")
         return point, normal, direction, None, False
-    other = np.flatnonzero(np.abs(values) > 1e-8)
-    if not other.size:
+    # Up to a factor k the rows are d I - eye normal^T, with d the eye's height, and -normal^T.
+    factor = float(np.linalg.norm(given[3, :3]))
+    if factor < EPS:
         raise ValueError("no eigenvector not corresponding to eigenvalue 0")
-    point = np.real(vectors[:, other[-1]])
-    point = point / point[3]
-    normal = -given[3, :3]
-    perspective = given[:3, 3] / float(point[:3] @ normal)
-    return point, normal, None, perspective - normal if pseudo else perspective, pseudo
+    normal = -given[3, :3] / factor
+    linear = given[:3, :3] / factor
+    if pseudo:
+        linear = linear + np.outer(normal, normal)
+    above = float(given[3, 3]) / factor
+    height = (float(np.trace(linear)) + above) / 3.0
+    eye = height * normal - linear @ normal
+    point = np.array([*((above - height) * normal), 1.0])
+    return point, normal, None, eye, pseudo
 
 
 def clip_matrix(

@@ -1,0 +1,47 @@
+"""Packages of the workspace: rospkg, roslib, ament_index_python."""
+
+from __future__ import annotations
+
+PACKAGE = """\
+<package format="2"><name>{name}</name><version>1.2.3</version><description>d</description>
+<license>MIT</license><author>A</author><author>B</author><depend>{depend}</depend></package>
+"""
+PROGRAM = """\
+import os, roslib, rospkg
+roslib.load_manifest("arm")
+pack = rospkg.RosPack()
+assert pack.list() == ["arm", "parts"], pack.list()
+assert os.path.isfile(pack.get_path("parts") + "/config/tools.yaml")
+manifest = pack.get_manifest("arm")
+assert (manifest.version, manifest.license, manifest.author) == ("1.2.3", "MIT", "A, B")
+assert pack.get_depends("arm") == ["parts"] and pack.get_depends_on("parts") == ["arm"]
+assert rospkg.get_package_name(__file__) == "arm"
+assert roslib.packages.get_pkg_dir("parts").endswith("parts")
+assert roslib.packages.find_resource("parts", "tools.yaml")[0].endswith("config/tools.yaml")
+assert roslib.message.get_message_class("std_msgs/String")(data="x").data == "x"
+assert roslib.message.get_message_class("nope_msgs/String") is None
+try:
+    pack.get_path("nope"); raise SystemExit("found")
+except rospkg.ResourceNotFound as error:
+    assert "nope" in str(error) and "ROS path [0]=" in str(error)
+
+from ament_index_python.packages import *
+from ament_index_python import PackageNotFoundError, get_package_share_directory, get_package_share_path
+assert get_package_share_directory("parts") == pack.get_path("parts")
+assert (get_package_share_path("parts") / "config").is_dir()
+for name, kind, told in (("nope", PackageNotFoundError, "arm, parts"), ("no pe", ValueError, "valid")):
+    try:
+        get_package_share_directory(name); raise SystemExit("found")
+    except kind as error:
+        assert told in str(error), error
+"""
+
+
+def test_packages_of_the_workspace_are_found_where_they_stand(example):
+    example.write("ws/.git/HEAD", "")
+    example.write("ws/arm/package.xml", PACKAGE.format(name="arm", depend="parts"))
+    example.write("ws/parts/package.xml", PACKAGE.format(name="parts", depend="roscpp"))
+    example.write("ws/parts/config/tools.yaml", "a: 1\n")
+    example.write("ws/arm/scripts/run.py", PROGRAM)
+    outcome = example.run("trace", "ws/arm/scripts/run.py", "--robot", "panda")
+    assert outcome.code == 0, outcome.err

@@ -1,0 +1,23 @@
+"""Stand-in for ament_index_python: the packages of the controller's workspace."""
+
+from .packages import (
+    PackageNotFoundError,
+    get_package_prefix,
+    get_package_share_directory,
+    get_package_share_path,
+    get_packages_with_prefixes,
+)
+from .resources import get_resource, get_resources, has_resource
+from .search_paths import get_search_paths
+
+__all__ = [
+    "PackageNotFoundError",
+    "get_package_prefix",
+    "get_package_share_directory",
+    "get_package_share_path",
+    "get_packages_with_prefixes",
+    "get_resource",
+    "get_resources",
+    "get_search_paths",
+    "has_resource",
+]

@@ -1,0 +1,87 @@
+"""What a `package.xml` says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+from .common import PACKAGE_FILE
+
+_DEPENDS = ("depend", "build_depend", "run_depend", "exec_depend", "build_export_depend")
+
+
+class InvalidManifest(Exception):
+    """A manifest is no XML, or lacks what it must have."""
+
+
+@dataclass
+class Depend:
+    """A package that another needs, and what kind of thing it is."""
+
+    name: str
+    type: str = "package"
+
+    def __str__(self) -> str:
+        return self.name
+
+
+@dataclass
+class Manifest:
+    """What a package says of itself; `author` joins all authors."""
+
+    filename: str | None = None
+    name: str | None = None
+    version: str | None = None
+    description: str = ""
+    author: str | None = None
+    license: str = ""
+    url: str = ""
+    type: str = "package"
+    is_catkin: bool = True
+    licenses: list[str] = field(default_factory=list)
+    depends: list[Depend] = field(default_factory=list)
+    rosdeps: list[Depend] = field(default_factory=list)
+    exports: list[ET.Element] = field(default_factory=list)
+
+    def get_export(self, tag: str, attr: str) -> list[str]:
+        """Return an attribute of each export with a tag."""
+        values = (each.get(attr) for each in self.exports if each.tag == tag)
+        return [value for value in values if value is not None]
+
+
+def parse_manifest_file(dirpath: str, manifest_name: str = PACKAGE_FILE) -> Manifest:
+    """Return the manifest of the package in a folder.
+
+    Raises:
+        InvalidManifest: it is no XML, or not one of a package.
+        OSError: there is none.
+    """
+    file = Path(dirpath) / PACKAGE_FILE
+    try:
+        root = ET.fromstring(file.read_bytes())
+    except ET.ParseError as error:
+        raise InvalidManifest(f"[{file}] invalid XML: {error}") from error
+    if root.tag != "package":
+        raise InvalidManifest(f"[{file}] must have a top-level 'package' element")
+    licenses = [(each.text or "").strip() for each in root.findall("license")]
+    names = dict.fromkeys((e.text or "").strip() for tag in _DEPENDS for e in root.findall(tag))
+    authors = [(each.text or "").strip() for each in root.findall("author")]
+    export = root.find("export")
+    return Manifest(
+        filename=str(file),
+        name=_text(root, "name"),
+        version=_text(root, "version"),
+        description=_text(root, "description") or "",
+        author=", ".join(authors),
+        license=", ".join(licenses),
+        url=_text(root, "url") or "",
+        licenses=licenses,
+        depends=[Depend(name) for name in names],
+        exports=list(export) if export is not None else [],
+    )
+
+
+def _text(root: ET.Element, tag: str) -> str | None:
+    found = root.findtext(tag)
+    return None if found is None else found.strip()
