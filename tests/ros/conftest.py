@@ -16,6 +16,7 @@ from tracerisk.instrument.tracer import Tracer
 from tracerisk.ros.finder import StandInFinder
 from tracerisk.ros.graph import Graph
 from tracerisk.ros.messages import Interfaces
+from tracerisk.ros.messages2 import Interfaces2
 from tracerisk.ros.patches import virtual_time
 from tracerisk.ros.runtime import Runtime, activate
 from tracerisk.ros.virtual_time import RunOver, Scheduler
@@ -155,3 +156,16 @@ def run_on_twin(tmp_path: Path) -> Callable[..., Ran]:
             return Ran(dict(namespace), read_recording(events), twin)
 
     return run_program
+
+
+@pytest.fixture
+def run_ros2() -> Callable[..., Any]:
+    """Run a function that imports the stand-ins of ROS 2 as a controller; each run is a new one."""
+
+    def run_controller(main: Callable[[], Any], *arguments: str) -> Any:
+        scheduler = Scheduler(ClockWorld(), duration_ns=300 * SECOND)
+        runtime = Runtime(scheduler, Graph(scheduler), argv=("controller.py", *arguments))
+        with activate(runtime), StandInFinder(Interfaces2()), virtual_time(scheduler):
+            return scheduler.run_main(main)
+
+    return run_controller

@@ -178,7 +178,46 @@ class Interfaces2:
             key = f"{short}_{part}"
             self._parse(package, kind, key, text, path)
             body[part] = self._make(package, kind, key, short)
+        if kind == "action":
+            body["Impl"] = self._wrappers(package, short, body)
         return type(short, (base,), body)
+
+    def _wrappers(self, package: str, short: str, parts: Mapping[str, Any]) -> type:
+        """Make what an action sends: its parts with the goal's id, status or time."""
+        id_field = Field2(
+            "goal_id",
+            "unique_identifier_msgs/UUID",
+            message=self.message("unique_identifier_msgs/UUID"),
+        )
+        stamp = Field2(
+            "stamp", "builtin_interfaces/Time", message=self.message("builtin_interfaces/Time")
+        )
+
+        def nested(name: str, part: str) -> Field2:
+            return Field2(name, f"{package}/{short}_{part}", message=parts[part])
+
+        def made(suffix: str, *fields: Field2) -> type[Message2]:
+            return _message_class(package, "action", f"{short}_{suffix}", short, fields, {})
+
+        send = {
+            "Request": made("SendGoal_Request", id_field, nested("goal", "Goal")),
+            "Response": made("SendGoal_Response", Field2("accepted", "bool"), stamp),
+        }
+        get = {
+            "Request": made("GetResult_Request", id_field),
+            "Response": made(
+                "GetResult_Response", Field2("status", "int8"), nested("result", "Result")
+            ),
+        }
+        body = {
+            "__doc__": f"What the action {package}/{short} sends.",
+            "SendGoalService": type(f"{short}_SendGoal", (Service2,), send),
+            "GetResultService": type(f"{short}_GetResult", (Service2,), get),
+            "FeedbackMessage": made("FeedbackMessage", id_field, nested("feedback", "Feedback")),
+            "CancelGoalService": self.service("action_msgs/CancelGoal"),
+            "GoalStatusMessage": self.message("action_msgs/GoalStatusArray"),
+        }
+        return type("Impl", (), body)
 
     def _make(self, package: str, kind: str, short: str, of: str) -> type[Message2]:
         key = f"{package}/{kind}/{short}"
@@ -189,21 +228,11 @@ class Interfaces2:
             for name, description in described
             if name != _PLACEHOLDER
         )
-        body: dict[str, Any] = {
-            "__module__": f"{package}.{kind}._{snake_case(of)}",
-            "__doc__": f"The message {package}/{short}.",
-            "__slots__": [f"_{field.name}" for field in fields],
-            "_ros_type": f"{package}/{short}",
-            "_ros_fields": fields,
-            "_fields_and_field_types": {field.name: field.type_text for field in fields},
-            "SLOT_TYPES": tuple(field.type_text for field in fields),
-        }
-        body |= {
+        values = {
             name: bytes([cast("int", value)]) if base == "byte" else value
             for name, base, value in constants
         }
-        body |= {field.name: accessor(field) for field in fields}
-        return type(short, (Message2,), body)
+        return _message_class(package, kind, short, of, fields, values)
 
     def _field(self, owner: str, name: str, description: FieldDesc, default: Any) -> Field2:
         from rosbags.interfaces import Nodetype
@@ -261,6 +290,28 @@ class Interfaces2:
         key = f"{package}/{kind}/{short}"
         self._definitions[key] = found[as_message]
         self._defaults[key] = _defaults(plain, path)
+
+
+def _message_class(
+    package: str,
+    kind: str,
+    short: str,
+    of: str,
+    fields: tuple[Field2, ...],
+    constants: Mapping[str, Any],
+) -> type[Message2]:
+    body: dict[str, Any] = {
+        "__module__": f"{package}.{kind}._{snake_case(of)}",
+        "__doc__": f"The message {package}/{short}.",
+        "__slots__": [f"_{field.name}" for field in fields],
+        "_ros_type": f"{package}/{short}",
+        "_ros_fields": fields,
+        "_fields_and_field_types": {field.name: field.type_text for field in fields},
+        "SLOT_TYPES": tuple(field.type_text for field in fields),
+    }
+    body |= constants
+    body |= {field.name: accessor(field) for field in fields}
+    return type(short, (Message2,), body)
 
 
 def snake_case(name: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import array
+from collections.abc import Sequence
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -17,7 +18,7 @@ class Message2:
         AssertionError: a keyword is no field, or a value does not fit its field.
     """
 
-    __slots__ = ()
+    __slots__: Sequence[str] = ()
     __hash__ = None  # type: ignore[assignment]  # messages are mutable and compare by value
 
     _ros_type: ClassVar[str] = ""

@@ -1,0 +1,123 @@
+"""Stand-in for rclpy, the Python client library of ROS 2."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ._run import run as _state
+from .context import Context
+from .parameter import Parameter
+from .signals import SignalHandlerOptions
+from .task import Future
+from .utilities import (
+    get_default_context,
+    get_rmw_implementation_identifier,
+    ok,
+    try_shutdown,
+)
+from .utilities import shutdown as _shutdown
+
+__all__ = [
+    "Context",
+    "Future",
+    "Parameter",
+    "SignalHandlerOptions",
+    "create_node",
+    "get_default_context",
+    "get_global_executor",
+    "get_rmw_implementation_identifier",
+    "init",
+    "ok",
+    "shutdown",
+    "spin",
+    "spin_once",
+    "spin_until_future_complete",
+    "try_shutdown",
+]
+
+
+def init(
+    *,
+    args: Sequence[str] | None = None,
+    context: Context | None = None,
+    domain_id: int | None = None,
+    signal_handler_options: SignalHandlerOptions | None = None,
+) -> None:
+    """Begin; `args` is a command line, by default the program's own.
+
+    Raises:
+        RuntimeError: it has begun already, or the command line is malformed.
+    """
+    (get_default_context() if context is None else context).init(args, domain_id=domain_id)
+
+
+def get_global_executor() -> Any:
+    """Return the executor that is used where none is given."""
+    state = _state()
+    if state.global_executor is None:
+        from .executors import SingleThreadedExecutor
+
+        made = state.global_executor = SingleThreadedExecutor()
+
+        def forget() -> None:
+            made.shutdown()
+            state.global_executor = None
+
+        get_default_context().on_shutdown(forget)
+    return state.global_executor
+
+
+def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
+    """End: everything that spins returns.
+
+    Raises:
+        RuntimeError: it has not begun, or has ended already.
+    """
+    _shutdown(context=context)
+
+
+def create_node(node_name: str, **kwargs: Any) -> Any:
+    """Make a node; the keywords are those of `Node`."""
+    from .node import Node
+
+    return Node(node_name, **kwargs)
+
+
+def spin_once(node: Any, *, executor: Any = None, timeout_sec: float | None = None) -> None:
+    """Run one callback of a node, waiting for it `timeout_sec` seconds, or for ever."""
+    chosen = get_global_executor() if executor is None else executor
+    try:
+        chosen.add_node(node)
+        chosen.spin_once(timeout_sec=timeout_sec)
+    finally:
+        chosen.remove_node(node)
+
+
+def spin(node: Any, executor: Any = None) -> None:
+    """Run the callbacks of a node until the context is shut down."""
+    chosen = get_global_executor() if executor is None else executor
+    try:
+        chosen.add_node(node)
+        while chosen.context.is_valid:
+            chosen.spin_once()
+    finally:
+        chosen.remove_node(node)
+
+
+def spin_until_future_complete(
+    node: Any, future: Future, executor: Any = None, timeout_sec: float | None = None
+) -> None:
+    """Run the callbacks of a node until a future is complete, or for `timeout_sec` seconds.
+
+    Within a callback of the node's this hangs where the future needs a callback of the same
+    exclusive group; a run in which nothing else can happen ends and says so.
+    """
+    chosen = get_global_executor() if executor is None else executor
+    added = False
+    try:
+        added = chosen.add_node(node)
+        chosen.spin_until_future_complete(future, timeout_sec)
+    finally:
+        if added:
+            chosen.remove_node(node)

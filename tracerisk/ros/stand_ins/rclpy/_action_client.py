@@ -1,0 +1,293 @@
+"""Clients of actions: a future of the goal's handle, then one of its result.
+
+What comes from the server waits until something spins the node.
+"""
+
+from __future__ import annotations
+
+import uuid
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from action_msgs.msg import GoalInfo, GoalStatus
+from action_msgs.srv import CancelGoal
+from unique_identifier_msgs.msg import UUID
+
+from tracerisk.ros.action_graph import ActionGoal, GoalState
+from tracerisk.ros.messages2 import copy_message
+from tracerisk.ros.virtual_clock import EPOCH_NS
+
+from ._entity import Call, Entity
+from ._run import run
+from .callback_groups import CallbackGroup
+from .executors import await_or_execute
+from .qos import QoSProfile, qos_profile_action_status_default, qos_profile_services_default
+from .task import Future
+
+__all__ = ["ActionClient", "ClientGoalHandle"]
+
+_CANCELING = (GoalState.PREEMPTING, GoalState.PREEMPTED, GoalState.RECALLING, GoalState.RECALLED)
+_ORDER = ("goal", "cancel", "result", "feedback", "status")
+
+
+@dataclass(eq=False, slots=True)
+class _Sent:
+    """A goal on its way: who waits for what of it."""
+
+    goal_id: Any
+    response: Future
+    feedback_callback: Callable[[Any], Any] | None
+    goal: ActionGoal | None = None
+    is_answered: bool = False
+    results: list[Future] = field(default_factory=list)
+    cancels: list[Future] = field(default_factory=list)
+
+
+class ClientGoalHandle:
+    """A goal that a server has answered to."""
+
+    def __init__(self, action_client: ActionClient, sent: _Sent, goal_response: Any) -> None:
+        self._action_client = action_client
+        self._sent = sent
+        self._goal_response = goal_response
+        self._status: int = GoalStatus.STATUS_UNKNOWN
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ClientGoalHandle) and self.goal_id == other.goal_id
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return (
+            f"ClientGoalHandle <id={self.goal_id.uuid}, accepted={self.accepted}, "
+            f"status={self.status}>"
+        )
+
+    @property
+    def goal_id(self) -> Any:
+        """The goal's UUID message."""
+        return self._sent.goal_id
+
+    @property
+    def stamp(self) -> Any:
+        """When the server answered."""
+        return self._goal_response.stamp
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the server took the goal."""
+        accepted: bool = self._goal_response.accepted
+        return accepted
+
+    @property
+    def status(self) -> int:
+        """What the goal has come to: a number of action_msgs/GoalStatus."""
+        return self._status
+
+    def cancel_goal(self) -> Any:
+        """Ask for an early end and wait for the answer; another thread has to spin."""
+        return self._action_client._wait(self.cancel_goal_async())
+
+    def cancel_goal_async(self) -> Future:
+        """Ask for an early end, and return the future of a CancelGoal response."""
+        return self._action_client._cancel(self._sent)
+
+    def get_result(self) -> Any:
+        """Wait for the result; another thread has to spin."""
+        return self._action_client._wait(self.get_result_async())
+
+    def get_result_async(self) -> Future:
+        """Return the future of the result: a response with `status` and `result`."""
+        return self._action_client._result(self._sent)
+
+
+class ActionClient(Entity):
+    """Sends goals of one action type to a server."""
+
+    def __init__(
+        self,
+        node: Any,
+        action_type: Any,
+        action_name: str,
+        *,
+        callback_group: CallbackGroup | None = None,
+        goal_service_qos_profile: QoSProfile = qos_profile_services_default,
+        result_service_qos_profile: QoSProfile = qos_profile_services_default,
+        cancel_service_qos_profile: QoSProfile = qos_profile_services_default,
+        feedback_sub_qos_profile: QoSProfile | None = None,
+        status_sub_qos_profile: QoSProfile = qos_profile_action_status_default,
+    ) -> None:
+        super().__init__(node, callback_group or node.default_callback_group)
+        self._action_type = action_type
+        self._action_name = node.resolve_topic_name(action_name)
+        self._came: dict[str, deque[Any]] = {kind: deque() for kind in _ORDER}
+        self._handles: dict[bytes, ClientGoalHandle] = {}
+        self._end = run().actions.client(
+            self._action_name,
+            action_type._ros_type,
+            node=node.get_fully_qualified_name(),
+            copy=copy_message,
+        )
+        node.add_waitable(self)
+
+    def send_goal(self, goal: Any, **kwargs: Any) -> Any:
+        """Send a goal and wait for its result; another thread has to spin."""
+        handle = self._wait(self.send_goal_async(goal, **kwargs))
+        return self._wait(self._result(handle._sent))
+
+    def send_goal_async(
+        self,
+        goal: Any,
+        feedback_callback: Callable[[Any], Any] | None = None,
+        goal_uuid: Any = None,
+    ) -> Future:
+        """Send a goal, and return the future of its ClientGoalHandle.
+
+        Raises:
+            TypeError: the goal is no `Goal` of the action.
+        """
+        if not isinstance(goal, self._action_type.Goal):
+            raise TypeError(f"Expected {self._action_type.Goal}, got {type(goal)}")
+        goal_id = UUID(uuid=list(uuid.uuid4().bytes)) if goal_uuid is None else goal_uuid
+        told = f"action server {self._action_name} ({self._action_type._ros_type})"
+        sent = _Sent(goal_id, Future(waits_for=f"the answer of {told}"), feedback_callback)
+        sent.goal = self._end.send(
+            goal,
+            goal_id=bytes(goal_id.uuid),
+            on_change=lambda changed: self._on_change(sent, changed),
+            on_feedback=lambda changed, feedback: self._on_feedback(sent, feedback),
+        )
+        return sent.response
+
+    def server_is_ready(self) -> bool:
+        """Tell whether somebody serves the action."""
+        run().scheduler.touch()
+        return self._end.server is not None
+
+    def wait_for_server(self, timeout_sec: float | None = None) -> bool:
+        """Wait until somebody serves the action, and tell whether somebody does."""
+        timeout_ns = None if timeout_sec is None else max(0, round(timeout_sec * 1e9))
+        context = self._node.context
+        return self._end.wait_for_server(timeout_ns, unless=lambda: not context.is_valid)
+
+    def destroy(self) -> None:
+        """Send no more goals."""
+        super().destroy()
+        self._end.close()
+        self._node.remove_waitable(self)
+
+    # What comes from the server
+
+    def _on_change(self, sent: _Sent, goal: ActionGoal) -> None:
+        state = goal.state
+        if not sent.is_answered and state is not GoalState.PENDING:
+            sent.is_answered = True
+            response = self._action_type.Impl.SendGoalService.Response()
+            response.accepted = state is not GoalState.REJECTED
+            now_ns = EPOCH_NS + run().scheduler.now_ns
+            response.stamp.sec, response.stamp.nanosec = divmod(now_ns, 1_000_000_000)
+            self._came["goal"].append((sent, response))
+        self._came["status"].append((sent, state.ros2_status))
+        if sent.cancels and (state in _CANCELING or state.is_terminal or not goal.is_cancel_asked):
+            self._answer_cancels(sent, goal)
+        if state.is_terminal and sent.results:
+            for future in sent.results:
+                self._came["result"].append((future, self._result_of(goal)))
+            sent.results.clear()
+
+    def _on_feedback(self, sent: _Sent, feedback: Any) -> None:
+        if sent.feedback_callback is not None:
+            message = self._action_type.Impl.FeedbackMessage(
+                goal_id=sent.goal_id, feedback=feedback
+            )
+            self._came["feedback"].append((sent.feedback_callback, message))
+
+    def _result_of(self, goal: ActionGoal) -> Any:
+        response = self._action_type.Impl.GetResultService.Response()
+        response.status = goal.state.ros2_status
+        if goal.result is not None:
+            response.result = goal.result
+        return response
+
+    def _result(self, sent: _Sent) -> Future:
+        told = f"the result of a goal of {self._action_name} ({self._action_type._ros_type})"
+        future = Future(waits_for=told)
+        goal = sent.goal
+        if goal is None or goal.state is GoalState.REJECTED:
+            # A server knows nothing of a goal that it refused.
+            self._came["result"].append(
+                (future, self._action_type.Impl.GetResultService.Response())
+            )
+        elif goal.state.is_terminal:
+            self._came["result"].append((future, self._result_of(goal)))
+        else:
+            sent.results.append(future)
+        return future
+
+    def _cancel(self, sent: _Sent) -> Future:
+        future = Future(waits_for=f"the answer of action server {self._action_name} to a cancel")
+        goal = sent.goal
+        if goal is None or goal.state.is_terminal:
+            response = CancelGoal.Response(return_code=CancelGoal.Response.ERROR_GOAL_TERMINATED)
+            self._came["cancel"].append((future, response))
+            return future
+        sent.cancels.append(future)
+        goal.ask_cancel()
+        served_by_twin = goal.server is not None and not goal.server.by_controller
+        if sent.cancels and (served_by_twin or goal.state in _CANCELING):
+            self._answer_cancels(sent, goal)
+        return future
+
+    def _answer_cancels(self, sent: _Sent, goal: ActionGoal) -> None:
+        response = CancelGoal.Response()
+        if goal.state in _CANCELING:
+            response.goals_canceling.append(GoalInfo(goal_id=sent.goal_id))
+        else:
+            response.return_code = CancelGoal.Response.ERROR_REJECTED
+        for future in sent.cancels:
+            self._came["cancel"].append((future, response))
+        sent.cancels.clear()
+
+    # What the executor runs
+
+    def _is_ready(self) -> bool:
+        return any(self._came.values())
+
+    def _take(self, executor: Any) -> Call | None:
+        taken = {kind: came.popleft() for kind, came in self._came.items() if came}
+
+        async def call() -> None:
+            if "goal" in taken:
+                sent, response = taken["goal"]
+                handle = ClientGoalHandle(self, sent, response)
+                if handle.accepted:
+                    self._handles[bytes(sent.goal_id.uuid)] = handle
+                self._complete(executor, sent.response, handle)
+            for kind in ("cancel", "result"):
+                if kind in taken:
+                    future, response = taken[kind]
+                    self._complete(executor, future, response)
+            if "feedback" in taken:
+                callback, message = taken["feedback"]
+                await await_or_execute(callback, message)
+            if "status" in taken:
+                sent, status = taken["status"]
+                known = self._handles.get(bytes(sent.goal_id.uuid))
+                if known is not None:
+                    known._status = status
+
+        return call
+
+    @staticmethod
+    def _complete(executor: Any, future: Future, result: Any) -> None:
+        if not future._done:
+            future._set_executor(executor)
+            future.set_result(result)
+
+    def _wait(self, future: Future) -> Any:
+        run().scheduler.wait_until(
+            lambda: future._done, reason=future._awaited or "a future", kind="unmet"
+        )
+        return future.result()

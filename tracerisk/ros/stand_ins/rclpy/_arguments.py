@@ -1,0 +1,166 @@
+"""The part of a command line that is meant for ROS: `--ros-args -r a:=b -p speed:=0.5`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+FLAG, END = "--ros-args", "--"
+_LEVELS = {"unset": 0, "debug": 10, "info": 20, "warn": 30, "error": 40, "fatal": 50}
+_WITH_VALUE = {
+    "-r": "remap",
+    "--remap": "remap",
+    "-p": "param",
+    "--param": "param",
+    "--params-file": "params_file",
+    "--log-level": "log_level",
+    "-e": "ignored",
+    "--enclave": "ignored",
+    "--log-config-file": "ignored",
+    "--log-file-name": "ignored",
+}
+_WITHOUT_VALUE = frozenset(
+    f"--{state}-{what}"
+    for state in ("enable", "disable")
+    for what in ("rosout-logs", "stdout-logs", "external-lib-logs")
+)
+
+
+@dataclass(slots=True)
+class Arguments:
+    """Remappings and parameters, each with the node that they are meant for (None: all)."""
+
+    remaps: list[tuple[str | None, str, str]] = field(default_factory=list)
+    parameters: list[tuple[str | None, str, Any]] = field(default_factory=list)
+    log_levels: list[tuple[str, int]] = field(default_factory=list)
+
+    def remapped(self, node: str, name: str) -> str | None:
+        """Return what `name` is called instead, if anything; the first that fits counts."""
+        for whom, old, new in self.remaps:
+            if old == name and whom in (None, node):
+                return new
+        return None
+
+    def overrides(self, node: str, full_name: str) -> dict[str, Any]:
+        """Return the parameters that the command line sets for a node."""
+        return {
+            name: value
+            for whom, name, value in self.parameters
+            if whom in (None, "/**", "/*", node, full_name, full_name.lstrip("/"))
+        }
+
+
+def parse_arguments(argv: Sequence[str]) -> Arguments:
+    """Read what stands between `--ros-args` and `--`.
+
+    Raises:
+        RuntimeError: something there is malformed or not known.
+    """
+    found = Arguments()
+    waiting = list(argv)
+    within = False
+    while waiting:
+        argument = waiting.pop(0)
+        if argument == FLAG:
+            within = True
+        elif argument == END:
+            within = False
+        elif within:
+            _read(found, argument, waiting)
+    return found
+
+
+def without_ros_arguments(argv: Sequence[str]) -> list[str]:
+    """Return a command line without what is meant for ROS."""
+    kept = []
+    within = False
+    for argument in argv:
+        if argument == FLAG:
+            within = True
+        elif within and argument == END:
+            within = False
+        elif not within:
+            kept.append(argument)
+    return kept
+
+
+def _read(found: Arguments, argument: str, waiting: list[str]) -> None:
+    if argument in _WITHOUT_VALUE:
+        return
+    kind = _WITH_VALUE.get(argument)
+    if kind is None:
+        raise RuntimeError(f"Failed to parse global arguments: unknown ROS argument '{argument}'")
+    if not waiting:
+        raise RuntimeError(f"Failed to parse global arguments: '{argument}' has no value")
+    value = waiting.pop(0)
+    if kind == "remap":
+        whom, old, new = _rule(argument, value)
+        found.remaps.append((whom, old, new))
+    elif kind == "param":
+        whom, name, text = _rule(argument, value)
+        found.parameters.append((whom, name, read_yaml(text)))
+    elif kind == "params_file":
+        found.parameters.extend(_parameters_of(value))
+    elif kind == "log_level":
+        name, _, level = value.rpartition(":=")
+        if level.lower() not in _LEVELS:
+            raise RuntimeError(f"Failed to parse global arguments: no log level '{level}'")
+        found.log_levels.append((name, _LEVELS[level.lower()]))
+
+
+def _rule(argument: str, value: str) -> tuple[str | None, str, str]:
+    old, assigned, new = value.partition(":=")
+    if not assigned or not old or not new:
+        raise RuntimeError(
+            f"Failed to parse global arguments: '{argument} {value}' is not of the form name:=value"
+        )
+    whom, colon, name = old.rpartition(":")
+    return (whom, name, new) if colon else (None, old, new)
+
+
+def read_yaml(text: str) -> Any:
+    """Return the value of a YAML text, as YAML 1.1 has it; text that is none stays text."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import YAMLError
+
+    yaml = YAML(typ="safe", pure=True)
+    yaml.version = (1, 1)
+    try:
+        return yaml.load(text)
+    except YAMLError:
+        return text
+
+
+def _parameters_of(file: str) -> list[tuple[str | None, str, Any]]:
+    try:
+        content = read_yaml(Path(file).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise RuntimeError(f"Couldn't open the parameter file {file}: {error}") from error
+    if not isinstance(content, dict):
+        raise RuntimeError(f"{file} is no file of ROS parameters: it holds no mapping")
+    found: list[tuple[str | None, str, Any]] = []
+    for node, tree in content.items():
+        _walk(found, file, str(node), tree)
+    return found
+
+
+def _walk(found: list[tuple[str | None, str, Any]], file: str, node: str, tree: Any) -> None:
+    if not isinstance(tree, dict):
+        raise RuntimeError(f"{file}: node '{node}' has no 'ros__parameters'")
+    for key, inner in tree.items():
+        if key == "ros__parameters":
+            found.extend((node, name, value) for name, value in _flat("", inner or {}))
+        else:
+            _walk(found, file, f"{node.rstrip('/')}/{key}", inner)
+
+
+def _flat(prefix: str, tree: dict[str, Any]) -> list[tuple[str, Any]]:
+    found: list[tuple[str, Any]] = []
+    for key, value in tree.items():
+        if isinstance(value, dict):
+            found.extend(_flat(f"{prefix}{key}.", value))
+        else:
+            found.append((f"{prefix}{key}", value))
+    return found

@@ -1,0 +1,37 @@
+"""What an executor runs the callbacks of: base of timers, subscriptions and the like."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Coroutine
+from typing import Any, ClassVar
+
+from .callback_groups import CallbackGroup
+
+Call = Callable[[], Coroutine[Any, Any, None]]
+
+
+class Entity:
+    """Something of a node that has work from time to time.
+
+    `_is_taken`: a task for its work exists that has not begun.
+    """
+
+    _root_kind: ClassVar[str] = "callback"
+
+    def __init__(self, node: Any, callback_group: CallbackGroup) -> None:
+        self._node = node
+        self.callback_group = callback_group
+        self._is_taken = False
+        self._is_destroyed = False
+        callback_group.add_entity(self)
+
+    def _is_ready(self) -> bool:
+        raise NotImplementedError
+
+    def _take(self, executor: Any) -> Call | None:
+        """Take the work out, and return what does it."""
+        raise NotImplementedError
+
+    def destroy(self) -> None:
+        """Stop working."""
+        self._is_destroyed = True

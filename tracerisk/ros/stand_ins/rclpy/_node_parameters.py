@@ -1,0 +1,398 @@
+"""The parameters of a node: declared with a descriptor, guarded by callbacks."""
+
+from __future__ import annotations
+
+import math
+import re
+import warnings
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from rcl_interfaces.msg import (
+    ParameterDescriptor,
+    ParameterEvent,
+    ParameterValue,
+    SetParametersResult,
+)
+
+from .exceptions import (
+    InvalidParameterException,
+    InvalidParameterTypeException,
+    InvalidParameterValueException,
+    ParameterAlreadyDeclaredException,
+    ParameterImmutableException,
+    ParameterNotDeclaredException,
+    ParameterUninitializedException,
+)
+from .parameter import PARAMETER_SEPARATOR_STRING, Parameter, parameter_value_to_python
+
+_NAME = re.compile(r"[^.]+(\.[^.]+)*")
+_NOT_SET = Parameter.Type.NOT_SET
+
+
+class NodeParameters:
+    """What a node does with parameters; the other half of `Node`."""
+
+    _parameters: dict[str, Parameter]
+    _descriptors: dict[str, Any]
+    _parameter_overrides: dict[str, Parameter]
+    _allow_undeclared_parameters: bool
+    _pre_set_callbacks: list[Callable[[list[Parameter]], list[Parameter]]]
+    _on_set_callbacks: list[Callable[[list[Parameter]], Any]]
+    _post_set_callbacks: list[Callable[[list[Parameter]], None]]
+
+    def declare_parameter(
+        self, name: str, value: Any = None, descriptor: Any = None, ignore_override: bool = False
+    ) -> Parameter:
+        """Declare a parameter by a default value or a type, and return it; see the next."""
+        if value is None and descriptor is None:
+            arguments: tuple[Any, ...] = (name,)
+        else:
+            arguments = (name, value, ParameterDescriptor() if descriptor is None else descriptor)
+        return self.declare_parameters("", [arguments], ignore_override)[0]
+
+    def declare_parameters(
+        self, namespace: str, parameters: Sequence[tuple[Any, ...]], ignore_override: bool = False
+    ) -> list[Parameter]:
+        """Declare parameters: (name,), (name, value or type) or (name, value, descriptor).
+
+        A value of the command line takes the place of the default.
+
+        Raises:
+            TypeError: a tuple is malformed, or a value of no type that a parameter can have.
+            ValueError: a parameter would have neither a type nor `dynamic_typing`.
+            ParameterAlreadyDeclaredException: one is declared.
+            InvalidParameterTypeException: the command line gives another type.
+            InvalidParameterValueException: a range or a callback refuses the value.
+        """
+        found: list[Parameter] = []
+        descriptors: dict[str, Any] = {}
+        for index, entry in enumerate(parameters):
+            name, value, descriptor = self._declaration(namespace, index, entry)
+            if not ignore_override and name in self._parameter_overrides:
+                value = self._parameter_overrides[name].value
+            found.append(Parameter(name, value=value))
+            descriptors[name] = descriptor
+        known = [parameter.name for parameter in found if parameter.name in self._parameters]
+        if known:
+            raise ParameterAlreadyDeclaredException(known)
+        for parameter in found:
+            result = self._set_all([parameter], descriptors, keeps_unset=True)
+            if result.successful:
+                continue
+            if result.reason.startswith("Wrong parameter type"):
+                expected = Parameter.Type(descriptors[parameter.name].type).name
+                raise InvalidParameterTypeException(parameter, expected)
+            raise InvalidParameterValueException(parameter.name, parameter.value, result.reason)
+        return [self._parameters[parameter.name] for parameter in found]
+
+    def _declaration(
+        self, namespace: str, index: int, entry: tuple[Any, ...]
+    ) -> tuple[str, Any, Any]:
+        if not 1 <= len(entry) <= 3:
+            raise TypeError(
+                f"Invalid parameter tuple length at index {index} in parameters list: "
+                f"{entry}; expecting length between 1 and 3"
+            )
+        name = entry[0]
+        if not isinstance(name, str):
+            raise TypeError(
+                f"First element {name} at index {index} in parameters list is not a str."
+            )
+        name = f"{namespace}.{name}" if namespace else name
+        if not _NAME.fullmatch(name):
+            raise InvalidParameterException(name)
+        second = entry[1] if len(entry) > 1 else None
+        descriptor = entry[2] if len(entry) > 2 else ParameterDescriptor()
+        if not isinstance(descriptor, ParameterDescriptor):
+            raise TypeError(
+                f"Third element {descriptor} at index {index} in parameters list "
+                "is not a ParameterDescriptor."
+            )
+        if len(entry) == 1:
+            warnings.warn(
+                f"when declaring parameter named '{name}', declaring a parameter only providing "
+                "its name is deprecated; give a default value, a type, or a descriptor with "
+                "`dynamic_typing=True`",
+                stacklevel=4,
+            )
+            descriptor.dynamic_typing = True
+        if isinstance(second, Parameter.Type):
+            if second is _NOT_SET:
+                raise ValueError(
+                    f"Cannot declare parameter {{{name}}} as statically typed of type NOT_SET"
+                )
+            if descriptor.dynamic_typing:
+                raise ValueError(
+                    f"When declaring parameter {{{name}}} passing a descriptor with "
+                    "`dynamic_typing=True` is not allowed when the parameter type is provided"
+                )
+            descriptor.type = second.value
+            return name, None, descriptor
+        if isinstance(second, ParameterValue):
+            second = parameter_value_to_python(second)
+        if not descriptor.dynamic_typing:
+            descriptor.type = Parameter.Type.from_parameter_value(second).value
+            if descriptor.type == _NOT_SET.value:
+                raise ValueError(
+                    "Cannot declare a statically typed parameter with default value "
+                    "of type PARAMETER_NOT_SET"
+                )
+        return name, second, descriptor
+
+    def undeclare_parameter(self, name: str) -> None:
+        """Forget a parameter.
+
+        Raises:
+            ParameterNotDeclaredException: it is not declared.
+            ParameterImmutableException: it is read-only.
+        """
+        if name not in self._parameters:
+            raise ParameterNotDeclaredException(name)
+        if self._descriptors[name].read_only:
+            raise ParameterImmutableException(name)
+        del self._parameters[name], self._descriptors[name]
+
+    def has_parameter(self, name: str) -> bool:
+        """Tell whether a parameter is declared."""
+        return name in self._parameters
+
+    def get_parameter(self, name: str) -> Parameter:
+        """Return a parameter.
+
+        Raises:
+            ParameterNotDeclaredException: it is not declared.
+            ParameterUninitializedException: it has a type and no value yet.
+        """
+        if name in self._parameters:
+            parameter = self._parameters[name]
+            if parameter.type_ is not _NOT_SET or self._descriptors[name].dynamic_typing:
+                return parameter
+            raise ParameterUninitializedException(name)
+        if self._allow_undeclared_parameters:
+            return Parameter(name, _NOT_SET, None)
+        raise ParameterNotDeclaredException(name)
+
+    def get_parameters(self, names: Sequence[str]) -> list[Parameter]:
+        """Return parameters; see `get_parameter`.
+
+        Raises:
+            TypeError: a name is no text.
+        """
+        if not all(isinstance(name, str) for name in names):
+            raise TypeError("All names must be instances of type str")
+        return [self.get_parameter(name) for name in names]
+
+    def get_parameter_or(self, name: str, alternative_value: Parameter | None = None) -> Parameter:
+        """Return a parameter, or the alternative where it is not declared or not set."""
+        found = self._parameters.get(name)
+        if found is not None and found.type_ is not _NOT_SET:
+            return found
+        return Parameter(name, _NOT_SET) if alternative_value is None else alternative_value
+
+    def get_parameter_type(self, name: str) -> Any:
+        """Return a parameter's type.
+
+        Raises:
+            ParameterNotDeclaredException: it is not declared.
+        """
+        if name in self._parameters:
+            return self._parameters[name].type_.value
+        if self._allow_undeclared_parameters:
+            return _NOT_SET
+        raise ParameterNotDeclaredException(name)
+
+    def get_parameter_types(self, names: Sequence[str]) -> list[Any]:
+        """Return the types of parameters; see `get_parameter_type`."""
+        return [self.get_parameter_type(name) for name in names]
+
+    def get_parameters_by_prefix(self, prefix: str) -> dict[str, Parameter]:
+        """Return the parameters below a prefix, by what follows it."""
+        start = prefix + PARAMETER_SEPARATOR_STRING if prefix else ""
+        return {
+            name[len(start) :]: parameter
+            for name, parameter in self._parameters.items()
+            if name.startswith(start)
+        }
+
+    def set_parameters(self, parameter_list: Sequence[Parameter]) -> list[Any]:
+        """Set parameters one by one, and return a SetParametersResult for each.
+
+        Raises:
+            ParameterNotDeclaredException: one is not declared.
+            TypeError: one is no Parameter.
+        """
+        return [self.set_parameters_atomically([parameter]) for parameter in parameter_list]
+
+    def set_parameters_atomically(self, parameter_list: Sequence[Parameter]) -> Any:
+        """Set all parameters or none, and return a SetParametersResult; see `set_parameters`."""
+        wanted = list(parameter_list)
+        if self._pre_set_callbacks:
+            wanted = [p for callback in self._pre_set_callbacks for p in callback(wanted)]
+            if not wanted:
+                reason = (
+                    "parameter list cannot be empty, this might be due to "
+                    "pre_set_parameters_callback modifying the original parameters list."
+                )
+                return SetParametersResult(successful=False, reason=reason)
+        if not all(isinstance(parameter, Parameter) for parameter in wanted):
+            raise TypeError(f"parameter must be instance of type '{Parameter!r}'")
+        unknown = [p.name for p in wanted if p.name not in self._parameters]
+        if unknown and not self._allow_undeclared_parameters:
+            raise ParameterNotDeclaredException(unknown)
+        return self._set_all(wanted, None, keeps_unset=False)
+
+    def add_pre_set_parameters_callback(self, callback: Any) -> None:
+        """Have `callback` change the list of parameters before they are checked."""
+        self._pre_set_callbacks.insert(0, callback)
+
+    def add_on_set_parameters_callback(self, callback: Any) -> None:
+        """Have `callback` agree to what is set: it returns a SetParametersResult."""
+        self._on_set_callbacks.insert(0, callback)
+
+    def add_post_set_parameters_callback(self, callback: Any) -> None:
+        """Tell `callback` of what was set."""
+        self._post_set_callbacks.insert(0, callback)
+
+    def remove_pre_set_parameters_callback(self, callback: Any) -> None:
+        """Undo `add_pre_set_parameters_callback`."""
+        self._pre_set_callbacks.remove(callback)
+
+    def remove_on_set_parameters_callback(self, callback: Any) -> None:
+        """Undo `add_on_set_parameters_callback`."""
+        self._on_set_callbacks.remove(callback)
+
+    def remove_post_set_parameters_callback(self, callback: Any) -> None:
+        """Undo `add_post_set_parameters_callback`."""
+        self._post_set_callbacks.remove(callback)
+
+    def describe_parameter(self, name: str) -> Any:
+        """Return a parameter's descriptor.
+
+        Raises:
+            ParameterNotDeclaredException: it is not declared.
+        """
+        if name in self._descriptors:
+            return self._descriptors[name]
+        if self._allow_undeclared_parameters:
+            return ParameterDescriptor()
+        raise ParameterNotDeclaredException(name)
+
+    def describe_parameters(self, names: Sequence[str]) -> list[Any]:
+        """Return the descriptors of parameters; see `describe_parameter`."""
+        return [self.describe_parameter(name) for name in names]
+
+    def set_descriptor(self, name: str, descriptor: Any, alternative_value: Any = None) -> Any:
+        """Replace a parameter's descriptor, and return its value.
+
+        Raises:
+            ParameterNotDeclaredException: it is not declared.
+            ParameterImmutableException: it is read-only.
+            InvalidParameterValueException: the value does not fit.
+        """
+        if name not in self._descriptors:
+            raise ParameterNotDeclaredException(name)
+        if self._descriptors[name].read_only:
+            raise ParameterImmutableException(name)
+        value = self._parameters[name].value
+        if alternative_value is not None:
+            value = parameter_value_to_python(alternative_value)
+        result = self._set_all([Parameter(name, value=value)], {name: descriptor}, False)
+        if not result.successful:
+            raise InvalidParameterValueException(name, value, result.reason)
+        return self._parameters[name].get_parameter_value()
+
+    # How
+
+    def _set_all(
+        self, wanted: list[Parameter], descriptors: dict[str, Any] | None, keeps_unset: bool
+    ) -> Any:
+        for parameter in wanted:
+            if descriptors is not None:
+                descriptor = descriptors[parameter.name]
+            else:
+                descriptor = self._descriptors.get(parameter.name)
+            reason = _refusal(parameter, descriptor, is_new=descriptors is not None)
+            if reason:
+                return SetParametersResult(successful=False, reason=reason)
+        for callback in self._on_set_callbacks:
+            result = callback(wanted)
+            if not result.successful:
+                return result
+        event = ParameterEvent()
+        for parameter in wanted:
+            self._store(parameter, descriptors, keeps_unset, event)
+        self._publish_event(event)
+        for told in self._post_set_callbacks:
+            told(wanted)
+        return SetParametersResult(successful=True)
+
+    def _store(
+        self,
+        parameter: Parameter,
+        descriptors: dict[str, Any] | None,
+        keeps_unset: bool,
+        event: Any,
+    ) -> None:
+        name = parameter.name
+        if parameter.type_ is _NOT_SET and not keeps_unset:
+            event.deleted_parameters.append(parameter.to_parameter_msg())
+            self._parameters.pop(name, None)
+            self._descriptors.pop(name, None)
+            return
+        is_new = self.get_parameter_or(name).type_ is _NOT_SET
+        (event.new_parameters if is_new else event.changed_parameters).append(
+            parameter.to_parameter_msg()
+        )
+        if descriptors is not None:
+            self._descriptors[name] = descriptors[name]
+        elif name not in self._descriptors:
+            self._descriptors[name] = ParameterDescriptor(dynamic_typing=True)
+        self._descriptors[name].name = name
+        self._parameters[name] = parameter
+
+    def _publish_event(self, event: Any) -> None:
+        raise NotImplementedError
+
+
+def _refusal(parameter: Parameter, descriptor: Any, *, is_new: bool) -> str:
+    """Say why a descriptor refuses a value; empty where it does not."""
+    if descriptor is None:
+        return ""
+    if descriptor.read_only and not is_new:
+        return "Trying to set a read-only parameter."
+    if descriptor.dynamic_typing:
+        pass
+    elif parameter.type_ is _NOT_SET:
+        # Declared by a type alone, or removed: only what is being declared may lack a value.
+        return "" if is_new else "Static parameter cannot be undeclared"
+    elif descriptor.type != parameter.type_.value:
+        expected = Parameter.Type(descriptor.type).name
+        return f"Wrong parameter type, expected '{expected}' got '{parameter.type_.name}'"
+    values = parameter.value if isinstance(parameter.value, list | tuple) else [parameter.value]
+    if parameter.type_.name.startswith("INTEGER") and descriptor.integer_range:
+        return _outside(parameter, values, descriptor.integer_range[0], is_whole=True)
+    if parameter.type_.name.startswith("DOUBLE") and descriptor.floating_point_range:
+        return _outside(parameter, values, descriptor.floating_point_range[0], is_whole=False)
+    return ""
+
+
+def _outside(parameter: Parameter, values: Any, span: Any, *, is_whole: bool) -> str:
+    for value in values:
+        if value in (span.from_value, span.to_value):
+            continue
+        if not span.from_value <= value <= span.to_value:
+            return (
+                f"Parameter {parameter.name} out of range Min: {span.from_value}, "
+                f"Max: {span.to_value}, value: {value}"
+            )
+        if span.step > 0:
+            steps = (value - span.from_value) / span.step
+            off = value - span.from_value - span.step * round(steps)
+            if (is_whole and off) or not math.isclose(off, 0.0, abs_tol=1e-9):
+                return (
+                    f"The parameter value for {parameter.name} is not a valid step. "
+                    f"Range: [{span.from_value}, {span.to_value}], step: {span.step}, "
+                    f"value: {value}"
+                )
+    return ""

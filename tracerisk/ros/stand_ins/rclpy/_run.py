@@ -1,0 +1,36 @@
+"""What rclpy knows of one run: contexts, nodes, the executor that `rclpy.spin` uses."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.ros.action_graph import Actions
+from tracerisk.ros.runtime import Runtime, current
+
+from .context import Context
+
+if TYPE_CHECKING:
+    from .executors import Executor
+    from .node import Node
+
+
+class Run:
+    """The state of the library: `run()` gives that of the run that is active."""
+
+    def __init__(self, runtime: Runtime) -> None:
+        self.runtime = runtime
+        self.scheduler = runtime.scheduler
+        self.graph = runtime.graph
+        self.tracer: Any = runtime.tracer
+        self.actions = runtime.client(Actions)
+        self.default_context = Context()
+        self.global_executor: Executor | None = None
+        self.nodes: list[Node] = []
+        self.log_levels: dict[str, int] = {"": 20}
+        self.log_places: dict[tuple[Any, ...], Any] = {}
+        self.rosout: Any = None
+
+
+def run() -> Run:
+    """Return the library's state in the active run."""
+    return current().client(Run)

@@ -1,0 +1,5 @@
+"""Clients of actions."""
+
+from rclpy._action_client import ActionClient, ClientGoalHandle
+
+__all__ = ["ActionClient", "ClientGoalHandle"]

@@ -1,0 +1,160 @@
+"""Clients of services."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any
+
+from tracerisk.ros.graph import ServiceFailedError, ServiceServer
+from tracerisk.ros.messages2 import copy_message
+
+from ._entity import Call, Entity
+from ._run import run
+from .callback_groups import CallbackGroup
+from .exceptions import InvalidHandle
+from .qos import QoSProfile
+from .service import Service
+from .task import Future
+
+
+class Client(Entity):
+    """Calls a service of one type; made by `Node.create_client`.
+
+    A response completes its future when an executor takes it.
+    """
+
+    def __init__(
+        self,
+        node: Any,
+        srv_type: Any,
+        srv_name: str,
+        qos_profile: QoSProfile,
+        callback_group: CallbackGroup,
+    ) -> None:
+        super().__init__(node, callback_group)
+        self.context = node.context
+        self.srv_type = srv_type
+        self.srv_name = srv_name
+        self.qos_profile = qos_profile
+        self._pending: list[Future] = []
+        self._responses: deque[tuple[Future, Any]] = deque()
+
+    @property
+    def service_name(self) -> str:
+        """The service's name."""
+        return self.srv_name
+
+    def call(self, request: Any, timeout_sec: float | None = None) -> Any:
+        """Call the service and wait for the response; another thread has to spin.
+
+        Raises:
+            TypeError: the request is of another class.
+            TimeoutError: no response came in time.
+        """
+        self._check(request)
+        future = self.call_async(request)
+        came = run().scheduler.wait_until(
+            lambda: future._done,
+            timeout_ns=None if timeout_sec is None else round(timeout_sec * 1e9),
+            reason=self._told,
+            kind="unmet",
+        )
+        if not came:
+            raise TimeoutError
+        return future.result()
+
+    def call_async(self, request: Any) -> Future:
+        """Call the service and return the response's future.
+
+        Raises:
+            TypeError: the request is of another class.
+            AssertionError: a field holds what does not fit.
+        """
+        self._check(request)
+        future = Future(waits_for=self._told)
+        self._pending.append(future)
+        future.add_done_callback(self.remove_pending_request)
+        sent = copy_message(request)
+        server = self._server()
+        if server is None:
+            # Lost, as on a network: who serves later never hears of it.
+            return future
+        service = getattr(server.handle, "__self__", None)
+        if isinstance(service, Service):
+            service._enqueue(sent, lambda response: self._responses.append((future, response)))
+        else:
+            # The twin's: it acts on behalf of the code that calls here.
+            run().scheduler.spawn(
+                lambda: self._call_other(server, sent, future),
+                f"call of {self.srv_name}",
+                is_controllers=False,
+            )
+        return future
+
+    def _call_other(self, server: ServiceServer, request: Any, future: Future) -> None:
+        try:
+            response = run().graph.call(server, request)
+        except ServiceFailedError as error:
+            self._node.get_logger().error(f"service {self.srv_name}: {error}")
+            return
+        self._responses.append((future, response))
+
+    def get_pending_requests(self) -> list[Future]:
+        """Return the futures of the calls that have no response."""
+        return list(self._pending)
+
+    def remove_pending_request(self, future: Future) -> None:
+        """Forget a call; its response is dropped."""
+        if future in self._pending:
+            self._pending.remove(future)
+
+    def service_is_ready(self) -> bool:
+        """Tell whether somebody serves."""
+        run().scheduler.touch()
+        return self._server() is not None
+
+    def wait_for_service(self, timeout_sec: float | None = None) -> bool:
+        """Wait until somebody serves, and tell whether somebody does."""
+        run().scheduler.wait_until(
+            lambda: self._server() is not None or not self.context.is_valid,
+            timeout_ns=None if timeout_sec is None else max(0, round(timeout_sec * 1e9)),
+            reason=f"service {self.srv_name} ({self.srv_type._ros_type})",
+            kind="unmet",
+        )
+        return self._server() is not None
+
+    def destroy(self) -> None:
+        """Make no more calls."""
+        super().destroy()
+        self._responses.clear()
+
+    @property
+    def _told(self) -> str:
+        return f"the response of service {self.srv_name} ({self.srv_type._ros_type})"
+
+    def _check(self, request: Any) -> None:
+        if self._is_destroyed:
+            raise InvalidHandle("cannot use Destroyable because destruction was requested")
+        if not isinstance(request, self.srv_type.Request):
+            raise TypeError(f"Expected {self.srv_type.Request}, got {type(request)}")
+
+    def _server(self) -> ServiceServer | None:
+        server = run().graph.service(self.srv_name)
+        if server is None or server.type_name != self.srv_type._ros_type:
+            return None
+        return server
+
+    def _is_ready(self) -> bool:
+        return bool(self._responses)
+
+    def _take(self, executor: Any) -> Call | None:
+        if not self._responses:
+            return None
+        future, response = self._responses.popleft()
+
+        async def call() -> None:
+            if future in self._pending:
+                future._set_executor(executor)
+                future.set_result(response)
+
+        return call

@@ -1,0 +1,119 @@
+"""The life between `init` and `shutdown`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from types import MethodType, TracebackType
+from typing import Any
+from weakref import WeakMethod
+
+from tracerisk.ros.runtime import current
+
+from ._arguments import Arguments, parse_arguments
+
+
+class Context:
+    """What nodes live in; it is valid from `init` until `shutdown`."""
+
+    def __init__(self) -> None:
+        self._is_valid = False
+        self._was_used = False
+        self._callbacks: list[Any] = []
+        self._arguments = Arguments()
+        self._domain_id = 0
+
+    @property
+    def is_valid(self) -> bool:
+        """Whether the context lives; asking for it moves no clock."""
+        return self._is_valid
+
+    @property
+    def arguments(self) -> Arguments:
+        """What the command line says to all nodes of the context."""
+        return self._arguments
+
+    def init(
+        self,
+        args: Sequence[str] | None = None,
+        *,
+        initialize_logging: bool = True,
+        domain_id: int | None = None,
+    ) -> None:
+        """Begin; `args` is a command line, by default the program's own.
+
+        Raises:
+            RuntimeError: it has begun already, or the command line is malformed.
+        """
+        if domain_id is not None and domain_id < 0:
+            raise RuntimeError(
+                f"Domain id ({domain_id}) should not be lower than zero or negative."
+            )
+        if self._is_valid:
+            raise RuntimeError("Context.init() must only be called once")
+        self._domain_id = domain_id or 0
+        self._arguments = parse_arguments(current().argv if args is None else args)
+        self._is_valid = True
+        for name, level in self._arguments.log_levels:
+            from .logging import set_logger_level
+
+            set_logger_level(name, level)
+
+    def ok(self) -> bool:
+        """Tell whether the context lives."""
+        current().scheduler.touch()
+        return self._is_valid
+
+    def shutdown(self) -> None:
+        """End: everything that waits goes on.
+
+        Raises:
+            RuntimeError: it has not begun, or has ended already.
+        """
+        if not self._is_valid:
+            raise RuntimeError("Context must be initialized before it can be shutdown")
+        self._end()
+
+    def try_shutdown(self) -> None:
+        """End, where it has begun and not ended."""
+        if self._is_valid:
+            self._end()
+
+    def on_shutdown(self, callback: Callable[[], None]) -> None:
+        """Call `callback` at the end; a method without keeping its object alive.
+
+        Raises:
+            TypeError: it cannot be called.
+        """
+        if not callable(callback):
+            raise TypeError("callback should be a callable")
+        kept: Any = WeakMethod(callback) if isinstance(callback, MethodType) else callback
+        self._callbacks.append(kept)
+
+    def get_domain_id(self) -> int:
+        """Return the domain.
+
+        Raises:
+            RuntimeError: the context has not begun.
+        """
+        if not self._is_valid:
+            raise RuntimeError("Context is not initialized")
+        return self._domain_id
+
+    def _end(self) -> None:
+        self._is_valid = False
+        callbacks, self._callbacks = self._callbacks, []
+        for kept in callbacks:
+            callback = kept() if isinstance(kept, WeakMethod) else kept
+            if callback is not None:
+                callback()
+
+    def __enter__(self) -> Context:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.try_shutdown()

@@ -1,0 +1,41 @@
+"""Guard conditions: callbacks that the program itself asks for."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+from ._entity import Call, Entity
+from .callback_groups import CallbackGroup
+
+
+class GuardCondition(Entity):
+    """Calls back once for each time that it was triggered; made by `create_guard_condition`."""
+
+    def __init__(
+        self, node: Any, callback: Callable[..., Any] | None, callback_group: CallbackGroup
+    ) -> None:
+        super().__init__(node, callback_group)
+        self.callback = callback
+        self._is_triggered = False
+
+    def trigger(self) -> None:
+        """Have the callback called."""
+        self._is_triggered = True
+
+    def _is_ready(self) -> bool:
+        return self._is_triggered
+
+    def _take(self, executor: Any) -> Call | None:
+        self._is_triggered = False
+
+        async def call() -> None:
+            if self.callback is None:
+                return
+            if inspect.iscoroutinefunction(self.callback):
+                await self.callback()
+            else:
+                self.callback()
+
+        return call

@@ -1,0 +1,1 @@
+"""What rclpy keeps inside; programs import parts of it all the same."""

@@ -1,0 +1,5 @@
+"""Loggers."""
+
+from rclpy._logger import RcutilsLogger
+
+__all__ = ["RcutilsLogger"]

@@ -1,0 +1,176 @@
+"""Parameters of nodes."""
+
+from __future__ import annotations
+
+import array
+from enum import Enum
+from typing import Any
+
+from rcl_interfaces.msg import Parameter as ParameterMsg
+from rcl_interfaces.msg import ParameterType, ParameterValue
+
+from ._arguments import read_yaml
+
+PARAMETER_SEPARATOR_STRING = "."
+
+_SCALARS: tuple[tuple[type, str], ...] = (
+    (bool, "BOOL"),
+    (int, "INTEGER"),
+    (float, "DOUBLE"),
+    (str, "STRING"),
+)
+_ELEMENTS: tuple[tuple[type, str], ...] = (
+    (bytes, "BYTE_ARRAY"),
+    (bool, "BOOL_ARRAY"),
+    (int, "INTEGER_ARRAY"),
+    (float, "DOUBLE_ARRAY"),
+    (str, "STRING_ARRAY"),
+)
+_FIELDS = {
+    "BOOL": "bool_value",
+    "INTEGER": "integer_value",
+    "DOUBLE": "double_value",
+    "STRING": "string_value",
+    "BYTE_ARRAY": "byte_array_value",
+    "BOOL_ARRAY": "bool_array_value",
+    "INTEGER_ARRAY": "integer_array_value",
+    "DOUBLE_ARRAY": "double_array_value",
+    "STRING_ARRAY": "string_array_value",
+}
+
+
+class _Type(Enum):
+    """The types that a parameter can have."""
+
+    NOT_SET = ParameterType.PARAMETER_NOT_SET
+    BOOL = ParameterType.PARAMETER_BOOL
+    INTEGER = ParameterType.PARAMETER_INTEGER
+    DOUBLE = ParameterType.PARAMETER_DOUBLE
+    STRING = ParameterType.PARAMETER_STRING
+    BYTE_ARRAY = ParameterType.PARAMETER_BYTE_ARRAY
+    BOOL_ARRAY = ParameterType.PARAMETER_BOOL_ARRAY
+    INTEGER_ARRAY = ParameterType.PARAMETER_INTEGER_ARRAY
+    DOUBLE_ARRAY = ParameterType.PARAMETER_DOUBLE_ARRAY
+    STRING_ARRAY = ParameterType.PARAMETER_STRING_ARRAY
+
+    @classmethod
+    def from_parameter_value(cls, parameter_value: Any) -> _Type:
+        """Return the type of a value.
+
+        Raises:
+            TypeError: no parameter can have it.
+        """
+        if parameter_value is None:
+            return cls.NOT_SET
+        for kind, name in _SCALARS:
+            if isinstance(parameter_value, kind):
+                return cls[name]
+        if not isinstance(parameter_value, list | tuple | array.array):
+            raise TypeError(f"The given value is not one of the allowed types '{parameter_value}'.")
+        for kind, name in _ELEMENTS:
+            if all(isinstance(item, kind) for item in parameter_value):
+                return cls[name]
+        raise TypeError(
+            f"The given value is not a list of one of the allowed types '{parameter_value}'."
+        )
+
+    def check(self, parameter_value: Any) -> bool:
+        """Tell whether a value is of the type."""
+        if self is _Type.NOT_SET:
+            return parameter_value is None
+        for kind, name in _SCALARS:
+            if self.name == name:
+                return isinstance(parameter_value, kind)
+        element = next(kind for kind, name in _ELEMENTS if self.name == name)
+        return isinstance(parameter_value, list | tuple | array.array) and all(
+            isinstance(item, element) for item in parameter_value
+        )
+
+
+_Type.__name__, _Type.__qualname__ = "Type", "Parameter.Type"
+
+
+class Parameter:
+    """A name, a type and a value.
+
+    Raises:
+        TypeError: `type_` is none, or the value of no type that a parameter can have.
+        ValueError: type and value do not agree.
+    """
+
+    Type = _Type
+
+    def __init__(self, name: str, type_: _Type | None = None, value: Any = None) -> None:
+        if type_ is None:
+            type_ = Parameter.Type.from_parameter_value(value)
+        if not isinstance(type_, Parameter.Type):
+            raise TypeError(f"type must be an instance of '{Parameter.Type!r}'")
+        if not type_.check(value):
+            raise ValueError(f"Type '{type_}' and value '{value}' do not agree")
+        self._type_ = type_
+        self._name = name
+        self._value = value
+
+    @classmethod
+    def from_parameter_msg(cls, param_msg: Any) -> Parameter:
+        """Return the parameter of a rcl_interfaces/Parameter."""
+        type_ = Parameter.Type(param_msg.value.type)
+        value = parameter_value_to_python(param_msg.value)
+        return cls(param_msg.name, type_, value)
+
+    @property
+    def name(self) -> str:
+        """The name."""
+        return self._name
+
+    @property
+    def type_(self) -> _Type:
+        """The type."""
+        return self._type_
+
+    @property
+    def value(self) -> Any:
+        """The value; None of a parameter that is not set."""
+        return self._value
+
+    def get_parameter_value(self) -> Any:
+        """Return the value as a rcl_interfaces/ParameterValue."""
+        made = ParameterValue(type=self.type_.value)
+        if self.type_ is not Parameter.Type.NOT_SET:
+            setattr(made, _FIELDS[self.type_.name], self.value)
+        return made
+
+    def to_parameter_msg(self) -> Any:
+        """Return the parameter as a rcl_interfaces/Parameter."""
+        return ParameterMsg(name=self.name, value=self.get_parameter_value())
+
+    def __repr__(self) -> str:
+        return f"Parameter(name={self.name!r}, type_={self.type_}, value={self.value!r})"
+
+
+def get_parameter_value(string_value: str) -> Any:
+    """Return what a YAML text stands for as a rcl_interfaces/ParameterValue."""
+    value = read_yaml(string_value)
+    try:
+        type_ = Parameter.Type.from_parameter_value(value)
+    except TypeError:
+        type_ = Parameter.Type.NOT_SET
+    if type_ is Parameter.Type.NOT_SET:
+        type_, value = Parameter.Type.STRING, string_value
+    return Parameter("value", type_, value).get_parameter_value()
+
+
+def parameter_value_to_python(parameter_value: Any) -> Any:
+    """Return the value of a rcl_interfaces/ParameterValue; None where it is not set.
+
+    Raises:
+        RuntimeError: its type is none.
+    """
+    try:
+        type_ = Parameter.Type(parameter_value.type)
+    except ValueError as error:
+        raise RuntimeError(f"unexpected parameter type {parameter_value.type}") from error
+    if type_ is Parameter.Type.NOT_SET:
+        return None
+    value = getattr(parameter_value, _FIELDS[type_.name])
+    return list(value) if type_.name.endswith("ARRAY") else value

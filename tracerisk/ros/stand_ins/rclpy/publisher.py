@@ -1,0 +1,107 @@
+"""Publishers."""
+
+from __future__ import annotations
+
+from collections import deque
+from types import TracebackType
+from typing import Any
+
+from tracerisk.ros.messages2 import copy_message
+
+from ._run import run
+from .callback_groups import CallbackGroup
+from .duration import Duration
+from .exceptions import InvalidHandle
+from .qos import QoSProfile
+
+
+class Publisher:
+    """Sends messages of one type to a topic; made by `Node.create_publisher`."""
+
+    def __init__(
+        self,
+        node: Any,
+        msg_type: Any,
+        topic: str,
+        qos_profile: QoSProfile,
+        event_callbacks: Any,
+        callback_group: CallbackGroup,
+    ) -> None:
+        self.msg_type = msg_type
+        self.qos_profile = qos_profile
+        self.event_callbacks = event_callbacks
+        self.callback_group = callback_group
+        self.event_handlers: list[Any] = []
+        self._node = node
+        self._history: deque[Any] = deque(maxlen=qos_profile.kept)
+        self._publication = run().graph.advertise(
+            topic,
+            msg_type._ros_type,
+            node=node.get_fully_qualified_name(),
+            # Each receiver has a message of its own, as one that came over a wire.
+            copy=lambda message: message,
+            on_connect=self._send_history,
+        )
+
+    @property
+    def topic(self) -> str:
+        """The topic's name."""
+        return self.topic_name
+
+    @property
+    def topic_name(self) -> str:
+        """The topic's name."""
+        return self._publication.topic
+
+    def publish(self, msg: Any) -> None:
+        """Send a message.
+
+        Raises:
+            TypeError: it is of another class.
+            AssertionError: a field holds what does not fit.
+            InvalidHandle: the publisher was destroyed.
+        """
+        if self._publication.closed:
+            raise InvalidHandle("cannot use Destroyable because destruction was requested")
+        if not isinstance(msg, self.msg_type):
+            raise TypeError(f"Expected {self.msg_type}, got {type(msg)}")
+        sent = copy_message(msg)
+        if self.qos_profile.is_latching:
+            self._history.append(sent)
+        self._publication.publish(sent)
+
+    def get_subscription_count(self) -> int:
+        """Return how many subscriptions it reaches."""
+        run().scheduler.touch()
+        return len(self._publication.subscriptions)
+
+    def assert_liveliness(self) -> None:
+        """Say that the publisher lives; nobody asks."""
+
+    def wait_for_all_acked(self, timeout: Duration | None = None) -> bool:
+        """Tell that every message has arrived, as it has."""
+        return True
+
+    def destroy(self) -> None:
+        """Leave the topic."""
+        self._publication.close()
+
+    def _send_history(self, subscription: Any) -> None:
+        # Late comers get what was sent, if they ask for it; the twin's own always do.
+        receiver = getattr(subscription.deliver, "__self__", None)
+        asked = getattr(receiver, "qos_profile", None)
+        if asked is not None and not asked.is_latching:
+            return
+        for message in self._history:
+            subscription.deliver(message, self._publication)
+
+    def __enter__(self) -> Publisher:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.destroy()

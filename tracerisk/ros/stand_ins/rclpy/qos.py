@@ -1,0 +1,292 @@
+"""Quality of service: how many messages are kept, and who gets those sent before it came."""
+
+from __future__ import annotations
+
+from enum import Enum, IntEnum
+from typing import Any
+
+from .duration import Duration, Infinite
+
+__all__ = [
+    "DurabilityPolicy",
+    "HistoryPolicy",
+    "InvalidQoSProfileException",
+    "LivelinessPolicy",
+    "QoSCompatibility",
+    "QoSDurabilityPolicy",
+    "QoSHistoryPolicy",
+    "QoSLivelinessPolicy",
+    "QoSPolicyEnum",
+    "QoSPresetProfiles",
+    "QoSProfile",
+    "QoSReliabilityPolicy",
+    "ReliabilityPolicy",
+    "qos_check_compatible",
+    "qos_profile_action_status_default",
+    "qos_profile_parameter_events",
+    "qos_profile_parameters",
+    "qos_profile_sensor_data",
+    "qos_profile_services_default",
+    "qos_profile_system_default",
+    "qos_profile_unknown",
+]
+
+
+class InvalidQoSProfileException(Exception):
+    """A profile says too little: it has neither a history nor a depth."""
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__("Invalid QoSProfile", *args)
+
+
+class QoSPolicyEnum(IntEnum):
+    """Base of the policies; their short names are `system_default` and the like."""
+
+    @classmethod
+    def short_keys(cls) -> list[str]:
+        """Return the names of the policies, in lower case."""
+        return [each.name.lower() for each in cls]
+
+    @classmethod
+    def get_from_short_key(cls, name: str) -> Any:
+        """Return the policy of a short name."""
+        return cls[name.upper()]
+
+    @property
+    def short_key(self) -> str:
+        """The name of the policy in lower case."""
+        return self.name.lower()
+
+
+class HistoryPolicy(QoSPolicyEnum):
+    """Which messages are kept."""
+
+    SYSTEM_DEFAULT = 0
+    KEEP_LAST = 1
+    KEEP_ALL = 2
+    UNKNOWN = 3
+
+
+class ReliabilityPolicy(QoSPolicyEnum):
+    """Whether each message must arrive."""
+
+    SYSTEM_DEFAULT = 0
+    RELIABLE = 1
+    BEST_EFFORT = 2
+    UNKNOWN = 3
+    BEST_AVAILABLE = 4
+
+
+class DurabilityPolicy(QoSPolicyEnum):
+    """Whether those who come late get what was sent before."""
+
+    SYSTEM_DEFAULT = 0
+    TRANSIENT_LOCAL = 1
+    VOLATILE = 2
+    UNKNOWN = 3
+    BEST_AVAILABLE = 4
+
+
+class LivelinessPolicy(QoSPolicyEnum):
+    """Who says that a publisher lives."""
+
+    SYSTEM_DEFAULT = 0
+    AUTOMATIC = 1
+    MANUAL_BY_TOPIC = 3
+    UNKNOWN = 4
+    BEST_AVAILABLE = 5
+
+
+# The names before ROS 2 Galactic, and their values with the policy's name in front.
+class _Older:
+    def __init__(self, policy: type[QoSPolicyEnum], prefix: str) -> None:
+        self._policy, self._prefix = policy, prefix
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._policy, name.removeprefix(self._prefix))
+
+    def __call__(self, value: Any) -> Any:
+        return self._policy(value)
+
+
+QoSHistoryPolicy: Any = _Older(HistoryPolicy, "RMW_QOS_POLICY_HISTORY_")
+QoSReliabilityPolicy: Any = _Older(ReliabilityPolicy, "RMW_QOS_POLICY_RELIABILITY_")
+QoSDurabilityPolicy: Any = _Older(DurabilityPolicy, "RMW_QOS_POLICY_DURABILITY_")
+QoSLivelinessPolicy: Any = _Older(LivelinessPolicy, "RMW_QOS_POLICY_LIVELINESS_")
+
+_DEFAULTS: dict[str, Any] = {
+    "history": HistoryPolicy.SYSTEM_DEFAULT,
+    "depth": 0,
+    "reliability": ReliabilityPolicy.RELIABLE,
+    "durability": DurabilityPolicy.VOLATILE,
+    "lifespan": Duration(),
+    "deadline": Duration(),
+    "liveliness": LivelinessPolicy.SYSTEM_DEFAULT,
+    "liveliness_lease_duration": Duration(),
+    "avoid_ros_namespace_conventions": False,
+}
+_KINDS: dict[str, Any] = {
+    "history": HistoryPolicy,
+    "reliability": ReliabilityPolicy,
+    "durability": DurabilityPolicy,
+    "liveliness": LivelinessPolicy,
+}
+
+
+class QoSProfile:
+    """The policies of an endpoint, by keyword; a `depth` alone means KEEP_LAST.
+
+    Raises:
+        InvalidQoSProfileException: neither history nor depth is given.
+        AssertionError: a keyword is no policy, or a value of the wrong type.
+    """
+
+    __slots__ = tuple(f"_{name}" for name in _DEFAULTS)
+
+    history: HistoryPolicy
+    depth: int
+    reliability: ReliabilityPolicy
+    durability: DurabilityPolicy
+
+    def __init__(self, **kwargs: Any) -> None:
+        unknown = sorted(set(kwargs) - set(_DEFAULTS))
+        if unknown:
+            raise AssertionError(f"Invalid arguments passed to constructor: {', '.join(unknown)}")
+        if "history" not in kwargs:
+            if "depth" not in kwargs:
+                raise InvalidQoSProfileException("History and/or depth settings are required.")
+            kwargs["history"] = HistoryPolicy.KEEP_LAST
+        if kwargs["history"] == HistoryPolicy.KEEP_LAST and "depth" not in kwargs:
+            raise InvalidQoSProfileException("History set to KEEP_LAST without a depth setting.")
+        for name, default in _DEFAULTS.items():
+            setattr(self, name, kwargs.get(name, default))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, QoSProfile):
+            return False
+        return all(getattr(self, name) == getattr(other, name) for name in _DEFAULTS)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{name}={getattr(self, name)}" for name in _DEFAULTS)
+        return f"{type(self).__name__}({told})"
+
+    @property
+    def is_latching(self) -> bool:
+        """Whether late comers get what was sent before."""
+        return self.durability == DurabilityPolicy.TRANSIENT_LOCAL
+
+    @property
+    def kept(self) -> int | None:
+        """How many messages are kept; None means all of them."""
+        if self.history == HistoryPolicy.KEEP_ALL:
+            return None
+        return max(1, self.depth) if self.history == HistoryPolicy.KEEP_LAST else 10
+
+
+def _accessor(name: str) -> property:
+    slot = f"_{name}"
+
+    def read(profile: Any) -> Any:
+        return getattr(profile, slot)
+
+    def write(profile: Any, value: Any) -> None:
+        kind = _KINDS.get(name)
+        if kind is not None:
+            value = kind(value)
+        elif isinstance(_DEFAULTS[name], Duration):
+            _assert(isinstance(value, Duration), name)
+        elif name == "depth":
+            _assert(isinstance(value, int) and not isinstance(value, bool) and value >= 0, name)
+        else:
+            _assert(isinstance(value, bool), name)
+        setattr(profile, slot, value)
+
+    return property(read, write, doc=f"The policy '{name}'.")
+
+
+def _assert(holds: bool, name: str) -> None:
+    if not holds:
+        raise AssertionError(f"the value of '{name}' is of the wrong type or out of range")
+
+
+for _name in _DEFAULTS:
+    setattr(QoSProfile, _name, _accessor(_name))
+
+
+class QoSCompatibility(IntEnum):
+    """Whether two profiles fit."""
+
+    OK = 0
+    WARNING = 1
+    ERROR = 2
+
+
+def qos_check_compatible(
+    publisher_qos: QoSProfile, subscription_qos: QoSProfile
+) -> tuple[QoSCompatibility, str]:
+    """Tell whether a subscription gets what a publisher sends, and why it does not."""
+    reasons = []
+    if (
+        publisher_qos.reliability == ReliabilityPolicy.BEST_EFFORT
+        and subscription_qos.reliability == ReliabilityPolicy.RELIABLE
+    ):
+        reasons.append("ERROR: Best effort publisher and reliable subscription;")
+    if (
+        publisher_qos.durability == DurabilityPolicy.VOLATILE
+        and subscription_qos.durability == DurabilityPolicy.TRANSIENT_LOCAL
+    ):
+        reasons.append("ERROR: Volatile publisher and transient local subscription;")
+    return (QoSCompatibility.ERROR if reasons else QoSCompatibility.OK), "".join(reasons)
+
+
+qos_profile_unknown = QoSProfile(
+    history=HistoryPolicy.UNKNOWN,
+    depth=0,
+    reliability=ReliabilityPolicy.UNKNOWN,
+    durability=DurabilityPolicy.UNKNOWN,
+    liveliness=LivelinessPolicy.UNKNOWN,
+)
+qos_profile_default = QoSProfile(depth=10)
+qos_profile_system_default = QoSProfile(
+    history=HistoryPolicy.SYSTEM_DEFAULT,
+    depth=0,
+    reliability=ReliabilityPolicy.SYSTEM_DEFAULT,
+    durability=DurabilityPolicy.SYSTEM_DEFAULT,
+)
+qos_profile_sensor_data = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+qos_profile_services_default = QoSProfile(depth=10)
+qos_profile_parameters = QoSProfile(depth=1000)
+qos_profile_parameter_events = QoSProfile(depth=1000)
+qos_profile_action_status_default = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+qos_profile_rosout_default = QoSProfile(
+    depth=1000,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+    lifespan=Duration(seconds=10),
+)
+DURATION_INFINITE = Infinite
+
+
+class QoSPresetProfiles(Enum):
+    """The profiles with names."""
+
+    UNKNOWN = qos_profile_unknown
+    DEFAULT = qos_profile_default
+    SYSTEM_DEFAULT = qos_profile_system_default
+    SENSOR_DATA = qos_profile_sensor_data
+    SERVICES_DEFAULT = qos_profile_services_default
+    PARAMETERS = qos_profile_parameters
+    PARAMETER_EVENTS = qos_profile_parameter_events
+    ACTION_STATUS_DEFAULT = qos_profile_action_status_default
+    ROSOUT_DEFAULT = qos_profile_rosout_default
+
+    @classmethod
+    def short_keys(cls) -> list[str]:
+        """Return the names of the profiles, in lower case."""
+        return [each.name.lower() for each in cls]
+
+    @classmethod
+    def get_from_short_key(cls, name: str) -> QoSProfile:
+        """Return the profile of a short name."""
+        return cls[name.upper()].value

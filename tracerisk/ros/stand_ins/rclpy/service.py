@@ -1,0 +1,93 @@
+"""Services: callbacks that answer requests."""
+
+from __future__ import annotations
+
+import inspect
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+from tracerisk.ros.messages2 import copy_message
+
+from ._entity import Call, Entity
+from ._run import run
+from .callback_groups import CallbackGroup
+from .qos import QoSProfile
+
+
+class Service(Entity):
+    """Answers requests of one type; made by `Node.create_service`."""
+
+    _root_kind = "service"
+
+    def __init__(
+        self,
+        node: Any,
+        srv_type: Any,
+        srv_name: str,
+        callback: Callable[[Any, Any], Any],
+        callback_group: CallbackGroup,
+        qos_profile: QoSProfile,
+    ) -> None:
+        super().__init__(node, callback_group)
+        self.srv_type = srv_type
+        self.srv_name = srv_name
+        self.callback = callback
+        self.qos_profile = qos_profile
+        self._queue: deque[tuple[Any, Callable[[Any], None]]] = deque()
+        self._server = run().graph.serve(
+            srv_name,
+            srv_type._ros_type,
+            self._serve,
+            node=node.get_fully_qualified_name(),
+        )
+
+    @property
+    def service_name(self) -> str:
+        """The service's name."""
+        return self.srv_name
+
+    def send_response(self, response: Any, header: Callable[[Any], None]) -> None:
+        """Send a response to who asked.
+
+        Raises:
+            TypeError: the response is of another class.
+        """
+        if not isinstance(response, self.srv_type.Response):
+            raise TypeError(f"Expected {self.srv_type.Response}, got {type(response)}")
+        header(copy_message(response))
+
+    def destroy(self) -> None:
+        """Stop serving."""
+        super().destroy()
+        self._server.close()
+
+    def _enqueue(self, request: Any, reply: Callable[[Any], None]) -> None:
+        self._queue.append((request, reply))
+
+    def _serve(self, request: Any) -> Any:
+        # For a caller that is no client of rclpy: it waits for the executor of the node.
+        answers: list[Any] = []
+        self._enqueue(request, answers.append)
+        run().scheduler.wait_until(
+            lambda: bool(answers),
+            reason=f"something that spins the node of service {self.srv_name}",
+            kind="unmet",
+        )
+        return answers[0]
+
+    def _is_ready(self) -> bool:
+        return bool(self._queue)
+
+    def _take(self, executor: Any) -> Call | None:
+        if not self._queue:
+            return None
+        request, reply = self._queue.popleft()
+
+        async def call() -> None:
+            response = self.callback(request, self.srv_type.Response())
+            if inspect.isawaitable(response):
+                response = await response
+            self.send_response(response, reply)
+
+        return call

@@ -1,0 +1,27 @@
+"""Signal handlers: a simulated run gets no signals, so that there is none to install."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class SignalHandlerOptions(IntEnum):
+    """Which signals end the contexts."""
+
+    NO = 0
+    SIGINT = 1
+    SIGTERM = 2
+    ALL = 3
+
+
+def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions.ALL) -> None:
+    """Take the options; Ctrl-C ends the run itself."""
+
+
+def uninstall_signal_handlers() -> None:
+    """Do nothing: none is installed."""
+
+
+def get_current_signal_handlers_options() -> SignalHandlerOptions:
+    """Return which signals end the contexts."""
+    return SignalHandlerOptions.NO

@@ -1,0 +1,151 @@
+"""Subscriptions."""
+
+from __future__ import annotations
+
+import inspect
+from collections import deque
+from collections.abc import Callable
+from enum import Enum
+from typing import Any
+
+from tracerisk.ros.messages2 import copy_message
+from tracerisk.ros.virtual_clock import EPOCH_NS
+
+from ._entity import Call, Entity
+from ._run import run
+from .callback_groups import CallbackGroup
+from .qos import QoSCompatibility, QoSProfile, qos_check_compatible
+
+
+class Subscription(Entity):
+    """Receives messages of one type from a topic; made by `Node.create_subscription`.
+
+    Messages wait in a queue as long as the profile's depth until an executor takes them.
+    """
+
+    class CallbackType(Enum):
+        """What the callback is given."""
+
+        MessageOnly = 0
+        WithMessageInfo = 1
+
+    def __init__(
+        self,
+        node: Any,
+        msg_type: Any,
+        topic: str,
+        callback: Callable[..., Any],
+        callback_group: CallbackGroup,
+        qos_profile: QoSProfile,
+        raw: bool,
+        event_callbacks: Any,
+    ) -> None:
+        super().__init__(node, callback_group)
+        self.msg_type = msg_type
+        self.qos_profile = qos_profile
+        self.raw = raw
+        self.event_callbacks = event_callbacks
+        self.event_handlers: list[Any] = []
+        self.callback = callback
+        self._queue: deque[tuple[Any, dict[str, Any]]] = deque(maxlen=qos_profile.kept)
+        self._refused: set[str] = set()
+        self._received = 0
+        self._topic = topic
+        self._subscription = run().graph.subscribe(
+            topic,
+            msg_type._ros_type,
+            self._deliver,
+            node=node.get_fully_qualified_name(),
+        )
+
+    @property
+    def callback(self) -> Callable[..., Any]:
+        """What is called with each message."""
+        return self._callback
+
+    @callback.setter
+    def callback(self, value: Callable[..., Any]) -> None:
+        self._callback = value
+        self._callback_type = self.CallbackType.MessageOnly
+        try:
+            inspect.signature(value).bind(object())
+        except TypeError:
+            try:
+                inspect.signature(value).bind(object(), object())
+            except TypeError:
+                raise RuntimeError(
+                    "Subscription.__init__(): callback should be either be callable with one "
+                    "argument(to get only the message) or two (to get message and message info)"
+                ) from None
+            self._callback_type = self.CallbackType.WithMessageInfo
+        except ValueError:
+            # A function of C tells no signature; it takes the message.
+            return
+
+    @property
+    def topic(self) -> str:
+        """The topic's name."""
+        return self.topic_name
+
+    @property
+    def topic_name(self) -> str:
+        """The topic's name."""
+        return self._topic
+
+    def get_publisher_count(self) -> int:
+        """Return how many publishers it hears."""
+        run().scheduler.touch()
+        return len(self._subscription.publications)
+
+    def destroy(self) -> None:
+        """Leave the topic, and drop what waits."""
+        super().destroy()
+        self._subscription.close()
+        self._queue.clear()
+
+    def _deliver(self, message: Any, publication: Any) -> None:
+        sender = getattr(publication.on_connect, "__self__", None)
+        offered = getattr(sender, "qos_profile", None)
+        if offered is not None and not self._fits(offered, publication):
+            return
+        self._received += 1
+        now_ns = EPOCH_NS + run().scheduler.now_ns
+        info = {
+            "source_timestamp": now_ns,
+            "received_timestamp": now_ns,
+            "publication_sequence_number": publication.sent,
+            "reception_sequence_number": self._received,
+        }
+        self._queue.append((message, info))
+
+    def _fits(self, offered: QoSProfile, publication: Any) -> bool:
+        compatible, reason = qos_check_compatible(offered, self.qos_profile)
+        if compatible is not QoSCompatibility.ERROR:
+            return True
+        if publication.node not in self._refused:
+            self._refused.add(publication.node)
+            policy = "RELIABILITY" if "Best effort" in reason else "DURABILITY"
+            self._node.get_logger().warning(
+                f"New publisher discovered on topic '{self.topic_name}', offering incompatible "
+                f"QoS. No messages will be received from it. Last incompatible policy: {policy}"
+            )
+        return False
+
+    def _is_ready(self) -> bool:
+        return bool(self._queue)
+
+    def _take(self, executor: Any) -> Call | None:
+        if not self._queue:
+            return None
+        message, info = self._queue.popleft()
+        arguments = [copy_message(message)]
+        if self._callback_type is self.CallbackType.WithMessageInfo:
+            arguments.append(info)
+
+        async def call() -> None:
+            if inspect.iscoroutinefunction(self._callback):
+                await self._callback(*arguments)
+            else:
+                self._callback(*arguments)
+
+        return call

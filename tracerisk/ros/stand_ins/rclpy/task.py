@@ -1,0 +1,184 @@
+"""Futures, and the tasks that an executor runs."""
+
+from __future__ import annotations
+
+import inspect
+import warnings
+from collections.abc import Callable, Generator
+from contextlib import nullcontext
+from typing import Any
+
+from ._run import run
+
+
+class Future:
+    """What somebody will know later: a result, or an exception.
+
+    `waits_for` says what completes it; who waits for what nothing provides is in a deadlock.
+    """
+
+    def __init__(self, *, executor: Any = None, waits_for: str | None = None) -> None:
+        self._done = False
+        self._cancelled = False
+        self._result: Any = None
+        self._exception: BaseException | None = None
+        self._callbacks: list[Callable[[Any], Any]] = []
+        self._executor = executor
+        self._waits_for = waits_for
+
+    def __await__(self) -> Generator[Any, None, Any]:
+        while not self._done:
+            yield self
+        return self.result()
+
+    def cancel(self) -> None:
+        """Ask for the end of what runs, if it is not done."""
+        if not self._done:
+            self._cancelled = True
+        self._call_back()
+
+    def cancelled(self) -> bool:
+        """Tell whether the future was cancelled."""
+        return self._cancelled
+
+    def done(self) -> bool:
+        """Tell whether the future is complete."""
+        if not self._done:
+            # A loop that polls would else stop the time that it waits for.
+            run().scheduler.touch()
+        return self._done
+
+    def result(self) -> Any:
+        """Return the result, None where there is none yet.
+
+        Raises:
+            BaseException: what was set as the exception.
+        """
+        if self._exception is not None:
+            raise self._exception
+        return self._result
+
+    def exception(self) -> BaseException | None:
+        """Return the exception, if one was set."""
+        return self._exception
+
+    def set_result(self, result: Any) -> None:
+        """Complete the future."""
+        self._result = result
+        self._done, self._cancelled = True, False
+        self._call_back()
+
+    def set_exception(self, exception: BaseException) -> None:
+        """Complete the future with an exception, which `result` raises."""
+        self._exception = exception
+        self._done, self._cancelled = True, False
+        self._call_back()
+
+    def add_done_callback(self, callback: Callable[[Any], Any]) -> None:
+        """Call `callback` with the future when it is complete: at once if it is."""
+        if not self._done:
+            self._callbacks.append(callback)
+        elif self._executor is not None:
+            self._executor._create_done_task(callback, self)
+        else:
+            callback(self)
+
+    def _set_executor(self, executor: Any) -> None:
+        self._executor = executor
+
+    def _call_back(self) -> None:
+        callbacks, self._callbacks = self._callbacks, []
+        for callback in callbacks:
+            if self._executor is not None:
+                self._executor._create_done_task(callback, self)
+                continue
+            tracer = run().tracer
+            root: Any = nullcontext() if tracer is None else tracer.root("done_callback")
+            try:
+                with root:
+                    callback(self)
+            except Exception as error:  # noqa: BLE001 - the controller's; the others still run
+                warnings.warn(f"Unhandled exception in done callback: {error}", stacklevel=2)
+
+    @property
+    def _awaited(self) -> str | None:
+        """What completes the future, where somebody outside has to."""
+        return self._waits_for
+
+
+class Task(Future):
+    """A function or a coroutine that an executor runs, step by step.
+
+    `stack` is the context manager within which each step runs: it is a root of its own, or goes
+    on with the stack of who created the task.
+    """
+
+    def __init__(
+        self,
+        handler: Any,
+        args: Any = None,
+        kwargs: Any = None,
+        executor: Any = None,
+        *,
+        stack: Any = None,
+    ) -> None:
+        super().__init__(executor=executor)
+        self._args = tuple(args or ())
+        self._kwargs = dict(kwargs or {})
+        self._handler = handler
+        self._stack = nullcontext() if stack is None else stack
+        self._executing = False
+        self._is_submitted = False
+        self._waits_on: Any = None
+        if inspect.iscoroutinefunction(handler):
+            with self._stack:
+                self._handler = handler(*self._args, **self._kwargs)
+
+    def __call__(self) -> None:
+        """Run the function, or the coroutine until it waits."""
+        if self._done or self._executing:
+            return
+        self._executing = True
+        try:
+            with self._stack:
+                if inspect.iscoroutine(self._handler):
+                    self._waits_on = self._handler.send(None)
+                    return
+                result = self._handler(*self._args, **self._kwargs)
+        except StopIteration as stop:
+            self._complete(stop.value, None)
+        except Exception as error:  # noqa: BLE001 - kept for who asks for the result
+            self._complete(None, error)
+        else:
+            self._complete(result, None)
+        finally:
+            self._executing = False
+
+    def executing(self) -> bool:
+        """Tell whether a step runs."""
+        return self._executing
+
+    def cancel(self) -> None:
+        """Run no further step."""
+        if not self._done and inspect.iscoroutine(self._handler) and not self._executing:
+            self._handler.close()
+        super().cancel()
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether a step can run: nothing that the task waits for is still to come."""
+        if self._done or self._executing or self._is_submitted or self._cancelled:
+            return False
+        waits_on = self._waits_on
+        return waits_on._done if isinstance(waits_on, Future) else True
+
+    def _complete(self, result: Any, error: Exception | None) -> None:
+        self._handler = None
+        if error is not None:
+            self.set_exception(error)
+        else:
+            self.set_result(result)
+
+    @property
+    def _awaited(self) -> str | None:
+        return self._waits_on._awaited if isinstance(self._waits_on, Future) else None

@@ -1,0 +1,166 @@
+"""Timers and rates, in simulated time."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+from ._entity import Call, Entity
+from ._run import run
+from .callback_groups import CallbackGroup
+from .clock import Clock
+from .context import Context
+from .exceptions import InvalidHandle, ROSInterruptException
+
+
+class Timer(Entity):
+    """Calls back every period; made by `Node.create_timer`."""
+
+    _root_kind = "timer"
+
+    def __init__(
+        self,
+        node: Any,
+        callback: Callable[..., Any] | None,
+        callback_group: CallbackGroup,
+        timer_period_ns: int,
+        clock: Clock,
+        *,
+        context: Context | None = None,
+        autostart: bool = True,
+    ) -> None:
+        super().__init__(node, callback_group)
+        self.callback = callback
+        self._clock = clock
+        self._period_ns = int(timer_period_ns)
+        self._last_ns = self._now_ns()
+        self._due_ns: int | None = self._last_ns + self._period_ns if autostart else None
+
+    @property
+    def clock(self) -> Clock:
+        """The clock that the timer counts by."""
+        return self._clock
+
+    @property
+    def timer_period_ns(self) -> int:
+        """The period [ns]; a new one counts from the next call on."""
+        return self._period_ns
+
+    @timer_period_ns.setter
+    def timer_period_ns(self, value: int) -> None:
+        self._period_ns = int(value)
+
+    def is_ready(self) -> bool:
+        """Tell whether the timer is due."""
+        self._check()
+        run().scheduler.touch()
+        return self._is_ready()
+
+    def is_canceled(self) -> bool:
+        """Tell whether the timer was stopped."""
+        self._check()
+        return self._due_ns is None
+
+    def cancel(self) -> None:
+        """Stop, until `reset`."""
+        self._check()
+        self._due_ns = None
+
+    def reset(self) -> None:
+        """Begin a new period, also after `cancel`."""
+        self._check()
+        self._due_ns = self._now_ns() + self._period_ns
+
+    def time_since_last_call(self) -> int:
+        """Return how long ago the last call was [ns]."""
+        self._check()
+        return run().scheduler.read_clock() - self._last_ns
+
+    def time_until_next_call(self) -> int | None:
+        """Return how long it is until the next call [ns], None for a timer that was stopped."""
+        self._check()
+        return None if self._due_ns is None else self._due_ns - run().scheduler.read_clock()
+
+    def _check(self) -> None:
+        if self._is_destroyed:
+            raise InvalidHandle("cannot use Destroyable because destruction was requested")
+
+    @staticmethod
+    def _now_ns() -> int:
+        return run().scheduler.now_ns
+
+    def _is_ready(self) -> bool:
+        return self._due_ns is not None and self._due_ns <= self._now_ns()
+
+    def _take(self, executor: Any) -> Call | None:
+        if not self._is_ready() or self._due_ns is None:
+            return None
+        now_ns = self._now_ns()
+        self._last_ns = now_ns
+        following_ns = self._due_ns + self._period_ns
+        if following_ns < now_ns:
+            # Calls that were missed are left out; the beat stays.
+            behind_ns = now_ns - following_ns
+            period_ns = self._period_ns
+            following_ns += -(-behind_ns // period_ns) * period_ns if period_ns else behind_ns
+        self._due_ns = following_ns
+
+        async def call() -> None:
+            if self.callback is None:
+                return
+            if inspect.iscoroutinefunction(self.callback):
+                await self.callback()
+            else:
+                self.callback()
+
+        return call
+
+
+class Rate:
+    """Sleeps until the next beat of a timer; made by `Node.create_rate`.
+
+    The timer beats only while something spins the node in another thread.
+    """
+
+    def __init__(self, timer: Timer, *, context: Context) -> None:
+        self._timer = timer
+        self._is_shutdown = False
+        self._is_destroyed = False
+        self._beats = 0
+        timer.callback = self._beat
+        context.on_shutdown(self._on_shutdown)
+
+    def _beat(self) -> None:
+        self._beats += 1
+
+    def _on_shutdown(self) -> None:
+        self._is_shutdown = True
+        self.destroy()
+
+    def destroy(self) -> None:
+        """Wake who sleeps, and let nobody sleep any more."""
+        self._is_destroyed = True
+
+    def sleep(self) -> None:
+        """Sleep until the timer's next beat.
+
+        Raises:
+            ROSInterruptException: the context is shut down.
+            RuntimeError: the rate was destroyed.
+        """
+        if self._is_shutdown:
+            raise ROSInterruptException
+        if self._is_destroyed:
+            raise RuntimeError("Rate cannot sleep because it has been destroyed")
+        if self._timer._is_destroyed:
+            self.destroy()
+            raise InvalidHandle("Rate cannot sleep because the timer has been destroyed")
+        before = self._beats
+        run().scheduler.wait_until(
+            lambda: self._beats != before or self._is_destroyed,
+            reason="the timer of a rate, which beats only while something spins its node",
+            kind="unmet",
+        )
+        if self._is_shutdown:
+            raise ROSInterruptException
