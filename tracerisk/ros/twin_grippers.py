@@ -13,8 +13,8 @@ from tracerisk.twin.motion import PlanningError
 from tracerisk.twin.robot import Gripper, Robot
 
 GRIPPER_COMMAND = "control_msgs/GripperCommand"
-MOVE, GRASP = "franka_gripper/Move", "franka_gripper/Grasp"
-HOMING, STOP = "franka_gripper/Homing", "franka_gripper/Stop"
+FRANKA_PACKAGES = ("franka_gripper", "franka_msgs")
+"""Where Move, Grasp, Homing and Stop are defined: in ROS 1, and in ROS 2."""
 
 
 def gripper_of(robot: Robot, name: str) -> Gripper | None:
@@ -47,13 +47,13 @@ class GripperServer:
     @property
     def handlers(self) -> dict[str, Callable[[ActionGoal], None]]:
         """What is done with a goal of each type."""
-        return {
-            GRIPPER_COMMAND: self._gripper_command,
-            MOVE: self._move,
-            GRASP: self._grasp,
-            HOMING: self._homing,
-            STOP: self._stop,
+        named = {"Move": self._move, "Grasp": self._grasp, "Homing": self._homing}
+        franka = {
+            f"{package}/{name}": handler
+            for package in FRANKA_PACKAGES
+            for name, handler in {**named, "Stop": self._stop}.items()
         }
+        return {GRIPPER_COMMAND: self._gripper_command, **franka}
 
     def on_cancel(self, goal: ActionGoal) -> None:
         """Stop the fingers; the goal ends with their motion."""
@@ -69,7 +69,7 @@ class GripperServer:
         wanted = _first(command.position)
 
         def end(motion: Motion, gripper: Gripper) -> None:
-            result = self._messages.part(GRIPPER_COMMAND, "Result")
+            result = self._messages.part(goal.client.type_name, "Result")
             result.position, result.effort = self._measured(gripper)
             result.stalled = motion.stalled
             result.reached_goal = motion.outcome == "succeeded" and not motion.stalled
@@ -78,7 +78,7 @@ class GripperServer:
         self._start(goal, wanted, effort, end)
 
     def _move(self, goal: ActionGoal) -> None:
-        self._start(goal, goal.message.width / 2, None, self._told(goal, MOVE))
+        self._start(goal, goal.message.width / 2, None, self._told(goal))
 
     def _grasp(self, goal: ActionGoal) -> None:
         asked = goal.message
@@ -87,20 +87,20 @@ class GripperServer:
             width = 2 * self._measured(gripper)[0]
             inner, outer = asked.epsilon.inner, asked.epsilon.outer
             is_good = asked.width - inner <= width <= asked.width + outer
-            result = self._messages.part(GRASP, "Result")
+            result = self._messages.part(goal.client.type_name, "Result")
             result.success = motion.outcome == "succeeded" and is_good
             if not is_good:
                 result.error = f"the fingers stopped at a width of {width:.4f} m"
             self._end(goal, motion, result, is_good=is_good)
 
         # The fingers close until they hold something, then press with the force.
-        self._start(goal, 0.0, asked.force or None, end)
+        gripper = gripper_of(self._commands.twin.robot, goal.client.name)
+        closed = 0.0 if gripper is None else gripper.least
+        self._start(goal, closed, asked.force or None, end)
 
     def _homing(self, goal: ActionGoal) -> None:
         gripper = gripper_of(self._commands.twin.robot, goal.client.name)
-        self._start(
-            goal, 0.0 if gripper is None else gripper.opening, None, self._told(goal, HOMING)
-        )
+        self._start(goal, 0.0 if gripper is None else gripper.opening, None, self._told(goal))
 
     def _stop(self, goal: ActionGoal) -> None:
         gripper = self._gripper(goal)
@@ -109,14 +109,14 @@ class GripperServer:
         goal.accept()
         self._commands.twin.stop(gripper.joints)
         self._commands.poll()
-        result = self._messages.part(STOP, "Result")
+        result = self._messages.part(goal.client.type_name, "Result")
         result.success = True
         goal.succeed(result)
 
-    def _told(self, goal: ActionGoal, kind: str) -> Callable[[Motion, Gripper], None]:
+    def _told(self, goal: ActionGoal) -> Callable[[Motion, Gripper], None]:
         def end(motion: Motion, gripper: Gripper) -> None:
             del gripper
-            result = self._messages.part(kind, "Result")
+            result = self._messages.part(goal.client.type_name, "Result")
             result.success = motion.outcome == "succeeded" and not motion.stalled
             result.error = "" if result.success else motion.message or motion.outcome
             self._end(goal, motion, result, is_good=bool(result.success))
@@ -135,7 +135,7 @@ class GripperServer:
             return
         goal.accept()
         # A servo pushes on where the fingers cannot go: beyond their range is its end.
-        reachable = min(max(float(position), 0.0), gripper.opening)
+        reachable = min(max(float(position), gripper.least), gripper.opening)
         try:
             motion = self._commands.twin.move_gripper(gripper.name, reachable, max_effort=effort)
         except PlanningError as error:
@@ -171,10 +171,10 @@ class GripperServer:
             goal.abort(result, motion.message)
 
     def _measured(self, gripper: Gripper) -> tuple[float, float]:
-        """Return position and effort of one finger."""
+        """Return the gripper's position and the greatest effort of a finger."""
         state = self._commands.twin.joint_state()
         at = [state.names.index(name) for name in gripper.joints]
-        position = sum(state.position[i] for i in at) / len(at)
+        position = gripper.position({state.names[i]: state.position[i] for i in at})
         return position, max(abs(state.effort[i]) for i in at)
 
     def _tell(self, goal: ActionGoal, message: str) -> None:

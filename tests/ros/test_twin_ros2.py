@@ -1,0 +1,100 @@
+"""The twin's interfaces with message classes of ROS 2, whatever client library sends them."""
+
+from __future__ import annotations
+
+import pytest
+
+from tracerisk.ros.action_graph import Actions
+from tracerisk.ros.graph import Graph
+from tracerisk.ros.messages2 import Interfaces2, copy_message
+from tracerisk.ros.runtime import Runtime
+from tracerisk.ros.twin_interfaces import TwinInterfaces
+from tracerisk.ros.virtual_time import Scheduler
+from tracerisk.twin.robot import load_robot
+from tracerisk.twin.scene import load_scene
+from tracerisk.twin.twin import Twin
+
+SECOND = 1_000_000_000
+JOINTS = [f"panda_joint{i}" for i in range(1, 8)]
+READY = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
+
+
+@pytest.fixture
+def robot():
+    """A run on the Panda with ROS 2 messages: runtime, interfaces, and how to run a function."""
+    panda = load_robot("panda")
+    twin = Twin.build(panda, load_scene(panda.default_scene))
+    scheduler = Scheduler(twin, duration_ns=60 * SECOND)
+    interfaces = Interfaces2()
+    runtime = Runtime(scheduler, Graph(scheduler), twin)
+    TwinInterfaces(runtime, interfaces)
+    return runtime, interfaces, scheduler
+
+
+def trajectory(interfaces, seconds=1):
+    message = interfaces.message("trajectory_msgs/JointTrajectory")(joint_names=JOINTS)
+    point = interfaces.message("trajectory_msgs/JointTrajectoryPoint")(positions=READY)
+    point.time_from_start.sec = seconds
+    message.points = [point]
+    return message
+
+
+def pursue(robot, name, type_name, goal):
+    runtime, _, scheduler = robot
+    client = runtime.client(Actions).client(name, type_name, node="/n", copy=copy_message)
+    feedback = []
+
+    def main():
+        sent = client.send(goal, on_feedback=lambda _, each: feedback.append(copy_message(each)))
+        scheduler.wait_until(lambda: sent.state.is_terminal, reason="the result")
+        return sent
+
+    return scheduler.run_main(main), feedback
+
+
+def test_a_trajectory_is_followed(robot):
+    interfaces = robot[1]
+    kind = interfaces.action("control_msgs/FollowJointTrajectory")
+    goal = kind.Goal(trajectory=trajectory(interfaces))
+    sent, feedback = pursue(robot, "/arm/fjt", "control_msgs/FollowJointTrajectory", goal)
+    assert sent.state.ros2_status == 4
+    assert sent.result.error_code == kind.Result.SUCCESSFUL
+    assert list(feedback[5].joint_names) == JOINTS
+    assert feedback[5].header.stamp.sec > 0
+
+
+def test_a_gripper_is_driven(robot):
+    kind = robot[1].action("control_msgs/GripperCommand")
+    goal = kind.Goal()
+    goal.command.position = 0.02
+    sent, _ = pursue(robot, "/hand/gripper_cmd", "control_msgs/GripperCommand", goal)
+    assert sent.result.reached_goal
+    assert sent.result.position == pytest.approx(0.02, abs=0.001)
+
+
+def test_a_goal_with_unknown_joints_is_rejected(robot):
+    interfaces = robot[1]
+    goal = interfaces.action("control_msgs/FollowJointTrajectory").Goal()
+    goal.trajectory.joint_names = ["elbow"]
+    sent, _ = pursue(robot, "/arm/fjt", "control_msgs/FollowJointTrajectory", goal)
+    assert (sent.state.name, sent.result.error_code) == ("REJECTED", -2)
+
+
+def test_command_topics_move_the_joints(robot):
+    runtime, interfaces, scheduler = robot
+    many = interfaces.message("std_msgs/Float64MultiArray")
+
+    def main():
+        group = runtime.graph.advertise("/x/commands", "std_msgs/Float64MultiArray", node="/n")
+        group.publish(many(data=[0.1, *READY[1:]]))
+        scheduler.sleep(2 * SECOND)
+        first = runtime.twin.joint_state().position[0]
+        topic = "/arm_controller/joint_trajectory"
+        arm = runtime.graph.advertise(topic, "trajectory_msgs/JointTrajectory", node="/n")
+        arm.publish(trajectory(interfaces))
+        scheduler.sleep(2 * SECOND)
+        return first, runtime.twin.joint_state().position[0]
+
+    first, second = scheduler.run_main(main)
+    assert first == pytest.approx(0.1, abs=0.005)
+    assert second == pytest.approx(0.0, abs=0.005)
