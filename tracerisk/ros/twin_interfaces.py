@@ -18,6 +18,7 @@ from tracerisk.ros.twin_follow import FollowServer
 from tracerisk.ros.twin_grippers import GripperServer
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.ros.twin_moveit import EXECUTE_TRAJECTORY, MOVE_GROUP, MoveItInterfaces
+from tracerisk.ros.twin_moveit_scene import SceneInterfaces
 from tracerisk.ros.twin_set_points import SetPoints
 
 _NODE = "/robot_driver"
@@ -44,6 +45,7 @@ class TwinInterfaces:
                 self._types[name] = (handler, gripper.on_cancel)
         if runtime.recorder is not None:
             moveit = MoveItInterfaces(runtime, messages)
+            SceneInterfaces(runtime, messages)
             self._types[MOVE_GROUP] = (moveit.move_group, moveit.on_cancel)
             self._types[EXECUTE_TRAJECTORY] = (moveit.execute_trajectory, moveit.on_cancel)
         self._served: set[tuple[str, str]] = set()
