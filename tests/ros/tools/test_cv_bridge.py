@@ -71,8 +71,8 @@ def test_what_makes_no_sense_is_refused(within):
             bridge.cv2_to_imgmsg(array, "pink8")
         with pytest.raises(error, match="does not make sense"):
             bridge.imgmsg_to_cv2(bridge.cv2_to_imgmsg(array), "bgr8")
+        bayer = bridge.cv2_to_imgmsg(array[..., 0], "bayer_rggb8")
         with pytest.raises(error, match="raw pattern"):
-            bayer = bridge.cv2_to_imgmsg(array[..., 0], "bayer_rggb8")
             bridge.imgmsg_to_cv2(bayer, "bgr8")
         with pytest.raises(TypeError, match="not a numpy array"):
             bridge.cv2_to_imgmsg([[1]])

@@ -1,0 +1,36 @@
+"""Stand-in for rosnode: the nodes that publish, subscribe or serve."""
+
+from __future__ import annotations
+
+import rospy
+
+from tracerisk.ros.runtime import current
+
+__all__ = ["ROSNodeException", "ROSNodeIOException", "get_node_names", "rosnode_ping"]
+
+
+class ROSNodeException(Exception):
+    """Something is wrong with a node."""
+
+
+class ROSNodeIOException(ROSNodeException):
+    """The master or a node does not answer."""
+
+
+def get_node_names(namespace: str | None = None) -> list[str]:
+    """Return the names of the nodes, those of a namespace if one is given, sorted."""
+    graph = current().graph
+    names = {server.node for server in graph.services()}
+    for topic in graph.topic_names():
+        names.update(each.node for each in graph.publications(topic))
+        names.update(each.node for each in graph.subscriptions(topic))
+    names.add(rospy.get_name())
+    if namespace is None:
+        return sorted(names)
+    begin = "/" + namespace.strip("/")
+    return sorted(name for name in names if name == begin or name.startswith(f"{begin}/"))
+
+
+def rosnode_ping(node_name: str, max_count: int | None = None, verbose: bool = False) -> bool:
+    """Tell whether a node answers."""
+    return rospy.resolve_name(node_name) in get_node_names()
