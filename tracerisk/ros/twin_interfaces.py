@@ -11,6 +11,7 @@ from typing import Any
 
 from tracerisk.ros.action_graph import ActionChange, ActionGoal, Actions
 from tracerisk.ros.runtime import Runtime
+from tracerisk.ros.twin_action_topics import ActionTopics
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_controllers import ControllerManager
 from tracerisk.ros.twin_follow import TYPE as FOLLOW
@@ -51,6 +52,8 @@ class TwinInterfaces:
         self._served: set[tuple[str, str]] = set()
         self._actions.watch(self._on_action)
         SetPoints(runtime, commands)
+        if not hasattr(interfaces, "action"):
+            ActionTopics(runtime, messages)
         ControllerManager(runtime, messages)
 
     def _on_action(self, change: ActionChange, name: str, type_name: str) -> None:

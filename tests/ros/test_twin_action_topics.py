@@ -1,0 +1,43 @@
+"""Actions of ROS 1 by their topics alone."""
+
+from __future__ import annotations
+
+PROGRAM = """
+import rospy
+from actionlib_msgs.msg import GoalID, GoalStatusArray
+from control_msgs.msg import FollowJointTrajectoryActionGoal, FollowJointTrajectoryActionResult
+from trajectory_msgs.msg import JointTrajectoryPoint
+
+rospy.init_node("raw")
+results, states = [], []
+rospy.Subscriber("/arm/result", FollowJointTrajectoryActionResult, results.append)
+rospy.Subscriber("/arm/status", GoalStatusArray,
+                 lambda array: states.extend(each.status for each in array.status_list))
+goals = rospy.Publisher("/arm/goal", FollowJointTrajectoryActionGoal, queue_size=1)
+cancels = rospy.Publisher("/arm/cancel", GoalID, queue_size=1)
+
+def send(name):
+    message = FollowJointTrajectoryActionGoal()
+    message.goal_id.id = name
+    message.goal.trajectory.joint_names = ["panda_joint1"]
+    position = [0.3] if name == "there" else [0.0]
+    message.goal.trajectory.points = [
+        JointTrajectoryPoint(positions=position, time_from_start=rospy.Duration(1.0))]
+    goals.publish(message)
+
+send("there")
+rospy.sleep(2.0)
+send("back")
+rospy.sleep(0.3)
+cancels.publish(GoalID(id="back"))
+rospy.sleep(1.0)
+told = [(each.status.goal_id.id, each.status.status) for each in results]
+"""
+
+
+def test_a_goal_that_is_published_is_pursued_and_can_be_cancelled(run_on_twin):
+    ran = run_on_twin(PROGRAM)
+    assert ran["told"] == [("there", 3), ("back", 2)]
+    assert ran["states"] == [1, 3, 1, 6, 2]
+    assert ran.owners == ["send", "send"]
+    assert [each.outcome for each in ran.recording.commands] == ["succeeded", "preempted"]
