@@ -83,6 +83,7 @@ def _robots() -> str:
 
 def _of_controller(path: str) -> dict[str, str]:
     from tracerisk import pipeline
+    from tracerisk.pipeline.robot_choice import choose_robot
 
     controller = pipeline.load_controller(path)
     settings = pipeline.load_settings(controller)
@@ -94,10 +95,13 @@ def _of_controller(path: str) -> dict[str, str]:
             for field in dataclasses.fields(settings)
         ),
     }
-    why = "as the settings say" if settings.robot is not None else "by the controller's strings"
     try:
-        robot = pipeline.load_robot(controller, settings)
-        found["robot"] = f"{robot.name} ({why})"
+        choice = choose_robot(controller, settings)
+        robot = choice.robot
+        doubt = "; some figures are assumed" if robot.approximate else ""
+        found["robot"] = f"{robot.name} ({robot.chosen_by}{doubt})"
+        if choice.skipped:
+            found["robot files not taken"] = "; ".join(choice.skipped)
         found["scene"] = settings.scene or robot.default_scene or "none; give --scene"
         found["hardware"] = pipeline.load_hardware(settings, robot.name).file
     except TraceRiskError as error:

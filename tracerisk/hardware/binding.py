@@ -49,7 +49,7 @@ def bind(hardware: Hardware, elements: Sequence[Element]) -> tuple[BoundComponen
         elif logged is not None:
             if component.name in logged:
                 bound.append(BoundComponent(component, component.quantity or 1, (component.name,)))
-        else:
+        elif not _is_left_out(component, by_kind):
             bound.append(_bind_to_robot(component, by_kind))
     return tuple(bound)
 
@@ -64,6 +64,12 @@ def _check_logged(hardware: Hardware, logged: Sequence[str]) -> None:
             )
 
 
+def _is_left_out(component: Component, by_kind: dict[ElementKind, list[str]]) -> bool:
+    """Say whether a component is one that this robot need not have, and has not."""
+    optional = component.twin is not None and component.twin.optional
+    return optional and not by_kind.get("gripper")
+
+
 def _bind_to_robot(component: Component, by_kind: dict[ElementKind, list[str]]) -> BoundComponent:
     twin = component.twin
     if twin is None:
@@ -74,6 +80,8 @@ def _bind_to_robot(component: Component, by_kind: dict[ElementKind, list[str]]) 
         )
     if twin.gripper:
         grippers = by_kind.get("gripper", [])
+        if twin.optional and len(grippers) > 1:
+            return BoundComponent(component, len(grippers), tuple(grippers))
         if len(grippers) != 1:
             raise HardwareError(
                 f"component '{component.name}' is bound to the gripper, but the robot has "

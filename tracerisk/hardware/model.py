@@ -34,10 +34,14 @@ class FailureFigure:
 
 @dataclass(frozen=True, slots=True)
 class TwinBinding:
-    """Where the twin sees a component: joints by name (`"*"` for each of the arm), grippers."""
+    """Where the twin sees a component: joints by name (`"*"` for each of the arm), grippers.
+
+    An `optional` one stands for each gripper that the robot has, be it none.
+    """
 
     joints: tuple[str, ...] | Literal["*"] = ()
     gripper: bool = False
+    optional: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ _COMPONENT_KEYS = frozenset(
     {"quantity", "redundancy", "probability", "failure_rate", "twin", "active", "source"}
 )
 _FIGURE_KEYS = frozenset({"value", "per", "unit", "source"})
-_TWIN_KEYS = frozenset({"joints", "gripper"})
+_TWIN_KEYS = frozenset({"joints", "gripper", "optional"})
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.\-]*")
 _HOURS_PER_FIT = 1e9
 
@@ -141,10 +141,13 @@ def _twin(binding: YamlMap) -> TwinBinding:
             binding.location,
         )
     gripper = binding.boolean("gripper", default=False)
+    optional = binding.boolean("optional", default=False)
+    if optional and not gripper:
+        binding.fail("optional", "only a component of the gripper can be optional")
     if "joints" not in binding:
         if not gripper:
             binding.fail("gripper", "is false and no joints are named: the twin sees nothing")
-        return TwinBinding(gripper=True)
+        return TwinBinding(gripper=True, optional=optional)
     if gripper:
         binding.fail("gripper", "a component is seen by joints or by the gripper, not by both")
     if isinstance(binding.require("joints"), str):

@@ -11,6 +11,20 @@ from tracerisk.hardware.reader import read_hardware
 _FOLDER = Path(__file__).parent / "robots"
 
 
+GENERIC = "generic"
+"""The description, all assumed, of an arm for which none of its own is shipped."""
+
+
+def hardware_of(robot: str) -> Hardware:
+    """Return the description shipped for `robot`, else the generic one."""
+    return shipped_hardware(robot if is_shipped(robot) else GENERIC)
+
+
+def is_shipped(robot: str) -> bool:
+    """Say whether a description of its own is shipped for a robot."""
+    return robot != GENERIC and (_FOLDER / f"{robot}.yaml").is_file()
+
+
 def shipped_hardware(robot: str) -> Hardware:
     """Return the description shipped for `robot`; raise HardwareError if there is none."""
     path = _FOLDER / f"{robot}.yaml"

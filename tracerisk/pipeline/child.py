@@ -22,7 +22,7 @@ from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.controller_end import ControllerEnd
-from tracerisk.pipeline.run_files import EVENTS, STACKS, STARTED, RunRequest, WallTime
+from tracerisk.pipeline.run_files import EVENTS, ROBOT, STACKS, STARTED, RunRequest, WallTime
 from tracerisk.pipeline.scripted_input import scripted_input
 from tracerisk.pipeline.workspace import find_workspace
 from tracerisk.ros.finder import StandInFinder
@@ -36,7 +36,8 @@ from tracerisk.ros.twin_interfaces import TwinInterfaces
 from tracerisk.ros.twin_topics import TwinTopics
 from tracerisk.ros.version_choice import ros_version
 from tracerisk.ros.virtual_time import Scheduler
-from tracerisk.twin.robot import load_robot
+from tracerisk.twin.generic import with_assumed_names
+from tracerisk.twin.robot_file import read_dumped_robot
 from tracerisk.twin.samples import SampleWriter
 from tracerisk.twin.scene import load_scene
 from tracerisk.twin.twin import Twin
@@ -96,7 +97,11 @@ def _run_recorded(
     script, root = Path(request.controller), Path(request.root)
     # Bound before virtual time takes the place of the machine's.
     wall_clock = time.perf_counter
-    twin = Twin.build(load_robot(request.robot), load_scene(request.scene), samples=samples)
+    robot = with_assumed_names(
+        read_dumped_robot(folder / ROBOT),
+        lambda message: recorder.finding("assumed_name", message),
+    )
+    twin = Twin.build(robot, load_scene(request.scene), samples=samples)
     tracer = Tracer(recorder.function_ran)
     world = _Metered(twin, wall_clock)
     scheduler = Scheduler(

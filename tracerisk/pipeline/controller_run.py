@@ -20,7 +20,7 @@ from tracerisk.config import Settings
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.recording import Recording, read_recording
 from tracerisk.pipeline.left_running import RUN_MARK, end_left_running
-from tracerisk.pipeline.run_files import EVENTS, STACKS, STARTED, RunRequest
+from tracerisk.pipeline.run_files import EVENTS, ROBOT, STACKS, STARTED, RunRequest
 from tracerisk.pipeline.run_trace import make_trace
 from tracerisk.trace import RunEnd, Trace
 
@@ -47,6 +47,8 @@ def run_controller(
 
     Raises SourceError, RobotError or another error of the input when nothing could run.
     """
+    from tracerisk.twin.robot_file import dump_robot
+
     scene = settings.scene or robot.default_scene
     if scene is None:
         raise errors.RobotError(f"robot '{robot.name}' has no scene of its own; give --scene")
@@ -57,13 +59,13 @@ def run_controller(
             folder=str(folder),
             argv=given.argv,
             answers=given.answers,
-            robot=settings.robot or robot.name,
             scene=scene,
             duration_s=settings.duration_s,
             memory_limit_mb=settings.memory_limit_mb,
             seed=settings.seed,
             parent=os.getpid(),
         )
+        (folder / ROBOT).write_text(dump_robot(robot), encoding="utf-8")
         process_end = _run_child(request, folder, settings, progress)
         recording = _recording(folder)
         _raise_failure(recording)

@@ -11,6 +11,8 @@ EVENTS = "events.jsonl"
 """The recorder's events."""
 STACKS = "stacks.txt"
 """Where the child's threads stand, written when the parent asks."""
+ROBOT = "robot.json"
+"""The robot that the child simulates, whole: it need not look for it again."""
 STARTED = "started"
 """The note that says that all is built and the controller's own code begins."""
 _WALL_TIME = "wall_time.json"
@@ -25,7 +27,6 @@ class RunRequest:
     folder: str
     argv: tuple[str, ...]
     answers: tuple[str, ...]
-    robot: str
     scene: str
     duration_s: float
     memory_limit_mb: int

@@ -11,6 +11,7 @@ import numpy as np
 
 from tracerisk.config import Settings
 from tracerisk.errors import UnsafeRewriteError
+from tracerisk.hardware.shipped import is_shipped
 from tracerisk.instrument.call_graph import CallGraph, call_graph, uncovered
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
@@ -134,11 +135,15 @@ def _assumptions(
 ) -> tuple[str, ...]:
     lines = []
     if settings.robot is None:
-        lines.append(f"robot: {robot.name}, told by the names in the controller's strings")
+        lines.append(f"robot: {robot.name}, {robot.chosen_by}")
     if settings.scene is None:
         lines.append(f"scene: {scene}, the default of the robot")
     if robot.approximate:
-        lines.append(f"robot: the figures of {robot.name} are approximate")
+        lines.append(f"robot: the figures of {robot.name} are approximate: some are assumed")
+    if settings.hardware is None and not is_shipped(robot.name):
+        lines.append(
+            f"hardware: all figures are assumed, none are shipped for {robot.name}; give --hardware"
+        )
     answers = [note.data["answer"] for note in recording.notes if note.kind == "input"]
     if answers:
         scripted = sum(1 for answer in answers if answer)

@@ -22,7 +22,7 @@ from tracerisk.config import Settings, read_settings
 from tracerisk.errors import HardwareError, InputError, Location
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.model import Hardware
-from tracerisk.pipeline.controller import Controller, string_literals
+from tracerisk.pipeline.controller import Controller
 from tracerisk.pipeline.freshness import fingerprint, trace_summary
 from tracerisk.trace import FunctionRef, QualifiedName, Trace
 
@@ -106,28 +106,28 @@ def load_settings(controller: Controller, options: Mapping[str, Any] | None = No
 
 
 def load_robot(controller: Controller, settings: Settings) -> Robot:
-    """Return the robot of the settings, else the one of which the controller's strings speak.
+    """Return the robot that the controller drives; `Robot.chosen_by` says why it is this one.
 
-    Raises RobotError when it is unknown, or none or several fit.
+    It is that of the settings, else that of the controller's workspace, else the shipped one of
+    which the controller's strings speak, else a generic arm.
+    Raises RobotError when it is unknown, or several fit.
     """
-    from tracerisk.twin.detect import detect_robot
-    from tracerisk.twin.robot import load_robot as read_robot
+    from tracerisk.pipeline.robot_choice import choose_robot
 
-    if settings.robot is not None:
-        return read_robot(settings.robot)
-    return detect_robot(string_literals(controller))
+    return choose_robot(controller, settings).robot
 
 
 def load_hardware(settings: Settings, robot: str) -> Hardware:
     """Return the hardware description of the settings, else the one shipped for the robot.
 
-    Raises HardwareError when it is malformed, is that of another robot, or none is shipped.
+    A robot for which none is shipped has the generic one, whose figures are all assumed.
+    Raises HardwareError when it is malformed, or is that of another robot.
     """
     from tracerisk.hardware.reader import read_hardware
-    from tracerisk.hardware.shipped import shipped_hardware
+    from tracerisk.hardware.shipped import hardware_of
 
     if settings.hardware is None:
-        return shipped_hardware(robot)
+        return hardware_of(robot)
     hardware = read_hardware(Path(settings.hardware))
     if hardware.robot is not None and robot not in ("", hardware.robot):
         raise HardwareError(
@@ -168,9 +168,8 @@ def trace_controller(
     from tracerisk.pipeline.controller_run import run_controller
 
     robot = load_robot(controller, settings)
-    if settings.hardware is not None or _is_shipped(robot):
-        # What the robot has no place for is told before a minute is spent on simulation.
-        bind(load_hardware(settings, robot.name), robot.elements)
+    # What the robot has no place for is told before a minute is spent on simulation.
+    bind(load_hardware(settings, robot.name), robot.elements)
     return run_controller(
         controller, robot, settings, given=given or RunInput(), keep=keep, progress=progress
     )
@@ -349,9 +348,3 @@ def at_annotated_lines(trace: Trace, annotated: Annotated) -> Trace:
         uncovered=tuple(replace(u, line=line(u.ref, u.line)) for u in trace.uncovered),
         findings=tuple(replace(f, location=place(f.location)) for f in trace.findings),
     )
-
-
-def _is_shipped(robot: Robot) -> bool:
-    from tracerisk.twin.robot import robot_names
-
-    return robot.name in robot_names()

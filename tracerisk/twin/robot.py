@@ -143,6 +143,9 @@ class Robot:
 
     `named_states` maps group, then state, then joint to a position.
     `initial_state` gives the position of every joint when the run begins.
+    `approximate` says that figures are assumed; `assumes_names` that groups and states which the
+    controller asks for are assumed as well. `chosen_by` tells why it is this robot.
+    `disabled_collisions` are pairs of links that may touch, each pair in order.
     """
 
     name: str
@@ -162,6 +165,9 @@ class Robot:
     file: str
     approximate: bool = False
     aliases: tuple[str, ...] = field(default=())
+    disabled_collisions: frozenset[tuple[str, str]] = frozenset()
+    assumes_names: bool = False
+    chosen_by: str = ""
 
     @property
     def arm_joints(self) -> tuple[Joint, ...]:

@@ -1,0 +1,168 @@
+"""URDF and SRDF texts become robots that stand and move."""
+
+import math
+
+import pytest
+
+from tracerisk.errors import RobotError
+from tracerisk.twin.builder import compile_model
+from tracerisk.twin.robot_file import dump_robot, read_dumped_robot
+from tracerisk.twin.srdf import read_srdf
+from tracerisk.twin.urdf import ASSUMED_VELOCITY, read_urdf
+
+URDF = """<?xml version="1.0"?>
+<robot name="tiny">
+  <link name="world"/>
+  <link name="base"><visual><geometry><box size="0.2 0.2 0.1"/></geometry></visual></link>
+  <joint name="stand" type="fixed"><parent link="world"/><child link="base"/></joint>
+  <link name="wheel_left"/>
+  <joint name="wheel_left_joint" type="continuous">
+    <parent link="base"/><child link="wheel_left"/><axis xyz="0 1 0"/>
+  </joint>
+  <link name="upper">
+    <inertial><origin xyz="0 0 0.1" rpy="0 0 1.5707963"/><mass value="2"/>
+      <inertia ixx="0.02" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+    <visual><geometry><mesh filename="package://nowhere/upper.stl"/></geometry></visual>
+  </link>
+  <joint name="shoulder" type="revolute">
+    <origin xyz="0 0 0.1"/><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/>
+    <limit lower="-2" upper="2" effort="40" velocity="1.5"/>
+  </joint>
+  <link name="fore"><inertial><mass value="1"/>
+    <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="elbow" type="revolute">
+    <origin xyz="0 0 0.3"/><parent link="upper"/><child link="fore"/><axis xyz="0 1 0"/>
+    <limit lower="-1" upper="2" {elbow}/>
+  </joint>
+  <link name="tool"/>
+  <joint name="tool_joint" type="fixed">
+    <origin xyz="0 0 0.2"/><parent link="fore"/><child link="tool"/></joint>
+  <link name="left_finger"><inertial><mass value="0.02"/>
+    <inertia ixx="1e-5" iyy="1e-5" izz="1e-5" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="left_finger_joint" type="prismatic">
+    <parent link="tool"/><child link="left_finger"/><axis xyz="0 1 0"/>
+    <limit lower="0" upper="0.03" effort="15" velocity="0.1"/>
+  </joint>
+  <link name="right_finger"><inertial><mass value="0.02"/>
+    <inertia ixx="1e-5" iyy="1e-5" izz="1e-5" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="right_finger_joint" type="prismatic">
+    <parent link="tool"/><child link="right_finger"/><axis xyz="0 1 0"/>
+    <limit lower="-0.03" upper="0" effort="15" velocity="0.1"/>
+    <mimic joint="left_finger_joint" multiplier="-1"/>
+  </joint>
+</robot>
+"""
+RATED = URDF.replace("{elbow}", 'effort="20" velocity="2"')
+
+SRDF = """<robot name="tiny">
+  <group name="limb"><chain base_link="base" tip_link="tool"/></group>
+  <group name="claw"><joint name="left_finger_joint"/><joint name="right_finger_joint"/></group>
+  <group name="all"><group name="limb"/><group name="claw"/></group>
+  <group_state name="ready" group="limb">
+    <joint name="shoulder" value="0.4"/><joint name="elbow" value="9"/></group_state>
+  <group_state name="wide" group="claw"><joint name="left_finger_joint" value="0.03"/></group_state>
+  <end_effector name="hand" parent_link="tool" group="claw"/>
+  <disable_collisions link1="upper" link2="base" reason="Adjacent"/>
+</robot>
+"""
+
+
+def robot(text=RATED):
+    return read_urdf(text, "tiny.urdf", srdf=read_srdf(SRDF, "tiny.srdf"))
+
+
+def test_the_arm_is_read_and_can_be_simulated():
+    tiny = robot()
+    assert tiny.base_link == "base", "a frame below the base is left out"
+    assert [joint.name for joint in tiny.arm_joints] == ["shoulder", "elbow"], "wheels stand still"
+    assert tiny.joint("shoulder").torque_limit == 40.0
+    assert tiny.joint("shoulder").velocity_limit == 1.5
+    assert not tiny.approximate
+    model = compile_model(tiny)
+    assert model.njnt == 4
+
+
+def test_inertias_are_turned_into_the_axes_of_the_link():
+    upper = next(link for link in robot().links if link.name == "upper")
+    assert upper.inertia == pytest.approx((0.01, 0.02, 0.01, 0.0, 0.0, 0.0), abs=1e-6)
+    assert upper.centre_of_mass == (0.0, 0.0, 0.1)
+
+
+def test_a_mesh_is_drawn_as_a_capsule_to_the_next_joint():
+    upper = next(link for link in robot().links if link.name == "upper")
+    assert [shape.kind for shape in upper.shapes] == ["capsule"]
+    assert upper.shapes[0].size[1] == pytest.approx(0.15)
+
+
+def test_groups_states_and_collisions_are_those_of_the_srdf():
+    tiny = robot()
+    assert tiny.groups["limb"].joints == ("shoulder", "elbow")
+    assert tiny.groups["limb"].tip_link == "tool"
+    assert set(tiny.groups["all"].joints) >= {"shoulder", "elbow", "left_finger_joint"}
+    assert dict(tiny.named_state("limb", "ready")) == {"shoulder": 0.4, "elbow": 2.0}, "in limits"
+    assert tiny.disabled_collisions == {("base", "upper")}
+    with pytest.raises(RobotError, match="no named state 'redy'; did you mean 'ready'"):
+        tiny.named_state("limb", "redy")
+
+
+def test_fingers_make_a_gripper_that_moves_as_its_first_joint():
+    (gripper,) = robot().grippers
+    assert gripper.group == "claw"
+    assert gripper.joints == ("left_finger_joint", "right_finger_joint")
+    assert gripper.signs == (1, -1)
+    assert gripper.opening == 0.03
+    assert gripper.effort == 15.0
+    assert set(gripper.pads) == {"left_finger", "right_finger"}
+
+
+def test_figures_that_are_missing_are_assumed_and_the_robot_says_so():
+    tiny = robot(URDF.replace("{elbow}", ""))
+    assert tiny.approximate
+    elbow = tiny.joint("elbow")
+    assert elbow.velocity_limit == ASSUMED_VELOCITY["revolute"]
+    assert elbow.torque_limit >= 1.0
+
+
+def test_a_motor_too_weak_to_lift_its_arm_is_a_placeholder():
+    tiny = robot(URDF.replace("{elbow}", 'effort="20" velocity="2"').replace('"40"', '"0.1"'))
+    assert tiny.approximate
+    assert tiny.joint("shoulder").torque_limit > 2 * 9.81 * 0.1 + 9.81 * 0.3
+
+
+def test_without_an_srdf_the_arm_and_the_gripper_are_groups():
+    tiny = read_urdf(RATED, "tiny.urdf")
+    assert tiny.groups["arm"].joints == ("shoulder", "elbow")
+    assert tiny.groups["arm"].tip_link == "tool"
+    assert tiny.groups["gripper"].joints[0] == "left_finger_joint"
+
+
+def test_a_robot_survives_the_way_through_a_file(tmp_path):
+    path = tmp_path / "robot.json"
+    path.write_text(dump_robot(robot()), encoding="utf-8")
+    assert read_dumped_robot(path) == robot()
+
+
+def test_endless_joints_turn_at_will():
+    text = RATED.replace('name="elbow" type="revolute"', 'name="elbow" type="continuous"')
+    elbow = robot(text).joint("elbow")
+    assert (elbow.lower, elbow.upper) == (-2 * math.pi, 2 * math.pi)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("<robot><link", r"bad.urdf:1:\d+: is not XML"),
+        ('<!DOCTYPE x [<!ENTITY a "b">]><robot/>', "bad.urdf:1: declares a document type"),
+        ("<robot/>", "has no link"),
+        ("<robot>" + "<a>" * 300 + "</a>" * 300 + "</robot>", "deeper than 200"),
+        ('<robot><link name="a"/><link name="b"/></robot>', "2 links hang on nothing"),
+        ('<robot><link name="a"/></robot>', "no joint that moves"),
+        (RATED.replace('link="fore"/>', 'link="for"/>', 1), "no link 'for'; did you mean 'fore'"),
+        (RATED.replace('type="prismatic"', 'type="slides"'), "unknown joint type 'slides'"),
+        (RATED.replace('lower="-2"', 'lower="low"'), "attribute 'lower' is 'low'; give a number"),
+        ("<sdf/>", "is not the element <robot>"),
+    ],
+)
+def test_what_is_no_robot_is_told_with_its_place(text, message):
+    with pytest.raises(RobotError, match=message):
+        read_urdf(text, "bad.urdf")

@@ -1,0 +1,148 @@
+"""The robot of a controller's own workspace, and the generic arm where there is none."""
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+from tracerisk import pipeline
+from tracerisk.config import Settings
+from tracerisk.errors import RobotError
+from tracerisk.hardware.binding import bind
+from tracerisk.hardware.shipped import hardware_of
+from tracerisk.pipeline.robot_choice import choose_robot
+from tracerisk.twin.builder import compile_model
+from tracerisk.twin.generic import generic_arm, names_asked, with_assumed_names
+from tracerisk.twin.xacro_files import expand_xacro
+
+_texts = importlib.util.spec_from_file_location("texts", Path(__file__).parent / "test_urdf.py")
+texts = importlib.util.module_from_spec(_texts)
+_texts.loader.exec_module(texts)
+
+CONTROLLER = 'group = "limb"\nstate = "ready"\n'
+
+
+def workspace(tmp_path, source=CONTROLLER):
+    (tmp_path / ".git").mkdir()
+    for package in ("moves", "tiny_description"):
+        (tmp_path / package).mkdir()
+        (tmp_path / package / "package.xml").write_text(
+            f"<package><name>{package}</name></package>"
+        )
+    script = tmp_path / "moves" / "pick.py"
+    script.write_text(source)
+    return tmp_path / "tiny_description", script
+
+
+def chosen(script):
+    return choose_robot(pipeline.load_controller(script), Settings())
+
+
+def test_the_robot_beside_the_controller_is_taken_and_told(tmp_path):
+    folder, script = workspace(tmp_path)
+    (folder / "tiny.urdf").write_text(texts.RATED)
+    (folder / "tiny.srdf").write_text(texts.SRDF)
+    robot = chosen(script).robot
+    assert robot.name == "tiny"
+    assert "tiny.srdf with tiny.urdf in the workspace" in robot.chosen_by
+    assert "limb" in robot.chosen_by
+    assert not robot.assumes_names
+
+
+def test_of_two_robots_the_one_that_the_controller_names_is_taken(tmp_path):
+    folder, script = workspace(tmp_path, 'group = "other_limb"\n')
+    (folder / "a.urdf").write_text(texts.RATED)
+    (folder / "a.srdf").write_text(texts.SRDF)
+    (folder / "b.urdf").write_text(texts.RATED.replace('"tiny"', '"other"'))
+    (folder / "b.srdf").write_text(
+        texts.SRDF.replace('"tiny"', '"other"').replace('"limb"', '"other_limb"')
+    )
+    assert chosen(script).robot.name == "other"
+
+
+def test_xacro_finds_the_packages_of_the_workspace(tmp_path):
+    folder, script = workspace(tmp_path)
+    (folder / "parts.xacro").write_text(texts.RATED)
+    (folder / "tiny.urdf.xacro").write_text(
+        '<robot name="tiny" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+        '<xacro:include filename="$(find tiny_description)/parts.xacro"/></robot>'
+    )
+    text = expand_xacro(folder / "tiny.urdf.xacro", {"tiny_description": folder})
+    assert b'name="shoulder"' in text
+    (folder / "parts.xacro").rename(folder / "parts.txt")
+    (folder / "tiny.srdf").write_text(texts.SRDF)
+    choice = chosen(script)
+    assert choice.robot.name == "generic"
+    assert any("tiny.urdf.xacro: xacro cannot expand it" in each for each in choice.skipped)
+
+
+def test_a_broken_file_is_skipped_with_its_reason(tmp_path):
+    folder, script = workspace(tmp_path)
+    (folder / "tiny.srdf").write_text("<robot")
+    choice = chosen(script)
+    assert choice.robot.name == "generic"
+    assert choice.skipped[0].startswith("tiny.srdf: is not XML")
+
+
+def test_a_robot_without_groups_of_its_own_assumes_those_asked_for(tmp_path):
+    folder, script = workspace(tmp_path, 'joints = ["shoulder", "elbow"]\n')
+    (folder / "tiny.urdf").write_text(texts.RATED)
+    robot = chosen(script).robot
+    assert (robot.name, robot.assumes_names, robot.approximate) == ("tiny", True, True)
+
+
+def test_an_unknown_robot_is_the_generic_arm_with_the_joints_named(tmp_path):
+    _, script = workspace(tmp_path, 'joint_names = ["hip", "knee", "ankle"]\n')
+    robot = chosen(script).robot
+    assert [joint.name for joint in robot.arm_joints] == ["hip", "knee", "ankle"]
+    assert robot.approximate
+    assert "--robot" in robot.chosen_by
+    compile_model(robot)
+
+
+def test_the_generic_arm_tells_each_name_that_it_assumes_once():
+    told = []
+    robot = with_assumed_names(generic_arm(names_asked(b"")), told.append)
+    assert robot.group("manipulator").joints == robot.groups["arm"].joints
+    assert robot.group("left_hand").joints == robot.groups["gripper"].joints
+    first = dict(robot.named_state("manipulator", "over_the_table"))
+    assert first == dict(robot.named_state("manipulator", "over_the_table"))
+    assert first != dict(robot.named_state("manipulator", "behind"))
+    assert len(told) == 4
+    assert "over_the_table" in told[2]
+
+
+def test_a_robot_that_is_known_assumes_no_name():
+    tiny = texts.robot()
+    assert with_assumed_names(tiny, lambda _: None) is tiny
+    with pytest.raises(RobotError, match="no planning group 'lim'; did you mean 'limb'"):
+        tiny.group("lim")
+
+
+def test_generic_hardware_fits_a_robot_with_and_without_a_gripper():
+    tiny = texts.robot()
+    names = [bound.component.name for bound in bind(hardware_of("tiny"), tiny.elements)]
+    assert "gripper" in names
+    bare = [element for element in tiny.elements if element.kind == "joint"]
+    bound = bind(hardware_of("tiny"), bare)
+    assert [one.component.name for one in bound if one.elements] == ["electric_motor"]
+    assert bound[-1].quantity == 2
+
+
+def test_a_controller_of_an_unknown_robot_runs(tmp_path):
+    _, script = workspace(
+        tmp_path,
+        "import moveit_commander\n\n"
+        "def reach(group):\n"
+        '    group.set_named_target("up_there")\n'
+        "    group.go(wait=True)\n\n"
+        'reach(moveit_commander.MoveGroupCommander("some_arm"))\n',
+    )
+    controller = pipeline.load_controller(script)
+    trace = pipeline.trace_controller(controller, Settings())
+    assert [function.ref.name for function in trace.functions] == ["reach"]
+    messages = [finding.message for finding in trace.findings]
+    assert any("'some_arm' is assumed" in message for message in messages)
+    assert any("'up_there'" in message for message in messages)
+    assert any("approximate" in line for line in trace.assumptions)
+    assert any("hardware: all figures are assumed" in line for line in trace.assumptions)

@@ -1,0 +1,385 @@
+"""Find the robot of a controller's own workspace: its SRDF, and its URDF or xacro."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+
+from tracerisk.errors import RobotError, TraceRiskError
+from tracerisk.twin.robot import Joint, Robot, load_robot, robot_names
+from tracerisk.twin.srdf import Srdf, read_srdf
+from tracerisk.twin.urdf import read_urdf
+from tracerisk.twin.urdf_groups import groups_of, states_of
+from tracerisk.twin.urdf_tree import tree_of
+from tracerisk.twin.xacro_files import expand_xacro
+
+_MOST_FILES = 400
+_MOST_FOLDERS = 4000
+_DEEPEST = 8
+_MOST_BYTES = 4 * 1024 * 1024
+_MOST_EXPANDED = 8  # xacro files a controller; each costs up to a second
+_NOT_SEARCHED = frozenset(
+    {"build", "devel", "install", "log", "node_modules", "__pycache__", "venv"}
+)
+_MATCHES = 0.8  # the share of joint names that two robots of one make have in common
+_FITS = 0.6  # the share of an SRDF's names that its URDF must have
+_ROBOT_NAME = re.compile(r"<robot\b[^>]*\bname\s*=\s*[\"']([^\"']+)[\"']", re.DOTALL)
+_XACRO_ARGUMENT = re.compile(r"(\w+):=(\S+)")
+# What so many robots call a part of theirs says nothing about which one it is.
+_SAYS_NOTHING = frozenset({"world", "base", "base_link", "link", "tool0", "open", "close", "home"})
+
+
+@dataclass(frozen=True, slots=True)
+class WorkspaceRobot:
+    """What was found in a workspace: the robot and why it was taken, or `None`.
+
+    `skipped` are files that were looked at and not taken, each with its reason.
+    """
+
+    robot: Robot | None
+    reason: str
+    skipped: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _File:
+    path: Path
+    shown: str
+    text: bytes
+
+    @property
+    def words(self) -> frozenset[str]:
+        """The names in the text, as far as they can be seen before macros are expanded."""
+        names = re.findall(rb"name\s*=\s*[\"']([^\"'$]+)[\"']", self.text)
+        return frozenset(name.decode(errors="replace") for name in names)
+
+    @property
+    def robot_name(self) -> str:
+        found = _ROBOT_NAME.search(self.text.decode(errors="replace"))
+        return found[1] if found else ""
+
+    @property
+    def stem(self) -> str:
+        return self.path.name.split(".")[0]
+
+
+def find_workspace_robot(
+    roots: Iterable[Path], packages: Mapping[str, Path], strings: Iterable[str], script: Path
+) -> WorkspaceRobot:
+    """Return the robot of the SRDF, URDF and xacro files below the roots.
+
+    `packages` are the ROS packages that xacro files may find, `strings` those of the controller:
+    of several robots the one is taken whose names the controller uses most, then the one that is
+    nearest to the script. A robot of which the controller names nothing is taken only if it is
+    the only one.
+    """
+    search = _Search(tuple(roots), packages, strings, script)
+    return search.run()
+
+
+class _Search:
+    def __init__(
+        self,
+        roots: tuple[Path, ...],
+        packages: Mapping[str, Path],
+        strings: Iterable[str],
+        script: Path,
+    ) -> None:
+        self._packages = packages
+        self._words = _words(strings)
+        self._script = script.resolve()
+        self._skipped: list[str] = []
+        self._expanded = 0
+        files = [_read(path, roots) for path in _found(roots)]
+        self._files = [file for file in files if file is not None]
+
+    def run(self) -> WorkspaceRobot:
+        srdf_files = [file for file in self._files if ".srdf" in file.path.name]
+        urdf_files = [
+            file for file in self._files if ".srdf" not in file.path.name and b"<robot" in file.text
+        ]
+        for reader in (self._from_srdf, self._from_urdf):
+            found = reader(srdf_files, urdf_files)
+            if found is not None:
+                robot, reason = found
+                return WorkspaceRobot(robot, reason, tuple(self._skipped))
+        why = "no URDF or SRDF stands in the workspace"
+        if self._files:
+            why = "no URDF or SRDF of the workspace describes a robot that the controller speaks of"
+        return WorkspaceRobot(None, why, tuple(self._skipped))
+
+    def _from_srdf(
+        self, srdf_files: list[_File], urdf_files: list[_File]
+    ) -> tuple[Robot, str] | None:
+        read: list[tuple[_File, Srdf]] = []
+        for file in sorted(srdf_files, key=self._rank):
+            try:
+                text = self._text(file)
+                read.append((file, read_srdf(text, file.shown)))
+            except RobotError as error:
+                self._skip(file, error)
+        ranked = sorted(read, key=lambda each: self._srdf_rank(*each))
+        only = len({srdf.name for _, srdf in read}) == 1
+        for file, srdf in ranked:
+            speaks = sorted((srdf.words & self._words) - _SAYS_NOTHING)
+            if not speaks and not only:
+                self._skipped.append(f"{file.shown}: the controller names nothing of it")
+                continue
+            why = f"names {', '.join(speaks[:4])}" if speaks else "it is the only one"
+            found = self._urdf_for(file, srdf, urdf_files)
+            if found is not None:
+                robot, urdf = found
+                return robot, f"{file.shown} with {urdf.shown} in the workspace ({why})"
+            shipped = _shipped_like(srdf.words)
+            if shipped is not None:
+                completed = _with_srdf(shipped, srdf)
+                return (
+                    completed,
+                    f"{file.shown} in the workspace ({why}), the arm from {shipped.name}",
+                )
+            self._skipped.append(f"{file.shown}: no URDF or known robot has its joints")
+        return None
+
+    def _urdf_for(
+        self, file: _File, srdf: Srdf, urdf_files: list[_File]
+    ) -> tuple[Robot, _File] | None:
+        named, arguments = self._named_by_assistant(file)
+
+        def rank(urdf: _File) -> tuple[bool, bool, bool, int, int, str]:
+            return (
+                urdf.path != named,
+                srdf.name not in (urdf.robot_name, urdf.stem),
+                file.stem != urdf.stem,
+                -len(srdf.words & urdf.words),
+                _distance(file.path, urdf.path),
+                urdf.shown,
+            )
+
+        for urdf in sorted(urdf_files, key=rank):
+            is_near = urdf.path == named or srdf.name in (urdf.robot_name, urdf.stem)
+            if not is_near and not srdf.words & urdf.words:
+                continue
+            try:
+                text = self._text(urdf, arguments if urdf.path == named else None)
+                robot = read_urdf(text, urdf.shown, srdf=srdf)
+            except RobotError as error:
+                self._skip(urdf, error)
+                continue
+            has = {*robot.link_names, *(one.name for one in robot.attachments)}
+            asked = _parts(srdf)
+            if asked and len(asked & has) < _FITS * len(asked):
+                continue
+            if not any(group in robot.groups for group in (one.name for one in srdf.groups)):
+                continue
+            return _completed(robot), urdf
+        return None
+
+    def _named_by_assistant(self, file: _File) -> tuple[Path | None, dict[str, str]]:
+        """Return the file, with its arguments, from which MoveIt's assistant made an SRDF."""
+        for folder in list(file.path.parents)[:2]:
+            try:
+                text = (folder / ".setup_assistant").read_text(encoding="utf-8", errors="replace")
+            except OSError:
+                continue
+            package, relative, given = (
+                re.search(rf"^\s*{key}:[ \t]*(.*)$", text, re.MULTILINE)
+                for key in ("package", "relative_path", "xacro_args")
+            )
+            if package and relative:
+                place = self._packages.get(package[1].strip().strip("\"'"))
+                arguments = dict(_XACRO_ARGUMENT.findall(given[1])) if given else {}
+                if place is not None:
+                    return place / relative[1].strip().strip("\"'"), arguments
+        return None, {}
+
+    def _from_urdf(
+        self, _srdf_files: list[_File], urdf_files: list[_File]
+    ) -> tuple[Robot, str] | None:
+        only = len({file.robot_name for file in urdf_files}) == 1
+        for file in sorted(urdf_files, key=self._rank):
+            speaks = sorted((file.words & self._words) - _SAYS_NOTHING)
+            if not speaks and not only and not self._is_named(file):
+                continue
+            try:
+                robot = read_urdf(self._text(file), file.shown)
+            except RobotError as error:
+                self._skip(file, error)
+                continue
+            names = {one.name for one in robot.joints} | set(robot.link_names)
+            speaks = sorted((names & self._words) - _SAYS_NOTHING)
+            if not speaks and not only and not self._is_named(file):
+                continue
+            why = f"names {', '.join(speaks[:4])}" if speaks else "by its name"
+            return _named_as_ours(_completed(robot)), f"{file.shown} in the workspace ({why})"
+        return None
+
+    def _is_named(self, file: _File) -> bool:
+        return bool({file.robot_name, file.stem} & self._words)
+
+    def _srdf_rank(self, file: _File, srdf: Srdf) -> tuple[int, int, bool, int, str]:
+        speaks = (srdf.words & self._words) - _SAYS_NOTHING
+        loud = {group.name for group in srdf.groups} & speaks
+        return (
+            -len(loud),
+            -len(speaks),
+            not {srdf.name, file.stem} & self._words,
+            _distance(self._script, file.path),
+            file.shown,
+        )
+
+    def _rank(self, file: _File) -> tuple[int, bool, bool, int, str]:
+        return (
+            -len((file.words & self._words) - _SAYS_NOTHING),
+            not self._is_named(file),
+            file.path.name.endswith(".xacro"),
+            _distance(self._script, file.path),
+            file.shown,
+        )
+
+    def _text(self, file: _File, arguments: Mapping[str, str] | None = None) -> bytes:
+        is_macro = file.path.name.endswith(".xacro") or b"<xacro:" in file.text
+        if not is_macro:
+            return file.text
+        if self._expanded >= _MOST_EXPANDED:
+            raise RobotError(f"not looked at: {_MOST_EXPANDED} xacro files were expanded before it")
+        self._expanded += 1
+        return expand_xacro(file.path, self._packages, arguments=arguments, shown=file.shown)
+
+    def _skip(self, file: _File, error: TraceRiskError) -> None:
+        self._skipped.append(f"{file.shown}: {error.message}")
+
+
+def _found(roots: tuple[Path, ...]) -> Iterator[Path]:
+    """Yield the files that may describe a robot, nearer ones first, each folder's sorted."""
+    waiting = [(root.resolve(), 0) for root in roots]
+    seen: set[Path] = set()
+    count = 0
+    while waiting and len(seen) < _MOST_FOLDERS:
+        folder, depth = waiting.pop(0)
+        if folder in seen:
+            continue
+        seen.add(folder)
+        try:
+            with os.scandir(folder) as listed:
+                entries = sorted(listed, key=lambda entry: entry.name)
+        except OSError:
+            continue
+        for entry in entries:
+            name = entry.name
+            if entry.is_dir(follow_symlinks=False):
+                if depth < _DEEPEST and name not in _NOT_SEARCHED and not name.startswith("."):
+                    waiting.append((Path(entry.path), depth + 1))
+            elif name.endswith((".srdf", ".urdf", ".xacro")) and entry.is_file():
+                count += 1
+                if count > _MOST_FILES:
+                    return
+                yield Path(entry.path)
+
+
+def _read(path: Path, roots: tuple[Path, ...]) -> _File | None:
+    try:
+        if path.stat().st_size > _MOST_BYTES:
+            return None
+        text = path.read_bytes()
+    except OSError:
+        return None
+    top = next((root for root in roots if path.is_relative_to(root.resolve())), None)
+    shown = path.name if top is None else path.relative_to(top.resolve()).as_posix()
+    return _File(path, shown, text)
+
+
+def _words(strings: Iterable[str]) -> frozenset[str]:
+    words: set[str] = set()
+    for string in strings:
+        words.add(string)
+        words.update(part for part in re.split(r"[/\s,;:.]+", string) if part)
+    return frozenset(words)
+
+
+def _distance(one: Path, other: Path) -> int:
+    """Return how many folders lie between two files."""
+    shared = 0
+    for left, right in zip(one.parts, other.parts, strict=False):
+        if left != right:
+            break
+        shared += 1
+    return len(one.parts) + len(other.parts) - 2 * shared
+
+
+def _parts(srdf: Srdf) -> set[str]:
+    names: set[str] = set()
+    for group in srdf.groups:
+        names.update(group.joints, group.links, *group.chains)
+    return names
+
+
+def _shipped_like(names: Iterable[str]) -> Robot | None:
+    """Return the shipped robot that has most of its joints among the names."""
+    wanted = set(names)
+    best: tuple[float, Robot] | None = None
+    for name in robot_names():
+        robot = load_robot(name)
+        joints = {joint.name for joint in robot.arm_joints}
+        share = len(joints & wanted) / len(joints)
+        if share >= _MATCHES and (best is None or share > best[0]):
+            best = (share, robot)
+    return None if best is None else best[1]
+
+
+def _with_srdf(robot: Robot, srdf: Srdf) -> Robot:
+    """Return a shipped robot with the groups and states of an SRDF beside its own."""
+    joints = {joint.name: joint for joint in robot.joints}
+    groups = {**robot.groups, **groups_of(tree_of(robot), srdf)}
+    states = {**robot.named_states}
+    for group, found in states_of(srdf, groups, joints).items():
+        states[group] = MappingProxyType({**states.get(group, {}), **found})
+    return replace(robot, groups=MappingProxyType(groups), named_states=MappingProxyType(states))
+
+
+def _completed(robot: Robot) -> Robot:
+    """Return the robot with the rated figures of ours, where one has the same joints."""
+    like = _shipped_like(joint.name for joint in robot.arm_joints)
+    if like is None:
+        return robot
+    ours = {joint.name: joint for joint in like.arm_joints}
+    mine = {joint.name for joint in robot.arm_joints}
+    joints = tuple(
+        _rated(joint, ours[joint.name], robot.approximate)
+        if joint.name in ours and joint.name in mine and ours[joint.name].type == joint.type
+        else joint
+        for joint in robot.joints
+    )
+    return replace(robot, joints=joints)
+
+
+def _rated(joint: Joint, ours: Joint, assumed: bool) -> Joint:
+    """An URDF tells no acceleration, and where figures are assumed ours are better ones."""
+    if not assumed:
+        return replace(joint, acceleration_limit=ours.acceleration_limit)
+    return replace(
+        joint,
+        velocity_limit=ours.velocity_limit,
+        acceleration_limit=ours.acceleration_limit,
+        torque_limit=ours.torque_limit,
+        servo=ours.servo,
+    )
+
+
+def _named_as_ours(robot: Robot) -> Robot:
+    """Return a robot without an SRDF with the groups of ours, else one that assumes them."""
+    like = _shipped_like(joint.name for joint in robot.arm_joints)
+    if like is None:
+        return replace(robot, approximate=True, assumes_names=True)
+    joints = {joint.name: joint for joint in robot.joints}
+    groups, states = dict(robot.groups), dict(robot.named_states)
+    for name, group in like.groups.items():
+        if set(group.joints) <= joints.keys():
+            tip = group.tip_link if group.tip_link in robot.link_names else None
+            own = next((g for g in robot.groups.values() if g.joints == group.joints), None)
+            groups[name] = replace(group, tip_link=tip or (own.tip_link if own else None))
+            states.setdefault(name, like.named_states.get(name, {}))
+    return replace(robot, groups=MappingProxyType(groups), named_states=MappingProxyType(states))
