@@ -105,5 +105,5 @@ def test_shipped_panda_holds_the_published_figures():
 
 
 def test_robot_without_shipped_hardware_is_an_error_that_lists_those_with():
-    with pytest.raises(HardwareError, match="allowed: .*panda"):
+    with pytest.raises(HardwareError, match=r"allowed: .*panda"):
         shipped_hardware("r2d2")
