@@ -42,7 +42,7 @@ def choose_robot(controller: Controller, settings: Settings) -> RobotChoice:
     packages = _own_packages(controller.root)
     roots = (controller.root, *packages.values())
     found = find_workspace_robot(roots, packages, strings, controller.path)
-    if found.robot is not None:
+    if found.robot is not None and found.is_named:
         return RobotChoice(replace(found.robot, chosen_by=found.reason), found.skipped)
     try:
         robot = replace(
@@ -50,6 +50,8 @@ def choose_robot(controller: Controller, settings: Settings) -> RobotChoice:
             chosen_by="told by the names in the controller's strings",
         )
     except NoRobotNamedError:
+        if found.robot is not None:
+            return RobotChoice(replace(found.robot, chosen_by=found.reason), found.skipped)
         robot = replace(
             generic_arm(names_asked(controller.source)),
             chosen_by="a stand-in for the robot, which is not known: name it with --robot",

@@ -37,12 +37,14 @@ _SAYS_NOTHING = frozenset({"world", "base", "base_link", "link", "tool0", "open"
 class WorkspaceRobot:
     """What was found in a workspace: the robot and why it was taken, or `None`.
 
+    `is_named` says that the controller names a part of it, or the robot itself.
     `skipped` are files that were looked at and not taken, each with its reason.
     """
 
     robot: Robot | None
     reason: str
     skipped: tuple[str, ...] = ()
+    is_named: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +108,13 @@ class _Search:
             found = reader(srdf_files, urdf_files)
             if found is not None:
                 robot, reason = found
-                return WorkspaceRobot(robot, reason, tuple(self._skipped))
+                parts = {joint.name for joint in robot.joints} | {robot.name, *robot.link_names}
+                for group, states in robot.named_states.items():
+                    parts |= {group, *states}
+                is_named = bool((parts | set(robot.groups)) & self._words - _SAYS_NOTHING)
+                if robot.assumes_names:
+                    is_named = bool((parts - set(robot.groups)) & self._words - _SAYS_NOTHING)
+                return WorkspaceRobot(robot, reason, tuple(self._skipped), is_named)
         why = "no URDF or SRDF stands in the workspace"
         if self._files:
             why = "no URDF or SRDF of the workspace describes a robot that the controller speaks of"
