@@ -6,7 +6,8 @@ answered with MoveIt's error code and told as a finding of the run.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -15,6 +16,7 @@ import numpy as np
 from tracerisk.errors import RobotError, one_of
 from tracerisk.ros.planning_scene import PlanningScene
 from tracerisk.ros.poses import ORIGIN, compose, inverse
+from tracerisk.ros.scene_shapes import scene_body
 from tracerisk.ros.trajectory_execution import ErrorCode, TrajectoryExecution
 from tracerisk.twin.motion import JointTrajectory, PlanningError, PlanningFailure, Pose
 
@@ -36,6 +38,7 @@ _CODE_OF: Mapping[PlanningFailure, ErrorCode] = {
     "no_ik_solution": ErrorCode.PLANNING_FAILED,
     "no_plan": ErrorCode.PLANNING_FAILED,
     "collision": ErrorCode.GOAL_IN_COLLISION,
+    "start_in_collision": ErrorCode.START_STATE_IN_COLLISION,
     "bad_request": ErrorCode.INVALID_MOTION_PLAN,
 }
 
@@ -78,7 +81,7 @@ class MoveGroupServer:
         self._runtime = runtime
         self._twin: Twin = runtime.twin
         self.robot: Robot = runtime.twin.robot
-        self.scene = PlanningScene()
+        self.scene = PlanningScene(self._declare)
         self.execution = TrajectoryExecution(runtime)
         self.random = np.random.default_rng(runtime.seed)
 
@@ -126,6 +129,22 @@ class MoveGroupServer:
             for index, link in enumerate(self.robot.link_names)
             if link in moved or (link in way and index > first)
         )
+
+    def hand_links(self, tip: str) -> tuple[str, ...]:
+        """Return the links that move with a tip, and those beyond them: hand and fingers."""
+        hangs = {one.child: one for one in self.robot.attachments}
+        root = tip
+        while root in hangs and hangs[root].type == "fixed":
+            root = hangs[root].parent
+        found = {root}
+        for link in self.robot.link_names:
+            at, way = link, {link}
+            while at in hangs and at not in found:
+                at = hangs[at].parent
+                way.add(at)
+            if at in found:
+                found |= way
+        return tuple(link for link in self.robot.link_names if link in found)
 
     def default_target(self, name: str) -> dict[str, float]:
         """Return a new client's joint target: zero, or the middle where zero is out of limits."""
@@ -230,10 +249,12 @@ class MoveGroupServer:
         *,
         link: str,
         eef_step: float,
+        avoid_collisions: bool = True,
         start: Mapping[str, float] | None = None,
     ) -> tuple[Plan, float]:
         """Plan straight lines through `waypoints` at the rated speeds, as the service does.
 
+        With `avoid_collisions` the way ends before the first collision.
         Returns the plan and the fraction of the way that it covers; less than 1 is no failure
         here, the caller decides.
         """
@@ -244,6 +265,7 @@ class MoveGroupServer:
                 waypoints,
                 link=link,
                 eef_step=eef_step,
+                avoid_collisions=avoid_collisions,
                 start=start,
                 velocity_scaling=1.0,
                 acceleration_scaling=1.0,
@@ -319,6 +341,7 @@ class MoveGroupServer:
             seed=start,
             position_tolerance=tolerances[0],
             orientation_tolerance=tolerances[1],
+            avoid_collisions=True,
         )
 
     def _plan_joints(
@@ -343,6 +366,39 @@ class MoveGroupServer:
         return Plan(_CODE_OF[error.failure], None, error.message)
 
     # Objects
+
+    def _declare(self) -> None:
+        """Make the objects of the scene bodies of the twin; one that cannot be is told of."""
+        scene, bodies = self.scene, []
+        placed = [(item, None, ()) for item in scene.world.values()] + [
+            (one.object, one.link, one.touch_links) for one in scene.attached.values()
+        ]
+        for item, link, touch_links in placed:
+            try:
+                bodies.append(
+                    scene_body(
+                        item.name, item.pose, item.message, link=link, touch_links=touch_links
+                    )
+                )
+            except RobotError as error:
+                self.execution.tell(
+                    "planning_scene",
+                    f"object '{item.name}' is no body of the simulation: {error.message}",
+                )
+        try:
+            self._twin.declare([one for one in bodies if one.is_solid], scene.allowed)
+        except RobotError as error:
+            self.execution.tell("planning_scene", error.message)
+
+    @contextmanager
+    def touching(self, name: str, links: Iterable[str]) -> Iterator[None]:
+        """Let plans touch an object with some links for a while, as when it is picked."""
+        before = self.scene.allowed
+        self.scene.allow(before | {frozenset((name, link)) for link in links})
+        try:
+            yield
+        finally:
+            self.scene.allow(before)
 
     def attach(self, name: str, link: str, touch_links: Sequence[str]) -> bool:
         """Attach a known object of the world to a link; False where there is none."""

@@ -31,6 +31,7 @@ class ErrorCode(enum.IntEnum):
     INVALID_MOTION_PLAN = -2
     CONTROL_FAILED = -4
     PREEMPTED = -7
+    START_STATE_IN_COLLISION = -10
     GOAL_IN_COLLISION = -12
     INVALID_GROUP_NAME = -15
     INVALID_GOAL_CONSTRAINTS = -16
@@ -150,7 +151,8 @@ class TrajectoryExecution:
         gripper = self._gripper_of(trajectory.joints)
         if gripper is None:
             return self._twin.follow(trajectory)
-        finger = float(trajectory.position[-1].mean())
+        last = trajectory.position[-1].tolist()
+        finger = gripper.position(dict(zip(trajectory.joints, last, strict=True)))
         return self._twin.move_gripper(gripper.name, finger)
 
     def _gripper_of(self, joints: Sequence[str]) -> Gripper | None:

@@ -20,6 +20,7 @@ from tracerisk.twin.scene_body import SceneBody, add_body, body_name
 import mujoco  # isort: skip
 
 _TOUCH = 1e-3  # bodies that overlap less than this touch, they do not collide [m]
+_OVERSTATED = 0.03  # by which two links may overlap: their primitive shapes are thicker [m]
 _LINK, _BODY = 1, 2  # collision classes: links meet one another and bodies, bodies meet links
 
 Pair = frozenset[str]
@@ -28,7 +29,8 @@ Pair = frozenset[str]
 class CollisionWorld:
     """The robot among declared bodies; answers are the same for the same arguments.
 
-    `allowed` are pairs of names (links or bodies) that may touch beside those that do by build.
+    `allowed` are pairs of names (links or bodies) that may touch beside those that do by build;
+    a set of one name allows it to touch anything.
     Raises RobotError for a body on a link that the robot does not have.
     """
 
@@ -48,6 +50,8 @@ class CollisionWorld:
             names.get(self._model.body(i).name, self._model.body(i).name)
             for i in range(self._model.nbody)
         ]
+        links = set(robot.link_names)
+        self._is_link = [self._model.body(i).name in links for i in range(self._model.nbody)]
         self._body_of = np.array(self._model.geom_bodyid)
         self._address = {
             joint.name: int(self._model.joint(joint.name).qposadr[0]) for joint in robot.joints
@@ -81,11 +85,14 @@ class CollisionWorld:
         count = self._data.ncon
         if not count:
             return []
-        deep = np.flatnonzero(self._data.contact.dist[:count] < -_TOUCH)
-        found = []
-        for one, two in self._body_of[self._data.contact.geom[deep]]:
+        depth = -self._data.contact.dist[:count]
+        found: list[tuple[str, str]] = []
+        for index in np.flatnonzero(depth > _TOUCH):
+            one, two = self._body_of[self._data.contact.geom[index]]
+            if self._is_link[one] and self._is_link[two] and depth[index] < _OVERSTATED:
+                continue
             pair = (self._names[one], self._names[two])
-            if pair not in found and frozenset(pair) not in self._allowed:
+            if pair not in found and not self._may_touch(pair):
                 found.append(pair)
         return found
 
@@ -94,6 +101,11 @@ class CollisionWorld:
         links = self._robot.link_names
         return frozenset(
             frozenset(pair) for pair in self.pairs(configuration) if set(pair) <= set(links)
+        )
+
+    def _may_touch(self, pair: tuple[str, str]) -> bool:
+        return any(
+            allowed in self._allowed for allowed in map(frozenset, (pair, pair[:1], pair[1:]))
         )
 
     def _compiled(self, bodies: Sequence[SceneBody]) -> mujoco.MjModel:

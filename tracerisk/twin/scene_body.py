@@ -71,6 +71,11 @@ class SceneBody:
             )
 
     @property
+    def is_solid(self) -> bool:
+        """Whether the body has any shape at all."""
+        return bool(self.shapes or self.hulls or self.half_spaces)
+
+    @property
     def mass(self) -> float:
         """The mass assumed of the body where it is attached [kg]."""
         volume = sum(shape_volume(shape) for shape in self.shapes)

@@ -187,7 +187,9 @@ PICK = """
 arm.set_named_target("ready"); arm.go()
 top = arm.get_current_pose()
 top.pose.position.z -= 0.15
-scene.add_box("cup", top, size=(0.02, 0.02, 0.1))
+cup = copy.deepcopy(top)
+cup.pose.position.z -= 0.105  # between the pads when the flange is at `top`
+scene.add_box("cup", cup, size=(0.02, 0.02, 0.06))
 def posture(opening):
     message = moveit_msgs.msg.Grasp().grasp_posture
     message.joint_names = ["panda_finger_joint1", "panda_finger_joint2"]
@@ -212,7 +214,7 @@ grasp = moveit_msgs.msg.Grasp(
     pre_grasp_approach=along(-1.0, 0.1), post_grasp_retreat=along(1.0, 0.1))
 picked = arm.pick("cup", grasp)
 held = list(scene.get_attached_objects())
-goal = copy.deepcopy(top)
+goal = copy.deepcopy(cup)
 goal.pose.position.y += 0.1
 location = moveit_msgs.msg.PlaceLocation(
     place_pose=goal, pre_place_approach=along(-1.0, 0.1), post_place_retreat=along(1.0, 0.1))
@@ -261,9 +263,94 @@ def test_a_grasp_out_of_reach_gives_way_to_the_next(run):
         + """
 far = moveit_msgs.msg.Grasp(grasp_pose=copy.deepcopy(top))
 far.grasp_pose.pose.position.x = 4.0
-near = moveit_msgs.msg.Grasp(grasp_pose=top)
+near = moveit_msgs.msg.Grasp(grasp_pose=top, pre_grasp_posture=posture(0.03))
 code = arm.pick("cup", [far, near])
 """
     )
     assert ran["code"] == 1
     assert "picking 'cup' failed" in ran.findings[0]
+
+
+WALL = """
+wall = copy.deepcopy(place)
+wall.pose.position.x, wall.pose.position.y, wall.pose.position.z = 0.32, 0.0, 0.4
+"""
+
+
+def test_a_plan_leads_around_what_is_declared_and_a_goal_inside_it_fails(run):
+    """Goal in collision: -12 (moveit_msgs/MoveItErrorCodes)."""
+    ran = run(
+        SCENE
+        + WALL
+        + """
+aside = [-1.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
+across = [1.0] + aside[1:]
+arm.go(aside)
+straight = arm.plan(across)[1].joint_trajectory.points
+scene.add_box("wall", wall, size=(0.1, 0.1, 0.8))
+around = arm.plan(across)[1].joint_trajectory.points
+inside = arm.plan([0.0] + aside[1:])
+done = arm.go(across)
+"""
+    )
+    assert all(point.positions[1] == pytest.approx(-0.785) for point in ran["straight"])
+    assert max(abs(point.positions[1] + 0.785) for point in ran["around"]) > 0.05
+    assert ran["inside"][0] is False
+    assert ran["inside"][3].val == -12
+    assert ran["done"] is True
+    assert ran.twin.object_pose("wall").position[0] == pytest.approx(0.32)
+    (finding,) = ran.findings
+    assert "the goal is in collision" in finding
+    assert "'wall'" in finding
+
+
+def test_a_cartesian_path_ends_before_a_collision_unless_told_not_to_look(run):
+    ran = run(
+        SCENE
+        + """
+arm.set_named_target("ready"); arm.go()
+here = arm.get_current_pose().pose
+down = copy.deepcopy(here); down.position.z -= 0.3
+table = copy.deepcopy(place)
+table.pose.position.z = here.position.z - 0.33
+scene.add_box("table", table, size=(0.4, 0.4, 0.1))
+_, careful = arm.compute_cartesian_path([down], 0.01)
+_, careless = arm.compute_cartesian_path([down], 0.01, avoid_collisions=False)
+"""
+    )
+    assert 0.2 < ran["careful"] < 0.9
+    assert ran["careless"] == 1.0
+
+
+def test_a_collision_that_is_allowed_is_no_hindrance(run):
+    ran = run(
+        SCENE
+        + """
+arm.set_named_target("ready"); arm.go()
+scene.add_box("cloud", place, size=(0.6, 0.6, 1.0))
+before = arm.plan([0.5, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])[3].val
+change = moveit_msgs.msg.PlanningScene(is_diff=True)
+change.allowed_collision_matrix.default_entry_names = ["cloud"]
+change.allowed_collision_matrix.default_entry_values = [True]
+scene.apply_planning_scene(change)
+after = arm.plan([0.5, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])[3].val
+"""
+    )
+    assert ran["before"] == -10
+    assert ran["after"] == 1
+
+
+def test_a_flat_mesh_is_kept_but_told_to_be_no_body(run):
+    ran = run(
+        SCENE
+        + """
+item = moveit_msgs.msg.CollisionObject(id="sheet", header=place.header, pose=place.pose)
+import shape_msgs.msg
+item.meshes = [shape_msgs.msg.Mesh(vertices=[
+    geometry_msgs.msg.Point(x, y, 0.0) for x in (0, 1) for y in (0, 1)])]
+scene.add_object(item)
+names = scene.get_known_object_names()
+"""
+    )
+    assert ran["names"] == ["sheet"]
+    assert "a mesh of scene object 'sheet' has no volume" in ran.findings[0]

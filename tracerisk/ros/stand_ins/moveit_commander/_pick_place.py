@@ -42,22 +42,29 @@ class GroupPickPlace(GroupTargets):
             text = f"picking '{object_name}' failed: the planning scene has no such object; {known}"
             return int(self._fail(ErrorCode.INVALID_OBJECT_NAME, text))
         code = self._fail_without(grasps, f"picking '{object_name}' failed: no grasp was given")
-        for one in grasps:
-            link = self._link("", "pick with")
-            try:
-                pose = self._in_planning_frame(one.grasp_pose)
-                begin = self._moved(pose, one.pre_grasp_approach, link, back=True)
-                code = self._reachable(link, (pose, begin))
-            except PlanningError as error:
-                code = self._fail(
-                    ErrorCode.PLANNING_FAILED, f"picking '{object_name}' failed: {error.message}"
-                )
-                continue
-            if plan_only:
-                break
-            code = _first_failure(self._pick_steps(object_name, one, link, pose, begin))
-            break
+        link = self._link("", "pick with")
+        # The hand has to touch what it picks.
+        with self._server.touching(object_name, self._server.hand_links(link)):
+            for one in grasps:
+                code, is_done = self._pick_with(object_name, one, link, plan_only)
+                if is_done:
+                    break
         return int(code)
+
+    def _pick_with(
+        self, object_name: str, one: Any, link: str, plan_only: bool
+    ) -> tuple[ErrorCode, bool]:
+        """Return what came of one grasp, and whether no other is to be tried."""
+        try:
+            pose = self._in_planning_frame(one.grasp_pose)
+            begin = self._moved(pose, one.pre_grasp_approach, link, back=True)
+            code = self._reachable(link, (pose, begin))
+        except PlanningError as error:
+            text = f"picking '{object_name}' failed: {error.message}"
+            return self._fail(ErrorCode.PLANNING_FAILED, text), False
+        if not plan_only:
+            code = _first_failure(self._pick_steps(object_name, one, link, pose, begin))
+        return code, True
 
     def place(self, object_name: str, location: Any = None, plan_only: bool = False) -> bool:
         """Place an attached object at the first of the locations that works; tell whether it did.
@@ -89,7 +96,9 @@ class GroupPickPlace(GroupTargets):
                 continue
             if plan_only:
                 break
-            code = _first_failure(self._place_steps(object_name, one, link, pose, begin))
+            # The hand goes on touching the object until it has left it.
+            with self._server.touching(object_name, self._server.hand_links(link)):
+                code = _first_failure(self._place_steps(object_name, one, link, pose, begin))
             break
         return code is ErrorCode.SUCCESS
 
@@ -102,7 +111,7 @@ class GroupPickPlace(GroupTargets):
         yield self._move_to(link, begin)
         yield self._straight(link, pose, grasp.pre_grasp_approach)
         yield self._take_posture(grasp.grasp_posture)
-        self._server.attach(object_name, link, [link])
+        self._server.attach(object_name, link, self._server.hand_links(link))
         self._detach_postures[object_name] = grasp.pre_grasp_posture
         yield self._retreat(link, pose, grasp.post_grasp_retreat)
 

@@ -129,8 +129,10 @@ class MoveGroupCommander(GroupPickPlace):
         From Noetic on there is no `jump_threshold`: a bool in its place is `avoid_collisions`.
         The path ends in any case where the joints would have to jump.
         """
-        if isinstance(jump_threshold, bool) and path_constraints is None:
-            path_constraints = None if isinstance(avoid_collisions, bool) else avoid_collisions
+        if isinstance(jump_threshold, bool):
+            if path_constraints is None and not isinstance(avoid_collisions, bool):
+                path_constraints = avoid_collisions
+            avoid_collisions = jump_threshold
         if path_constraints and not isinstance(path_constraints, Constraints):
             raise MoveItCommanderException(
                 f"Unable to set path constraints, unknown constraint type {type(path_constraints)}"
@@ -143,7 +145,12 @@ class MoveGroupCommander(GroupPickPlace):
                 return RobotTrajectory(), -1.0
             poses.append(goal.pose)
         plan, fraction = self._server.plan_cartesian(
-            self._name, poses, link=link, eef_step=float(eef_step), start=self._start()
+            self._name,
+            poses,
+            link=link,
+            eef_step=float(eef_step),
+            avoid_collisions=bool(avoid_collisions),
+            start=self._start(),
         )
         if plan.trajectory is None:
             return RobotTrajectory(), fraction

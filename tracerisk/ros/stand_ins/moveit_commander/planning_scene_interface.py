@@ -29,7 +29,7 @@ from .exception import MoveItCommanderException
 class PlanningSceneInterface:
     """Add, remove, attach and ask for objects; every client sees the same scene.
 
-    The objects are kept and answered from. Planning does not avoid them yet.
+    The objects are bodies of the twin, which planning avoids.
     `ns` is taken and changes nothing; a change is in force at once, `synchronous` or not.
     """
 
@@ -219,6 +219,8 @@ class PlanningSceneInterface:
             scene.world.collision_objects = list(self.get_objects().values())
         if components & wanted.OBJECT_COLORS:
             scene.object_colors = list(self._server.scene.colors.values())
+        if components & wanted.ALLOWED_COLLISION_MATRIX:
+            scene.allowed_collision_matrix = _allowed_matrix(self._server.scene.allowed)
         return scene
 
     def apply_planning_scene(self, planning_scene_message: Any) -> bool:
@@ -232,6 +234,9 @@ class PlanningSceneInterface:
             self._apply_attached(item)
         for color in message.object_colors:
             self._server.scene.colors[color.id] = color
+        matrix = message.allowed_collision_matrix
+        if matrix.entry_names or matrix.default_entry_names:
+            self._server.scene.allow(_allowed_pairs(matrix))
         return True
 
     # Make
@@ -308,10 +313,7 @@ class PlanningSceneInterface:
             if not scene.move(message.id, self._placed(message)):
                 self._tell_unknown(message.id, scene.world, "moved")
         elif message.operation == CollisionObject.APPEND and message.id in scene.world:
-            known = scene.world[message.id].message
-            for field in ("primitives", "meshes", "planes"):
-                for part in (field, f"{field[:-2] if field == 'meshes' else field[:-1]}_poses"):
-                    setattr(known, part, [*getattr(known, part), *getattr(message, part)])
+            scene.append(message.id, message)
         else:
             scene.add(SceneObject(message.id, self._placed(message), message))
 
@@ -357,6 +359,29 @@ def _primitive(name: str, pose: Any, kind: int, dimensions: Sequence[float]) -> 
     item = CollisionObject(id=name, header=pose.header, pose=pose.pose, primitives=[shape])
     item.operation = CollisionObject.ADD
     return item
+
+
+def _allowed_pairs(matrix: Any) -> set[frozenset[str]]:
+    pairs = {
+        frozenset((matrix.entry_names[i], matrix.entry_names[j]))
+        for i, entry in enumerate(matrix.entry_values)
+        for j, enabled in enumerate(entry.enabled)
+        if enabled and i != j
+    }
+    defaults = zip(matrix.default_entry_names, matrix.default_entry_values, strict=True)
+    return pairs | {frozenset((name,)) for name, enabled in defaults if enabled}
+
+
+def _allowed_matrix(allowed: frozenset[frozenset[str]]) -> Any:
+    names = sorted({name for pair in allowed if len(pair) == 2 for name in pair})
+    matrix = AllowedCollisionMatrix(entry_names=names)
+    matrix.entry_values = [
+        AllowedCollisionEntry(enabled=[frozenset((one, two)) in allowed for two in names])
+        for one in names
+    ]
+    matrix.default_entry_names = sorted(name for pair in allowed if len(pair) == 1 for name in pair)
+    matrix.default_entry_values = [True] * len(matrix.default_entry_names)
+    return matrix
 
 
 def _pose_message(pose: Any) -> Any:
