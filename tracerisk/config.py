@@ -24,6 +24,7 @@ class Settings:
 
     `duration_s` is simulated time [s], `wall_limit_s` and `stall_limit_s` are wall time [s]
     (`stall_limit_s`: without any simulated progress), `memory_limit_mb` address space [MB].
+    `mission_cycles` is how many cycles a mission has whose loop has no end of its own.
     `robot`, `scene` and `hardware` are names or paths, `None` for the default of the robot.
     `states` and `helpers` override, by qualified name, which functions are relevant.
     """
@@ -37,6 +38,7 @@ class Settings:
     stall_limit_s: float = 30.0
     memory_limit_mb: int = 8192
     seed: int = 0
+    mission_cycles: int = 10
     states: tuple[str, ...] = ()
     helpers: tuple[str, ...] = ()
 
@@ -116,6 +118,8 @@ class _Reader:
         if isinstance(default, int):
             if isinstance(value, bool) or not isinstance(value, int) or value < 0:
                 self._fail(key, f"expected a whole number from 0 up, found {value!r}")
+            if key == "mission_cycles" and value < 1:
+                self._fail(key, f"expected a whole number from 1 up, found {value!r}")
             return value
         if not isinstance(value, str):
             self._fail(key, f"expected a string, found {value!r}")

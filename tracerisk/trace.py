@@ -20,6 +20,8 @@ VisitOutcome = Literal["succeeded", "aborted", "preempted", "unfinished"]
 EndCause = Literal[
     "ended",  # the controller returned, or called exit with 0
     "quiescent",  # every thread waits and no event is due
+    "cycles",  # a loop without an end has done the same three times
+    "idle",  # a loop without an end commands nothing any more
     "duration",  # the simulated time asked for is over
     "raised",  # an exception left the controller
     "exited",  # sys.exit or os._exit with a code other than 0
@@ -30,7 +32,9 @@ EndCause = Literal[
     "memory_limit",
     "not_importable",  # a module it imports is missing, or is not Python 3
 ]
-GOOD_ENDS: frozenset[EndCause] = frozenset({"ended", "quiescent", "duration"})
+GOOD_ENDS: frozenset[EndCause] = frozenset(
+    {"ended", "quiescent", "cycles", "idle", "duration"}
+)
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -147,12 +151,25 @@ class RunEnd:
 
 
 @dataclass(frozen=True, slots=True)
+class Cycle:
+    """What a loop without an end repeats: `visits` from `first_visit` on, as often as was seen.
+
+    `mission_cycles` is how many of them a mission is declared to have.
+    """
+
+    first_visit: int
+    visits: int
+    mission_cycles: int
+
+
+@dataclass(frozen=True, slots=True)
 class Trace:
     """All that one run of a controller showed.
 
     `functions` are in the order of their call sequence, `visits` in the order they began.
     `elements` are all that the twin watched; `active` is the exposure of each over the run.
     The exposures of an element over all visits sum to its entry in `active`.
+    `cycle` is what a run that ended by `cycles` repeated.
     `files` are the controller's files that were imported, its script left out, sorted.
     """
 
@@ -169,3 +186,4 @@ class Trace:
     objects: tuple[ObjectOffset, ...] = ()
     assumptions: tuple[str, ...] = ()
     files: tuple[str, ...] = ()
+    cycle: Cycle | None = None

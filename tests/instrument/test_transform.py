@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk.errors import SourceError
+from tracerisk.instrument.endless_loops import MARKER
 from tracerisk.instrument.transform import compile_instrumented, instrument_source
 
 IMPORT = "from __tracerisk__ import traced as __tracerisk_traced__"
@@ -194,7 +195,12 @@ def test_standard_library_keeps_its_tree_and_its_lines(path: Path) -> None:
     for c in code_objects(ours):
         key = (c.co_qualname, c.co_firstlineno)  # type: ignore[attr-defined]
         if key in lines:
-            assert lines[key] == [line for *_, line in c.co_lines()]  # type: ignore[attr-defined]
+            found = [line for *_, line in c.co_lines()]  # type: ignore[attr-defined]
+            if MARKER in c.co_names:  # type: ignore[attr-defined]
+                # The marker of an endless loop is code more, on lines that are there already.
+                assert set(lines[key]) == set(found)
+            else:
+                assert lines[key] == found
 
 
 def _defines_functions(code: object) -> bool:

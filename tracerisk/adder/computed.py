@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -20,7 +21,7 @@ from tracerisk.errors import HardwareError, InputError, one_of
 from tracerisk.hardware.binding import BoundComponent, bind
 from tracerisk.hardware.model import Basis, Hardware
 from tracerisk.hardware.probability import Use, group_unit_probability, unit_probability
-from tracerisk.trace import Exposure, FunctionRef, Trace, Visit
+from tracerisk.trace import Cycle, Exposure, FunctionRef, Trace, Visit
 
 SHORTEST_ACTIVITY_S = 0.05
 """A component counts as active in a function if a state lasted this long [s]."""
@@ -105,9 +106,33 @@ def next_counts(trace: Trace) -> dict[FunctionRef, dict[str, int]]:
     counts: dict[FunctionRef, dict[str, int]] = {}
     for function in trace.functions:
         counts[function.ref] = dict.fromkeys((*names.values(), DONE), 0)
+    if trace.cycle is not None:
+        return _cycled_counts(trace, trace.cycle, counts, names)
     followers = [names[visit.function] for visit in trace.visits[1:]] + [DONE]
     for visit, follower in zip(trace.visits, followers, strict=True):
         counts[visit.function][follower] += 1
+    return _without_zeros(counts)
+
+
+def _cycled_counts(
+    trace: Trace,
+    cycle: Cycle,
+    counts: dict[FunctionRef, dict[str, int]],
+    names: Mapping[FunctionRef, str],
+) -> dict[FunctionRef, dict[str, int]]:
+    """Count as if the cycle had come as often as the mission is declared to have it."""
+    path = [visit.function for visit in trace.visits[: cycle.first_visit + cycle.visits]]
+    for number, (function, follower) in enumerate(itertools.pairwise(path), start=1):
+        is_in_cycle = number > cycle.first_visit
+        counts[function][names[follower]] += cycle.mission_cycles if is_in_cycle else 1
+    counts[path[-1]][names[path[cycle.first_visit]]] += cycle.mission_cycles - 1
+    counts[path[-1]][DONE] += 1
+    return _without_zeros(counts)
+
+
+def _without_zeros(
+    counts: Mapping[FunctionRef, Mapping[str, int]],
+) -> dict[FunctionRef, dict[str, int]]:
     return {
         ref: {target: count for target, count in row.items() if count}
         for ref, row in counts.items()

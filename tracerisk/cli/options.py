@@ -61,6 +61,13 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         type=_count,
         help="address space of the controller's process (8192 MB)",
     )
+    group.add_argument(
+        "--mission-cycles",
+        dest="mission_cycles",
+        metavar="N",
+        type=_cycles,
+        help="cycles of a mission whose loop has no end of its own (10)",
+    )
     group.add_argument("--seed", metavar="N", type=_count, help="seed of all that is random (0)")
     group.add_argument(
         "--answer",
@@ -137,6 +144,7 @@ def run_settings(options: argparse.Namespace) -> dict[str, Any]:
         "stall_limit_s",
         "memory_limit_mb",
         "seed",
+        "mission_cycles",
     )
     return {name: getattr(options, name, None) for name in names}
 
@@ -202,6 +210,13 @@ def _number(text: str) -> float:
         return float(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+
+
+def _cycles(text: str) -> int:
+    value = _count(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{text} is below 1")
+    return value
 
 
 def _count(text: str) -> int:

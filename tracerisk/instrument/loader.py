@@ -55,6 +55,7 @@ def decorator_served(tracer: Tracer) -> Iterator[None]:
     """Serve the module from which instrumented code imports its decorator, until closed."""
     module = ModuleType(TRACER_MODULE, "Tracing decorator of the run in progress.")
     module.traced = tracer.traced  # type: ignore[attr-defined]
+    module.looped = tracer.looped  # type: ignore[attr-defined]
     with _entry(sys.modules, TRACER_MODULE, module):
         yield
 

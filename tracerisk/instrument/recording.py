@@ -12,7 +12,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, BinaryIO, get_args
+from typing import Any, BinaryIO, Protocol, get_args
 
 from tracerisk.errors import Location, LogError, one_of
 from tracerisk.instrument.source import FunctionSite
@@ -77,16 +77,30 @@ class Recording:
         return next((note.data for note in reversed(self.notes) if note.kind == kind), None)
 
 
+class CommandWatch(Protocol):
+    """Who is told of commands as they are recorded."""
+
+    def before_command(self, stack: Sequence[Frame]) -> None:
+        """Be told that a command is about to be issued; may end the run."""
+
+    def issued(self, command_id: int, stack: Sequence[Frame]) -> None:
+        """Be told that a command was issued."""
+
+    def ended(self, command_id: int, outcome: str) -> None:
+        """Be told that a command ended."""
+
+
 class Recorder:
     """Writes the events of one run to `stream`, each line at once.
 
     `stream` is a file open for writing; only its descriptor is used. `clock` tells the simulated
-    time [ns].
+    time [ns]. `watch` (an attribute) is told of each command.
     """
 
     def __init__(self, stream: BinaryIO, *, clock: Callable[[], int]) -> None:
         self._descriptor = stream.fileno()
         self._clock = clock
+        self.watch: CommandWatch | None = None
         self._next_command = itertools.count(1).__next__
         self._functions: dict[tuple[FunctionRef, int], int] = {}
 
@@ -98,17 +112,23 @@ class Recorder:
         """
         if not stack:
             raise ValueError("a command has at least one function on its stack")
+        if self.watch is not None:
+            self.watch.before_command(stack)
         command_id = self._next_command()
         frames = [
             [self._function(frame.function, frame.line), frame.activation, *frame.site, frame.root]
             for frame in stack
         ]
         self._write("command", id=command_id, kind=kind, elements=list(elements), stack=frames)
+        if self.watch is not None:
+            self.watch.issued(command_id, stack)
         return command_id
 
     def command_ended(self, command_id: int, outcome: str) -> None:
         """Record that a command ends now: `succeeded`, `aborted` or `preempted`."""
         self._write("command_ended", id=command_id, outcome=outcome)
+        if self.watch is not None:
+            self.watch.ended(command_id, outcome)
 
     def function_ran(self, ref: FunctionRef, line: int) -> None:
         """Record the first run of a function; what a `Tracer` calls on each first run."""

@@ -107,13 +107,15 @@ class _Entered:
 class Tracer:
     """Follows the functions of one run of a controller.
 
-    `on_first_run` is told of each function the first time that it runs.
+    `on_first_run` is told of each function the first time that it runs; `on_iteration` (an
+    attribute) of file and line of an endless loop at the begin of each iteration.
     """
 
     def __init__(self, on_first_run: Callable[[FunctionRef, int], None] | None = None) -> None:
         self._top: ContextVar[Any] = ContextVar("tracerisk_stack", default=None)
         self._next_activation = itertools.count(1).__next__
         self._on_first_run = on_first_run
+        self.on_iteration: Callable[[str, int], None] | None = None
         self._ran: dict[FunctionRef, int] = {}
         self._files: dict[str, str] = {}
         self._main_file = "<controller>"
@@ -137,6 +139,12 @@ class Tracer:
             return wrap(function, self, _Record(ref, line, function.__code__))
 
         return decorate
+
+    @hide
+    def looped(self, file: str, line: int) -> None:
+        """Tell that an iteration of an endless loop begins; what instrumented loops call."""
+        if self.on_iteration is not None:
+            self.on_iteration(file, line)
 
     @hide
     def run_module(self, code: CodeType, namespace: dict[str, Any], file: str) -> None:

@@ -3,6 +3,7 @@
 The text that libcst writes is parsed again and walked beside the original's syntax tree: but for
 what was inserted both must be the same tree, and every node takes the original's position, so
 line numbers, columns and `co_firstlineno` of the compiled code are those of the file on disk.
+Then the loops without an end are marked in the tree itself, on the lines that they have.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from types import CodeType
 import libcst as cst
 
 from tracerisk.errors import Location, UnsafeRewriteError
+from tracerisk.instrument.endless_loops import mark_endless_loops
 from tracerisk.instrument.source import FunctionSite, ParsedSource, parse_source
 
 TRACER_MODULE = "__tracerisk__"
@@ -75,6 +77,7 @@ def compile_instrumented(instrumented: InstrumentedSource, filename: str) -> Cod
         warnings.simplefilter("ignore")
         tree = ast.parse(instrumented.text, filename)
     _take_positions(tree, original, instrumented.file)
+    mark_endless_loops(tree, TRACER_MODULE, instrumented.file)
     return compile(tree, filename, "exec", dont_inherit=True)
 
 

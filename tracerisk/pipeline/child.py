@@ -23,6 +23,7 @@ from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.controller_end import ControllerEnd
 from tracerisk.pipeline.run_files import EVENTS, ROBOT, STACKS, STARTED, RunRequest, WallTime
+from tracerisk.pipeline.run_watch import RunWatch
 from tracerisk.pipeline.scripted_input import scripted_input
 from tracerisk.pipeline.workspace import find_workspace
 from tracerisk.ros.finder import StandInFinder
@@ -122,7 +123,10 @@ def _run_recorded(
         seed=request.seed,
         packages=workspace.packages,
     )
-    end = ControllerEnd(recorder, twin, root, request.memory_limit_mb)
+    watch = RunWatch(scheduler, recorder)
+    recorder.watch, tracer.on_iteration = watch, watch.looped
+    world.time_passed = watch.time_passed
+    end = ControllerEnd(recorder, twin, root, request.memory_limit_mb, watch.run_over)
     is_ros2 = ros_version(script, root) == 2
     own = workspace.interfaces
     interfaces = Interfaces2(workspace=own) if is_ros2 else Interfaces(workspace=own)
@@ -175,6 +179,7 @@ class _Metered:
         self._twin = twin
         self._wall_clock = wall_clock
         self.seconds = 0.0
+        self.time_passed: Callable[[], None] = lambda: None
 
     @property
     def time_ns(self) -> int:
@@ -187,9 +192,11 @@ class _Metered:
     def advance(self, until_ns: int) -> int:
         began = self._wall_clock()
         try:
-            return self._twin.advance(until_ns)
+            reached_ns = self._twin.advance(until_ns)
         finally:
             self.seconds += self._wall_clock() - began
+        self.time_passed()
+        return reached_ns
 
 
 if __name__ == "__main__":

@@ -25,9 +25,20 @@ _CONTEXTS = 20
 
 
 class ControllerEnd:
-    """Tells the recording how the run of the controller below `root` ended, once."""
+    """Tells the recording how the run of the controller below `root` ended, once.
 
-    def __init__(self, recorder: Recorder, twin: Twin, root: Path, memory_limit_mb: int) -> None:
+    `run_over` is told the cause before.
+    """
+
+    def __init__(
+        self,
+        recorder: Recorder,
+        twin: Twin,
+        root: Path,
+        memory_limit_mb: int,
+        run_over: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        self._run_over = run_over
         self._recorder = recorder
         self._twin = twin
         self._root = root
@@ -62,6 +73,7 @@ class ControllerEnd:
         self._recorder.note(
             "objects", found=[dataclasses.asdict(each) for each in self._twin.object_offsets()]
         )
+        self._run_over(cause)
         self._recorder.run_ended(cause, message, location)
 
     def _over(self, over: RunOver) -> None:

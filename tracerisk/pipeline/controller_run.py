@@ -22,6 +22,7 @@ from tracerisk.instrument.recording import Recording, read_recording
 from tracerisk.pipeline.left_running import RUN_MARK, end_left_running
 from tracerisk.pipeline.run_files import EVENTS, ROBOT, STACKS, STARTED, RunRequest
 from tracerisk.pipeline.run_trace import make_trace
+from tracerisk.pipeline.run_watch import MISSION_END
 from tracerisk.trace import RunEnd, Trace
 
 if TYPE_CHECKING:
@@ -234,7 +235,10 @@ def _raise_unstarted(recording: Recording, process: _ProcessEnd, settings: Setti
 
 def _run_end(recording: Recording, process: _ProcessEnd, controller: Controller) -> RunEnd:
     told = recording.end
+    mission_end = recording.note(MISSION_END)
     simulated_s = (told.time_ns if told else recording.last_ns) / 1e9
+    if mission_end is not None:
+        simulated_s = mission_end["ns"] / 1e9
     if told is not None:
         end = RunEnd(told.cause, told.message, simulated_s, told.location)
     elif process.limit is not None:

@@ -29,6 +29,7 @@ def fingerprint(controller: Controller, trace: Trace, settings: Settings) -> str
         trace.scene,
         f"{settings.duration_s!r}",
         f"{settings.seed!r}",
+        f"{settings.mission_cycles!r}",
         ",".join(settings.states),
         ",".join(settings.helpers),
     ]

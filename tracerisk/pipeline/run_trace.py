@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,9 @@ from tracerisk.hardware.shipped import is_shipped
 from tracerisk.instrument.call_graph import CallGraph, call_graph, uncovered
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
+from tracerisk.pipeline.run_watch import CYCLE, CYCLES_SEEN, MISSION_END
 from tracerisk.trace import (
+    Cycle,
     Exposure,
     Finding,
     ObjectOffset,
@@ -52,10 +55,13 @@ def make_trace(
         helpers=settings.helpers,
         end_ns=round((end.simulated_s or 0.0) * 1e9),
     )
+    mission_end = recording.note(MISSION_END)
     active: Mapping[str, Exposure] = {}
     visits: tuple[Visit, ...] = ()
     if has_samples(folder):
         samples = read_samples(folder)
+        if mission_end is not None:
+            samples = _cut(samples, mission_end["ns"])
         activity = element_activity(samples, robot)
         active = _exposures(activity, samples)
         visits = _visits(attribution, activity, samples)
@@ -72,8 +78,30 @@ def make_trace(
         findings=_findings(recording, attribution),
         objects=_objects(recording),
         assumptions=_assumptions(robot, scene, settings, recording, end),
+        cycle=_cycle(recording, attribution, settings),
         files=tuple(file for file in _files(controller, recording) if file != controller.file),
     )
+
+
+def _cut(samples: Samples, end_ns: int) -> Samples:
+    """Return the samples up to a time: after it the controller only idled."""
+    steps = -(-end_ns // samples.header.step_ns)
+    fields = ("control", "position", "velocity", "torque", "pad_force")
+    return replace(samples, **{name: getattr(samples, name)[:steps] for name in fields})
+
+
+def _cycle(recording: Recording, attribution: Attribution, settings: Settings) -> Cycle | None:
+    """Return what a run repeated; None where its visits do not show the cycle."""
+    note = recording.note(CYCLE)
+    if note is None:
+        return None
+    visits = attribution.visits
+    first = sum(1 for visit in visits if visit.start_ns < note["start_ns"])
+    length, rest = divmod(len(visits) - first, CYCLES_SEEN)
+    owners = [visit.function for visit in visits[first:]]
+    if not length or rest or owners != owners[:length] * CYCLES_SEEN:
+        return None
+    return Cycle(first, length, settings.mission_cycles)
 
 
 def _exposures(activity: Mapping[str, ElementActivity], samples: Samples) -> dict[str, Exposure]:
@@ -150,6 +178,13 @@ def _assumptions(
         lines.append(
             f"input: {scripted} questions got scripted answers, {len(answers) - scripted} got Enter"
         )
+    if end.cause == "cycles":
+        lines.append(
+            f"mission: {settings.mission_cycles} cycles (mission_cycles), declared, not observed: "
+            "the controller's loop has no end of its own"
+        )
+    if end.cause == "idle":
+        lines.append("mission: over where the controller's loop had nothing more to command")
     if end.cause == "duration":
         lines.append(
             f"mission: cut after {settings.duration_s:g} s of simulated time (--duration); the "

@@ -1,0 +1,120 @@
+"""Find the loops that have no end of their own, and mark where each iteration begins.
+
+A loop is endless if its condition holds as long as the program may run (`True`,
+`not rospy.is_shutdown()`, `rclpy.ok()`) and no `break`, `return` or exit leaves it, but for those
+that only an interruption or a shutdown reaches.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator
+
+MARKER = "__tracerisk_looped__"
+"""The name of the marker in instrumented code; not mangled in classes, hidden from `*`."""
+
+_EXITS = frozenset(
+    {"exit", "quit", "_exit", "abort", "signal_shutdown", "shutdown", "try_shutdown"}
+)
+_INTERRUPTIONS = frozenset(
+    {"KeyboardInterrupt", "ROSInterruptException", "ExternalShutdownException"}
+)
+_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda, ast.ClassDef)
+
+
+def endless_loops(tree: ast.AST) -> Iterator[ast.While]:
+    """Yield each `while` that has no end of its own."""
+    for node in ast.walk(tree):
+        if (
+            isinstance(node, ast.While)
+            and _holds(node.test)
+            and not _leaves(node.body, inner=False)
+        ):
+            yield node
+
+
+def mark_endless_loops(tree: ast.Module, module: str, file: str) -> None:
+    """Insert a call of the marker, imported from `module`, at each begin of an iteration.
+
+    It is told `file` and the loop's line. Positions are those of what follows.
+    """
+    loops = list(endless_loops(tree))
+    for loop in loops:
+        call = ast.Call(
+            ast.Name(MARKER, ast.Load()), [ast.Constant(file), ast.Constant(loop.lineno)], []
+        )
+        marker = ast.Expr(call)
+        for node in ast.walk(marker):
+            if "lineno" in node._attributes:
+                ast.copy_location(node, loop.body[0])
+        loop.body.insert(0, marker)
+    if loops:
+        index = 1 if ast.get_docstring(tree, clean=False) is not None else 0
+        while index < len(tree.body) and _is_future_import(tree.body[index]):
+            index += 1
+        line = ast.ImportFrom(module, [ast.alias("looped", MARKER)], 0)
+        for node in ast.walk(line):
+            if "lineno" in node._attributes:
+                node.lineno = node.end_lineno = 1  # type: ignore[attr-defined]
+                node.col_offset = node.end_col_offset = 0  # type: ignore[attr-defined]
+        tree.body.insert(index, line)
+
+
+def _is_future_import(node: ast.stmt) -> bool:
+    return isinstance(node, ast.ImportFrom) and node.module == "__future__"
+
+
+def _holds(test: ast.expr) -> bool:
+    """Tell whether a condition holds until the program is shut down."""
+    if isinstance(test, ast.Constant):
+        return bool(test.value)
+    if isinstance(test, ast.BoolOp):
+        held = [_holds(value) for value in test.values]
+        return any(held) if isinstance(test.op, ast.Or) else all(held)
+    if isinstance(test, ast.UnaryOp) and isinstance(test.op, ast.Not):
+        return _is_call_of(test.operand, ("is_shutdown", "is_shutdown_requested"))
+    return _is_call_of(test, ("ok",))
+
+
+def _is_call_of(node: ast.expr, names: Iterable[str]) -> bool:
+    return isinstance(node, ast.Call) and _last_name(node.func) in names
+
+
+def _last_name(node: ast.expr | None) -> str:
+    if isinstance(node, ast.Attribute):
+        return node.attr
+    return node.id if isinstance(node, ast.Name) else ""
+
+
+def _leaves(body: Iterable[ast.AST], *, inner: bool) -> bool:
+    """Tell whether something in a loop's body leaves the loop; `inner`: within another loop."""
+    return any(_leaves_by(node, inner=inner) for node in body)
+
+
+def _leaves_by(node: ast.AST, *, inner: bool) -> bool:
+    if isinstance(node, _FUNCTIONS):
+        return False
+    if isinstance(node, ast.Return) or (isinstance(node, ast.Break) and not inner):
+        return True
+    if isinstance(node, ast.Call) and _last_name(node.func) in _EXITS:
+        return True
+    if isinstance(node, ast.ExceptHandler) and _names(node.type) & _INTERRUPTIONS:
+        return False
+    if isinstance(node, ast.If) and _is_over(node.test):
+        return _leaves(node.orelse, inner=inner)
+    if isinstance(node, ast.For | ast.AsyncFor | ast.While):
+        return _leaves(node.body, inner=True) or _leaves(node.orelse, inner=inner)
+    return _leaves(ast.iter_child_nodes(node), inner=inner)
+
+
+def _is_over(test: ast.expr) -> bool:
+    """Tell whether a condition holds only when the program is shut down."""
+    if isinstance(test, ast.UnaryOp) and isinstance(test.op, ast.Not):
+        return _is_call_of(test.operand, ("ok",))
+    return _is_call_of(test, ("is_shutdown", "is_shutdown_requested"))
+
+
+def _names(node: ast.expr | None) -> set[str]:
+    if isinstance(node, ast.Tuple):
+        return {name for each in node.elts for name in _names(each)}
+    return {_last_name(node)}

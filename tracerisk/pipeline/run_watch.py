@@ -1,0 +1,203 @@
+"""When a run without an end of its own is over: it repeats itself, or only idles.
+
+See docs/theory.md#when-a-run-ends.
+"""
+
+from __future__ import annotations
+
+from _thread import get_ident
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from tracerisk.errors import Location
+from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.tracer import Frame
+from tracerisk.ros.virtual_time import ControllerThread, Scheduler
+
+CYCLES_SEEN = 3
+"""How often the same cycle must have come."""
+IDLE_S = 60.0
+"""For how long nothing must have been commanded before a loop counts as idle [s]."""
+CYCLE = "cycle"
+"""The note of the three cycles: `start_ns`."""
+MISSION_END = "mission_end"
+"""The note of when the mission was over, where that is before the end of the run: `ns`."""
+_LONGEST_CYCLE = 100
+
+# A way to a command: each function and the place in it. An iteration is its ways, in turn.
+_Way = tuple[object, ...]
+
+
+@dataclass(slots=True)
+class _Iteration:
+    start_ns: int
+    ways: list[_Way] = field(default_factory=list)
+    has_reached: bool = False
+
+
+@dataclass(slots=True)
+class _Loop:
+    """An endless loop, or all callbacks together; `quiet_ns` is since when it commands nothing."""
+
+    thread: int
+    place: Location | None
+    current: _Iteration
+    quiet_ns: int
+    past: list[_Iteration] = field(default_factory=list)
+    root: int = 0
+
+
+class RunWatch:
+    """Watches commands and loops of a run, and ends it where nothing new will come."""
+
+    def __init__(self, scheduler: Scheduler, recorder: Recorder) -> None:
+        self._scheduler = scheduler
+        self._recorder = recorder
+        self._loops: dict[tuple[int, str, int], _Loop] = {}
+        self._callbacks: _Loop | None = None
+        self._iteration_of: dict[int, list[_Iteration]] = {}
+        self._last_command_ns: int | None = None
+        self._idle_ns: int | None = None
+        self._spin: object = None
+        self._spin_ns = 0
+
+    def looped(self, file: str, line: int) -> None:
+        """Note that an iteration of an endless loop begins."""
+        now_ns, thread = self._scheduler.now_ns, get_ident()
+        key = (thread, file, line)
+        loop = self._loops.pop(key, None)
+        if loop is None:
+            loop = _Loop(thread, Location(file, line), _Iteration(now_ns), now_ns)
+        elif loop.current.ways:
+            self._close(loop, now_ns)
+        # The last of the table is the innermost of those that run.
+        self._loops[key] = loop
+        loop.current = _Iteration(now_ns)
+        self._scheduler.raise_if_over()
+
+    def before_command(self, stack: Sequence[Frame]) -> None:
+        """Note that a command is about to be issued, while callbacks may have repeated."""
+        root = stack[0]
+        if root.root in (None, "main", "thread") or not self._main_spins():
+            return
+        now_ns = self._scheduler.now_ns
+        loop = self._callbacks
+        if loop is None:
+            loop = self._callbacks = _Loop(
+                0, None, _Iteration(now_ns), now_ns, root=root.activation
+            )
+        if loop.root != root.activation:
+            loop.root = root.activation
+            if loop.current.ways:
+                self._close(loop, now_ns)
+            loop.current = _Iteration(now_ns)
+            self._scheduler.raise_if_over()
+
+    def issued(self, command_id: int, stack: Sequence[Frame]) -> None:
+        """Note that a command is issued."""
+        self._last_command_ns = self._scheduler.now_ns
+        way = tuple((frame.function, frame.site) for frame in stack)
+        is_callback = stack[0].root not in (None, "main", "thread")
+        loops = [loop for loop in self._loops.values() if loop.thread == get_ident()]
+        if is_callback and self._callbacks is not None:
+            loops.append(self._callbacks)
+        for loop in loops:
+            if not loop.current.ways or loop.current.ways[-1] != way:
+                loop.current.ways.append(way)
+        self._iteration_of[command_id] = [loop.current for loop in loops]
+
+    def ended(self, command_id: int, outcome: str) -> None:
+        """Note that a command ends."""
+        self._last_command_ns = self._scheduler.now_ns
+        for iteration in self._iteration_of.pop(command_id, ()):
+            iteration.has_reached |= outcome == "succeeded"
+
+    def time_passed(self) -> None:
+        """Look whether the controller only idles; called whenever the world has moved."""
+        since_ns = self._idle_ns = self._idle_since_ns()
+        now_ns = self._scheduler.now_ns
+        if since_ns is None or now_ns - since_ns < IDLE_S * 1e9:
+            return
+        if self._scheduler.over is not None:
+            return
+        loop = self._innermost_of_main()
+        place = loop.place if loop is not None and not self._main_spins() else None
+        if self._last_command_ns is None:
+            self._scheduler.end(
+                "no_motion",
+                f"a loop without an end, in which nothing was commanded for {IDLE_S:g} s of "
+                "simulated time",
+                place,
+            )
+            return
+        self._scheduler.end(
+            "idle", f"nothing more was commanded in {IDLE_S:g} s of a loop without an end", place
+        )
+
+    def run_over(self, cause: str) -> None:
+        """Note when the mission was over, at the end of a run that had nothing left to do."""
+        # By now the threads unwind: what was seen when the world last moved is what counts.
+        if cause in ("idle", "quiescent") and self._idle_ns is not None:
+            self._recorder.note(MISSION_END, ns=self._idle_ns)
+
+    def _idle_since_ns(self) -> int | None:
+        """Return since when nothing is under way and the main thread only waits or loops."""
+        if self._iteration_of:
+            return None
+        loop = self._innermost_of_main()
+        if self._main_spins():
+            quiet_ns = self._spin_ns
+        elif loop is not None and not loop.current.ways:
+            quiet_ns = loop.quiet_ns
+        else:
+            return None
+        return max(quiet_ns, self._last_command_ns or 0)
+
+    def _innermost_of_main(self) -> _Loop | None:
+        main = self._main()
+        if main is None:
+            return None
+        loops = [loop for loop in self._loops.values() if loop.thread == main.ident]
+        return loops[-1] if loops else None
+
+    def _main(self) -> ControllerThread | None:
+        return next((each for each in self._scheduler.threads if each.is_main), None)
+
+    def _main_spins(self) -> bool:
+        main = self._main()
+        wait = main.wait if main is not None else None
+        if wait is None or wait.kind != "idle" or wait.deadline_ns is not None:
+            self._spin = None
+            return False
+        if self._spin is not wait:
+            self._spin, self._spin_ns = wait, self._scheduler.now_ns
+        return True
+
+    def _close(self, loop: _Loop, now_ns: int) -> None:
+        """Close an iteration that commanded something, and end the run at the third cycle."""
+        loop.past.append(loop.current)
+        loop.quiet_ns = now_ns
+        start = _cycle_start(loop.past)
+        if start is not None and self._scheduler.over is None:
+            self._recorder.note(CYCLE, start_ns=loop.past[start].start_ns)
+            self._scheduler.end(
+                "cycles",
+                f"the same cycle came {CYCLES_SEEN} times in a loop without an end",
+                loop.place,
+            )
+
+
+def _cycle_start(past: Sequence[_Iteration]) -> int | None:
+    """Return where in the iterations the last three equal cycles begin, if they are equal.
+
+    A goal must have been reached in each.
+    """
+    for length in range(1, min(len(past) // CYCLES_SEEN, _LONGEST_CYCLE) + 1):
+        start = len(past) - CYCLES_SEEN * length
+        cycles = [past[at : at + length] for at in range(start, len(past), length)]
+        ways = [[each.ways for each in cycle] for cycle in cycles]
+        if all(each == ways[0] for each in ways[1:]) and all(
+            any(each.has_reached for each in cycle) for cycle in cycles
+        ):
+            return start
+    return None
