@@ -32,9 +32,7 @@ EndCause = Literal[
     "memory_limit",
     "not_importable",  # a module it imports is missing, or is not Python 3
 ]
-GOOD_ENDS: frozenset[EndCause] = frozenset(
-    {"ended", "quiescent", "cycles", "idle", "duration"}
-)
+GOOD_ENDS: frozenset[EndCause] = frozenset({"ended", "quiescent", "cycles", "idle", "duration"})
 
 
 @dataclass(frozen=True, slots=True, order=True)
