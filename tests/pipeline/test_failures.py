@@ -219,7 +219,6 @@ REFUSED = {
         b"import rospy\n\nNAME = 'Gr\xfc\xdfe'\n",
         "controller.py:3:11: byte 0xfc is not utf-8",
     ),
-    "an empty file": ("", "say which one it drives with --robot; allowed: panda"),
 }
 
 
@@ -255,7 +254,7 @@ def test_a_controller_that_cannot_be_read_is_bad_input(name, reason, example):
 IMPORTS = {
     "a module": ("import nothere", "No module named 'nothere': put it beside the controller"),
     "a module of a package": ("from nothere.deep import thing", "No module named 'nothere'"),
-    "a ROS package": ("import cv_bridge", "tracerisk has no stand-in for it; provided: "),
+    "a ROS package": ("import nav2_msgs", "tracerisk has no stand-in for it; provided: "),
     "a name of a ROS package": ("from rospy import nope", "rospy has no 'nope'"),
 }
 
@@ -379,3 +378,13 @@ def test_answers_are_given_in_turn_and_then_enter(example, quick):
     outcome = example.run("trace", "controller.py", *answers)
     assert outcome.code == 0, outcome.err
     assert "assumed: input: 3 questions got scripted answers, 1 got Enter" in outcome.err
+
+
+def test_an_empty_file_commands_nothing_and_is_left_alone(example):
+    example.write("controller.py", "")
+    before = example.files()
+    outcome = example.run("run", "controller.py")
+    assert outcome.code == 4
+    assert "controller.py:1: " in outcome.err
+    assert "commanded no hardware" in outcome.err
+    assert example.files() == before
