@@ -72,7 +72,8 @@ class ControllerFinder(MetaPathFinder):
         if FrozenImporter.find_spec(fullname) is not None:
             return None
         if not self.is_own(Path(spec.origin)):
-            return spec if fullname in self._packages and path is None else None
+            # Nobody else would look there: another finder serves the interfaces of this name.
+            return spec if top in self._packages else None
         return spec_from_file_location(
             fullname,
             spec.origin,

@@ -31,7 +31,7 @@ class Workspace:
         return {
             name: folder
             for name, folder in self.packages.items()
-            if any(any((folder / kind).glob(f"*.{kind}")) for kind in _INTERFACES)
+            if any(any((folder / kind).rglob(f"*.{kind}")) for kind in _INTERFACES)
         }
 
     @property
@@ -43,9 +43,10 @@ class Workspace:
 
     @property
     def python_packages(self) -> dict[str, Path]:
-        """The Python packages that stand directly in a ROS package, and the folder of that."""
+        """The Python packages of ROS packages, direct or in `src`, and the folder each is in."""
         found: dict[str, Path] = {}
-        for name, folder in self.packages.items():
+        folders = [*self.packages.items(), *((folder.name, folder) for folder in self.import_paths)]
+        for name, folder in folders:
             for each in sorted(folder.iterdir()):
                 is_python = (each / "__init__.py").is_file() and each.name not in _TESTS
                 if is_python or (each.name == name and any(each.glob("*.py"))):

@@ -171,7 +171,12 @@ class Interfaces:
         return self._workspace.get(package, INTERFACES / package)
 
     def _files(self, package: str, kind: str) -> list[Path]:
-        return sorted((self._folder(package) / kind).glob(f"*.{kind}"))
+        # Some packages sort them into folders, which the names of the classes leave out.
+        return sorted((self._folder(package) / kind).rglob(f"*.{kind}"))
+
+    def _file(self, package: str, kind: str, short: str) -> Path | None:
+        found = (path for path in self._files(package, kind) if path.stem == short)
+        return next(found, None)
 
     def _make(self, name: str) -> type[Message]:
         package, short = name.split("/")
@@ -223,19 +228,19 @@ class Interfaces:
         return self._definitions[key]
 
     def _define(self, package: str, short: str) -> bool:
-        folder = self._folder(package)
-        path = folder / "msg" / f"{short}.msg"
-        if path.is_file():
+        path = self._file(package, "msg", short)
+        if path is not None:
             self._parse(package, short, path.read_text("utf-8"), path)
             return True
         for suffix in (*_ACTION_PARTS, *_ACTION_WRAPPERS):
             name = short.removesuffix(suffix)
-            if name != short and (folder / "action" / f"{name}.action").is_file():
-                self._define_action(package, name)
+            path = self._file(package, "action", name) if name != short else None
+            if path is not None:
+                self._define_action(package, path)
                 return True
         for suffix in ("Request", "Response"):
             name = short.removesuffix(suffix)
-            if name != short and (folder / "srv" / f"{name}.srv").is_file():
+            if name != short and self._file(package, "srv", name) is not None:
                 self._define_service(package, name)
                 return True
         key = f"{package}/msg/{short}"
@@ -244,17 +249,16 @@ class Interfaces:
             return True
         return False
 
-    def _define_action(self, package: str, name: str) -> None:
-        path = self._folder(package) / "action" / f"{name}.action"
-        parts = _split(path, 3)
+    def _define_action(self, package: str, path: Path) -> None:
+        name, parts = path.stem, _split(path, 3)
         for part, text in zip(_ACTION_PARTS, parts, strict=True):
             self._parse(package, name + part, text, path)
         for wrapper, text in _ACTION_WRAPPERS.items():
             self._parse(package, name + wrapper, text.format(name=name), path)
 
     def _define_service(self, package: str, name: str) -> None:
-        path = self._folder(package) / "srv" / f"{name}.srv"
-        if not path.is_file():
+        path = self._file(package, "srv", name)
+        if path is None:
             names = self.service_names(package)
             raise InputError(f"{package} has no service '{name}'; {one_of(names, name)}")
         request, response = _split(path, 2)
