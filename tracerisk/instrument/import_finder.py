@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import sys
 import sysconfig
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from importlib.abc import MetaPathFinder
 from importlib.machinery import FrozenImporter, ModuleSpec, PathFinder, SourceFileLoader
 from importlib.util import spec_from_file_location
@@ -30,6 +30,7 @@ class ControllerFinder(MetaPathFinder):
     workspace to the folder that holds it; those are importable as if they were installed.
     Top names in `reserved` are another finder's; those in `shared` too, but where the controller
     has a whole Python package of that name (a script may be called as the messages it uses are).
+    `elsewhere` is asked last: for the folder of a module that is nowhere on the path.
     """
 
     def __init__(
@@ -40,12 +41,14 @@ class ControllerFinder(MetaPathFinder):
         packages: Mapping[str, Path] | None = None,
         reserved: Collection[str] = (),
         shared: Collection[str] = (),
+        elsewhere: Callable[[str], Path | None] = lambda _: None,
     ) -> None:
         self._tracer = tracer
         self._root = root.resolve()
         self._packages = dict(packages or {})
         self._reserved = frozenset(reserved)
         self._shared = frozenset(shared)
+        self._elsewhere = elsewhere
         self._foreign = _foreign_folders()
 
     def find_spec(
@@ -62,6 +65,11 @@ class ControllerFinder(MetaPathFinder):
         if path is None and fullname in self._packages and not _is_package(spec):
             # As if built: what `import` finds beside the script comes first, as a whole package.
             spec = PathFinder.find_spec(fullname, [str(self._packages[fullname])], target)
+        if spec is None and path is None and self._is_unknown(fullname):
+            folder = self._elsewhere(fullname)
+            if folder is not None:
+                self._packages[fullname] = folder
+                spec = PathFinder.find_spec(fullname, [str(folder)], target)
         if spec is None or (path is None and fullname in self._shared and not _is_package(spec)):
             return None
         if spec.loader is None:
@@ -80,6 +88,9 @@ class ControllerFinder(MetaPathFinder):
             loader=_TracedLoader(fullname, spec.origin, self._tracer, self._root),
             submodule_search_locations=spec.submodule_search_locations,
         )
+
+    def _is_unknown(self, name: str) -> bool:
+        return name not in self._shared and name not in sys.stdlib_module_names
 
     def is_own(self, file: Path) -> bool:
         """Tell whether a file is the controller's own source."""

@@ -62,12 +62,18 @@ def decorator_served(tracer: Tracer) -> Iterator[None]:
 
 @contextlib.contextmanager
 def prepared_controller(
-    path: Path | str, tracer: Tracer, argv: Sequence[str] = (), *, root: Path | None = None
+    path: Path | str,
+    tracer: Tracer,
+    argv: Sequence[str] = (),
+    *,
+    root: Path | None = None,
+    entry: str | None = None,
 ) -> Iterator[Callable[[], None]]:
     """Compile the file at `path`; yield the function that runs it once as `__main__`, traced.
 
     `argv` are the arguments after the script's name; `root` is `controller_root(path)` unless
-    given. What the controller raises passes through, `SystemExit` too.
+    given. `entry` names a function of it that is called then, as an installed command would, with
+    its result as the exit status. What the controller raises passes through, `SystemExit` too.
     Until closed, `sys.argv`, `sys.path`, `__main__` and the recursion limit are the controller's,
     and tracerisk's frames are hidden: threads and callbacks that outlive the module-level code
     need it open. All is put back at the end; modules that were imported stay imported.
@@ -84,6 +90,9 @@ def prepared_controller(
         def run() -> None:
             with tracer.root("main"):
                 tracer.run_module(code, module.__dict__, file)
+            if entry is not None:
+                with tracer.root("main"):
+                    sys.exit(module.__dict__[entry]())
 
         yield run
 

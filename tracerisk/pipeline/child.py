@@ -22,10 +22,20 @@ from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.controller_end import ControllerEnd
-from tracerisk.pipeline.run_files import EVENTS, ROBOT, STACKS, STARTED, RunRequest, WallTime
+from tracerisk.pipeline.entry_point import find_entry_point
+from tracerisk.pipeline.run_files import (
+    ELSEWHERE,
+    ENTRY,
+    EVENTS,
+    ROBOT,
+    STACKS,
+    STARTED,
+    RunRequest,
+    WallTime,
+)
 from tracerisk.pipeline.run_watch import RunWatch
 from tracerisk.pipeline.scripted_input import scripted_input
-from tracerisk.pipeline.workspace import find_workspace
+from tracerisk.pipeline.workspace import Workspace, find_workspace
 from tracerisk.ros.finder import StandInFinder
 from tracerisk.ros.graph import Graph
 from tracerisk.ros.messages import Interfaces
@@ -141,13 +151,17 @@ def _run_recorded(
         packages=workspace.python_packages,
         reserved=libraries,
         shared=set(stand_ins.provides) - libraries,
+        elsewhere=lambda name: _found_elsewhere(name, workspace, root, recorder),
     )
+    entry = find_entry_point(script, script.read_bytes(), root)
     with (
         activate(runtime),
         stand_ins,
         virtual_time(scheduler, seed=request.seed),
         scripted_input(request.answers, recorder, scheduler.touch),
-        prepared_controller(script, tracer, request.argv, root=root) as run,
+        prepared_controller(
+            script, tracer, request.argv, root=root, entry=entry.function if entry else None
+        ) as run,
         controller_imports(imports),
     ):
         # Behind what is installed: a build puts no file before another package's.
@@ -156,10 +170,22 @@ def _run_recorded(
         # The controller's own modules leave no `__pycache__` in its folder.
         sys.dont_write_bytecode = True
         recorder.note(STARTED)
+        if entry is not None:
+            recorder.note(ENTRY, function=entry.function, named_in=entry.named_in)
         began = wall_clock()
         end.run(lambda: scheduler.run_main(run))
         twin.close()
         WallTime(wall_clock() - began, world.seconds).write(folder)
+
+
+def _found_elsewhere(
+    name: str, workspace: Workspace, root: Path, recorder: Recorder
+) -> Path | None:
+    """Return the folder of a module that stands off the import path, and say so."""
+    folder = workspace.folder_of_module(name, root)
+    if folder is not None:
+        recorder.note(ELSEWHERE, module=name, folder=os.path.relpath(folder, root))
+    return folder
 
 
 def _refuse(recorder: Recorder, error: TraceRiskError) -> None:

@@ -15,6 +15,10 @@ ROBOT = "robot.json"
 """The robot that the child simulates, whole: it need not look for it again."""
 STARTED = "started"
 """The note that says that all is built and the controller's own code begins."""
+ENTRY = "entry"
+"""The note of the function that was called to start the controller: `function`, `named_in`."""
+ELSEWHERE = "elsewhere"
+"""The note of a module found off the import path: `module`, and `folder` from the root."""
 _WALL_TIME = "wall_time.json"
 
 

@@ -16,6 +16,7 @@ from tracerisk.hardware.shipped import is_shipped
 from tracerisk.instrument.call_graph import CallGraph, call_graph, uncovered
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
+from tracerisk.pipeline.run_files import ELSEWHERE, ENTRY
 from tracerisk.pipeline.run_watch import CYCLE, CYCLES_SEEN, MISSION_END
 from tracerisk.trace import (
     Cycle,
@@ -158,6 +159,22 @@ def _objects(recording: Recording) -> tuple[ObjectOffset, ...]:
     return () if note is None else tuple(ObjectOffset(**each) for each in note["found"])
 
 
+def _started_by(recording: Recording) -> list[str]:
+    """Say what an installed controller would have that the bare script has not."""
+    lines = []
+    entry = recording.note(ENTRY)
+    if entry is not None:
+        named = f"named in {entry['named_in']}" if entry["named_in"] else "which nothing calls"
+        lines.append(f"start: {entry['function']}() of the script, {named}, was called")
+    lines += [
+        f"import: {note.data['module']} was taken from {note.data['folder']}, "
+        "which is not on the import path"
+        for note in recording.notes
+        if note.kind == ELSEWHERE
+    ]
+    return lines
+
+
 def _assumptions(
     robot: Robot, scene: str, settings: Settings, recording: Recording, end: RunEnd
 ) -> tuple[str, ...]:
@@ -166,6 +183,7 @@ def _assumptions(
         lines.append(f"robot: {robot.name}, {robot.chosen_by}")
     if settings.scene is None:
         lines.append(f"scene: {scene}, the default of the robot")
+    lines += _started_by(recording)
     if robot.approximate:
         lines.append(f"robot: the figures of {robot.name} are approximate: some are assumed")
     if settings.hardware is None and not is_shipped(robot.name):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 from collections.abc import Iterator, Mapping
@@ -52,6 +53,31 @@ class Workspace:
                 if is_python or (each.name == name and any(each.glob("*.py"))):
                     found.setdefault(each.name, folder)
         return found
+
+    def folder_of_module(self, name: str, root: Path) -> Path | None:
+        """Return the folder of a module that stands off the import path, `None` for none.
+
+        Some packages install modules where only their own set-up finds them. What stands below
+        `root` goes before the rest of the workspace; of several the one whose path sorts first.
+        """
+        for folders in ([root.resolve()], list(self.packages.values())):
+            found = [each for folder in folders for each in _modules_named(name, folder)]
+            if found:
+                return min(found, key=lambda each: (len(each.parts), each))
+        return None
+
+
+def _modules_named(name: str, top: Path) -> Iterator[Path]:
+    """Yield the folders below `top` that hold the module or package `name`."""
+    for folder, folders, files in itertools.islice(os.walk(top), _MOST_FOLDERS):
+        is_package = name in folders and Path(folder, name, "__init__.py").is_file()
+        if is_package or f"{name}.py" in files:
+            yield Path(folder)
+        folders[:] = sorted(
+            each
+            for each in folders
+            if not each.startswith(".") and each not in _NOT_SEARCHED and each not in _TESTS
+        )
 
 
 def find_workspace(root: Path) -> Workspace:
