@@ -71,6 +71,36 @@ def test_timers_that_repeat_end_a_spin(run):
     assert len(data["trace"]["visits"]) == 6
 
 
+POSES = """\
+POSES = [0.1, 0.3, 0.5, 0.3]
+
+def go_to(angle):
+    arm.go([angle, -0.785, 0, -2.356, 0, 1.571, 0.785], wait=True)
+
+"""
+
+
+def test_poses_in_turn_from_one_place_are_one_cycle_as_when_written_out(run):
+    in_turn = run(
+        POSES + "n = 0\nwhile True:\n    go_to(POSES[n % 4])\n    n += 1\n", "--mission-cycles", "5"
+    )
+    written_out = run(
+        POSES + "while True:\n" + "".join(f"    go_to(POSES[{i}])\n" for i in range(4)),
+        "--mission-cycles",
+        "5",
+    )
+    assert len(in_turn["trace"]["visits"]) == len(written_out["trace"]["visits"]) == 12
+    assert risk(in_turn) == pytest.approx(risk(written_out), rel=0.01)
+
+
+def test_poses_that_never_come_again_end_after_sixty_as_ten_cycles(run):
+    body = "import random\nwhile True:\n    go_to(random.uniform(-1, 1))\n    arm.stop()\n"
+    data = run(POSES + body)
+    assert data["trace"]["end"]["cause"] == "cycles"
+    assert len(data["trace"]["visits"]) == 60
+    assert follows(data) == {"go_to": {"go_to": "9/10", "done": "1/10"}}
+
+
 def test_a_loop_with_an_end_of_its_own_is_not_cut(run):
     body = (
         "n = 0\nwhile True:\n    there()\n    back()\n    n += 1\n    if n == 5:\n        break\n"
@@ -112,3 +142,62 @@ def test_a_loop_in_which_nothing_moves_fails_early(run):
     data = run(IDLE, code=4)
     assert data["trace"]["end"]["cause"] == "no_motion"
     assert data["trace"]["end"]["simulated_s"] < 61.0
+
+
+ROS2_TIMER = """\
+import rclpy
+from builtin_interfaces.msg import Duration
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+JOINTS = ["panda_joint%d" % i for i in range(1, 8)]
+STARTS = [[x, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785] for x in (0.2, 0.1)]
+
+rclpy.init()
+node = rclpy.create_node("quick")
+publisher = node.create_publisher(JointTrajectory, "/panda_arm_controller/joint_trajectory", 10)
+ticks = 0
+
+def there():
+    send(STARTS[0])
+
+def back():
+    send(STARTS[1])
+
+def send(positions):
+    point = JointTrajectoryPoint(positions=positions, time_from_start=Duration(sec=1))
+    publisher.publish(JointTrajectory(joint_names=JOINTS, points=[point]))
+
+def tick():
+    global ticks
+    ticks += 1
+    if ticks < LAST:
+        (there if ticks % 2 else back)()
+
+node.create_timer(2.0, tick)
+"""
+ROS2_SPINS = {
+    "rclpy.spin": "rclpy.spin(node)\n",
+    "several threads": (
+        "executor = rclpy.executors.MultiThreadedExecutor(2)\n"
+        "executor.add_node(node)\nexecutor.spin()\n"
+    ),
+    "a loop": "while rclpy.ok():\n    rclpy.spin_once(node)\n",
+}
+
+
+@pytest.mark.parametrize("spin", ROS2_SPINS)
+def test_timers_of_ros_2_that_repeat_end_a_spin_too(example, spin):
+    program = "import rclpy.executors\n" + ROS2_TIMER.replace("LAST", "1000") + ROS2_SPINS[spin]
+    example.write("c.py", program)
+    outcome = example.run("run", "c.py", "--json")
+    assert outcome.code == 0, outcome.err
+    assert outcome.json["trace"]["end"]["cause"] == "cycles"
+    assert [state["name"] for state in outcome.json["model"]["states"]] == ["there", "back"]
+
+
+def test_a_timer_of_ros_2_that_only_beats_after_the_work_is_idle(example):
+    example.write("c.py", ROS2_TIMER.replace("LAST", "5") + "rclpy.spin(node)\n")
+    outcome = example.run("run", "c.py", "--json")
+    assert outcome.code == 0, outcome.err
+    assert outcome.json["trace"]["end"]["cause"] == "idle"
+    assert outcome.json["trace"]["end"]["simulated_s"] < 80.0

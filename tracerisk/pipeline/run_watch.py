@@ -16,10 +16,12 @@ from tracerisk.ros.virtual_time import ControllerThread, Scheduler
 
 CYCLES_SEEN = 3
 """How often the same cycle must have come."""
+_CYCLES_ELSEWHERE = 60  # how often, if its ways are the same but it leads elsewhere each time
+_SAME_GOAL = 0.1  # goals of a joint are the same within this [rad or m]
 IDLE_S = 60.0
 """For how long nothing must have been commanded before a loop counts as idle [s]."""
 CYCLE = "cycle"
-"""The note of the three cycles: `start_ns`."""
+"""The note of the equal cycles: `start_ns` of the first, and how many were `seen`."""
 MISSION_END = "mission_end"
 """The note of when the mission was over, where that is before the end of the run: `ns`."""
 _LONGEST_CYCLE = 100
@@ -32,6 +34,7 @@ _Way = tuple[object, ...]
 class _Iteration:
     start_ns: int
     ways: list[_Way] = field(default_factory=list)
+    goals: list[tuple[float, ...]] = field(default_factory=list)
     has_reached: bool = False
 
 
@@ -93,8 +96,8 @@ class RunWatch:
             loop.current = _Iteration(now_ns)
             self._scheduler.raise_if_over()
 
-    def issued(self, command_id: int, stack: Sequence[Frame]) -> None:
-        """Note that a command is issued."""
+    def issued(self, command_id: int, stack: Sequence[Frame], goal: Sequence[float]) -> None:
+        """Note that a command is issued that leads to `goal`."""
         self._last_command_ns = self._scheduler.now_ns
         way = tuple((frame.function, frame.site) for frame in stack)
         is_callback = stack[0].root not in (None, "main", "thread")
@@ -102,8 +105,12 @@ class RunWatch:
         if is_callback and self._callbacks is not None:
             loops.append(self._callbacks)
         for loop in loops:
-            if not loop.current.ways or loop.current.ways[-1] != way:
-                loop.current.ways.append(way)
+            current = loop.current
+            is_another = not current.ways or current.ways[-1] != way
+            if is_another:
+                current.ways.append(way)
+            if is_another or not _are_near(current.goals[-1], tuple(goal)):
+                current.goals.append(tuple(goal))
         self._iteration_of[command_id] = [loop.current for loop in loops]
 
     def ended(self, command_id: int, outcome: str) -> None:
@@ -166,7 +173,12 @@ class RunWatch:
     def _main_spins(self) -> bool:
         main = self._main()
         wait = main.wait if main is not None else None
-        if wait is None or wait.kind != "idle" or wait.deadline_ns is not None:
+        is_idle = wait is not None and wait.kind == "idle" and wait.deadline_ns is None
+        if main is not None and main.spins_since_ns is not None and (wait is None or is_idle):
+            # It runs the callbacks itself, and waits anew after each.
+            self._spin, self._spin_ns = main, main.spins_since_ns
+            return True
+        if not is_idle:
             self._spin = None
             return False
         if self._spin is not wait:
@@ -177,27 +189,48 @@ class RunWatch:
         """Close an iteration that commanded something, and end the run at the third cycle."""
         loop.past.append(loop.current)
         loop.quiet_ns = now_ns
-        start = _cycle_start(loop.past)
-        if start is not None and self._scheduler.over is None:
-            self._recorder.note(CYCLE, start_ns=loop.past[start].start_ns)
+        found = _cycle_start(loop.past)
+        if found is not None and self._scheduler.over is None:
+            start, seen = found
+            self._recorder.note(CYCLE, start_ns=loop.past[start].start_ns, seen=seen)
             self._scheduler.end(
                 "cycles",
-                f"the same cycle came {CYCLES_SEEN} times in a loop without an end",
+                f"the same cycle came {seen} times in a loop without an end",
                 loop.place,
             )
 
 
-def _cycle_start(past: Sequence[_Iteration]) -> int | None:
-    """Return where in the iterations the last three equal cycles begin, if they are equal.
+def _cycle_start(past: Sequence[_Iteration]) -> tuple[int, int] | None:
+    """Return where in the iterations the last equal cycles begin and how many, if enough are.
 
-    A goal must have been reached in each.
+    A goal must have been reached in each. Cycles of the same ways that lead elsewhere each time,
+    to places drawn at random say, are taken as equal when very many of them have come.
     """
     for length in range(1, min(len(past) // CYCLES_SEEN, _LONGEST_CYCLE) + 1):
-        start = len(past) - CYCLES_SEEN * length
-        cycles = [past[at : at + length] for at in range(start, len(past), length)]
-        ways = [[each.ways for each in cycle] for cycle in cycles]
-        if all(each == ways[0] for each in ways[1:]) and all(
-            any(each.has_reached for each in cycle) for cycle in cycles
-        ):
-            return start
+        for seen, is_same in ((CYCLES_SEEN, _is_same_cycle), (_CYCLES_ELSEWHERE, _has_same_ways)):
+            start = len(past) - seen * length
+            if start < 0:
+                continue
+            cycles = [past[at : at + length] for at in range(start, len(past), length)]
+            if all(is_same(each, cycles[0]) for each in cycles[1:]) and all(
+                any(each.has_reached for each in cycle) for cycle in cycles
+            ):
+                return start, seen
     return None
+
+
+def _has_same_ways(cycle: Sequence[_Iteration], other: Sequence[_Iteration]) -> bool:
+    return [each.ways for each in cycle] == [each.ways for each in other]
+
+
+def _is_same_cycle(cycle: Sequence[_Iteration], other: Sequence[_Iteration]) -> bool:
+    return _has_same_ways(cycle, other) and all(
+        len(one.goals) == len(two.goals) and all(map(_are_near, one.goals, two.goals))
+        for one, two in zip(cycle, other, strict=True)
+    )
+
+
+def _are_near(goal: tuple[float, ...], other: tuple[float, ...]) -> bool:
+    return len(goal) == len(other) and all(
+        abs(one - two) <= _SAME_GOAL for one, two in zip(goal, other, strict=True)
+    )

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from _thread import allocate_lock
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from types import FrameType
 from typing import Any, Literal, Protocol
@@ -78,9 +79,23 @@ class ControllerThread:
     gate: Any = field(default_factory=allocate_lock)
     wait: Wait | None = None
     ident: int | None = None
+    spins_since_ns: int | None = None
     read_ns: int = -1
     calls: int = 0
     calls_ns: int = -1
     raises: int = 0
     interrupt: BaseException | None = None
     at_finish: list[Callable[[], None]] = field(default_factory=list)
+
+
+@contextmanager
+def spinning(thread: ControllerThread | None, now_ns: int) -> Iterator[None]:
+    """Mark, while it lasts, that a thread itself runs callbacks, and without an end."""
+    if thread is None or thread.spins_since_ns is not None:
+        yield
+        return
+    thread.spins_since_ns = now_ns
+    try:
+        yield
+    finally:
+        thread.spins_since_ns = None

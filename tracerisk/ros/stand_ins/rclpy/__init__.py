@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from tracerisk.ros.controller_thread import spinning
+
 from ._run import run as _state
 from .context import Context
 from .parameter import Parameter
@@ -99,8 +101,10 @@ def spin(node: Any, executor: Any = None) -> None:
     chosen = get_global_executor() if executor is None else executor
     try:
         chosen.add_node(node)
-        while chosen.context.is_valid:
-            chosen.spin_once()
+        scheduler = _state().scheduler
+        with spinning(scheduler.current, scheduler.now_ns):
+            while chosen.context.is_valid:
+                chosen.spin_once()
     finally:
         chosen.remove_node(node)
 

@@ -8,7 +8,7 @@ from collections import deque
 from types import TracebackType
 from typing import Any
 
-from tracerisk.ros.controller_thread import WaitKind
+from tracerisk.ros.controller_thread import WaitKind, spinning
 
 from ._run import run
 from .context import Context
@@ -128,8 +128,10 @@ class Executor:
 
     def spin(self) -> None:
         """Run callbacks until the context or the executor is shut down."""
-        while self._context.is_valid and not self._is_shutdown:
-            self.spin_once()
+        scheduler = self._run.scheduler
+        with spinning(scheduler.current, scheduler.now_ns):
+            while self._context.is_valid and not self._is_shutdown:
+                self.spin_once()
 
     def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
         """Run callbacks until a future is complete, or for `timeout_sec` seconds."""
