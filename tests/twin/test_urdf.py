@@ -6,9 +6,10 @@ import pytest
 
 from tracerisk.errors import RobotError
 from tracerisk.twin.builder import compile_model
+from tracerisk.twin.robot_assembly import ASSUMED_VELOCITY
 from tracerisk.twin.robot_file import dump_robot, read_dumped_robot
 from tracerisk.twin.srdf import read_srdf
-from tracerisk.twin.urdf import ASSUMED_VELOCITY, read_urdf
+from tracerisk.twin.urdf import read_urdf
 
 URDF = """<?xml version="1.0"?>
 <robot name="tiny">

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 from tracerisk.twin.robot import Gripper, Group, Joint, Link, Servo
@@ -63,11 +63,15 @@ def _looks_so(joint: UrdfJoint, tree: Tree) -> bool:
 
 
 def grippers_of(
-    tree: Tree, srdf: Srdf | None, groups: Mapping[str, Group]
+    tree: Tree,
+    srdf: Srdf | None,
+    groups: Mapping[str, Group],
+    known: Collection[str] = (),
 ) -> tuple[GripperParts, ...]:
     """Return the grippers: those of the end effectors, and what else looks like fingers.
 
-    Fingers behind the same joint of the arm are one gripper.
+    `known` are joints that are fingers whatever their names. Fingers behind the same joint of the
+    arm are one gripper.
     """
     wanted = {
         name
@@ -75,6 +79,7 @@ def grippers_of(
         if effector.group in groups
         for name in groups[effector.group].joints
     }
+    wanted |= set(known)
     fingers = [
         joint
         for joint in tree.moving
