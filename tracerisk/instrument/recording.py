@@ -83,8 +83,8 @@ class CommandWatch(Protocol):
     def before_command(self, stack: Sequence[Frame]) -> None:
         """Be told that a command is about to be issued; may end the run."""
 
-    def issued(self, command_id: int, stack: Sequence[Frame]) -> None:
-        """Be told that a command was issued."""
+    def issued(self, command_id: int, stack: Sequence[Frame], goal: Sequence[float]) -> None:
+        """Be told that a command was issued, and the positions to which it leads."""
 
     def ended(self, command_id: int, outcome: str) -> None:
         """Be told that a command ended."""
@@ -104,8 +104,17 @@ class Recorder:
         self._next_command = itertools.count(1).__next__
         self._functions: dict[tuple[FunctionRef, int], int] = {}
 
-    def command(self, kind: str, elements: Sequence[str], stack: Sequence[Frame]) -> int:
+    def command(
+        self,
+        kind: str,
+        elements: Sequence[str],
+        stack: Sequence[Frame],
+        *,
+        goal: Sequence[float] = (),
+    ) -> int:
         """Record that a command is issued now; return its id, from 1 in the order of issue.
+
+        `goal`, for the watch alone, are the positions to which it leads, one a joint [rad or m].
 
         Raises:
             ValueError: the stack is empty.
@@ -121,7 +130,7 @@ class Recorder:
         ]
         self._write("command", id=command_id, kind=kind, elements=list(elements), stack=frames)
         if self.watch is not None:
-            self.watch.issued(command_id, stack)
+            self.watch.issued(command_id, stack, goal)
         return command_id
 
     def command_ended(self, command_id: int, outcome: str) -> None:

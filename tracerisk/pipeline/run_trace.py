@@ -17,7 +17,7 @@ from tracerisk.instrument.call_graph import CallGraph, call_graph, uncovered
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
 from tracerisk.pipeline.run_files import ELSEWHERE, ENTRY
-from tracerisk.pipeline.run_watch import CYCLE, CYCLES_SEEN, MISSION_END
+from tracerisk.pipeline.run_watch import CYCLE, MISSION_END
 from tracerisk.trace import (
     Cycle,
     Exposure,
@@ -98,9 +98,9 @@ def _cycle(recording: Recording, attribution: Attribution, settings: Settings) -
         return None
     visits = attribution.visits
     first = sum(1 for visit in visits if visit.start_ns < note["start_ns"])
-    length, rest = divmod(len(visits) - first, CYCLES_SEEN)
+    length, rest = divmod(len(visits) - first, note["seen"])
     owners = [visit.function for visit in visits[first:]]
-    if not length or rest or owners != owners[:length] * CYCLES_SEEN:
+    if not length or rest or owners != owners[:length] * note["seen"]:
         return None
     return Cycle(first, length, settings.mission_cycles)
 

@@ -86,7 +86,9 @@ class TrajectoryExecution:
         if refusal is not None:
             self.tell("execution_failure", f"a trajectory was not executed: {refusal}")
             return ErrorCode.CONTROL_FAILED
-        command_id = self._recorder.command("move_group", motion.elements, self._tracer.stack())
+        command_id = self._recorder.command(
+            "move_group", motion.elements, self._tracer.stack(), goal=motion.goal
+        )
         execution = Execution(motion, command_id)
         self._live.append(execution)
         self._watch()

@@ -63,7 +63,7 @@ class TwinCommands:
         """Record a command that `motion` carries out, and see to its end."""
         command_id = 0
         if self._recorder is not None and stack:
-            command_id = self._recorder.command(kind, motion.elements, stack)
+            command_id = self._recorder.command(kind, motion.elements, stack, goal=motion.goal)
         command = LiveCommand(command_id, motion, on_end, keep_until_ns)
         # Those that this motion has just put an end to ended before it began to count.
         self.poll()

@@ -36,11 +36,19 @@ class Motion:
     """A motion that the twin carries out, as its owner sees it.
 
     `elements` are the names addressed: arm joints, and grippers by their name.
+    `goal` is where it leads each of `joints` [rad or m]; one value for both fingers of a gripper.
     `stalled` says that a gripper stopped on an object, short of the position asked for.
     """
 
-    def __init__(self, joints: tuple[str, ...], elements: tuple[str, ...], started_ns: int) -> None:
+    def __init__(
+        self,
+        joints: tuple[str, ...],
+        elements: tuple[str, ...],
+        started_ns: int,
+        goal: Sequence[float] = (),
+    ) -> None:
         self.joints = joints
+        self.goal = tuple(goal)
         self.elements = elements
         self.started_ns = started_ns
         self.outcome: MotionOutcome = "active"

@@ -79,7 +79,10 @@ class MotionControl:
         check_trajectory(trajectory, self._robot)
         trajectory = self._led_in(trajectory)
         motion = Motion(
-            trajectory.joints, self._elements_of(trajectory.joints), self._simulation.time_ns
+            trajectory.joints,
+            self._elements_of(trajectory.joints),
+            self._simulation.time_ns,
+            trajectory.position[-1].tolist(),
         )
         self._preempt(motion.elements)
         columns = [
@@ -113,7 +116,7 @@ class MotionControl:
         Raises PlanningError("invalid_goal") for a position or an effort that is not allowed.
         """
         found = self._robot.gripper(gripper)
-        motion = Motion(found.joints, (found.name,), self._simulation.time_ns)
+        motion = Motion(found.joints, (found.name,), self._simulation.time_ns, (position,))
         track = self._gripper_track(motion, found, position, max_effort)
         self._preempt(motion.elements)
         self._add(track)
