@@ -7,7 +7,7 @@ answered with MoveIt's error code and told as a finding of the run.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from tracerisk.errors import RobotError, one_of
 from tracerisk.ros.planning_scene import PlanningScene
-from tracerisk.ros.poses import ORIGIN, compose, inverse
+from tracerisk.ros.scene_changes import SceneChanges
 from tracerisk.ros.scene_shapes import scene_body
 from tracerisk.ros.trajectory_execution import ErrorCode, TrajectoryExecution
 from tracerisk.twin.motion import JointTrajectory, PlanningError, PlanningFailure, Pose
@@ -23,11 +23,11 @@ from tracerisk.twin.motion import JointTrajectory, PlanningError, PlanningFailur
 if TYPE_CHECKING:
     from tracerisk.ros.runtime import Runtime
     from tracerisk.twin.robot import Gripper, Group, Robot
+    from tracerisk.twin.scene_body import SceneBody
     from tracerisk.twin.twin import Twin
 
 _FREE_POSITION = 1e3  # a position tolerance that any position meets [m]
 _FREE_ORIENTATION = 10.0  # an orientation tolerance that any orientation meets [rad]
-_WORLD_FRAMES = frozenset({"", "world", "map", "odom"})
 
 GoalKind = Literal["pose", "position", "orientation"]
 
@@ -74,7 +74,7 @@ class Plan:
 class MoveGroupServer:
     """Plan and execute on the twin of `runtime`, for every client in the process.
 
-    `execution` carries out trajectories, `scene` is the planning scene.
+    `execution` carries out trajectories, `scene` is the planning scene, which `changes` changes.
     """
 
     def __init__(self, runtime: Runtime) -> None:
@@ -82,6 +82,9 @@ class MoveGroupServer:
         self._twin: Twin = runtime.twin
         self.robot: Robot = runtime.twin.robot
         self.scene = PlanningScene(self._declare)
+        self.changes = SceneChanges(
+            self.scene, self.robot, runtime.twin.link_pose, self._tell_scene
+        )
         self.execution = TrajectoryExecution(runtime)
         self.random = np.random.default_rng(runtime.seed)
 
@@ -181,21 +184,11 @@ class MoveGroupServer:
 
     def frame(self, name: str) -> Pose | None:
         """Return the pose of a frame (a link, the world, an object of the scene), else None."""
-        name = name.lstrip("/")
-        if name in _WORLD_FRAMES or name == self.planning_frame:
-            return ORIGIN
-        if name in self.robot.link_names:
-            return self._twin.link_pose(name)
-        return self.object_pose(name)
+        return self.changes.frame(name)
 
     def object_pose(self, name: str) -> Pose | None:
         """Return the pose of an object of the scene in the planning frame, else None."""
-        if name in self.scene.world:
-            return self.scene.world[name].pose
-        attached = self.scene.attached.get(name)
-        if attached is None:
-            return None
-        return compose(self._twin.link_pose(attached.link), attached.object.pose)
+        return self.changes.object_pose(name)
 
     def now_ns(self) -> int:
         """Return the time as the controller reads it [ns]."""
@@ -367,9 +360,9 @@ class MoveGroupServer:
 
     # Objects
 
-    def _declare(self) -> None:
-        """Make the objects of the scene bodies of the twin; one that cannot be is told of."""
-        scene, bodies = self.scene, []
+    def bodies(self, scene: PlanningScene) -> list[SceneBody]:
+        """Return the objects of a scene as bodies of the twin; one that cannot be is told of."""
+        bodies = []
         placed = [(item, None, ()) for item in scene.world.values()] + [
             (one.object, one.link, one.touch_links) for one in scene.attached.values()
         ]
@@ -381,14 +374,28 @@ class MoveGroupServer:
                     )
                 )
             except RobotError as error:
-                self.execution.tell(
-                    "planning_scene",
-                    f"object '{item.name}' is no body of the simulation: {error.message}",
+                self._tell_scene(
+                    f"object '{item.name}' is no body of the simulation: {error.message}"
                 )
+        return [one for one in bodies if one.is_solid]
+
+    def planning_in(self, scene: PlanningScene) -> AbstractContextManager[None]:
+        """Plan and check for collisions in another scene within the block."""
+        return self._twin.planning_among(self.bodies(scene), scene.allowed)
+
+    def collisions(self, positions: Mapping[str, float]) -> list[tuple[str, str]]:
+        """Return the names of what collides at joint positions, pair by pair."""
+        return self._twin.collisions(positions)
+
+    def _declare(self) -> None:
+        """Make the objects of the scene bodies of the twin."""
         try:
-            self._twin.declare([one for one in bodies if one.is_solid], scene.allowed)
+            self._twin.declare(self.bodies(self.scene), self.scene.allowed)
         except RobotError as error:
-            self.execution.tell("planning_scene", error.message)
+            self._tell_scene(error.message)
+
+    def _tell_scene(self, message: str) -> None:
+        self.execution.tell("planning_scene", message)
 
     @contextmanager
     def touching(self, name: str, links: Iterable[str]) -> Iterator[None]:
@@ -402,21 +409,8 @@ class MoveGroupServer:
 
     def attach(self, name: str, link: str, touch_links: Sequence[str]) -> bool:
         """Attach a known object of the world to a link; False where there is none."""
-        if name not in self.scene.world:
-            return False
-        if link not in self.robot.link_names:
-            raise RobotError(
-                f"robot '{self.robot.name}' has no link '{link}'; "
-                f"{one_of(self.robot.link_names, link)}"
-            )
-        in_link = inverse(self._twin.link_pose(link))
-        self.scene.attach(name, link, in_link, touch_links)
-        return True
+        return self.changes.attach(name, link, touch_links)
 
     def detach(self, name: str) -> bool:
         """Leave an attached object in the world where it now is; False where there is none."""
-        attached = self.scene.attached.get(name)
-        if attached is None:
-            return False
-        self.scene.detach(name, self._twin.link_pose(attached.link))
-        return True
+        return self.changes.detach(name)

@@ -5,19 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from tracerisk.errors import RobotError
 from tracerisk.ros.action_graph import ActionGoal
+from tracerisk.ros.goal_constraints import GoalReader, RequestError
 from tracerisk.ros.message_dialect import set_time
-from tracerisk.ros.move_group import GoalKind, MoveGroupServer, Plan, PoseGoal, Scaling
+from tracerisk.ros.move_group import MoveGroupServer, Plan, PoseGoal, Scaling
+from tracerisk.ros.moveit_messages import set_pose, state_message, trajectory_message
 from tracerisk.ros.path_constraints import message_pose, violation
 from tracerisk.ros.poses import compose, inverse
 from tracerisk.ros.trajectory_execution import ErrorCode, Execution
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.ros.twin_trajectory_messages import TrajectoryRefusedError, twin_trajectory
-from tracerisk.ros.virtual_clock import EPOCH_NS
-from tracerisk.twin.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.twin.motion import JointTrajectory, PlanningError
 
 if TYPE_CHECKING:
     from tracerisk.ros.runtime import Runtime
@@ -27,20 +26,13 @@ EXECUTE_TRAJECTORY = "moveit_msgs/ExecuteTrajectory"
 _NODE = "/move_group"
 
 
-class RequestError(Exception):
-    """A request that move_group answers with an error code: `code`."""
-
-    def __init__(self, code: ErrorCode, message: str) -> None:
-        super().__init__(message)
-        self.code = code
-
-
 class MoveItInterfaces:
     """Plans, executes and answers on the graph with the server that every client shares."""
 
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
         self._runtime = runtime
         self._server = runtime.client(MoveGroupServer)
+        self._goals = GoalReader(self._server)
         self._messages = messages
         for name, kind, handle in (
             ("compute_ik", "GetPositionIK", self._position_ik),
@@ -119,9 +111,9 @@ class MoveItInterfaces:
     def _position_ik(self, request: Any) -> Any:
         asked, answer = request.ik_request, self._messages.response("moveit_msgs/GetPositionIK")
         try:
-            self._check_group(asked.group_name)
-            link = asked.ik_link_name or self._tip(asked.group_name)
-            base = self._frame(asked.pose_stamped.header.frame_id)
+            self._goals.check_group(asked.group_name)
+            link = asked.ik_link_name or self._goals.tip(asked.group_name)
+            base = self._goals.frame(asked.pose_stamped.header.frame_id)
             goal = PoseGoal(link, compose(base, message_pose(asked.pose_stamped.pose)))
             found = self._server.reach(
                 asked.group_name, [goal], self._start(asked.robot_state) or None
@@ -138,7 +130,7 @@ class MoveItInterfaces:
     def _position_fk(self, request: Any) -> Any:
         answer = self._messages.response("moveit_msgs/GetPositionFK")
         try:
-            back = inverse(self._frame(request.header.frame_id))
+            back = inverse(self._goals.frame(request.header.frame_id))
             start = self._start(request.robot_state)
             poses = [self._server.forward(start, link) for link in request.fk_link_names]
         except RequestError as error:
@@ -152,7 +144,7 @@ class MoveItInterfaces:
             message = self._messages.new("geometry_msgs/PoseStamped")
             message.header.frame_id = request.header.frame_id or self._server.planning_frame
             self._messages.stamp(message.header, self._runtime.scheduler.now_ns)
-            _set_pose(message.pose, compose(back, pose))
+            set_pose(message.pose, compose(back, pose))
             stamped.append(message)
         answer.pose_stamped = stamped
         answer.fk_link_names = list(request.fk_link_names)
@@ -163,14 +155,14 @@ class MoveItInterfaces:
         answer = self._messages.response("moveit_msgs/GetCartesianPath")
         answer.start_state = self._state(self._server.positions())
         try:
-            self._check_group(request.group_name)
-            base = self._frame(request.header.frame_id)
+            self._goals.check_group(request.group_name)
+            base = self._goals.frame(request.header.frame_id)
             if request.max_step <= 0.0:
                 raise RequestError(ErrorCode.FAILURE, "max_step must be more than 0")
             plan, fraction = self._server.plan_cartesian(
                 request.group_name,
                 [compose(base, message_pose(pose)) for pose in request.waypoints],
-                link=request.link_name or self._tip(request.group_name),
+                link=request.link_name or self._goals.tip(request.group_name),
                 eef_step=request.max_step,
                 start=self._start(request.start_state) or None,
             )
@@ -198,7 +190,7 @@ class MoveItInterfaces:
 
     def _planned(self, request: Any) -> Plan:
         try:
-            self._check_group(request.group_name)
+            self._goals.check_group(request.group_name)
             start = self._start(request.start_state) or None
             if start is not None:
                 start = {**self._server.positions(), **start}
@@ -206,7 +198,7 @@ class MoveItInterfaces:
                 _fraction(request.max_velocity_scaling_factor),
                 _fraction(request.max_acceleration_scaling_factor),
             )
-            plan = self._to_goals(request, scaling, start)
+            plan = self._goals.plan(request.group_name, request.goal_constraints, scaling, start)
         except RequestError as error:
             self._server.execution.tell("planning_failure", f"planning failed: {error}")
             return Plan(error.code, None, str(error))
@@ -221,71 +213,6 @@ class MoveItInterfaces:
             return Plan(ErrorCode.PLANNING_FAILED, None, broken)
         return plan
 
-    def _to_goals(self, request: Any, scaling: Scaling, start: Mapping[str, float] | None) -> Plan:
-        group = request.group_name
-        poses = []
-        for constraints in request.goal_constraints:
-            if constraints.joint_constraints:
-                target = {one.joint_name: one.position for one in constraints.joint_constraints}
-                return self._server.plan_joints(group, target, scaling, start)
-            poses.append(self._pose_goals(group, constraints))
-        if not poses:
-            raise RequestError(ErrorCode.INVALID_GOAL_CONSTRAINTS, "the request has no goal")
-        return self._server.plan_pose(group, poses, scaling, start)
-
-    def _pose_goals(self, group: str, constraints: Any) -> list[PoseGoal]:
-        """Return the goal of each link that position and orientation constraints speak of."""
-        places: dict[str, Pose] = {}
-        kinds: dict[str, GoalKind] = {}
-        nearness: dict[str, float] = {}
-        turns: dict[str, float] = {}
-        for one in constraints.position_constraints:
-            link = one.link_name or self._tip(group)
-            region = one.constraint_region
-            if not region.primitive_poses:
-                raise RequestError(
-                    ErrorCode.INVALID_GOAL_CONSTRAINTS,
-                    f"the position constraint of link '{link}' has no primitive as its region",
-                )
-            places[link] = compose(
-                self._frame(one.header.frame_id), message_pose(region.primitive_poses[0])
-            )
-            kinds[link] = "position"
-            sizes = list(region.primitives[0].dimensions) if region.primitives else []
-            nearness[link] = max(min(sizes, default=0.0) / 2, 1e-4)
-        for one in constraints.orientation_constraints:
-            link = one.link_name or self._tip(group)
-            q = one.orientation
-            zero = self._messages.new("geometry_msgs/Pose")
-            zero.orientation = q
-            wanted = compose(self._frame(one.header.frame_id), message_pose(zero)).orientation
-            known = places.get(link)
-            kinds[link] = "orientation" if known is None else "pose"
-            places[link] = Pose((0.0, 0.0, 0.0) if known is None else known.position, wanted)
-            turns[link] = max(one.absolute_x_axis_tolerance, 1e-3)
-        return [
-            PoseGoal(link, pose, kinds[link], nearness.get(link, 1e-4), turns.get(link, 1e-3))
-            for link, pose in places.items()
-        ]
-
-    def _check_group(self, name: str) -> None:
-        try:
-            self._server.group(name)
-        except RobotError as error:
-            raise RequestError(ErrorCode.INVALID_GROUP_NAME, error.message) from error
-
-    def _tip(self, group: str) -> str:
-        link = self._server.end_effector_link(group)
-        if not link:
-            raise RequestError(ErrorCode.INVALID_LINK_NAME, f"group '{group}' has no tip link")
-        return link
-
-    def _frame(self, name: str) -> Pose:
-        pose = self._server.frame(name)
-        if pose is None:
-            raise RequestError(ErrorCode.FRAME_TRANSFORM_FAILURE, f"unknown frame '{name}'")
-        return pose
-
     def _start(self, state: Any) -> dict[str, float]:
         known = {joint.name for joint in self._server.robot.joints}
         given = dict(zip(state.joint_state.name, state.joint_state.position, strict=False))
@@ -294,40 +221,13 @@ class MoveItInterfaces:
     # Messages
 
     def _state(self, positions: Mapping[str, float]) -> Any:
-        state = self._messages.new("moveit_msgs/RobotState")
-        state.joint_state.header.frame_id = self._server.planning_frame
-        set_time(state.joint_state.header.stamp, EPOCH_NS + self._runtime.scheduler.now_ns)
-        state.joint_state.name = list(positions)
-        state.joint_state.position = [float(value) for value in positions.values()]
-        return state
+        frame, now_ns = self._server.planning_frame, self._runtime.scheduler.now_ns
+        return state_message(self._messages.new, positions, frame, now_ns)
 
     def _trajectory(self, trajectory: JointTrajectory) -> Any:
-        message = self._messages.new("moveit_msgs/RobotTrajectory")
-        joint_trajectory = message.joint_trajectory
-        joint_trajectory.header.frame_id = self._server.planning_frame
-        joint_trajectory.joint_names = list(trajectory.joints)
-        acceleration = np.zeros_like(trajectory.velocity)
-        if len(trajectory.time) > 1:
-            acceleration = np.gradient(trajectory.velocity, trajectory.time, axis=0)
-        points = []
-        for time, position, velocity, change in zip(
-            trajectory.time, trajectory.position, trajectory.velocity, acceleration, strict=True
-        ):
-            point = self._messages.new("trajectory_msgs/JointTrajectoryPoint")
-            point.positions, point.velocities = position.tolist(), velocity.tolist()
-            point.accelerations = change.tolist()
-            set_time(point.time_from_start, round(float(time) * 1e9))
-            points.append(point)
-        joint_trajectory.points = points
-        return message
+        return trajectory_message(self._messages.new, trajectory, self._server.planning_frame)
 
 
 def _fraction(value: float) -> float:
     """Return a scaling factor as MoveIt takes it: what is not within (0, 1] is 1."""
     return float(value) if 0.0 < value <= 1.0 else 1.0
-
-
-def _set_pose(message: Any, pose: Pose) -> None:
-    p, q = message.position, message.orientation
-    p.x, p.y, p.z = pose.position
-    q.x, q.y, q.z, q.w = pose.orientation

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,9 +35,23 @@ class Clearance:
         """
         self._world = CollisionWorld(self._robot, bodies, allowed, by_build=self._world.by_build)
 
+    @contextmanager
+    def among(self, bodies: Sequence[SceneBody], allowed: Iterable[Pair] = ()) -> Iterator[None]:
+        """Take `bodies` for all that is declared within the block; raise as `declare`."""
+        before = self._world
+        self.declare(bodies, allowed)
+        try:
+            yield
+        finally:
+            self._world = before
+
+    def collisions(self, positions: Mapping[str, float]) -> list[tuple[str, str]]:
+        """Return the names of what collides at joint positions, pair by pair."""
+        return self._world.pairs(self._world.configuration(positions))
+
     def collision(self, positions: Mapping[str, float]) -> tuple[str, str] | None:
         """Return the names of a pair that collides at joint positions, None where all is clear."""
-        found = self._world.pairs(self._world.configuration(positions))
+        found = self.collisions(positions)
         return found[0] if found else None
 
     def way(

@@ -6,6 +6,7 @@ Time advances only in `advance`, in whole physics steps; everything else reads o
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager
 
 from tracerisk.trace import Element, ObjectOffset
 from tracerisk.twin.builder import STEP_NS
@@ -155,6 +156,19 @@ class Twin:
         Joints that `positions` leaves out are as they are.
         """
         return self._clearance.collision({**self._positions(), **(positions or {})})
+
+    def collisions(self, positions: Mapping[str, float] | None = None) -> list[tuple[str, str]]:
+        """Return the names of every pair that collides, as `collision` does of the first."""
+        return self._clearance.collisions({**self._positions(), **(positions or {})})
+
+    def planning_among(
+        self, bodies: Sequence[SceneBody], allowed: Iterable[frozenset[str]] = ()
+    ) -> AbstractContextManager[None]:
+        """Plan among other bodies than the declared within the block; the simulation keeps its own.
+
+        Raises RobotError as `declare`.
+        """
+        return self._clearance.among(bodies, allowed)
 
     def declare(self, bodies: Sequence[SceneBody], allowed: Iterable[frozenset[str]] = ()) -> None:
         """Take `bodies` for all that the controller has declared, in planning and in simulation.
