@@ -82,7 +82,7 @@ def _words(strings: Iterable[str]) -> frozenset[str]:
 
 
 def _evidence(robot: Robot, words: frozenset[str]) -> _Evidence:
-    joints = {joint.name for joint in robot.joints}
+    joints = {joint.name for joint in robot.joints} - _COMMON
     stems = {re.sub(r"\d+$", "", name) for name in joints}
     joints |= {stem for stem in stems if len(stem.rstrip("_")) > _SHORTEST_STEM}
     places = {*robot.link_names, *robot.groups, *(c.name for c in robot.controllers)} - _COMMON

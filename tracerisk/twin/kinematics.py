@@ -18,7 +18,7 @@ import mink  # isort: skip
 import mujoco  # isort: skip
 
 _MAX_ITERATIONS = 40
-_RESTARTS = 12
+_RESTARTS = 24  # an arm without a common point of its wrist axes needs as many
 _STALLED = 1e-8  # a step this small changes nothing more [rad]
 
 
