@@ -180,3 +180,63 @@ def test_graphs_of_several_files_join() -> None:
 def test_a_source_that_is_not_python_is_refused() -> None:
     with pytest.raises(SourceError, match=r"c.py:1"):
         graph_of("print 'x'")
+
+
+def test_calls_into_imported_files_are_followed() -> None:
+    script = graph_of(
+        """
+        from cell.arm import Arm
+        from cell import steps as s
+        def cycle(): s.pick(Arm())
+        def lift(): Arm().up()
+        def other(): think()
+        def far(arm): arm.down()
+        """,
+        "scripts/task.py",
+    )
+    steps = graph_of("def pick(arm): arm.up()\ndef idle(): pass\n", "cell/steps.py")
+    arm = graph_of(
+        """
+        class Arm:
+            def __init__(self): self.group = connect()
+            def up(self): self.group.go()
+            def down(self): self.group.go()
+        """,
+        "cell/arm.py",
+    )
+    stranger = graph_of("def think(): group.go()\n", "cell/stranger.py")
+    graph = CallGraph.joined([script, steps, arm, stranger])
+    found = [f"{s.ref.file}:{s.ref.name}" for s in motion_reaching(graph, MOTION)]
+    # What `steps` is given is unknown there: its `up` may be any.
+    assert found == [
+        "cell/arm.py:Arm.up",
+        "cell/arm.py:Arm.down",
+        "cell/steps.py:pick",
+        "cell/stranger.py:think",
+        "scripts/task.py:cycle",
+        "scripts/task.py:lift",
+        "scripts/task.py:far",
+    ]
+
+
+def test_what_a_package_hands_on_is_followed() -> None:
+    graph = CallGraph.joined(
+        [
+            graph_of("from cell import lift\ndef cycle(): lift()\n", "task.py"),
+            graph_of("from .steps import lift\n", "cell/__init__.py"),
+            graph_of("def lift(): arm.go()\n", "cell/steps.py"),
+        ]
+    )
+    assert [str(s.ref.name) for s in motion_reaching(graph, MOTION)] == ["lift", "cycle"]
+
+
+def test_a_motion_may_be_told_as_it_is_written() -> None:
+    graph = graph_of(
+        """
+        class Node:
+            def move(self): self.joints.publish(1)
+            def tell(self): self.status.publish(1)
+        """
+    )
+    found = motion_reaching(graph, {"self.joints.publish"})
+    assert [str(site.ref.name) for site in found] == ["Node.move"]

@@ -7,7 +7,8 @@ hands it on, and a method called on something unknown as each method of that nam
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from pathlib import PurePosixPath
 
 import libcst as cst
 
@@ -17,6 +18,7 @@ from tracerisk.instrument.name_resolution import (
     NameResolver,
     Scope,
     external_name,
+    written_name,
 )
 from tracerisk.instrument.source import MODULE_NAME, FunctionSite, ParsedSource, parse_source
 from tracerisk.trace import FunctionRef, Uncovered
@@ -24,23 +26,54 @@ from tracerisk.trace import FunctionRef, Uncovered
 
 @dataclass(frozen=True, slots=True)
 class CalledBy:
-    """What one function calls: functions of the controller, and names of others' (`go`)."""
+    """What one function calls: functions of the controller, and names of others'.
+
+    Those stand as they are written and by their last name (`self.arm.go` and `go`).
+    `unknown` are those of them that are called on something of which nothing is known.
+    """
 
     line: int
     functions: frozenset[FunctionRef]
     others: frozenset[str]
+    unknown: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)
 class CallGraph:
-    """Every function of one or more source files, `<module>` of each among them."""
+    """Every function of one or more source files, `<module>` of each among them.
+
+    `imports` are, for each file, the last names of the modules that it may import.
+    """
 
     calls: Mapping[FunctionRef, CalledBy]
+    imports: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
     @classmethod
     def joined(cls, graphs: Iterable[CallGraph]) -> CallGraph:
-        """Return one graph of several files."""
-        return cls({ref: calls for graph in graphs for ref, calls in graph.calls.items()})
+        """Return one graph of several files, calls from one to another among them.
+
+        What a file calls of others' by a name that a file has which it imports, at first hand or
+        not, counts as a call of that; a method called on something unknown as each of that name.
+        """
+        calls = {ref: each for graph in graphs for ref, each in graph.calls.items()}
+        imports = {file: names for graph in graphs for file, names in graph.imports.items()}
+        named: dict[str, dict[str, set[FunctionRef]]] = {file: {} for file in imports}
+        for ref in calls:
+            parts = str(ref.name).split(".")
+            # A class is called by its name.
+            told = parts[-2:] if parts[-1] == "__init__" else parts[-1:]
+            for name in told:
+                named.setdefault(ref.file, {}).setdefault(name, set()).add(ref)
+        seen = {file: _imported_files(file, imports) for file in imports}
+        linked = {}
+        for ref, each in calls.items():
+            found = set(each.functions)
+            for file, functions in named.items():
+                names = each.others if file in seen.get(ref.file, ()) else each.unknown
+                for name in names & functions.keys():
+                    found |= functions[name]
+            linked[ref] = replace(each, functions=frozenset(found))
+        return cls(linked, imports)
 
 
 def call_graph(source: bytes, file: str) -> CallGraph:
@@ -62,10 +95,27 @@ def call_graph(source: bytes, file: str) -> CallGraph:
     return reader.graph()
 
 
+def _imported_files(file: str, imports: Mapping[str, frozenset[str]]) -> frozenset[str]:
+    """Return the files that a file imports, at first hand or not; not itself."""
+    by_name: dict[str, set[str]] = {}
+    for each in imports:
+        path = PurePosixPath(each)
+        name = path.parent.name if path.stem == "__init__" else path.stem
+        by_name.setdefault(name, set()).add(each)
+    found: set[str] = set()
+    pending = [file]
+    while pending:
+        new = {each for name in imports[pending.pop()] for each in by_name.get(name, ())} - found
+        found |= new
+        pending += new
+    return frozenset(found - {file})
+
+
 def motion_reaching(graph: CallGraph, motion_names: Collection[str]) -> tuple[FunctionSite, ...]:
     """Return the functions that can reach a motion command, in the order of files and lines.
 
-    `motion_names` are the last names of calls that command motion: `go` of `self.arm.go()`.
+    `motion_names` are the names of calls that command motion, as they are written
+    (`self.arm.go`) or the last of each (`go`).
     """
     callers: dict[FunctionRef, set[FunctionRef]] = {}
     for ref, calls in graph.calls.items():
@@ -108,15 +158,17 @@ class _Reader(cst.CSTVisitor):
 
     def __init__(self, parsed: ParsedSource) -> None:
         super().__init__()
-        module = FunctionRef(parsed.file, MODULE_NAME)
+        self._module = module = FunctionRef(parsed.file, MODULE_NAME)
         self._remaining = iter(parsed.functions)
         self._scope = Scope("module", "", None, module)
         self._uses: dict[FunctionRef, _Uses] = {module: _Uses(1)}
         self._classes: list[ClassBody] = []
+        self._imports: set[str] = set()
 
     def graph(self) -> CallGraph:
         names = NameResolver(self._classes)
-        return CallGraph({ref: self._resolved(uses, names) for ref, uses in self._uses.items()})
+        calls = {ref: self._resolved(uses, names) for ref, uses in self._uses.items()}
+        return CallGraph(calls, {self._module.file: frozenset(self._imports)})
 
     # --- scopes
 
@@ -163,11 +215,19 @@ class _Reader(cst.CSTVisitor):
         name: cst.BaseExpression = node.name
         if node.asname is not None and isinstance(node.asname.name, cst.Name):
             name = node.asname.name
+        last = external_name(node.name)
+        if last is not None:
+            self._imports.add(last)
         while isinstance(name, cst.Attribute):
             name = name.value
         if isinstance(name, cst.Name):
             self._scope.imported.add(name.value)
         return False
+
+    def visit_ImportFrom(self, node: cst.ImportFrom) -> None:  # noqa: N802
+        last = None if node.module is None else external_name(node.module)
+        if last is not None:
+            self._imports.add(last)
 
     def visit_Assign(self, node: cst.Assign) -> None:  # noqa: N802
         for target in node.targets:
@@ -233,6 +293,7 @@ class _Reader(cst.CSTVisitor):
     def _resolved(self, uses: _Uses, names: NameResolver) -> CalledBy:
         functions: set[FunctionRef] = set()
         others: set[str] = set()
+        unknown: set[str] = set()
         for expression, scope in uses.called:
             meanings = names.evaluate(expression, scope)
             for meaning in meanings:
@@ -240,20 +301,21 @@ class _Reader(cst.CSTVisitor):
             name = external_name(expression)
             is_ours = any(each.kind != "external" for each in meanings)
             if name is not None and not is_ours:
-                others.add(name)
+                others |= {name, written_name(expression) or name}
                 if not meanings and isinstance(expression, cst.Attribute):
                     functions |= self._methods_named(name)
+                    unknown.add(name)
         for expression, scope in uses.handed_on:
             name = external_name(expression)
             if isinstance(expression, cst.Attribute) and name is not None:
                 meanings = names.evaluate(expression, scope)
                 if all(each.kind == "external" for each in meanings):
-                    others.add(name)
+                    others |= {name, written_name(expression) or name}
         for expression, scope in uses.read:
             for meaning in names.evaluate(expression, scope):
                 if meaning.function is not None:
                     functions.add(meaning.function)
-        return CalledBy(uses.line, frozenset(functions), frozenset(others))
+        return CalledBy(uses.line, frozenset(functions), frozenset(others), frozenset(unknown))
 
     def _methods_named(self, name: str) -> set[FunctionRef]:
         return {ref for body in self._classes for ref in body.scope.functions.get(name, ())}

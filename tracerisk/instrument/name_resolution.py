@@ -252,3 +252,14 @@ def external_name(expression: cst.CSTNode) -> QualifiedName | None:
         case cst.Name(value=name) | cst.Attribute(attr=cst.Name(value=name)):
             return QualifiedName(name)
     return None
+
+
+def written_name(expression: cst.CSTNode) -> str | None:
+    """Return names and dots as they are written, `self.arm.go`; None for anything else."""
+    match expression:
+        case cst.Name(value=name):
+            return name
+        case cst.Attribute(value=value, attr=cst.Name(value=name)):
+            before = written_name(value)
+            return None if before is None else f"{before}.{name}"
+    return None

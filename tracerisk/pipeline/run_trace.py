@@ -14,8 +14,10 @@ from tracerisk.config import Settings
 from tracerisk.errors import UnsafeRewriteError
 from tracerisk.hardware.shipped import is_shipped
 from tracerisk.instrument.call_graph import CallGraph, call_graph, uncovered
+from tracerisk.instrument.motion_calls import MOTION_CALLS, calls_at
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
+from tracerisk.instrument.tracer import Site
 from tracerisk.pipeline.run_files import ELSEWHERE, ENTRY
 from tracerisk.pipeline.run_watch import CYCLE, MISSION_END
 from tracerisk.trace import (
@@ -35,9 +37,6 @@ from tracerisk.twin.samples import Samples, has_samples, read_samples
 if TYPE_CHECKING:
     from tracerisk.pipeline.controller import Controller
     from tracerisk.twin.robot import Robot
-
-MOTION_CALLS = frozenset({"go", "execute", "pick", "place"})
-"""The last names of the calls that command motion: those of moveit_commander's groups."""
 
 
 def make_trace(
@@ -141,12 +140,18 @@ def _files(controller: Controller, recording: Recording) -> tuple[str, ...]:
 
 
 def _uncovered(controller: Controller, recording: Recording) -> tuple[Uncovered, ...]:
-    graphs = []
+    sites: dict[str, set[Site]] = {}
+    for command in recording.commands:
+        innermost = command.stack[-1]
+        sites.setdefault(innermost.function.file, set()).add(innermost.site)
+    graphs, motion = [], set(MOTION_CALLS)
     for file in _files(controller, recording):
+        source = controller.source_of(file)
         with contextlib.suppress(UnsafeRewriteError):
-            graphs.append(call_graph(controller.source_of(file), file))
+            graphs.append(call_graph(source, file))
+        motion |= calls_at(source, sites.get(file, ()))
     graph = CallGraph.joined(graphs)
-    return uncovered(graph, MOTION_CALLS, {site.ref for site in recording.functions_ran})
+    return uncovered(graph, motion, {site.ref for site in recording.functions_ran})
 
 
 def _findings(recording: Recording, attribution: Attribution) -> tuple[Finding, ...]:
