@@ -83,6 +83,10 @@ class RobotError(InputError):
     """A robot or a scene description is malformed or unknown."""
 
 
+class ScenarioError(InputError):
+    """A scenario or a parameter file is malformed, or does not fit the controller's messages."""
+
+
 class LogError(InputError):
     """A trace or a log file is malformed."""
 
@@ -101,9 +105,16 @@ class EditInTheWayError(TraceRiskError, PermissionError):
 
 
 class ControllerFailedError(TraceRiskError, RuntimeError):
-    """The controller raised, exited, hung or moved nothing."""
+    """The controller raised, exited, hung or moved nothing.
+
+    `scenario` are the lines of a scenario file that would give it what it waits for, if any.
+    """
 
     exit_code = ExitCode.CONTROLLER_FAILED
+
+    def __init__(self, message: str, location: Location | None = None, scenario: str = "") -> None:
+        super().__init__(message, location)
+        self.scenario = scenario
 
 
 def one_of(names: Iterable[str], found: str | None = None) -> str:

@@ -16,6 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from tracerisk.ros.needs import Need
 from tracerisk.ros.runtime import Runtime
 
 ActionChange = Literal["client", "client_gone", "served", "unserved"]
@@ -248,8 +249,9 @@ class ActionServerEnd:
     """Who serves an action: told of goals and of cancel requests by `on_goal` and `on_cancel`.
 
     `copy` makes what is sent of a result or a feedback. `by_controller` is False for the twin's
-    own servers. `goals` are those that are not over, in the order of their sending. `on_told` is
-    called after a goal's client was told of a `state` or a `feedback`.
+    own servers and for those that a scenario plays. `goals` are those that are not over, in the
+    order of their sending. `on_told` is called after a goal's client was told of a `state` or a
+    `feedback`.
     """
 
     actions: Actions
@@ -260,6 +262,7 @@ class ActionServerEnd:
     on_cancel: Callable[[ActionGoal], None]
     copy: Callable[[Any], Any]
     by_controller: bool
+    is_scenario: bool = False
     on_told: Callable[[ActionGoal, str, Any], None] = _ignore
     goals: list[ActionGoal] = field(default_factory=list)
     closed: bool = False
@@ -293,6 +296,15 @@ class ActionClientEnd:
         """Who serves the action with the client's type, if anybody."""
         return self.actions.server(self.name, self.type_name)
 
+    def is_served(self) -> bool:
+        """Tell whether somebody serves the action, as the controller asks it."""
+        scheduler = self.actions.scheduler
+        if self.server is None:
+            scheduler.miss(self._need)
+            return False
+        scheduler.needs.meet(self._need)
+        return True
+
     def wait_for_server(
         self, timeout_ns: int | None = None, unless: Callable[[], bool] = lambda: False
     ) -> bool:
@@ -309,6 +321,7 @@ class ActionClientEnd:
             timeout_ns=timeout_ns,
             reason=f"action server {self.name} ({self.type_name})",
             kind="unmet",
+            need=self._need,
         )
         return self.server is not None
 
@@ -333,6 +346,8 @@ class ActionClientEnd:
         scheduler.raise_if_over()
         number = next(self._numbers)
         server = self.server
+        if server is None:
+            scheduler.miss(self._need)
         goal = ActionGoal(
             f"{self.node}-{number}" if goal_id is None else goal_id,
             self,
@@ -348,6 +363,10 @@ class ActionClientEnd:
             server.goals.append(goal)
             server.on_goal(goal)
         return goal
+
+    @property
+    def _need(self) -> Need:
+        return Need("action", self.name, self.type_name)
 
     def cancel_all(self) -> None:
         """Ask the server to cancel every goal it has, whoever sent it."""
@@ -372,8 +391,8 @@ class ActionClientEnd:
 class Actions:
     """The actions of one run: `runtime.client(Actions)`.
 
-    Several servers may have been made under one name; the controller's own comes before the
-    twin's, and of two the later one.
+    Several servers may have been made under one name; the controller's own comes before a
+    scenario's, that before the twin's, and of two the later one.
     """
 
     def __init__(self, runtime: Runtime) -> None:
@@ -411,10 +430,11 @@ class Actions:
         on_cancel: Callable[[ActionGoal], None],
         copy: Callable[[Any], Any] = lambda message: message,
         by_controller: bool = True,
+        is_scenario: bool = False,
     ) -> ActionServerEnd:
         """Serve an action of a type: `control_msgs/FollowJointTrajectory`."""
         server = ActionServerEnd(
-            self, name, type_name, node, on_goal, on_cancel, copy, by_controller
+            self, name, type_name, node, on_goal, on_cancel, copy, by_controller, is_scenario
         )
         self._servers.setdefault(name, []).append(server)
         self._tell("served", name, type_name)
@@ -435,10 +455,10 @@ class Actions:
         return client
 
     def server(self, name: str, type_name: str) -> ActionServerEnd | None:
-        """Return who serves an action with this type: the controller's before the twin's."""
+        """Return who serves an action of a type: the controller, else a scenario, else the twin."""
         fitting = [each for each in self._servers.get(name, ()) if each.type_name == type_name]
         own = [each for each in fitting if each.by_controller]
-        candidates = own or fitting
+        candidates = own or [each for each in fitting if each.is_scenario] or fitting
         return candidates[-1] if candidates else None
 
     def names_and_types(self) -> tuple[tuple[str, str], ...]:

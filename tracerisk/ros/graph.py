@@ -14,7 +14,10 @@ from contextlib import nullcontext
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from tracerisk.errors import Location
+from tracerisk.ros.controller_frames import controller_frame
 from tracerisk.ros.names import ANY_TYPE
+from tracerisk.ros.needs import Missed, Need
 from tracerisk.ros.parameters import ParameterTree
 from tracerisk.ros.virtual_time import CallTracer, Scheduler
 
@@ -91,6 +94,7 @@ class Subscription:
     deliver: Callable[[Any, Publication], None]
     on_disconnect: Callable[[Publication], None] | None = None
     by_controller: bool = True
+    place: Location | None = None
     closed: bool = False
 
     @property
@@ -224,8 +228,10 @@ class Graph:
 
         `by_controller` is False for the twin's own: they make no controller listen.
         """
+        frame = controller_frame() if by_controller else None
+        place = None if frame is None else Location(frame.f_code.co_filename, frame.f_lineno)
         subscription = Subscription(
-            self, topic, type_name, node, deliver, on_disconnect, by_controller
+            self, topic, type_name, node, deliver, on_disconnect, by_controller, place
         )
         entry = self._topics.setdefault(topic, _Topic())
         for other in entry.publications:
@@ -246,6 +252,15 @@ class Graph:
     def subscriptions(self, topic: str) -> tuple[Subscription, ...]:
         """Return who subscribes to a topic."""
         return tuple(self._topics[topic].subscriptions) if topic in self._topics else ()
+
+    def unpublished(self) -> tuple[Missed, ...]:
+        """Return the topics that the controller subscribes to and nobody publishes."""
+        return tuple(
+            Missed(Need("topic", each.topic, each.type_name), 0, 0, each.place)
+            for topic in self._topics.values()
+            for each in topic.subscriptions
+            if each.by_controller and each.place is not None and not each.publications
+        )
 
     def topic_names(self) -> tuple[str, ...]:
         """Return the names of all topics that anybody has used, sorted."""
@@ -325,6 +340,7 @@ class Graph:
             timeout_ns=timeout_ns,
             reason=told,
             kind="unmet",
+            need=Need("service", name, type_name or ""),
         )
         return name in self._services
 

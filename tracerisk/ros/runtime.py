@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph import Graph
+    from tracerisk.ros.scenario_parameters import Parameter
     from tracerisk.ros.virtual_time import CallTracer, Scheduler
 
 State = TypeVar("State")
@@ -24,6 +25,7 @@ class Runtime:
     """What a run is made of.
 
     `argv` is the controller's command line, `seed` that of everything random.
+    `parameters` are those of the scenario and of parameter files, later ones first in rank.
     `packages` are those of the controller's workspace, each name with its folder.
     `clients` holds the state of each client library, by the class of that state.
     """
@@ -36,6 +38,7 @@ class Runtime:
     argv: tuple[str, ...] = ("controller",)
     seed: int = 0
     packages: Mapping[str, Path] = field(default_factory=dict)
+    parameters: tuple[Parameter, ...] = ()
     clients: dict[type, Any] = field(default_factory=dict)
 
     def client(self, kind: Callable[[Runtime], State]) -> State:

@@ -29,6 +29,7 @@ from tracerisk.ros.controller_thread import (
 )
 from tracerisk.ros.event_queue import EventQueue, ScheduledCall
 from tracerisk.ros.exit_calls import ExitCalls
+from tracerisk.ros.needs import Need, NeedLedger
 from tracerisk.ros.standstill import end_of_duration, end_of_standstill
 from tracerisk.ros.world import CallTracer, World
 from tracerisk.trace import EndCause
@@ -99,6 +100,7 @@ class Scheduler:
         self._over: RunOver | None = None
         self._fault: BaseException | None = None
         self.exit_calls = ExitCalls()
+        self.needs = NeedLedger()
 
     # The clock
 
@@ -167,12 +169,14 @@ class Scheduler:
         reason: str,
         kind: WaitKind = "blocked",
         on: HoldsLock | ControllerThread | None = None,
+        need: Need | None = None,
     ) -> bool:
         """Wait until `predicate` holds, and tell whether it does; False after `timeout_ns`.
 
         `predicate` must change nothing and read no clock; it is asked whenever something has
         happened. `reason` says what the wait is for: `service /add (pkg/Add)`. `kind` says
-        what it means if it never ends, `on` which lock or thread could end it.
+        what it means if it never ends, `on` which lock or thread could end it, `need` what of
+        the world outside it is for.
 
         Raises:
             RunOver: the run is over.
@@ -181,14 +185,28 @@ class Scheduler:
         self._raise_if_over(thread)
         if predicate():
             self.count_call()
+            if need is not None:
+                self.needs.meet(need)
             return True
+        if need is not None:
+            self.needs.miss(need, self._now_ns)
         if timeout_ns is not None and timeout_ns <= 0:
             self.touch()
             return predicate()
         if self._kernel_depth:
             raise RuntimeError(f"a kernel event cannot wait for {reason}")
         deadline_ns = None if timeout_ns is None else self._now_ns + timeout_ns
-        return self._block(thread, predicate, deadline_ns, reason, kind, on)
+        is_met = self._block(thread, predicate, deadline_ns, reason, kind, on)
+        if need is not None:
+            if is_met:
+                self.needs.meet(need)
+            else:
+                self.needs.miss(need, self._now_ns)
+        return is_met
+
+    def miss(self, need: Need) -> None:
+        """Note that the code which runs asks for something that is not there."""
+        self.needs.miss(need, self._now_ns)
 
     def call_at(
         self, time_ns: int, callback: Callable[[], None], *, background: bool = False

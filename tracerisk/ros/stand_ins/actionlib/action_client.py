@@ -313,7 +313,7 @@ class ActionClient:
 
     def is_served(self) -> bool:
         """Tell whether somebody serves the action now."""
-        return self._end.server is not None
+        return self._end.is_served()
 
     def _send_cancel(self, cancel: Any) -> None:
         goal = self._sent.get(cancel.id)

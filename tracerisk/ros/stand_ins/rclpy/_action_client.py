@@ -164,7 +164,7 @@ class ActionClient(Entity):
     def server_is_ready(self) -> bool:
         """Tell whether somebody serves the action."""
         run().scheduler.touch()
-        return self._end.server is not None
+        return self._end.is_served()
 
     def wait_for_server(self, timeout_sec: float | None = None) -> bool:
         """Wait until somebody serves the action, and tell whether somebody does."""

@@ -15,6 +15,9 @@ from rcl_interfaces.msg import (
     SetParametersResult,
 )
 
+from tracerisk.ros.needs import Need
+
+from ._run import run
 from .exceptions import (
     InvalidParameterException,
     InvalidParameterTypeException,
@@ -168,6 +171,8 @@ class NodeParameters:
             parameter = self._parameters[name]
             if parameter.type_ is not _NOT_SET or self._descriptors[name].dynamic_typing:
                 return parameter
+            kind = Parameter.Type(self._descriptors[name].type).name.lower()
+            run().scheduler.miss(Need("parameter", name, kind))
             raise ParameterUninitializedException(name)
         if self._allow_undeclared_parameters:
             return Parameter(name, _NOT_SET, None)

@@ -7,6 +7,8 @@ from typing import Any
 
 from tracerisk.ros.graph import ServiceFailedError, ServiceServer
 from tracerisk.ros.messages2 import copy_message
+from tracerisk.ros.names import ANY_TYPE
+from tracerisk.ros.needs import Need
 
 from ._entity import Call, Entity
 from ._run import run
@@ -77,6 +79,7 @@ class Client(Entity):
         sent = copy_message(request)
         server = self._server()
         if server is None:
+            run().scheduler.miss(self._need)
             # Lost, as on a network: who serves later never hears of it.
             return future
         service = getattr(server.handle, "__self__", None)
@@ -110,8 +113,14 @@ class Client(Entity):
 
     def service_is_ready(self) -> bool:
         """Tell whether somebody serves."""
-        run().scheduler.touch()
-        return self._server() is not None
+        scheduler = run().scheduler
+        scheduler.touch()
+        is_ready = self._server() is not None
+        if is_ready:
+            scheduler.needs.meet(self._need)
+        else:
+            scheduler.miss(self._need)
+        return is_ready
 
     def wait_for_service(self, timeout_sec: float | None = None) -> bool:
         """Wait until somebody serves, and tell whether somebody does."""
@@ -120,6 +129,7 @@ class Client(Entity):
             timeout_ns=None if timeout_sec is None else max(0, round(timeout_sec * 1e9)),
             reason=f"service {self.srv_name} ({self.srv_type._ros_type})",
             kind="unmet",
+            need=self._need,
         )
         return self._server() is not None
 
@@ -132,6 +142,10 @@ class Client(Entity):
     def _told(self) -> str:
         return f"the response of service {self.srv_name} ({self.srv_type._ros_type})"
 
+    @property
+    def _need(self) -> Need:
+        return Need("service", self.srv_name, self.srv_type._ros_type)
+
     def _check(self, request: Any) -> None:
         if self._is_destroyed:
             raise InvalidHandle("cannot use Destroyable because destruction was requested")
@@ -140,7 +154,7 @@ class Client(Entity):
 
     def _server(self) -> ServiceServer | None:
         server = run().graph.service(self.srv_name)
-        if server is None or server.type_name != self.srv_type._ros_type:
+        if server is None or server.type_name not in (ANY_TYPE, self.srv_type._ros_type):
             return None
         return server
 

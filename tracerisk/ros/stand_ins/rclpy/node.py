@@ -8,6 +8,8 @@ from typing import Any
 
 from rcl_interfaces.msg import ParameterEvent
 
+from tracerisk.ros.scenario_parameters import overrides_of
+
 from ._logger import RcutilsLogger
 from ._node_parameters import NodeParameters
 from ._run import run
@@ -83,7 +85,8 @@ class Node(NodeParameters):
             raise NotInitializedException("cannot create node")
         own = parse_arguments([FLAG, *cli_args]) if cli_args else Arguments()
         everyones = self._context.arguments if use_global_arguments else Arguments()
-        self._sources = (own, everyones)
+        given = Arguments(parameters=list(overrides_of(state.runtime.parameters)))
+        self._sources = (own, everyones, given)
         self._given_name = node_name
         if not _NODE_NAME.fullmatch(node_name):
             raise InvalidNodeNameException(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from tracerisk.ros.needs import Need
+
 from ._run import run
 from .node import Node
 from .qos import QoSProfile
@@ -29,6 +31,7 @@ def wait_for_message(
             timeout_ns=None if time_to_wait < 0 else round(time_to_wait * 1e9),
             reason=f"a message on {subscription.topic_name} ({msg_type._ros_type})",
             kind="unmet",
+            need=Need("topic", subscription.topic_name, msg_type._ros_type),
         )
         if not subscription._queue:
             return False, None

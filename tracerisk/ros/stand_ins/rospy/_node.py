@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros import names
+from tracerisk.ros.needs import Need
 from tracerisk.ros.runtime import Runtime, current
 
 if TYPE_CHECKING:
@@ -59,6 +60,7 @@ class NodeState:
         timeout_ns: int | None,
         reason: str,
         kind: Any = "blocked",
+        need: Need | None = None,
     ) -> bool:
         """Wait until `predicate` holds or the node shuts down; tell whether it holds."""
         self.scheduler.wait_until(
@@ -66,6 +68,7 @@ class NodeState:
             timeout_ns=timeout_ns,
             reason=reason,
             kind=kind,
+            need=need,
         )
         return predicate()
 

@@ -6,7 +6,9 @@ import warnings
 from typing import Any
 
 from tracerisk.ros import names as graph_names
+from tracerisk.ros.needs import Need
 from tracerisk.ros.rostime import Duration
+from tracerisk.ros.scenario_parameters import private_of
 from tracerisk.ros.virtual_clock import EPOCH_NS
 
 from . import names
@@ -125,6 +127,9 @@ def init_node(
     state.set_name(graph_names.resolve(name, state.name))
     if state.is_shutdown:
         raise ROSInitException("init_node interrupted before it could complete")
+    for key, value in private_of(state.runtime.parameters):
+        if not has_param(graph_names.PRIVATE + key):
+            set_param(graph_names.PRIVATE + key, value)
     for key, value in load_command_line_node_params(argv).items():
         set_param(graph_names.PRIVATE + key, value)
     if log_level is not None:
@@ -181,6 +186,7 @@ def wait_for_message(topic: str, topic_type: Any, timeout: float | Duration | No
             None if timeout is None else duration_ns(timeout),
             f"a message on {name} ({topic_type._type})",
             "unmet",
+            Need("topic", name, topic_type._type),
         )
     finally:
         subscriber.unregister()

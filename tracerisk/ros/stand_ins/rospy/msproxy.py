@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from tracerisk.ros.needs import Need
+
 from ._node import node
 from .names import resolve_name
 
@@ -21,8 +23,10 @@ class MasterProxy:
         name = resolve_name(key)
         state = node()
         if not state.graph.parameters.has(name):
+            state.scheduler.miss(Need("parameter", name))
             state.scheduler.touch()
             raise KeyError(key)
+        state.scheduler.needs.meet(Need("parameter", name))
         return state.graph.parameters.get(name)
 
     def __setitem__(self, key: str, val: Any) -> None:

@@ -9,7 +9,8 @@ from typing import Any
 
 from tracerisk.ros.graph import ServiceFailedError, ServiceServer
 from tracerisk.ros.message_base import Message
-from tracerisk.ros.names import is_legal_name
+from tracerisk.ros.names import ANY_TYPE, is_legal_name
+from tracerisk.ros.needs import Need
 from tracerisk.ros.rostime import Duration
 
 from . import core
@@ -152,6 +153,7 @@ class ServiceProxy(_Service):
         self.persistent = persistent
         self.headers = headers
         self.seq = 0
+        node().scheduler.needs.tell_type("service", self.resolved_name, service_class._type)
 
     def wait_for_service(self, timeout: float | Duration | None = None) -> None:
         """Wait until the service is served; see `rospy.wait_for_service`."""
@@ -180,8 +182,9 @@ class ServiceProxy(_Service):
         state.scheduler.touch()
         server = state.graph.service(self.resolved_name)
         if server is None:
+            state.scheduler.miss(Need("service", self.resolved_name, self.service_class._type))
             raise ServiceException(f"service [{self.resolved_name}] unavailable")
-        if server.type_name != self.service_class._type:
+        if server.type_name not in (ANY_TYPE, self.service_class._type):
             raise ServiceException(
                 f"unable to connect to service: request from [{state.name}]: types do not match: "
                 f"[{self.service_class._type}] vs. [{server.type_name}]"

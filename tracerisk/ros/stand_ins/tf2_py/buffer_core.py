@@ -9,8 +9,10 @@ from typing import Any, TypeVar
 from geometry_msgs.msg import TransformStamped
 
 from tracerisk.ros.message_dialect import nanoseconds, set_time
+from tracerisk.ros.needs import Need
 from tracerisk.ros.runtime import current
 from tracerisk.ros.transform_tree import CACHE_NS, FrameError, TransformTree
+from tracerisk.ros.twin_frames import WORLD
 from tracerisk.twin.motion import Pose
 
 from .exceptions import (
@@ -52,7 +54,7 @@ class BufferCore:
         self, target_frame: str, source_frame: str, time: Any
     ) -> tuple[bool, str]:
         """Tell whether a lookup would be answered, and if not why not."""
-        _look()
+        self._look(target_frame, source_frame)
         return self._tree.can_transform(target_frame, source_frame, nanoseconds(time))
 
     def can_transform_full_core(
@@ -64,7 +66,7 @@ class BufferCore:
         fixed_frame: str,
     ) -> tuple[bool, str]:
         """Tell whether a lookup over a fixed frame would be answered, and if not why not."""
-        _look()
+        self._look(target_frame, source_frame)
         return self._tree.can_transform_full(
             target_frame,
             nanoseconds(target_time),
@@ -80,7 +82,7 @@ class BufferCore:
             LookupException, ConnectivityException, ExtrapolationException,
             InvalidArgumentException: there is none.
         """
-        _look()
+        self._look(target_frame, source_frame)
         time_ns = nanoseconds(time)
         found = self._answer(lambda: self._tree.lookup(target_frame, source_frame, time_ns))
         return _stamped(target_frame, source_frame, *found)
@@ -99,7 +101,7 @@ class BufferCore:
             LookupException, ConnectivityException, ExtrapolationException,
             InvalidArgumentException: there is none.
         """
-        _look()
+        self._look(target_frame, source_frame)
         target_ns, source_ns = nanoseconds(target_time), nanoseconds(source_time)
         found = self._answer(
             lambda: self._tree.lookup_full(
@@ -114,7 +116,7 @@ class BufferCore:
         Raises:
             LookupException, ConnectivityException: there is no way.
         """
-        _look()
+        self._look(target_frame, source_frame)
         time_ns = self._answer(lambda: self._tree.latest_common_time(target_frame, source_frame))
         return _client_time(time_ns)
 
@@ -163,16 +165,27 @@ class BufferCore:
         child = transform.child_frame_id
         self._tree.place(header.frame_id, child, pose, stamp_ns, authority, static=static)
 
+    def _look(self, target: str, source: str) -> None:
+        # A loop that asks until there is an answer must see the clock move.
+        runtime = current()
+        runtime.scheduler.touch()
+        robot = None if runtime.twin is None else runtime.twin.robot
+        base = WORLD if robot is None else robot.base_link
+        names = target.removeprefix("/"), source.removeprefix("/")
+        known = {*self._tree.frames, WORLD, *(() if robot is None else robot.link_names)}
+        parents = names[1] if names[1] in known else base, names[0]
+        for name, parent in zip(names, parents, strict=True):
+            need = Need("frame", name, parent=parent)
+            if name in known or not name:
+                runtime.scheduler.needs.meet(need)
+            else:
+                runtime.scheduler.miss(need)
+
     def _answer(self, ask: Callable[[], Answer]) -> Answer:
         try:
             return ask()
         except FrameError as error:
             raise _EXCEPTIONS[error.failure](str(error)) from None
-
-
-def _look() -> None:
-    # A loop that asks until there is an answer must see the clock move.
-    current().scheduler.touch()
 
 
 def _client_time(time_ns: int) -> Any:

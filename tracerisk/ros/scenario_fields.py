@@ -1,0 +1,99 @@
+"""The fields of message classes of either ROS, by one set of words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+INTEGER_BITS = {
+    "int8": 8,
+    "int16": 16,
+    "int32": 32,
+    "int64": 64,
+    "uint8": 8,
+    "uint16": 16,
+    "uint32": 32,
+    "uint64": 64,
+    "byte": 8,
+    "char": 8,
+}
+FLOATS = frozenset({"float32", "float64"})
+TIMES = frozenset({"time", "builtin_interfaces/Time"})
+DURATIONS = frozenset({"duration", "builtin_interfaces/Duration"})
+_ROS1_BYTES = frozenset({"uint8", "char"})
+
+
+@dataclass(frozen=True, slots=True)
+class MessageField:
+    """A field: `base` is its type without the array, `length` that of a fixed array.
+
+    `message` is the class of a nested message, None for primitives; `longest` bounds a sequence.
+    """
+
+    name: str
+    base: str
+    is_array: bool
+    length: int | None
+    longest: int | None
+    message: type | None
+    is_ros2: bool
+
+    @property
+    def told(self) -> str:
+        """The type in words: `float64[3]`."""
+        if not self.is_array:
+            return self.base
+        return f"{self.base}[{'' if self.length is None else self.length}]"
+
+    @property
+    def is_bytes(self) -> bool:
+        """Whether the value is `bytes`: uint8[] of ROS 1."""
+        return self.is_array and not self.is_ros2 and self.base in _ROS1_BYTES
+
+    @property
+    def integer_limits(self) -> tuple[int, int] | None:
+        """The least and the greatest value of an integer; None where the field is no integer."""
+        bits = INTEGER_BITS.get(self.base)
+        if bits is None:
+            return None
+        is_signed = self.base.startswith("int") or (self.base == "byte" and not self.is_ros2)
+        return (-(1 << bits - 1), (1 << bits - 1) - 1) if is_signed else (0, (1 << bits) - 1)
+
+
+def fields_of(message_class: Any) -> tuple[MessageField, ...]:
+    """Return the fields of a message class, in the order of its definition."""
+    if hasattr(message_class, "_ros_fields"):
+        return tuple(
+            MessageField(
+                field.name,
+                field.base,
+                field.arrangement != "scalar",
+                field.size if field.arrangement == "array" else None,
+                field.size if field.arrangement == "sequence" else None,
+                field.message,
+                True,
+            )
+            for field in message_class._ros_fields
+        )
+    return tuple(
+        MessageField(
+            field.name, field.base, field.is_array, field.length, None, field.message, False
+        )
+        for field in message_class._fields
+    )
+
+
+def constants_of(message_class: type) -> dict[str, Any]:
+    """Return the constants of a message class by their names."""
+    return {
+        name: value
+        for name, value in vars(message_class).items()
+        if not name.startswith("_")
+        and name != "SLOT_TYPES"
+        and isinstance(value, bool | int | float | str | bytes)
+    }
+
+
+def type_of(message_class: Any) -> str:
+    """Return the name of a message class: `geometry_msgs/Pose`."""
+    return str(getattr(message_class, "_ros_type", "") or message_class._type)
