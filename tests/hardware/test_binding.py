@@ -55,3 +55,11 @@ def test_component_the_robot_has_no_place_for_is_an_error_with_file_and_line(fie
 def test_gripper_of_a_robot_without_one_is_an_error():
     with pytest.raises(HardwareError, match="the robot has 0"):
         bind(one(twin=TwinBinding(gripper=True)), PANDA[:-1])
+
+
+def test_one_unit_a_gripper_where_the_quantity_says_so():
+    two = (*PANDA, Element("other_hand", "gripper"))
+    (bound,) = bind(one(quantity=2, twin=TwinBinding(gripper=True)), two)
+    assert bound.units() == ("hand", "other_hand")
+    with pytest.raises(HardwareError, match="the robot has 2; give 'quantity: 2', one a gripper"):
+        bind(one(twin=TwinBinding(gripper=True)), two)

@@ -80,12 +80,13 @@ def _bind_to_robot(component: Component, by_kind: dict[ElementKind, list[str]]) 
         )
     if twin.gripper:
         grippers = by_kind.get("gripper", [])
-        if twin.optional and len(grippers) > 1:
+        if len(grippers) > 1 and (twin.optional or component.quantity == len(grippers)):
             return BoundComponent(component, len(grippers), tuple(grippers))
         if len(grippers) != 1:
+            told = f"; give 'quantity: {len(grippers)}', one a gripper" if grippers else ""
             raise HardwareError(
                 f"component '{component.name}' is bound to the gripper, but the robot has "
-                f"{len(grippers)}",
+                f"{len(grippers)}{told}",
                 component.location,
             )
         return BoundComponent(component, component.quantity or 1, tuple(grippers))

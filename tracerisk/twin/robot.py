@@ -5,6 +5,7 @@ Nothing here knows a physics engine; `builder` turns a `Robot` into a model of o
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -231,6 +232,15 @@ def robot_names() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in _ROBOTS.glob("*.yaml")))
 
 
+MODEL_SUFFIXES = (".xml", ".mjcf", ".urdf", ".xacro")
+"""How the names of model files end."""
+
+
+def is_model_file(name: str) -> bool:
+    """Say whether a name is that of a model file (MJCF, URDF, xacro), there or not."""
+    return name.lower().endswith(MODEL_SUFFIXES)
+
+
 def load_robot(name_or_path: str | Path) -> Robot:
     """Read a shipped robot by its name, or a robot file by its path.
 
@@ -242,11 +252,19 @@ def load_robot(name_or_path: str | Path) -> Robot:
 
     text = str(name_or_path)
     if text in robot_names():
-        path = _ROBOTS / f"{text}.yaml"
-        return read_robot(path, shown=f"robots/{path.name}")
+        return _shipped(text)
     path = Path(name_or_path)
     if path.suffix in (".yaml", ".yml"):
         return read_robot(path)
     raise RobotError(
-        f"unknown robot '{text}'; {one_of(robot_names(), text)}; or give a robot file (.yaml)"
+        f"unknown robot '{text}'; {one_of(robot_names(), text)}; or give a robot file "
+        f"(.yaml, {', '.join(MODEL_SUFFIXES)})"
     )
+
+
+@functools.cache  # robots are frozen, and each is read several times to find the one that is meant
+def _shipped(name: str) -> Robot:
+    from tracerisk.twin.robot_reader import read_robot
+
+    path = _ROBOTS / f"{name}.yaml"
+    return read_robot(path, shown=f"robots/{path.name}")
