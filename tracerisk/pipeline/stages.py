@@ -5,18 +5,20 @@ This is the public Python API; `tracerisk` re-exports it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.annotate import Annotation, Changed, EditsInTheWay, SourceBlocks
+from tracerisk.adder.block import RiskBlock
 from tracerisk.adder.computed import ComputedBlocks, ProfileText, compute_blocks
 from tracerisk.adder.line_map import line_map
 from tracerisk.adder.lock import LOCK_NAME, Lock, lock_key, read_lock
 from tracerisk.adder.merge import MergePolicy
 from tracerisk.adder.model_names import model_names
+from tracerisk.adder.published import is_c_like, read_c_blocks, read_plain_blocks
 from tracerisk.adder.read import read_blocks
 from tracerisk.config import Settings, read_settings
 from tracerisk.errors import HardwareError, InputError, Location
@@ -259,23 +261,32 @@ def build(
 ) -> HybridModel:
     """Build the hybrid risk model from the blocks in the sources, and from nothing else.
 
-    `sources` maps the names of files, for messages, to their bytes.
+    `sources` maps the names of files, for messages, to their bytes; by its ending a file is one of
+    C, C++ or Java, else of Python.
     Raises BlockError or ModelError where the blocks are malformed or contradict each other.
     """
     from tracerisk.prm.build import build_model
 
-    found = {
-        FunctionRef(file, placed.function): placed.block
+    found = [
+        (FunctionRef(file, name), block)
         for file, source in sources.items()
-        for placed in read_blocks(source, file)
-    }
-    names = model_names(found)
-    blocks = [replace(block, name=QualifiedName(names[ref])) for ref, block in found.items()]
+        for name, block in _blocks_in(source, file)
+    ]
+    names = model_names([ref for ref, _ in found])
+    blocks = [replace(block, name=QualifiedName(names[ref])) for ref, block in found]
     if not blocks:
         raise InputError(
             f"no risk block in {', '.join(sources)}; `tracerisk run` or `annotate` writes them"
         )
     return build_model(blocks, profile=profile, name=name)
+
+
+def _blocks_in(source: bytes, file: str) -> Iterator[tuple[QualifiedName, RiskBlock]]:
+    if is_c_like(file):
+        yield from ((QualifiedName(block.name), block) for block in read_c_blocks(source, file))
+        return
+    yield from ((placed.function, placed.block) for placed in read_blocks(source, file))
+    yield from ((QualifiedName(block.name), block) for block in read_plain_blocks(source, file))
 
 
 def solve(model: HybridModel) -> Assessment:
