@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -139,9 +140,9 @@ def changed(**parts: object) -> str:
 BAD_LOCKS = {
     "cut short": (GOOD[:300], ":16:14: is not JSON"),
     "empty": ("", ":1:1: is not JSON (Expecting value), or was cut short; restore it"),
-    "conflict markers": (
+    "half a conflict": (
         GOOD.replace("{\n", "{\n<<<<<<< HEAD\n", 1),
-        ":2: `<<<<<<< HEAD` is a conflict marker; take one side of the file",
+        ":2: holds a conflict whose sides are no whole locks; take one side of the file",
     ),
     "another file": ("[]", ": the lock is missing or no JSON object"),
     "another schema": ("{}", ": is not a lock of tracerisk: it has no `schema` tracerisk.lock"),
@@ -194,3 +195,55 @@ def test_a_bad_lock_is_an_error_that_says_what_to_do(case: str) -> None:
 def test_a_lock_that_is_no_text_is_an_error() -> None:
     with pytest.raises(LockError, match="is not UTF-8 text"):
         loads(b"\xff\xfe", "tracerisk.lock")
+
+
+def merged_by_git(tmp_path: Path, base: bytes, ours: bytes, theirs: bytes, *style: str) -> bytes:
+    files = {"ours": ours, "base": base, "theirs": theirs}
+    for name, data in files.items():
+        (tmp_path / name).write_bytes(data)
+    command = ["git", "merge-file", "-p", *style, *files]
+    return subprocess.run(command, cwd=tmp_path, capture_output=True, check=False).stdout
+
+
+def with_value(fingerprint: str, probability: str) -> Lock:
+    gripper = WrittenComponent({**GRIPPER.values, "probability": probability})
+    place = WrittenBlock(PLACE.values, {"gripper": gripper})
+    entry = ControllerLock(fingerprint, {"src/pick.py": {"place": place}})
+    return Lock().with_controller("src/pick.py", entry)
+
+
+@pytest.mark.parametrize("style", [(), ("--diff3",)])
+def test_a_conflict_of_git_leaves_two_things_that_may_have_been_written(tmp_path, style) -> None:
+    base, ours, theirs = (
+        with_value("a", "1e-08"),
+        with_value("b", "2e-08"),
+        with_value("c", "3e-08"),
+    )
+    data = merged_by_git(tmp_path, base.dumps(), ours.dumps(), theirs.dumps(), *style)
+    assert b"<<<<<<<" in data
+    entry = loads(data, "tracerisk.lock").controllers["src/pick.py"]
+    assert entry.fingerprint == ""
+    assert entry.blocks == ours.controllers["src/pick.py"].blocks
+    assert entry.previous == theirs.controllers["src/pick.py"].blocks
+
+
+def test_controllers_of_two_branches_merge_without_a_conflict(tmp_path) -> None:
+    base = with_value("a", "1e-08")
+    ours = base.with_controller("src/zinc.py", ControllerLock("z", {}))
+    theirs = base.with_controller("src/alpha.py", ControllerLock("y", {}))
+    data = merged_by_git(tmp_path, base.dumps(), ours.dumps(), theirs.dumps())
+    assert sorted(loads(data, "tracerisk.lock").controllers) == [
+        "src/alpha.py",
+        "src/pick.py",
+        "src/zinc.py",
+    ]
+
+
+def test_controllers_added_at_the_same_place_are_both_there_after_a_conflict(tmp_path) -> None:
+    base = with_value("a", "1e-08")
+    ours = base.with_controller("src/y.py", ControllerLock("y", {}))
+    theirs = base.with_controller("src/z.py", ControllerLock("z", {}))
+    data = merged_by_git(tmp_path, base.dumps(), ours.dumps(), theirs.dumps())
+    found = loads(data, "tracerisk.lock").controllers
+    assert sorted(found) == ["src/pick.py", "src/y.py", "src/z.py"]
+    assert found["src/pick.py"] == base.controllers["src/pick.py"]

@@ -12,7 +12,7 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, Literal
 
 from tracerisk.adder.block import ComponentEntry, Field, RiskBlock
 from tracerisk.adder.grammar import is_conflict_marker
@@ -190,7 +190,7 @@ def read_lock(path: Path) -> Lock:
     """Return the lock at `path`; an empty one where there is no such file.
 
     Raises:
-        LockError: if the file is no lock, was cut short, or holds conflict markers.
+        LockError: if the file is no lock, or was cut short.
     """
     try:
         data = path.read_bytes()
@@ -202,10 +202,61 @@ def read_lock(path: Path) -> Lock:
 def loads(data: bytes, file: str) -> Lock:
     """Return the lock that `data` states; `file` is its name in messages.
 
+    Where git left a conflict, each side is a lock. The sources hold what one or the other has
+    written, as after a kill, and the next write heals the file.
+
     Raises:
         LockError: as `read_lock`.
     """
-    return _Reader(file).lock(data)
+    reader = _Reader(file)
+    sides = _conflict_sides(data)
+    if sides is None:
+        return reader.lock(data)
+    line, ours, theirs = sides
+    try:
+        return _joined(reader.lock(ours), reader.lock(theirs))
+    except LockError as error:
+        raise LockError(
+            "holds a conflict whose sides are no whole locks; take one side of the file, then run "
+            "tracerisk again",
+            Location(file, line),
+        ) from error
+
+
+def _conflict_sides(data: bytes) -> tuple[int, bytes, bytes] | None:
+    """Return the line of the first conflict and the file as each side has it; `None` without one."""
+    sides: tuple[list[bytes], list[bytes]] = ([], [])
+    within: Literal["both", "ours", "base", "theirs"] = "both"
+    first = None
+    for number, line in enumerate(data.splitlines(keepends=True), start=1):
+        mark = line.rstrip().decode(errors="replace")
+        if is_conflict_marker(mark):
+            first = first or number
+            within = _AFTER_MARK[mark[0]]
+            continue
+        if within in ("both", "ours"):
+            sides[0].append(line)
+        if within in ("both", "theirs"):
+            sides[1].append(line)
+    return None if first is None else (first, b"".join(sides[0]), b"".join(sides[1]))
+
+
+_AFTER_MARK: Mapping[str, Literal["both", "ours", "base", "theirs"]] = {
+    "<": "ours",
+    "|": "base",
+    "=": "theirs",
+    ">": "both",
+}
+
+
+def _joined(ours: Lock, theirs: Lock) -> Lock:
+    """Return one lock of two: what differs is stale, and either may be what the sources hold."""
+    controllers = {**theirs.controllers, **ours.controllers}
+    for path, entry in ours.controllers.items():
+        other = theirs.controllers.get(path, entry)
+        if other != entry:
+            controllers[path] = replace(entry, fingerprint="", previous=other.blocks)
+    return Lock(controllers)
 
 
 class _Reader:
@@ -235,13 +286,6 @@ class _Reader:
             text = data.decode()
         except UnicodeDecodeError as error:
             raise self._error("is not UTF-8 text; restore it from version control") from error
-        for number, line in enumerate(text.split("\n"), start=1):
-            if is_conflict_marker(line):
-                raise self._error(
-                    f"`{line.rstrip()}` is a conflict marker; take one side of the file, then "
-                    "run tracerisk again",
-                    number,
-                )
         try:
             return json.loads(text, parse_constant=self._constant, object_pairs_hook=self._object)
         except json.JSONDecodeError as error:
