@@ -63,6 +63,23 @@ def test_a_trajectory_is_followed(robot):
     assert feedback[5].header.stamp.sec > 0
 
 
+def test_a_new_goal_cancels_the_one_before(robot):
+    """ros2_controllers, joint_trajectory_controller.cpp, `preempt_active_goal`: CANCELED."""
+    runtime, interfaces, scheduler = robot
+    name, kind = "/arm/fjt", "control_msgs/FollowJointTrajectory"
+    goal = interfaces.action(kind).Goal(trajectory=trajectory(interfaces, seconds=3))
+    client = runtime.client(Actions).client(name, kind, node="/n", copy=copy_message)
+
+    def main():
+        first = client.send(goal)
+        scheduler.sleep(SECOND)
+        second = client.send(goal)
+        scheduler.wait_until(lambda: second.state.is_terminal, reason="the result")
+        return first.state.ros2_status, second.state.ros2_status
+
+    assert scheduler.run_main(main) == (5, 4)
+
+
 def test_a_gripper_is_driven(robot):
     kind = robot[1].action("control_msgs/GripperCommand")
     goal = kind.Goal()

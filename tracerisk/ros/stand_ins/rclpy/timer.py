@@ -127,12 +127,13 @@ class Rate:
         self._timer = timer
         self._is_shutdown = False
         self._is_destroyed = False
-        self._beats = 0
+        self._has_beaten = False
+        self._n_sleepers = 0
         timer.callback = self._beat
         context.on_shutdown(self._on_shutdown)
 
     def _beat(self) -> None:
-        self._beats += 1
+        self._has_beaten = True
 
     def _on_shutdown(self) -> None:
         self._is_shutdown = True
@@ -143,7 +144,7 @@ class Rate:
         self._is_destroyed = True
 
     def sleep(self) -> None:
-        """Sleep until the timer's next beat.
+        """Sleep until the timer's next beat; not at all if it has beaten since the last sleep.
 
         Raises:
             ROSInterruptException: the context is shut down.
@@ -156,11 +157,16 @@ class Rate:
         if self._timer._is_destroyed:
             self.destroy()
             raise InvalidHandle("Rate cannot sleep because the timer has been destroyed")
-        before = self._beats
-        run().scheduler.wait_until(
-            lambda: self._beats != before or self._is_destroyed,
-            reason="the timer of a rate, which beats only while something spins its node",
-            kind="unmet",
-        )
+        self._n_sleepers += 1
+        try:
+            run().scheduler.wait_until(
+                lambda: self._has_beaten or self._is_destroyed,
+                reason="the timer of a rate, which beats only while something spins its node",
+                kind="unmet",
+            )
+        finally:
+            self._n_sleepers -= 1
+            if self._n_sleepers == 0:
+                self._has_beaten = False
         if self._is_shutdown:
             raise ROSInterruptException
