@@ -26,11 +26,13 @@ class Settings:
     (`stall_limit_s`: without any simulated progress), `memory_limit_mb` address space [MB].
     `mission_cycles` is how many cycles a mission has whose loop has no end of its own.
     `robot`, `scene` and `hardware` are names or paths, `None` for the default of the robot.
+    `scenario` is the file of what the controller's world gives it, `params` files of parameters.
     `states` and `helpers` override, by qualified name, which functions are relevant.
     """
 
     robot: str | None = None
     scene: str | None = None
+    scenario: str | None = None
     hardware: str | None = None
     active: ActiveMode = "moving+holding"
     duration_s: float = 300.0
@@ -39,6 +41,7 @@ class Settings:
     memory_limit_mb: int = 8192
     seed: int = 0
     mission_cycles: int = 10
+    params: tuple[str, ...] = ()
     states: tuple[str, ...] = ()
     helpers: tuple[str, ...] = ()
 
@@ -65,7 +68,8 @@ def controller_root(path: Path) -> Path:
 def read_settings(root: Path) -> Settings:
     """Return the settings of the `pyproject.toml` in `root`; the defaults where there is none.
 
-    `robot`, `scene` and `hardware` that name a file of the root are returned as its path.
+    `robot`, `scene`, `scenario`, `hardware` and `params` that name a file are returned
+    as its path from the root.
     Raises SettingsError with file and line at an unknown key or a bad value.
     """
     path = root / "pyproject.toml"
@@ -97,16 +101,19 @@ class _Reader:
         if both:
             self._fail("helpers", f"{', '.join(both)} stands in `states` too; keep it in one")
         files: dict[str, Any] = {}
-        for key in ("robot", "scene", "hardware"):
+        for key in ("robot", "scene", "scenario", "hardware"):
             name = getattr(settings, key)
-            if name is not None and (root / name).is_file():
+            # A name with an ending is that of a file, be it there or not; no shipped one has it.
+            if name is not None and ((root / name).is_file() or Path(name).suffix):
                 files[key] = str(root / name)
+        files["params"] = tuple(str(root / name) for name in settings.params)
         return replace(settings, **files)
 
     def _value(self, key: str, value: Any) -> Any:
-        if key in ("states", "helpers"):
+        if key in ("params", "states", "helpers"):
             if not isinstance(value, list) or not all(isinstance(each, str) for each in value):
-                self._fail(key, "expected a list of qualified names")
+                what = "file names" if key == "params" else "qualified names"
+                self._fail(key, f"expected a list of {what}")
             return tuple(value)
         if key == "active" and value not in get_args(ActiveMode):
             self._fail(key, f"{value!r} is not allowed; {one_of(get_args(ActiveMode), str(value))}")

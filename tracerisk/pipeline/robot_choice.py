@@ -7,20 +7,25 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.config import Settings
+from tracerisk.config import Settings, controller_root
 from tracerisk.pipeline.controller import Controller, string_literals
 from tracerisk.pipeline.workspace import find_workspace
 
 if TYPE_CHECKING:
+    from tracerisk.twin.model_file import ModelFile
     from tracerisk.twin.robot import Robot
 
 
 @dataclass(frozen=True, slots=True)
 class RobotChoice:
-    """The robot that was taken, and files of the workspace that were not, each with its reason."""
+    """The robot that was taken, and files of the workspace that were not, each with its reason.
+
+    `files` are those that were read for a robot that the settings name as a model file.
+    """
 
     robot: Robot
     skipped: tuple[str, ...] = ()
+    files: tuple[Path, ...] = ()
 
 
 def choose_robot(controller: Controller, settings: Settings) -> RobotChoice:
@@ -30,12 +35,16 @@ def choose_robot(controller: Controller, settings: Settings) -> RobotChoice:
     """
     from tracerisk.twin.detect import NoRobotNamedError, detect_robot
     from tracerisk.twin.generic import generic_arm, names_asked
-    from tracerisk.twin.robot import load_robot
+    from tracerisk.twin.robot import is_model_file, load_robot
     from tracerisk.twin.workspace import find_workspace_robot
 
     if settings.robot == "generic":
         arm = generic_arm(names_asked(controller.source))
         return RobotChoice(replace(arm, chosen_by="as the settings say"))
+    if settings.robot is not None and is_model_file(settings.robot):
+        read = read_model(controller.root, settings.robot)
+        robot = replace(read.robot, chosen_by="as the settings say")
+        return RobotChoice(robot, files=read.files)
     if settings.robot is not None:
         return RobotChoice(replace(load_robot(settings.robot), chosen_by="as the settings say"))
     strings = string_literals(controller)
@@ -57,6 +66,23 @@ def choose_robot(controller: Controller, settings: Settings) -> RobotChoice:
             chosen_by="a stand-in for the robot, which is not known: name it with --robot",
         )
     return RobotChoice(robot, found.skipped)
+
+
+def read_model(root: Path, name: str) -> ModelFile:
+    """Read the model file that the settings name; what it names stands in its own project.
+
+    That is the controller's own root, or the nearest folder above the file that is marked as the
+    root of one; and the packages of the controller's workspace and of the file's.
+    Raises RobotError when it is malformed, or names a file elsewhere.
+    """
+    from tracerisk.twin.model_file import read_model_file
+    from tracerisk.twin.model_file_paths import ModelFolder
+
+    path = Path(name)
+    resolved = path.resolve()
+    top = root.resolve() if resolved.is_relative_to(root.resolve()) else controller_root(path)
+    packages = {**_own_packages(top), **_own_packages(root)}
+    return read_model_file(path, ModelFolder(resolved.parent, top, packages))
 
 
 def _own_packages(root: Path) -> Mapping[str, Path]:

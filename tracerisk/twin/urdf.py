@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tracerisk.twin.model_file_frames import Triple, roll_pitch_yaw, rotation
 from tracerisk.twin.outline import outlined
 from tracerisk.twin.robot import Link, Robot
 from tracerisk.twin.robot_assembly import (
@@ -27,8 +28,6 @@ from tracerisk.twin.srdf import Srdf
 from tracerisk.twin.urdf_tree import Tree, read_tree
 from tracerisk.twin.xml_reader import XmlElement, read_xml
 
-Triple = tuple[float, float, float]
-Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 MeshShape = Callable[[XmlElement], Shape | None]
 """What stands for a `<mesh>`, in the mesh's own frame; `None` where nothing is known of it."""
 
@@ -124,18 +123,6 @@ def _inertial(
     return mass, centre, (a, b, c, d, e, f)
 
 
-def rotation(rpy: Triple) -> Matrix:
-    """Return the rotation matrix of roll, pitch, yaw about fixed axes [rad]."""
-    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
-
-
 def _primitives(entry: XmlElement, mesh_shape: MeshShape) -> tuple[Shape, ...]:
     """Return the primitives of the collision geometry, else of the visual one."""
     for kind in ("collision", "visual"):
@@ -173,13 +160,3 @@ def placed(shape: Shape, xyz: Triple, rpy: Triple) -> Shape:
     turn = rotation(rpy)
     x, y, z = (float(each) for each in np.array(xyz) + turn @ np.array(shape.xyz))
     return replace(shape, xyz=(x, y, z), rpy=roll_pitch_yaw(turn @ rotation(shape.rpy)))
-
-
-def roll_pitch_yaw(turn: Matrix) -> Triple:
-    """Return roll, pitch, yaw about fixed axes [rad] of a rotation matrix."""
-    pitch = math.asin(min(max(-float(turn[2, 0]), -1.0), 1.0))
-    if abs(turn[2, 0]) > 1.0 - 1e-12:
-        # Roll and yaw turn about the same axis: all of it is yaw.
-        return 0.0, pitch, math.atan2(-float(turn[0, 1]), float(turn[1, 1]))
-    roll = math.atan2(float(turn[2, 1]), float(turn[2, 2]))
-    return roll, pitch, math.atan2(float(turn[1, 0]), float(turn[0, 0]))

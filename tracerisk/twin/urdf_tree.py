@@ -135,7 +135,7 @@ def read_tree(root: XmlElement, file: str) -> Tree:
     if len(ordered) != len(joints):
         lost = sorted(joints.keys() - {joint.name for joint in ordered})
         raise RobotError(f"is no tree: joint '{lost[0]}' hangs on itself", Location(file))
-    return _without_world(Tree(tops[0], tuple(_on_a_moving_base(joint) for joint in ordered)))
+    return _without_world(Tree(tops[0], tuple(on_a_moving_base(joint) for joint in ordered)))
 
 
 def _without_world(tree: Tree) -> Tree:
@@ -166,7 +166,7 @@ def _ordered(root: str, joints: list[UrdfJoint]) -> list[UrdfJoint]:
     return found
 
 
-def _on_a_moving_base(joint: UrdfJoint) -> UrdfJoint:
+def on_a_moving_base(joint: UrdfJoint) -> UrdfJoint:
     """Wheels stand still: the twin has no floor to roll on."""
     if joint.moves and (_ROLLS.search(joint.name) or _ROLLS.search(joint.child)):
         return replace(joint, moves=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -9,7 +10,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
+import numpy as np
+
 from tracerisk.errors import RobotError, TraceRiskError
+from tracerisk.twin.model_file_frames import rotation
 from tracerisk.twin.robot import Joint, Robot, load_robot, robot_names
 from tracerisk.twin.srdf import Srdf, read_srdf
 from tracerisk.twin.urdf import read_urdf
@@ -26,6 +30,7 @@ _NOT_SEARCHED = frozenset(
     {"build", "devel", "install", "log", "node_modules", "__pycache__", "venv"}
 )
 _MATCHES = 0.8  # the share of joint names that two robots of one make have in common
+_SAME_LENGTH = 0.03  # [m]
 _FITS = 0.6  # the share of an SRDF's names that its URDF must have
 _ROBOT_NAME = re.compile(r"<robot\b[^>]*\bname\s*=\s*[\"']([^\"']+)[\"']", re.DOTALL)
 _XACRO_ARGUMENT = re.compile(r"(\w+):=(\S+)")
@@ -183,7 +188,7 @@ class _Search:
                 continue
             if not any(group in robot.groups for group in (one.name for one in srdf.groups)):
                 continue
-            return _completed(robot), urdf
+            return completed_as_ours(robot), urdf
         return None
 
     def _named_by_assistant(self, file: _File) -> tuple[Path | None, dict[str, str]]:
@@ -222,7 +227,7 @@ class _Search:
             if not speaks and not only and not self._is_named(file):
                 continue
             why = f"names {', '.join(speaks[:4])}" if speaks else "by its name"
-            return _named_as_ours(_completed(robot)), f"{file.shown} in the workspace ({why})"
+            return named_as_ours(completed_as_ours(robot)), f"{file.shown} in the workspace ({why})"
         return None
 
     def _is_named(self, file: _File) -> bool:
@@ -325,17 +330,53 @@ def _parts(srdf: Srdf) -> set[str]:
     return names
 
 
+@functools.cache
+def _shipped() -> tuple[Robot, ...]:
+    """Return the shipped robots; reading them takes seconds."""
+    return tuple(load_robot(name) for name in robot_names())
+
+
 def _shipped_like(names: Iterable[str]) -> Robot | None:
     """Return the shipped robot that has most of its joints among the names."""
     wanted = set(names)
     best: tuple[float, Robot] | None = None
-    for name in robot_names():
-        robot = load_robot(name)
+    for robot in _shipped():
         joints = {joint.name for joint in robot.arm_joints}
         share = len(joints & wanted) / len(joints)
         if share >= _MATCHES and (best is None or share > best[0]):
             best = (share, robot)
     return None if best is None else best[1]
+
+
+def _ours(robot: Robot) -> Robot | None:
+    """Return the shipped robot that this one is: joints of the same names at the same distances.
+
+    Names alone say little: many arms call their joints `joint1` and so on.
+    """
+    like = _shipped_like(joint.name for joint in robot.arm_joints)
+    if like is None:
+        return None
+    own, ours = _distances(robot), _distances(like)
+    shared = own.keys() & ours.keys()
+    # The first joint stands on whatever the arm is mounted on.
+    same = [name for name in shared if abs(own[name] - ours[name]) < _SAME_LENGTH]
+    return like if len(same) >= _MATCHES * len(shared) else None
+
+
+def _distances(robot: Robot) -> dict[str, float]:
+    """Return how far each arm joint is from the moving one before it, or from the base [m]."""
+    hangs = {each.child: each for each in robot.attachments}
+    moving = {joint.name for joint in robot.arm_joints}
+    found: dict[str, float] = {}
+    for each in robot.attachments:
+        if each.name in moving:
+            place = np.array(each.xyz)
+            above = hangs.get(each.parent)
+            while above is not None and above.type == "fixed":
+                place = np.array(above.xyz) + rotation(above.rpy) @ place
+                above = hangs.get(above.parent)
+            found[each.name] = float(np.linalg.norm(place))
+    return found
 
 
 def _with_srdf(robot: Robot, srdf: Srdf) -> Robot:
@@ -348,15 +389,18 @@ def _with_srdf(robot: Robot, srdf: Srdf) -> Robot:
     return replace(robot, groups=MappingProxyType(groups), named_states=MappingProxyType(states))
 
 
-def _completed(robot: Robot) -> Robot:
-    """Return the robot with the rated figures of ours, where one has the same joints."""
-    like = _shipped_like(joint.name for joint in robot.arm_joints)
+def completed_as_ours(robot: Robot, *, knows_motors: bool = False) -> Robot:
+    """Return the robot with the rated figures of ours, where one has the same joints.
+
+    A robot that knows its motors keeps torques and servos, and lacks only rated velocities.
+    """
+    like = _ours(robot)
     if like is None:
         return robot
     ours = {joint.name: joint for joint in like.arm_joints}
     mine = {joint.name for joint in robot.arm_joints}
     joints = tuple(
-        _rated(joint, ours[joint.name], robot.approximate)
+        _rated(joint, ours[joint.name], robot.approximate, knows_motors)
         if joint.name in ours and joint.name in mine and ours[joint.name].type == joint.type
         else joint
         for joint in robot.joints
@@ -364,10 +408,16 @@ def _completed(robot: Robot) -> Robot:
     return replace(robot, joints=joints)
 
 
-def _rated(joint: Joint, ours: Joint, assumed: bool) -> Joint:
+def _rated(joint: Joint, ours: Joint, assumed: bool, knows_motors: bool) -> Joint:
     """An URDF tells no acceleration, and where figures are assumed ours are better ones."""
     if not assumed:
         return replace(joint, acceleration_limit=ours.acceleration_limit)
+    if knows_motors:
+        return replace(
+            joint,
+            velocity_limit=ours.velocity_limit,
+            acceleration_limit=ours.acceleration_limit,
+        )
     return replace(
         joint,
         velocity_limit=ours.velocity_limit,
@@ -377,9 +427,9 @@ def _rated(joint: Joint, ours: Joint, assumed: bool) -> Joint:
     )
 
 
-def _named_as_ours(robot: Robot) -> Robot:
+def named_as_ours(robot: Robot) -> Robot:
     """Return a robot without an SRDF with the groups of ours, else one that assumes them."""
-    like = _shipped_like(joint.name for joint in robot.arm_joints)
+    like = _ours(robot)
     if like is None:
         return replace(robot, approximate=True, assumes_names=True)
     joints = {joint.name: joint for joint in robot.joints}
