@@ -1,0 +1,286 @@
+"""What a node makes and destroys: publishers, subscriptions, services, timers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from ._node_names import NodeNames
+from .callback_groups import CallbackGroup
+from .client import Client
+from .clock import Clock
+from .constants import S_TO_NS
+from .context import Context
+from .exceptions import NoTypeSupportImportedException
+from .guard_condition import GuardCondition
+from .publisher import Publisher
+from .qos import QoSProfile, qos_profile_services_default
+from .service import Service
+from .subscription import Subscription
+from .timer import Rate, Timer
+
+
+class NodeEntities(NodeNames):
+    """What a node makes; a part of `Node`."""
+
+    _publishers: list[Publisher]
+    _subscriptions: list[Subscription]
+    _clients: list[Client]
+    _services: list[Service]
+    _timers: list[Timer]
+    _guards: list[GuardCondition]
+    _waitables: list[Any]
+    _rates: list[Rate]
+    _default_callback_group: CallbackGroup
+    _rate_group: CallbackGroup
+    _clock: Clock
+    _context: Context
+
+    def _entities(self) -> Iterator[Any]:
+        """Return what an executor asks for work, in the order of rclpy."""
+        yield from tuple(self._timers)
+        yield from tuple(self._subscriptions)
+        yield from tuple(self._guards)
+        yield from tuple(self._clients)
+        yield from tuple(self._services)
+
+    @property
+    def publishers(self) -> Iterator[Publisher]:
+        """The publishers."""
+        yield from self._publishers
+
+    @property
+    def subscriptions(self) -> Iterator[Subscription]:
+        """The subscriptions."""
+        yield from self._subscriptions
+
+    @property
+    def clients(self) -> Iterator[Client]:
+        """The clients of services."""
+        yield from self._clients
+
+    @property
+    def services(self) -> Iterator[Service]:
+        """The services."""
+        yield from self._services
+
+    @property
+    def timers(self) -> Iterator[Timer]:
+        """The timers."""
+        yield from self._timers
+
+    @property
+    def guards(self) -> Iterator[GuardCondition]:
+        """The guard conditions."""
+        yield from self._guards
+
+    @property
+    def waitables(self) -> Iterator[Any]:
+        """The clients and servers of actions."""
+        yield from self._waitables
+
+    def create_publisher(
+        self,
+        msg_type: Any,
+        topic: str,
+        qos_profile: QoSProfile | int,
+        *,
+        callback_group: CallbackGroup | None = None,
+        event_callbacks: Any = None,
+        qos_overriding_options: Any = None,
+        publisher_class: type[Publisher] = Publisher,
+    ) -> Publisher:
+        """Make a publisher; an integer for the profile is its depth.
+
+        Raises:
+            TypeError: the profile is neither.
+            ValueError: the depth is negative.
+            NoTypeSupportImportedException: `msg_type` is no message class.
+        """
+        _check_type(msg_type, "get_fields_and_field_types")
+        made = publisher_class(
+            self,
+            msg_type,
+            self.resolve_topic_name(topic),
+            _profile(qos_profile),
+            event_callbacks,
+            callback_group or self._default_callback_group,
+        )
+        self._publishers.append(made)
+        return made
+
+    def create_subscription(
+        self,
+        msg_type: Any,
+        topic: str,
+        callback: Callable[..., Any],
+        qos_profile: QoSProfile | int,
+        *,
+        callback_group: CallbackGroup | None = None,
+        event_callbacks: Any = None,
+        qos_overriding_options: Any = None,
+        raw: bool = False,
+        content_filter_options: Any = None,
+    ) -> Subscription:
+        """Make a subscription; see `create_publisher`."""
+        _check_type(msg_type, "get_fields_and_field_types")
+        made = Subscription(
+            self,
+            msg_type,
+            self.resolve_topic_name(topic),
+            callback,
+            callback_group or self._default_callback_group,
+            _profile(qos_profile),
+            raw,
+            event_callbacks,
+        )
+        self._subscriptions.append(made)
+        return made
+
+    def create_client(
+        self,
+        srv_type: Any,
+        srv_name: str,
+        *,
+        qos_profile: QoSProfile = qos_profile_services_default,
+        callback_group: CallbackGroup | None = None,
+    ) -> Client:
+        """Make a client of a service.
+
+        Raises:
+            NoTypeSupportImportedException: `srv_type` is no service class.
+        """
+        _check_type(srv_type, "Request")
+        made = Client(
+            self,
+            srv_type,
+            self.resolve_service_name(srv_name),
+            qos_profile,
+            callback_group or self._default_callback_group,
+        )
+        self._clients.append(made)
+        return made
+
+    def create_service(
+        self,
+        srv_type: Any,
+        srv_name: str,
+        callback: Callable[[Any, Any], Any],
+        *,
+        qos_profile: QoSProfile = qos_profile_services_default,
+        callback_group: CallbackGroup | None = None,
+    ) -> Service:
+        """Make a service: `callback` takes request and response, and returns the response.
+
+        Raises:
+            NoTypeSupportImportedException: `srv_type` is no service class.
+        """
+        _check_type(srv_type, "Request")
+        made = Service(
+            self,
+            srv_type,
+            self.resolve_service_name(srv_name),
+            callback,
+            callback_group or self._default_callback_group,
+            qos_profile,
+        )
+        self._services.append(made)
+        return made
+
+    def create_timer(
+        self,
+        timer_period_sec: float,
+        callback: Callable[..., Any] | None,
+        callback_group: CallbackGroup | None = None,
+        clock: Clock | None = None,
+        autostart: bool = True,
+    ) -> Timer:
+        """Make a timer of a period in seconds."""
+        made = Timer(
+            self,
+            callback,
+            callback_group or self._default_callback_group,
+            int(float(timer_period_sec) * S_TO_NS),
+            self._clock if clock is None else clock,
+            context=self._context,
+            autostart=autostart,
+        )
+        self._timers.append(made)
+        return made
+
+    def create_guard_condition(
+        self, callback: Callable[..., Any] | None, callback_group: CallbackGroup | None = None
+    ) -> GuardCondition:
+        """Make a guard condition."""
+        made = GuardCondition(self, callback, callback_group or self._default_callback_group)
+        self._guards.append(made)
+        return made
+
+    def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
+        """Make a rate of a frequency in hertz.
+
+        Raises:
+            ValueError: the frequency is not positive.
+        """
+        if frequency <= 0:
+            raise ValueError("frequency must be > 0")
+        timer = self.create_timer(1.0 / frequency, None, self._rate_group, clock)
+        made = Rate(timer, context=self._context)
+        self._rates.append(made)
+        return made
+
+    # Destroying
+
+    def destroy_publisher(self, publisher: Publisher) -> bool:
+        """Destroy a publisher; False where it is none of the node's."""
+        return _destroy(self._publishers, publisher)
+
+    def destroy_subscription(self, subscription: Subscription) -> bool:
+        """Destroy a subscription; False where it is none of the node's."""
+        return _destroy(self._subscriptions, subscription)
+
+    def destroy_client(self, client: Client) -> bool:
+        """Destroy a client; False where it is none of the node's."""
+        return _destroy(self._clients, client)
+
+    def destroy_service(self, service: Service) -> bool:
+        """Destroy a service; False where it is none of the node's."""
+        return _destroy(self._services, service)
+
+    def destroy_timer(self, timer: Timer) -> bool:
+        """Destroy a timer; False where it is none of the node's."""
+        return _destroy(self._timers, timer)
+
+    def destroy_guard_condition(self, guard: GuardCondition) -> bool:
+        """Destroy a guard condition; False where it is none of the node's."""
+        return _destroy(self._guards, guard)
+
+    def destroy_rate(self, rate: Rate) -> bool:
+        """Destroy a rate; False where it is none of the node's."""
+        if rate not in self._rates:
+            return False
+        self.destroy_timer(rate._timer)
+        return _destroy(self._rates, rate)
+
+
+def _profile(given: QoSProfile | int) -> QoSProfile:
+    if isinstance(given, QoSProfile):
+        return given
+    if isinstance(given, int):
+        if given < 0:
+            raise ValueError("history depth must be greater than or equal to zero")
+        return QoSProfile(depth=given)
+    raise TypeError(f"Expected QoSProfile or int, but received {type(given)!r}")
+
+
+def _check_type(given: Any, attribute: str) -> None:
+    if not hasattr(given, attribute) or not hasattr(given, "_ros_type"):
+        raise NoTypeSupportImportedException(f"{given!r} is no interface class of ROS 2")
+
+
+def _destroy(kept: list[Any], each: Any) -> bool:
+    if each not in kept:
+        return False
+    kept.remove(each)
+    each.destroy()
+    return True
