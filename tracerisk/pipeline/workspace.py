@@ -16,7 +16,15 @@ _NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "
 _TESTS = frozenset({"test", "tests"})
 _UPWARDS = 4
 _DEEPEST = 5
+_SOURCES = "src"  # where a workspace keeps its packages
+_TOP_FILES = ("readme", "licence", "license")
+_TOP_MARKS = frozenset(
+    {".catkin_workspace", ".catkin_tools", ".github", ".gitignore", ".gitlab-ci.yml", ".gitmodules",
+     ".rosinstall", ".travis.yml", "colcon.meta"}
+)  # fmt: skip
 _MOST_FOLDERS = 5000
+_BESIDE = 2
+_NEED = re.compile(r"<(?:\w+_)?depend\b[^>]*>\s*([\w.-]+)\s*<")
 _NAME = re.compile(r"<name>\s*([\w.-]+)\s*</name>")
 
 
@@ -83,20 +91,26 @@ def _modules_named(name: str, top: Path) -> Iterator[Path]:
 def find_workspace(root: Path) -> Workspace:
     """Return the packages below a controller's root and, where that is one itself, around it.
 
-    Looked for upwards, at most four folders up and never beyond the repository: without one, the
-    nearest folder that holds several packages counts. Where two packages have one name, the one
-    that contains `root` or is nearer to the top wins.
+    Looked for upwards, at most four folders up and never beyond the repository. Without one, it is
+    the folder `src` of a workspace, or the nearest folder with what lies at the top of a
+    repository (a readme, a licence, ...). Where there is neither, what lies beside a package is
+    none of its own but for the packages that it depends on.
+    Where two packages have one name, the one that contains `root` or is nearer to the top wins.
     """
-    top = _top(root.resolve())
+    top = project_top(root)
     packages: dict[str, Path] = {}
     for folder in _packages_below(top):
         packages.setdefault(_name_of(folder), folder)
     if (root / PACKAGE_FILE).is_file():
+        if top == root.resolve() and not (top / ".git").exists():
+            packages = {**_needed_beside(top), **packages}
         packages[_name_of(root.resolve())] = root.resolve()
     return Workspace(dict(sorted(packages.items())))
 
 
-def _top(root: Path) -> Path:
+def project_top(root: Path) -> Path:
+    """Return the folder whose files belong to one project with the controller in `root`."""
+    root = root.resolve()
     if not (root / PACKAGE_FILE).is_file() or (root / ".git").exists():
         return root
     upwards = [
@@ -105,10 +119,43 @@ def _top(root: Path) -> Path:
     for folder in upwards:
         if (folder / ".git").exists():
             return folder
-    for folder in upwards[:2]:
-        if sum(1 for _ in zip(range(2), _packages_below(folder, deepest=2), strict=False)) == 2:
+    for folder in upwards:
+        if _is_marked(folder):
             return folder
+        if folder.name == _SOURCES:
+            return folder.parent if _is_marked(folder.parent) else folder
     return root
+
+
+def _is_marked(folder: Path) -> bool:
+    """Say whether a folder looks like the top of a repository or of a workspace."""
+    try:
+        with os.scandir(folder) as entries:
+            names = {entry.name.lower() for entry in entries}
+    except OSError:
+        return False
+    return bool(names & _TOP_MARKS) or any(name.startswith(_TOP_FILES) for name in names)
+
+
+def _needed_beside(root: Path) -> dict[str, Path]:
+    """Return the packages beside `root` that it needs, and those that these need."""
+    beside: dict[str, Path] = {}
+    for folder in root.parents[:_BESIDE]:
+        if folder not in (Path.home(), Path("/")):
+            for package in _packages_below(folder, deepest=_BESIDE):
+                beside.setdefault(_name_of(package), package)
+    found: dict[str, Path] = {}
+    waiting = [root]
+    while waiting:
+        for name in _needs_of(waiting.pop()):
+            if name in beside and name not in found and beside[name] != root:
+                found[name] = beside[name]
+                waiting.append(beside[name])
+    return found
+
+
+def _needs_of(folder: Path) -> list[str]:
+    return _NEED.findall((folder / PACKAGE_FILE).read_text(encoding="utf-8", errors="replace"))
 
 
 def _packages_below(top: Path, deepest: int = _DEEPEST) -> Iterator[Path]:

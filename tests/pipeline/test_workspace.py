@@ -1,0 +1,66 @@
+"""Which packages belong to a controller's own project."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tracerisk.pipeline.workspace import find_workspace, project_top
+
+
+def package(folder: Path) -> Path:
+    folder.mkdir(parents=True)
+    (folder / "package.xml").write_text(f"<package><name>{folder.name}</name></package>\n")
+    return folder
+
+
+def test_checkouts_beside_the_controllers_package_are_none_of_its_own(tmp_path):
+    own = package(tmp_path / "downloads" / "pick_demo")
+    package(tmp_path / "downloads" / "other_arm")
+    package(tmp_path / "downloads" / "third" / "third_description")
+    assert list(find_workspace(own).packages) == ["pick_demo"]
+
+
+def test_packages_beside_the_controllers_that_it_depends_on_are_its_own(tmp_path):
+    own = package(tmp_path / "pick_demo")
+    package(tmp_path / "other_arm")
+    arm, base = package(tmp_path / "arm_msgs"), package(tmp_path / "more" / "base_msgs")
+    (own / "package.xml").write_text(
+        "<package><name>pick_demo</name><exec_depend>arm_msgs</exec_depend></package>\n"
+    )
+    (arm / "package.xml").write_text(
+        '<package><name>arm_msgs</name><depend version_gte="1">base_msgs</depend></package>\n'
+    )
+    assert find_workspace(own).packages == {"arm_msgs": arm, "base_msgs": base, "pick_demo": own}
+
+
+def test_packages_of_one_workspace_are_found_in_its_src(tmp_path):
+    own = package(tmp_path / "ws" / "src" / "pick_demo")
+    package(tmp_path / "ws" / "src" / "arm" / "arm_description")
+    package(tmp_path / "other" / "src" / "stranger")
+    assert list(find_workspace(own).packages) == ["arm_description", "pick_demo"]
+
+
+@pytest.mark.parametrize("mark", ["README.md", "LICENSE", ".gitignore", "readme.rst"])
+def test_packages_of_a_copied_repository_are_found_by_what_lies_at_its_top(tmp_path, mark):
+    own = package(tmp_path / "repo" / "pick_demo")
+    package(tmp_path / "repo" / "arm_description")
+    package(tmp_path / "neighbour")
+    (tmp_path / "repo" / mark).write_text("\n")
+    assert list(find_workspace(own).packages) == ["arm_description", "pick_demo"]
+    assert project_top(own) == tmp_path / "repo"
+
+
+def test_a_repository_is_never_left(tmp_path):
+    (tmp_path / "README.md").write_text("\n")
+    own = package(tmp_path / "repo" / "pick_demo")
+    package(tmp_path / "neighbour")
+    (tmp_path / "repo" / ".git").mkdir()
+    assert list(find_workspace(own).packages) == ["pick_demo"]
+
+
+def test_a_readme_above_src_counts_as_the_projects(tmp_path):
+    own = package(tmp_path / "ws" / "src" / "pick_demo")
+    (tmp_path / "ws" / "README.md").write_text("\n")
+    assert project_top(own) == tmp_path / "ws"
