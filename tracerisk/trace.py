@@ -135,12 +135,17 @@ class ObjectOffset:
 
 @dataclass(frozen=True, slots=True)
 class RunEnd:
-    """How the run ended, at what simulated time [s]; `location` where the controller stood."""
+    """How the run ended, at what simulated time [s]; `location` where the controller stood.
+
+    `scenario` are the lines of a scenario file that would give a controller what it asked for
+    in vain, where that may be why the run ended so.
+    """
 
     cause: EndCause
     message: str
     simulated_s: float | None
     location: Location | None = None
+    scenario: str = ""
 
     @property
     def is_good(self) -> bool:

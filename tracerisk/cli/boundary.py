@@ -10,7 +10,7 @@ import traceback
 from importlib import import_module
 from typing import NoReturn
 
-from tracerisk.cli.output import print_json
+from tracerisk.cli.output import print_json, scenario_advice
 from tracerisk.errors import ExitCode, TraceRiskError
 
 _FAULT_ADVICE = "this is a fault of tracerisk; please report it with the lines above"
@@ -24,6 +24,8 @@ def guarded(options: argparse.Namespace) -> int:
         return int(import_module(f"tracerisk.cli.{options.verb}").run(options))
     except TraceRiskError as error:
         print(f"tracerisk: {error}", file=sys.stderr)
+        if scenario := getattr(error, "scenario", ""):
+            print(scenario_advice(scenario), file=sys.stderr)
         if getattr(options, "json", False):
             print_json(options.verb, exit_code=int(error.exit_code), error=_error_data(error))
         return int(error.exit_code)
@@ -48,4 +50,5 @@ def _error_data(error: TraceRiskError) -> dict[str, object]:
         "file": None if place is None else place.file,
         "line": None if place is None else place.line,
         "column": None if place is None else place.column,
+        "scenario": getattr(error, "scenario", "") or None,
     }

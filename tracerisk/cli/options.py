@@ -34,6 +34,15 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--robot", metavar="NAME|FILE", help="the arm; else told by its names")
     group.add_argument("--scene", metavar="NAME|FILE", help="the scene; else the robot's default")
     group.add_argument(
+        "--scenario", metavar="FILE", help="what the controller's world gives it: docs/scenario.md"
+    )
+    group.add_argument(
+        "--params",
+        metavar="FILE",
+        action="append",
+        help="parameters as YAML, of ROS 1 or ROS 2; may be given again",
+    )
+    group.add_argument(
         "--duration",
         dest="duration_s",
         metavar="S",
@@ -137,6 +146,7 @@ def run_settings(options: argparse.Namespace) -> dict[str, Any]:
     names = (
         "robot",
         "scene",
+        "scenario",
         "hardware",
         "active",
         "duration_s",
@@ -146,7 +156,11 @@ def run_settings(options: argparse.Namespace) -> dict[str, Any]:
         "seed",
         "mission_cycles",
     )
-    return {name: getattr(options, name, None) for name in names}
+    params = getattr(options, "params", None)
+    return {
+        **{name: getattr(options, name, None) for name in names},
+        "params": None if params is None else tuple(params),
+    }
 
 
 def merge_policy(options: argparse.Namespace) -> MergePolicy:

@@ -28,6 +28,11 @@ def print_json(verb: str, *, exit_code: int = 0, **data: Any) -> None:
     sys.stdout.flush()
 
 
+def scenario_advice(lines: str) -> str:
+    """Return what to do about what a controller asked for in vain."""
+    return f"These lines of a scenario file (--scenario) would give it:\n\n{lines}"
+
+
 def note(message: str, *, quiet: bool = False) -> None:
     """Print a line for the person at the terminal, on standard error."""
     if not quiet:

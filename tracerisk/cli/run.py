@@ -72,6 +72,7 @@ def run(options: argparse.Namespace) -> int:
             f"{trace.end.message}, and it commanded no hardware: there is no risk to assess; "
             "does it need arguments (after --) or answers (--answer)?",
             Location(str(controller.path), 1),
+            trace.end.scenario,
         )
     hardware = pipeline.load_hardware(settings, trace.robot)
     annotated = pipeline.annotate(

@@ -9,6 +9,7 @@ from typing import Any
 
 from tracerisk.adder.computed import ComputedBlocks
 from tracerisk.adder.model_names import model_names
+from tracerisk.cli.output import scenario_advice
 from tracerisk.errors import ExitCode, InputError, Location
 from tracerisk.trace import Finding, QualifiedName, Trace
 from tracerisk.trace_log import write_log
@@ -93,6 +94,8 @@ def print_failure(trace: Trace) -> int:
     for line in [*trace_lines(trace), *(f"  {line}" for line in finding_lines(trace))]:
         print(line, file=sys.stderr)
     print("No source was changed.", file=sys.stderr)
+    if trace.end.scenario:
+        print(scenario_advice(trace.end.scenario), file=sys.stderr)
     return int(failure_code(trace))
 
 
@@ -113,6 +116,7 @@ def failure_of(trace: Trace) -> dict[str, Any] | None:
         "file": None if place is None else place.file,
         "line": None if place is None else place.line,
         "column": None if place is None else place.column,
+        "scenario": trace.end.scenario or None,
     }
 
 

@@ -35,6 +35,8 @@ from tracerisk.pipeline.run_files import (
 )
 from tracerisk.pipeline.run_watch import RunWatch
 from tracerisk.pipeline.scripted_input import scripted_input
+from tracerisk.pipeline.stall_watch import StallWatch
+from tracerisk.pipeline.unmet_needs import UnmetNeeds
 from tracerisk.pipeline.workspace import Workspace, find_workspace
 from tracerisk.ros.finder import StandInFinder
 from tracerisk.ros.graph import Graph
@@ -42,6 +44,10 @@ from tracerisk.ros.messages import Interfaces
 from tracerisk.ros.messages2 import Interfaces2
 from tracerisk.ros.patches import virtual_time
 from tracerisk.ros.runtime import Runtime, activate
+from tracerisk.ros.scenario import Scenario, read_scenario
+from tracerisk.ros.scenario_objects import with_objects
+from tracerisk.ros.scenario_parameters import read_parameters
+from tracerisk.ros.scenario_world import ScenarioWorld
 from tracerisk.ros.twin_frames import TwinFrames
 from tracerisk.ros.twin_interfaces import TwinInterfaces
 from tracerisk.ros.twin_topics import TwinTopics
@@ -112,7 +118,9 @@ def _run_recorded(
         read_dumped_robot(folder / ROBOT),
         lambda message: recorder.finding("assumed_name", message),
     )
-    twin = Twin.build(robot, load_scene(request.scene), samples=samples)
+    scenario = Scenario() if request.scenario is None else read_scenario(Path(request.scenario))
+    scene = with_objects(load_scene(request.scene), scenario.objects)
+    twin = Twin.build(robot, scene, samples=samples)
     tracer = Tracer(recorder.function_ran)
     world = _Metered(twin, wall_clock)
     scheduler = Scheduler(
@@ -131,18 +139,25 @@ def _run_recorded(
         recorder=recorder,
         argv=(str(script), *request.argv),
         seed=request.seed,
+        parameters=(
+            *scenario.parameters,
+            *(each for file in request.params for each in read_parameters(Path(file))),
+        ),
         packages=workspace.packages,
     )
     watch = RunWatch(scheduler, recorder)
     recorder.watch, tracer.on_iteration = watch, watch.looped
-    world.time_passed = watch.time_passed
-    end = ControllerEnd(recorder, twin, root, request.memory_limit_mb, watch.run_over)
     is_ros2 = ros_version(script, root) == 2
     own = workspace.interfaces
     interfaces = Interfaces2(workspace=own) if is_ros2 else Interfaces(workspace=own)
     TwinTopics(runtime, interfaces)
     TwinInterfaces(runtime, interfaces)
     TwinFrames(runtime, interfaces)
+    schedule = watch.schedule = ScenarioWorld(runtime, interfaces, scenario).schedule
+    needs = UnmetNeeds(runtime, interfaces, root, lambda: watch.has_commanded)
+    stall = StallWatch(scheduler, watch, needs, lambda: schedule.is_pending)
+    world.time_passed = [watch.time_passed, stall.time_passed]
+    end = ControllerEnd(recorder, twin, root, request.memory_limit_mb, watch.run_over, needs.judge)
     stand_ins = StandInFinder(interfaces)
     libraries = {name for name, kind in stand_ins.provides.items() if kind.startswith("library")}
     imports = ControllerFinder(
@@ -158,7 +173,9 @@ def _run_recorded(
         activate(runtime),
         stand_ins,
         virtual_time(scheduler, seed=request.seed),
-        scripted_input(request.answers, recorder, scheduler.touch),
+        scripted_input(
+            (*request.answers, *scenario.answers), recorder, scheduler.touch, scheduler.miss
+        ),
         prepared_controller(
             script, tracer, request.argv, root=root, entry=entry.function if entry else None
         ) as run,
@@ -205,7 +222,7 @@ class _Metered:
         self._twin = twin
         self._wall_clock = wall_clock
         self.seconds = 0.0
-        self.time_passed: Callable[[], None] = lambda: None
+        self.time_passed: list[Callable[[], None]] = []
 
     @property
     def time_ns(self) -> int:
@@ -221,7 +238,8 @@ class _Metered:
             reached_ns = self._twin.advance(until_ns)
         finally:
             self.seconds += self._wall_clock() - began
-        self.time_passed()
+        for told in self.time_passed:
+            told()
         return reached_ns
 
 

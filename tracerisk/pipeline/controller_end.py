@@ -16,6 +16,8 @@ from types import FrameType, TracebackType
 
 from tracerisk.errors import Location, SourceError, UnsafeRewriteError
 from tracerisk.instrument.recording import Recorder
+from tracerisk.pipeline.run_files import SCENARIO
+from tracerisk.pipeline.unmet_needs import JudgedEnd
 from tracerisk.ros.controller_frames import is_library
 from tracerisk.ros.virtual_time import RunOver
 from tracerisk.trace import EndCause
@@ -27,7 +29,8 @@ _CONTEXTS = 20
 class ControllerEnd:
     """Tells the recording how the run of the controller below `root` ended, once.
 
-    `run_over` is told the cause before.
+    `judge` tells what the end is in the light of what the controller lacked, and `run_over` is
+    told the cause before it is recorded.
     """
 
     def __init__(
@@ -37,7 +40,9 @@ class ControllerEnd:
         root: Path,
         memory_limit_mb: int,
         run_over: Callable[[str], None] = lambda _: None,
+        judge: Callable[[EndCause, str, Location | None], JudgedEnd] = JudgedEnd,
     ) -> None:
+        self._judge = judge
         self._run_over = run_over
         self._recorder = recorder
         self._twin = twin
@@ -73,8 +78,11 @@ class ControllerEnd:
         self._recorder.note(
             "objects", found=[dataclasses.asdict(each) for each in self._twin.object_offsets()]
         )
-        self._run_over(cause)
-        self._recorder.run_ended(cause, message, location)
+        judged = self._judge(cause, message, location)
+        if judged.scenario:
+            self._recorder.note(SCENARIO, lines=judged.scenario)
+        self._run_over(judged.cause)
+        self._recorder.run_ended(judged.cause, judged.message, judged.location)
 
     def _over(self, over: RunOver) -> None:
         place = over.location

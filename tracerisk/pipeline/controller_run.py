@@ -11,7 +11,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +20,14 @@ from tracerisk.config import Settings
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.recording import Recording, read_recording
 from tracerisk.pipeline.left_running import RUN_MARK, end_left_running
-from tracerisk.pipeline.run_files import EVENTS, ROBOT, STACKS, STARTED, RunRequest
+from tracerisk.pipeline.run_files import (
+    EVENTS,
+    ROBOT,
+    SCENARIO,
+    STACKS,
+    STARTED,
+    RunRequest,
+)
 from tracerisk.pipeline.run_trace import make_trace
 from tracerisk.pipeline.run_watch import MISSION_END
 from tracerisk.trace import RunEnd, Trace
@@ -61,6 +68,8 @@ def run_controller(
             argv=given.argv,
             answers=given.answers,
             scene=scene,
+            scenario=None if settings.scenario is None else str(Path(settings.scenario).resolve()),
+            params=tuple(str(Path(each).resolve()) for each in settings.params),
             duration_s=settings.duration_s,
             memory_limit_mb=settings.memory_limit_mb,
             seed=settings.seed,
@@ -255,10 +264,9 @@ def _run_end(recording: Recording, process: _ProcessEnd, controller: Controller)
     if end.location is None and not end.is_good:
         end = RunEnd(end.cause, end.message, simulated_s, _last_place(recording, controller))
     if end.cause == "duration" and not recording.commands:
-        return RunEnd(
-            "no_motion", f"nothing was commanded, and {end.message}", simulated_s, end.location
-        )
-    return end
+        end = replace(end, cause="no_motion", message=f"nothing was commanded, and {end.message}")
+    scenario = recording.note(SCENARIO)
+    return end if scenario is None else replace(end, scenario=scenario["lines"])
 
 
 def _last_place(recording: Recording, controller: Controller) -> Location:

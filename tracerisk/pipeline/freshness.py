@@ -6,20 +6,23 @@ import hashlib
 import io
 import tokenize
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from tracerisk.adder.model_names import model_names
 from tracerisk.config import Settings
-from tracerisk.errors import Location, SourceError
+from tracerisk.errors import InputError, Location, SourceError
 from tracerisk.pipeline.controller import Controller
+from tracerisk.pipeline.robot_choice import robot_digests
 from tracerisk.trace import Trace
 
 
 def fingerprint(controller: Controller, trace: Trace, settings: Settings) -> str:
     """Return a digest of what the trace depends on.
 
-    Sources without comments and blank lines, the robot, the scene, and those settings that
-    change a run; not the hardware data, from which values follow without a run.
+    Sources without comments and blank lines, the robot with its model's files, the scene, what the
+    files of the scenario and of parameters hold, and those settings that change a run; not the
+    hardware data, from which values follow without a run.
     """
     from tracerisk import __version__
 
@@ -32,10 +35,19 @@ def fingerprint(controller: Controller, trace: Trace, settings: Settings) -> str
         f"{settings.mission_cycles!r}",
         ",".join(settings.states),
         ",".join(settings.helpers),
+        *robot_digests(controller, settings),
+        *(_digest(file) for file in (settings.scenario, *settings.params) if file is not None),
     ]
     for file in (controller.file, *sorted(set(trace.files) - {controller.file})):
         parts += [file, *_code_tokens(controller.source_of(file), file)]
     return hashlib.sha256("\x00".join(parts).encode()).hexdigest()
+
+
+def _digest(file: str) -> str:
+    try:
+        return hashlib.sha256(Path(file).read_bytes()).hexdigest()
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", Location(file)) from error
 
 
 def trace_summary(trace: Trace) -> dict[str, Any]:

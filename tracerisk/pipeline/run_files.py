@@ -19,6 +19,8 @@ ENTRY = "entry"
 """The note of the function that was called to start the controller: `function`, `named_in`."""
 ELSEWHERE = "elsewhere"
 """The note of a module found off the import path: `module`, and `folder` from the root."""
+SCENARIO = "scenario"
+"""The note of the scenario lines that would give a controller what it lacked: `lines`."""
 _WALL_TIME = "wall_time.json"
 
 
@@ -32,6 +34,8 @@ class RunRequest:
     argv: tuple[str, ...]
     answers: tuple[str, ...]
     scene: str
+    scenario: str | None
+    params: tuple[str, ...]
     duration_s: float
     memory_limit_mb: int
     seed: int
@@ -45,7 +49,8 @@ class RunRequest:
     def loads(cls, text: str) -> RunRequest:
         """Read what `dumps` wrote."""
         data = json.loads(text)
-        return cls(**{**data, "argv": tuple(data["argv"]), "answers": tuple(data["answers"])})
+        lists = {name: tuple(data[name]) for name in ("argv", "answers", "params")}
+        return cls(**{**data, **lists})
 
 
 @dataclass(frozen=True, slots=True)

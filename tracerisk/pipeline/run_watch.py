@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from tracerisk.errors import Location
 from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Frame
+from tracerisk.ros.scenario_schedule import Schedule
 from tracerisk.ros.virtual_time import ControllerThread, Scheduler
 
 CYCLES_SEEN = 3
@@ -51,11 +52,15 @@ class _Loop:
 
 
 class RunWatch:
-    """Watches commands and loops of a run, and ends it where nothing new will come."""
+    """Watches commands and loops of a run, and ends it where nothing new will come.
+
+    `schedule` (an attribute) is that of the scenario: while it has more to give, a run goes on.
+    """
 
     def __init__(self, scheduler: Scheduler, recorder: Recorder) -> None:
         self._scheduler = scheduler
         self._recorder = recorder
+        self.schedule: Schedule | None = None
         self._loops: dict[tuple[int, str, int], _Loop] = {}
         self._callbacks: _Loop | None = None
         self._iteration_of: dict[int, list[_Iteration]] = {}
@@ -119,6 +124,26 @@ class RunWatch:
         for iteration in self._iteration_of.pop(command_id, ()):
             iteration.has_reached |= outcome == "succeeded"
 
+    @property
+    def has_commanded(self) -> bool:
+        """Whether anything was commanded yet."""
+        return self._last_command_ns is not None
+
+    @property
+    def is_commanding(self) -> bool:
+        """Whether a command is live."""
+        return bool(self._iteration_of)
+
+    @property
+    def last_event_ns(self) -> int:
+        """When a command began or ended last, or the scenario acted [ns]."""
+        acted_ns = 0 if self.schedule is None else self.schedule.last_ns
+        return max(self._last_command_ns or 0, acted_ns)
+
+    @property
+    def _is_expecting(self) -> bool:
+        return self.schedule is not None and self.schedule.is_pending
+
     def time_passed(self) -> None:
         """Look whether the controller only idles; called whenever the world has moved."""
         since_ns = self._idle_ns = self._idle_since_ns()
@@ -149,7 +174,7 @@ class RunWatch:
 
     def _idle_since_ns(self) -> int | None:
         """Return since when nothing is under way and the main thread only waits or loops."""
-        if self._iteration_of:
+        if self._iteration_of or self._is_expecting:
             return None
         loop = self._innermost_of_main()
         if self._main_spins():
@@ -158,7 +183,7 @@ class RunWatch:
             quiet_ns = loop.quiet_ns
         else:
             return None
-        return max(quiet_ns, self._last_command_ns or 0)
+        return max(quiet_ns, self.last_event_ns)
 
     def _innermost_of_main(self) -> _Loop | None:
         main = self._main()
@@ -190,7 +215,7 @@ class RunWatch:
         loop.past.append(loop.current)
         loop.quiet_ns = now_ns
         found = _cycle_start(loop.past)
-        if found is not None and self._scheduler.over is None:
+        if found is not None and self._scheduler.over is None and not self._is_expecting:
             start, seen = found
             self._recorder.note(CYCLE, start_ns=loop.past[start].start_ns, seen=seen)
             self._scheduler.end(

@@ -10,24 +10,29 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import NoReturn
 
 from tracerisk.instrument.recording import Recorder
+from tracerisk.ros.needs import Need
 
 _STDIN = 0
 
 
 @contextlib.contextmanager
 def scripted_input(
-    answers: Sequence[str], recorder: Recorder, touch: Callable[[], None]
+    answers: Sequence[str],
+    recorder: Recorder,
+    touch: Callable[[], None],
+    miss: Callable[[Need], None],
 ) -> Iterator[None]:
     """Give `input()` and reads of the standard input the answers in turn, then Enter.
 
     Each answer is noted in the recording. `touch` is called at each Enter: a loop that asks and
-    asks is a busy wait, and must end.
+    asks is a busy wait, and must end. `miss` is told of each question that got Enter.
     """
-    stream = _Answers(answers, recorder, touch)
+    stream = _Answers(answers, recorder, touch, miss)
     real_input, real_stdin = builtins.input, sys.stdin
 
     def scripted(prompt: object = "", /) -> str:
         print(prompt, end="", flush=True)  # noqa: T201 - the controller's own output
+        stream.prompt = str(prompt).strip()
         return stream.readline().rstrip("\n")
 
     builtins.input, sys.stdin = scripted, stream
@@ -45,8 +50,14 @@ class _Answers(io.TextIOBase):
     """
 
     def __init__(
-        self, answers: Sequence[str], recorder: Recorder, touch: Callable[[], None]
+        self,
+        answers: Sequence[str],
+        recorder: Recorder,
+        touch: Callable[[], None],
+        miss: Callable[[Need], None],
     ) -> None:
+        self.prompt = ""
+        self._miss = miss
         self._answers = list(answers)
         self._line = ""
         self._recorder = recorder
@@ -85,6 +96,8 @@ class _Answers(io.TextIOBase):
 
     def _next_answer(self) -> None:
         if not self._answers:
+            asked = repr(self.prompt) if self.prompt else "a read of the standard input"
+            self._miss(Need("input", asked))
             self._touch()
         answer = self._answers.pop(0) if self._answers else ""
         self._recorder.note("input", answer=answer)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from tracerisk.errors import InputError, ScenarioError
@@ -70,7 +71,7 @@ class ScenarioAction:
         count = len(outcome.feedback)
         for index, feedback in enumerate(outcome.feedback):
             due_ns = began_ns + length_ns * (index + 1) // (count + 1)
-            self._schedule.at(due_ns, lambda each=feedback: self._feed_back(goal, each))
+            self._schedule.at(due_ns, partial(self._feed_back, goal, feedback))
         self._schedule.at(began_ns + length_ns, lambda: self._finish(goal, outcome))
 
     def _on_cancel(self, goal: ActionGoal) -> None:

@@ -39,6 +39,7 @@ _PARAMETERS: Mapping[str, Any] = {
 _DEEPEST = 5  # of nested messages: what lies deeper has its defaults without being written
 _WIDTH = 88
 _PLAIN = re.compile(r"[A-Za-z/][\w/.]*")
+_YES_OR_NO = re.compile(r"y/n|\byes\b", re.IGNORECASE)
 _NO_STRINGS = frozenset({"true", "false", "null", "yes", "no", "on", "off", "nan", "inf"})
 
 
@@ -100,12 +101,17 @@ def _frame(need: Need, interfaces: Any) -> Any:
     }
 
 
+def _answer(need: Need, interfaces: Any) -> Any:
+    del interfaces
+    return "y" if _YES_OR_NO.search(need.name) else "1"
+
+
 _ENTRIES = {
     "topic": _topic,
     "service": _service,
     "action": _action,
     "frame": _frame,
-    "input": lambda need, interfaces: "",
+    "input": _answer,
 }
 _NAME_KEYS = {"topic": "topic", "frame": "frame"}
 
@@ -193,11 +199,10 @@ def _keyed(head: str, value: Any, indent: int) -> list[str]:
 
 def _flow(value: Any) -> str:
     if isinstance(value, dict):
-        return (
-            "{" + ", ".join(f"{_text(key)}: {_flow(inner)}" for key, inner in value.items()) + "}"
-        )
+        pairs = ", ".join(f"{_text(key)}: {_flow(each)}" for key, each in value.items())
+        return f"{{{pairs}}}"
     if isinstance(value, list):
-        return "[" + ", ".join(_flow(inner) for inner in value) + "]"
+        return "[" + ", ".join(_flow(each) for each in value) + "]"
     if isinstance(value, bool):
         return str(value).lower()
     return _text(value) if isinstance(value, str) else repr(value)

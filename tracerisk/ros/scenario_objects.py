@@ -21,7 +21,7 @@ def with_objects(scene: Scene, objects: Sequence[YamlMap]) -> Scene:
         ScenarioError: an object is malformed, or its name is taken.
     """
     fixtures, graspable = list(scene.fixtures), list(scene.objects)
-    taken = {each.name for each in (*fixtures, *graspable)}
+    taken = {each.name for each in fixtures} | {each.name for each in graspable}
     for entry in objects:
         read = _object(entry)
         if read.name in taken:

@@ -47,7 +47,8 @@ def parameters_of(tree: YamlMap) -> tuple[Parameter, ...]:
 
 
 def _walk(tree: YamlMap, space: str) -> Iterator[Parameter]:
-    for key in tree.keys():
+    keys = tree.keys()
+    for key in keys:
         value = tree.get(key)
         if key == OF_NODE:
             yield from _of_node(tree.map(key), space)
@@ -60,7 +61,8 @@ def _walk(tree: YamlMap, space: str) -> Iterator[Parameter]:
 
 def _of_node(values: YamlMap, space: str) -> Iterator[Parameter]:
     node = EVERY_NODE if space.strip("/") in _EVERY or not space else space
-    for key in values.keys():
+    keys = values.keys()
+    for key in keys:
         value = values.get(key)
         _check(values, key, value)
         for name, inner in _flat(key, plain(value)):
@@ -90,7 +92,8 @@ def _check(tree: YamlMap, key: str, value: Any) -> None:
         tree.fail(key, "has no value; give it one")
     if isinstance(value, dict):
         inner = tree.map(key)
-        for name in inner.keys():
+        names = inner.keys()
+        for name in names:
             _check(inner, name, inner.get(name))
         return
     try:

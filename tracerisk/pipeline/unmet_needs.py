@@ -1,0 +1,120 @@
+"""What a controller asked its world for in vain, told at the end of a run with its remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from tracerisk.errors import Location
+from tracerisk.ros.action_graph import Actions
+from tracerisk.ros.needs import Missed, NeedKind
+from tracerisk.ros.runtime import Runtime
+from tracerisk.ros.scenario_lines import scenario_lines
+from tracerisk.trace import GOOD_ENDS, EndCause
+
+_RECENT_NS = 1_000_000_000  # what was asked for last before an error may have led to it
+_ASKED_AGAIN_NS = 10_000_000_000
+_TOLD = 3
+# An answer that never comes: the call of a service that nobody serves, a goal for nobody.
+_LASTING: frozenset[NeedKind] = frozenset({"topic", "service", "action"})
+
+
+@dataclass(frozen=True, slots=True)
+class JudgedEnd:
+    """How a run ended in the light of what it lacked; `scenario` are the lines that give it."""
+
+    cause: EndCause
+    message: str
+    location: Location | None
+    scenario: str = ""
+
+
+class UnmetNeeds:
+    """The needs of one run; `has_commanded` tells whether anything was commanded.
+
+    `interfaces` makes the message classes whose fields the scenario lines show.
+    """
+
+    def __init__(
+        self, runtime: Runtime, interfaces: Any, root: Path, has_commanded: Callable[[], bool]
+    ) -> None:
+        self._runtime = runtime
+        self._interfaces = interfaces
+        self._root = root
+        self._has_commanded = has_commanded
+
+    def waited_for(self) -> tuple[Missed, ...]:
+        """Return what a controller that only waits may be waiting for."""
+        now_ns = self._runtime.scheduler.now_ns
+        return tuple(
+            each
+            for each in self._all()
+            if each.need.kind in _LASTING or now_ns - each.last_ns < _ASKED_AGAIN_NS
+        )
+
+    def judge(self, cause: EndCause, message: str, location: Location | None) -> JudgedEnd:
+        """Return the end of a run with what it lacked, where that may be why it ended."""
+        plain = JudgedEnd(cause, message, location)
+        if cause in GOOD_ENDS and self._has_commanded():
+            return plain
+        unmet = self._led_to(cause)
+        if not unmet:
+            return plain
+        lines = scenario_lines([each.need for each in unmet], self._interfaces)
+        if cause == "quiescent":
+            told = f"nothing was commanded, and nothing provides {self.told(unmet)}"
+            return JudgedEnd("no_motion", told, self.below_root(unmet[0].location), lines)
+        if cause in ("no_motion", "ended", "duration"):
+            told = f"{message}; nothing provides {self.told(unmet)}"
+            return replace(plain, message=told, scenario=lines)
+        return replace(plain, scenario=lines)
+
+    def told(self, unmet: tuple[Missed, ...]) -> str:
+        """Return the needs in words, each with the place that asks for it."""
+        places = [(each.need.told, self.below_root(each.location)) for each in unmet[:_TOLD]]
+        told = [name + (f", asked for at {place}" if place else "") for name, place in places]
+        if len(unmet) > _TOLD:
+            told.append(f"{len(unmet) - _TOLD} more")
+        return "; ".join(told)
+
+    def below_root(self, place: Location | None) -> Location | None:
+        """Return a place in the controller's source by its file's name below the root."""
+        if place is None or not Path(place.file).is_relative_to(self._root):
+            return place
+        return replace(place, file=Path(place.file).relative_to(self._root).as_posix())
+
+    def _led_to(self, cause: EndCause) -> tuple[Missed, ...]:
+        if cause in ("raised", "exited"):
+            now_ns = self._runtime.scheduler.now_ns
+            missed = self._missed()
+            return tuple(each for each in missed if now_ns - each.last_ns <= _RECENT_NS)
+        if cause == "deadlock":
+            return self._missed() or self._all()
+        if cause in ("no_motion", "quiescent", "ended", "duration", "idle"):
+            return self._all()
+        return ()
+
+    def _all(self) -> tuple[Missed, ...]:
+        """Return what was asked for in vain, then the topics on which nobody publishes."""
+        missed = self._missed()
+        names = {(each.need.kind, each.need.name) for each in missed}
+        topics: dict[str, Missed] = {}
+        for each in self._runtime.graph.unpublished():
+            if ("topic", each.need.name) not in names:
+                topics.setdefault(each.need.name, each)
+        return (*missed, *topics.values())
+
+    def _missed(self) -> tuple[Missed, ...]:
+        graph, actions = self._runtime.graph, self._runtime.client(Actions)
+        given: dict[NeedKind, Callable[[Missed], bool]] = {
+            "service": lambda each: graph.service(each.need.name) is not None,
+            "action": lambda each: actions.server(each.need.name, each.need.type_name) is not None,
+            "parameter": lambda each: graph.parameters.has(each.need.name),
+        }
+        return tuple(
+            each
+            for each in self._runtime.scheduler.needs.missed
+            if not (each.need.kind in given and given[each.need.kind](each))
+        )
