@@ -162,6 +162,11 @@ class MoveGroupServer:
         joints = map(self.robot.joint, self.group(name).joints)
         return {one.name: float(self.random.uniform(one.lower, one.upper)) for one in joints}
 
+    def random_positions(self) -> dict[str, float]:
+        """Return a position of every joint, drawn evenly within its limits."""
+        joints = self.robot.joints
+        return {one.name: float(self.random.uniform(one.lower, one.upper)) for one in joints}
+
     # What the state is; each look moves the clock if it was looked at before
 
     def positions(self) -> dict[str, float]:
@@ -309,6 +314,16 @@ class MoveGroupServer:
             if error.failure != "no_ik_solution" or wide == tolerances:
                 raise
         return self._solve(group, goal.link, pose, wide, start)
+
+    def solve(
+        self, group: str, pose: Pose, link: str, seed: Mapping[str, float]
+    ) -> dict[str, float]:
+        """Return joint positions that bring a link to a pose, whether or not they collide.
+
+        Raises:
+            PlanningError: none were found.
+        """
+        return self._twin.inverse_kinematics(group, pose, link=link, seed=seed)
 
     def _free(self, goal: PoseGoal, start: Mapping[str, float]) -> tuple[Pose, tuple[float, float]]:
         """Return the pose to look for, and how near counts: the part not asked for stays near."""

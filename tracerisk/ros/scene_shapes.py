@@ -43,7 +43,7 @@ def scene_body(
         RobotError: a shape has no size, is of no known kind, or is a mesh without volume.
     """
     shapes, hulls, grounds = [], [], []
-    own = _own_pose(message)
+    own = own_pose(message)
     for index, primitive in enumerate(message.primitives):
         place = _place(message.primitive_poses, index, own)
         if primitive.type == _CONE:
@@ -60,7 +60,7 @@ def scene_body(
     )
 
 
-def _own_pose(message: Any) -> Pose:
+def own_pose(message: Any) -> Pose:
     """Return the pose of which the poses of the shapes must be cleared.
 
     Objects of the older form have no pose of their own; theirs is that of their first shape.

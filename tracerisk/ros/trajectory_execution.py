@@ -74,9 +74,14 @@ class TrajectoryExecution:
         self._told: set[tuple[str, str, Location | None]] = set()
         self._watching = False
 
-    def start(self, trajectory: JointTrajectory) -> Execution | ErrorCode:
-        """Start a trajectory and return its execution, or the code with which it is refused."""
-        refusal = self._refusal(trajectory)
+    def start(
+        self, trajectory: JointTrajectory, *, start_tolerance: float = START_TOLERANCE
+    ) -> Execution | ErrorCode:
+        """Start a trajectory and return its execution, or the code with which it is refused.
+
+        With a tolerance of 0 it may start anywhere [rad or m].
+        """
+        refusal = self._refusal(trajectory, start_tolerance)
         if refusal is None:
             self.stop()
             try:
@@ -161,7 +166,7 @@ class TrajectoryExecution:
         wanted = set(joints)
         return next((one for one in self._twin.robot.grippers if wanted <= set(one.joints)), None)
 
-    def _refusal(self, trajectory: JointTrajectory) -> str | None:
+    def _refusal(self, trajectory: JointTrajectory, start_tolerance: float) -> str | None:
         if not trajectory.joints or not len(trajectory.time):
             return "it is empty"
         state = self._twin.joint_state()
@@ -172,10 +177,10 @@ class TrajectoryExecution:
             # A single point is a goal, not a path; a first point after 0 is still to be reached.
             if len(trajectory.time) == 1 or trajectory.time[0] > 0.0:
                 continue
-            if abs(here[name] - begin) > START_TOLERANCE:
+            if start_tolerance > 0.0 and abs(here[name] - begin) > start_tolerance:
                 return (
                     f"it starts with joint '{name}' at {begin:.4f}, which is now at "
-                    f"{here[name]:.4f}, more than {START_TOLERANCE:g} away; plan from the "
+                    f"{here[name]:.4f}, more than {start_tolerance:g} away; plan from the "
                     "present state"
                 )
         return None

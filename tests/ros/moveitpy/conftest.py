@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+import sys
+import textwrap
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tracerisk.instrument.loader import prepared_controller
+from tracerisk.instrument.ownership import attribute
+from tracerisk.instrument.recording import Recorder, Recording, read_recording
+from tracerisk.instrument.tracer import Tracer
+from tracerisk.ros.finder import StandInFinder
+from tracerisk.ros.graph import Graph
+from tracerisk.ros.messages2 import Interfaces2
+from tracerisk.ros.patches import virtual_time
+from tracerisk.ros.runtime import Runtime, activate
+from tracerisk.ros.twin_interfaces import TwinInterfaces
+from tracerisk.ros.virtual_time import RunOver, Scheduler
+from tracerisk.twin.robot import load_robot
+from tracerisk.twin.scene import load_scene
+from tracerisk.twin.twin import Twin
+
+SECOND = 1_000_000_000
+PREAMBLE = """\
+import copy, time
+import numpy as np
+from geometry_msgs.msg import Pose, PoseStamped
+from moveit_msgs.msg import AttachedCollisionObject, CollisionObject, Constraints
+from shape_msgs.msg import SolidPrimitive
+from moveit.core.robot_state import RobotState
+from moveit.planning import MoveItPy, MultiPipelinePlanRequestParameters, PlanRequestParameters
+READY = [0.0, -0.7853981633974483, 0.0, -2.356194490192345, 0.0, 1.5707963267948966, 0.7853981633974483]
+panda = MoveItPy()
+arm = panda.get_planning_component("panda_arm")
+monitor = panda.get_planning_scene_monitor()
+def go(name):
+    arm.set_start_state_to_current_state()
+    arm.set_goal_state(configuration_name=name)
+    return panda.execute(arm.plan().trajectory, controllers=[])
+def box(name, position, size, frame="panda_link0"):
+    made = CollisionObject(id=name, operation=CollisionObject.ADD)
+    made.header.frame_id = frame
+    pose = Pose()
+    pose.position.x, pose.position.y, pose.position.z = position
+    made.primitives.append(SolidPrimitive(type=SolidPrimitive.BOX, dimensions=list(size)))
+    made.primitive_poses.append(pose)
+    return made
+"""
+PREAMBLE_LINES = PREAMBLE.count("\n")
+
+
+@dataclass
+class Ran:
+    """What a program left: its global names, the recording, the twin, and how it ended."""
+
+    names: dict[str, Any]
+    recording: Recording
+    twin: Twin
+    over: RunOver | None
+
+    def __getitem__(self, name: str) -> Any:
+        return self.names[name]
+
+    @property
+    def findings(self) -> list[str]:
+        return [finding.message for finding in self.recording.findings]
+
+    @property
+    def owners(self) -> list[str]:
+        attribution = attribute(self.recording, end_ns=self.twin.time_ns)
+        return [visit.function.name for visit in attribution.visits]
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Callable[..., Ran]:
+    """Run a program of MoveItPy on the Panda, traced and in virtual time, as the command does."""
+
+    def run_program(program: str) -> Ran:
+        script = tmp_path / "program.py"
+        script.write_text(PREAMBLE + textwrap.dedent(program))
+        robot = load_robot("panda")
+        twin = Twin.build(robot, load_scene(robot.default_scene))
+        events = tmp_path / "events.jsonl"
+        over = None
+        with events.open("wb", buffering=0) as stream:
+            recorder = Recorder(stream, clock=lambda: scheduler.now_ns)
+            tracer = Tracer(recorder.function_ran)
+            scheduler = Scheduler(twin, duration_ns=100 * SECOND, tracer=tracer)
+            graph = Graph(scheduler, tracer)
+            runtime = Runtime(scheduler, graph, twin, tracer, recorder, argv=(str(script),))
+            interfaces = Interfaces2()
+            TwinInterfaces(runtime, interfaces)
+            with (
+                activate(runtime),
+                StandInFinder(interfaces),
+                virtual_time(scheduler),
+                prepared_controller(script, tracer, (), root=tmp_path) as main,
+            ):
+                namespace = sys.modules["__main__"].__dict__
+                try:
+                    scheduler.run_main(main)
+                except RunOver as ended:
+                    over = ended
+            return Ran(dict(namespace), read_recording(events), twin, over)
+
+    return run_program

@@ -1,0 +1,44 @@
+"""What the library's classes share in one run: the server, the robot model, the messages."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from rclpy.logging import get_logger
+
+from tracerisk.ros.move_group import MoveGroupServer
+from tracerisk.ros.runtime import Runtime, current
+
+if TYPE_CHECKING:
+    from .core.robot_model import RobotModel
+
+
+class Library:
+    """The state of the library; `library()` gives that of the run that is active."""
+
+    def __init__(self, runtime: Runtime) -> None:
+        self.scheduler = runtime.scheduler
+        self.tracer: Any = runtime.tracer
+        self.server = runtime.client(MoveGroupServer)
+        self.model: RobotModel | None = None
+
+
+def library() -> Library:
+    """Return the library's state.
+
+    Raises:
+        RuntimeError: no controller is being run.
+    """
+    return current().client(Library)
+
+
+def new(name: str) -> Any:
+    """Return an empty message `package/Name`."""
+    package, _, kind = name.partition("/")
+    return getattr(import_module(f"{package}.msg"), kind)()
+
+
+def log_error(message: str) -> None:
+    """Log an error as the real library does where it only answers that it failed."""
+    get_logger("moveit_py").error(message)

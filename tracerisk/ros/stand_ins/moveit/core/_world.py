@@ -1,0 +1,7 @@
+"""An empty world, for a scene of its own."""
+
+from __future__ import annotations
+
+
+class World:
+    """The objects of a scene before there are any."""
