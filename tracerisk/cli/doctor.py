@@ -8,11 +8,15 @@ import platform
 import sys
 from collections.abc import Callable
 from importlib import metadata
+from typing import TYPE_CHECKING
 
 from tracerisk import __version__
 from tracerisk.cli import options as shared
 from tracerisk.cli.output import print_json
 from tracerisk.errors import ExitCode, TraceRiskError
+
+if TYPE_CHECKING:
+    from tracerisk.twin.robot import Robot
 
 _PACKAGES = ("dm-control", "libcst", "mink", "mujoco", "numpy", "rich", "rosbags", "ruamel.yaml")
 
@@ -22,6 +26,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "controller", metavar="FILE", nargs="?", help="a controller, to tell its robot and settings"
     )
+    parser.add_argument("--robot", metavar="NAME|FILE", help="the arm; else as a run takes it")
     shared.add_json(parser)
 
 
@@ -36,7 +41,7 @@ def run(options: argparse.Namespace) -> int:
     _look(found, faults, "physics", _physics)
     _look(found, faults, "robots", _robots)
     if options.controller is not None:
-        found.update(_of_controller(options.controller))
+        found.update(_of_controller(options.controller, options.robot))
     code = ExitCode.INTERNAL_FAULT if faults else ExitCode.FINE
     if options.json:
         print_json("doctor", exit_code=int(code), found=found, faults=faults)
@@ -81,12 +86,12 @@ def _robots() -> str:
     return ", ".join(robot_names())
 
 
-def _of_controller(path: str) -> dict[str, str]:
+def _of_controller(path: str, robot_name: str | None) -> dict[str, str]:
     from tracerisk import pipeline
     from tracerisk.pipeline.robot_choice import choose_robot
 
     controller = pipeline.load_controller(path)
-    settings = pipeline.load_settings(controller)
+    settings = pipeline.load_settings(controller, {"robot": robot_name})
     found = {
         "controller": controller.file,
         "root": str(controller.root),
@@ -100,6 +105,9 @@ def _of_controller(path: str) -> dict[str, str]:
         robot = choice.robot
         doubt = "; some figures are assumed" if robot.approximate else ""
         found["robot"] = f"{robot.name} ({robot.chosen_by}{doubt})"
+        found.update(_parts(robot))
+        if choice.files:
+            found["robot files read"] = ", ".join(map(str, choice.files))
         if choice.skipped:
             found["robot files not taken"] = "; ".join(choice.skipped)
         found["scene"] = settings.scene or robot.default_scene or "none; give --scene"
@@ -107,3 +115,28 @@ def _of_controller(path: str) -> dict[str, str]:
     except TraceRiskError as error:
         found["robot"] = f"not known: {error}"
     return found
+
+
+def _parts(robot: Robot) -> dict[str, str]:
+    """Return what there is of a robot that a controller can name."""
+    states = (
+        f"{group}: {', '.join(names)}" for group, names in robot.named_states.items() if names
+    )
+    motors = (
+        f"{joint.name} {joint.lower:.4g} to {joint.upper:.4g}, {joint.velocity_limit:.4g}/s, "
+        f"{joint.torque_limit:.4g} {'N' if joint.type == 'prismatic' else 'N m'}"
+        for joint in robot.arm_joints
+    )
+    bare = [link.name for link in robot.links if not link.shapes and link.mass > 0.0]
+    return {
+        "joints": "; ".join(motors),
+        "groups": "; ".join(
+            f"{name}: {', '.join(group.joints)}" for name, group in robot.groups.items()
+        ),
+        "named states": "; ".join(states) or "none",
+        "grippers": "; ".join(
+            f"{gripper.name}: {', '.join(gripper.joints)}" for gripper in robot.grippers
+        )
+        or "none",
+        "links without a shape": ", ".join(bare) or "none",
+    }

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import hashlib
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING
 from tracerisk.config import Settings, controller_root
 from tracerisk.pipeline.controller import Controller, string_literals
 from tracerisk.pipeline.workspace import find_workspace
+from tracerisk.twin.robot import is_model_file
 
 if TYPE_CHECKING:
     from tracerisk.twin.model_file import ModelFile
@@ -35,7 +37,7 @@ def choose_robot(controller: Controller, settings: Settings) -> RobotChoice:
     """
     from tracerisk.twin.detect import NoRobotNamedError, detect_robot
     from tracerisk.twin.generic import generic_arm, names_asked
-    from tracerisk.twin.robot import is_model_file, load_robot
+    from tracerisk.twin.robot import load_robot
     from tracerisk.twin.workspace import find_workspace_robot
 
     if settings.robot == "generic":
@@ -83,6 +85,20 @@ def read_model(root: Path, name: str) -> ModelFile:
     top = root.resolve() if resolved.is_relative_to(root.resolve()) else controller_root(path)
     packages = {**_own_packages(top), **_own_packages(root)}
     return read_model_file(path, ModelFolder(resolved.parent, top, packages))
+
+
+def robot_digests(controller: Controller, settings: Settings) -> tuple[str, ...]:
+    """Return a digest of each file that was read for a robot that the settings name by its file.
+
+    Raises RobotError as `choose_robot` does.
+    """
+    name = settings.robot
+    if name is None or not Path(name).suffix:
+        return ()
+    files: Iterable[Path] = (Path(name),)
+    if is_model_file(name):
+        files = read_model(controller.root, name).files
+    return tuple(hashlib.sha256(file.read_bytes()).hexdigest() for file in files)
 
 
 def _own_packages(root: Path) -> Mapping[str, Path]:

@@ -255,7 +255,7 @@ class _AssumedGroups(Mapping[str, Group]):
 
     def __getitem__(self, name: str) -> Group:
         if name not in self._known:
-            stand_in = self._stand_in(name)
+            stand_in = self.stand_in(name)
             self._known[name] = self._known[stand_in]
             self._tell(
                 f"planning group '{name}' is assumed to be the {stand_in} of the {self._robot.name}"
@@ -263,7 +263,8 @@ class _AssumedGroups(Mapping[str, Group]):
             )
         return self._known[name]
 
-    def _stand_in(self, name: str) -> str:
+    def stand_in(self, name: str) -> str:
+        """Return which known group stands for one of another name."""
         grippers = [gripper.group for gripper in self._robot.grippers]
         if grippers and _HAND.search(name) and "arm" not in name.lower():
             return grippers[0]
@@ -291,7 +292,8 @@ class _AssumedStates(Mapping[str, Mapping[str, Mapping[str, float]]]):
 
     def __getitem__(self, group: str) -> Mapping[str, Mapping[str, float]]:
         if group not in self._states:
-            known = self._robot.named_states.get(group, {})
+            states = self._robot.named_states
+            known = states.get(group) or states.get(self._groups.stand_in(group), {})
             members = self._groups[group].joints
             self._states[group] = _StatesOfGroup(self._robot, group, members, known, self._tell)
         return self._states[group]
