@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from tracerisk.ros.yaml_text import load_yaml
+
 FLAG, END = "--ros-args", "--"
 _LEVELS = {"unset": 0, "debug": 10, "info": 20, "warn": 30, "error": 40, "fatal": 50}
 _WITH_VALUE = {
@@ -122,13 +124,10 @@ def _rule(argument: str, value: str) -> tuple[str | None, str, str]:
 
 def read_yaml(text: str) -> Any:
     """Return the value of a YAML text, as YAML 1.1 has it; text that is none stays text."""
-    from ruamel.yaml import YAML
     from ruamel.yaml.error import YAMLError
 
-    yaml = YAML(typ="safe", pure=True)
-    yaml.version = (1, 1)
     try:
-        return yaml.load(text)
+        return load_yaml(text)
     except YAMLError:
         return text
 
@@ -151,16 +150,17 @@ def _walk(found: list[tuple[str | None, str, Any]], file: str, node: str, tree: 
         raise RuntimeError(f"{file}: node '{node}' has no 'ros__parameters'")
     for key, inner in tree.items():
         if key == "ros__parameters":
-            found.extend((node, name, value) for name, value in _flat("", inner or {}))
+            found.extend((node, name, value) for name, value in flat_parameters("", inner or {}))
         else:
             _walk(found, file, f"{node.rstrip('/')}/{key}", inner)
 
 
-def _flat(prefix: str, tree: dict[str, Any]) -> list[tuple[str, Any]]:
+def flat_parameters(prefix: str, tree: dict[str, Any]) -> list[tuple[str, Any]]:
+    """Return the parameters of a tree by their full names, each begun with `prefix`."""
     found: list[tuple[str, Any]] = []
     for key, value in tree.items():
         if isinstance(value, dict):
-            found.extend(_flat(f"{prefix}{key}.", value))
+            found.extend(flat_parameters(f"{prefix}{key}.", value))
         else:
             found.append((f"{prefix}{key}", value))
     return found

@@ -14,8 +14,8 @@ from .context import Context
 from .exceptions import NoTypeSupportImportedException
 from .guard_condition import GuardCondition
 from .publisher import Publisher
-from .qos import QoSProfile, qos_profile_services_default
-from .service import Service
+from .qos import QoSProfile, qos_profile_parameters, qos_profile_services_default
+from .service import LibraryService, Service
 from .subscription import Subscription
 from .timer import Rate, Timer
 
@@ -186,6 +186,19 @@ class NodeEntities(NodeNames):
         )
         self._services.append(made)
         return made
+
+    def _create_own_service(
+        self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], Any]
+    ) -> None:
+        made = LibraryService(
+            self,
+            srv_type,
+            self.resolve_service_name(srv_name),
+            callback,
+            self._default_callback_group,
+            qos_profile_parameters,
+        )
+        self._services.append(made)
 
     def create_timer(
         self,

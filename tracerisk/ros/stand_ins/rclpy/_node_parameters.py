@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 import re
 import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from rcl_interfaces.msg import (
+    ListParametersResult,
     ParameterDescriptor,
     ParameterEvent,
     ParameterValue,
@@ -17,6 +17,7 @@ from rcl_interfaces.msg import (
 
 from tracerisk.ros.needs import Need
 
+from ._parameter_checks import refusal
 from ._run import run
 from .exceptions import (
     InvalidParameterException,
@@ -220,6 +221,39 @@ class NodeParameters:
             if name.startswith(start)
         }
 
+    def list_parameters(self, prefixes: list[str], depth: int) -> Any:
+        """Return a ListParametersResult of the names below prefixes, down to a depth (0: all).
+
+        Raises:
+            TypeError: the prefixes are no list of texts, or the depth is no number.
+            ValueError: the depth is negative.
+        """
+        if not isinstance(prefixes, list):
+            raise TypeError("The prefixes argument must be a list")
+        if not all(isinstance(prefix, str) for prefix in prefixes):
+            raise TypeError("All prefixes must be instances of type str")
+        if not isinstance(depth, int):
+            raise TypeError("The depth must be instance of type int")
+        if depth < 0:
+            raise ValueError("The depth must be greater than or equal to zero")
+
+        def is_within(rest: str) -> bool:
+            return depth == 0 or rest.count(PARAMETER_SEPARATOR_STRING) < depth
+
+        result = ListParametersResult()
+        for name in self._parameters:
+            below = [
+                name[len(prefix) + 1 :]
+                for prefix in prefixes
+                if name.startswith(prefix + PARAMETER_SEPARATOR_STRING)
+            ]
+            if name in prefixes or any(map(is_within, below if prefixes else [name])):
+                result.names.append(name)
+                parent, separator, _ = name.rpartition(PARAMETER_SEPARATOR_STRING)
+                if separator and parent not in result.prefixes:
+                    result.prefixes.append(parent)
+        return result
+
     def set_parameters(self, parameter_list: Sequence[Parameter]) -> list[Any]:
         """Set parameters one by one, and return a SetParametersResult for each.
 
@@ -317,7 +351,7 @@ class NodeParameters:
                 descriptor = descriptors[parameter.name]
             else:
                 descriptor = self._descriptors.get(parameter.name)
-            reason = _refusal(parameter, descriptor, is_new=descriptors is not None)
+            reason = refusal(parameter, descriptor, is_new=descriptors is not None)
             if reason:
                 return SetParametersResult(successful=False, reason=reason)
         for callback in self._on_set_callbacks:
@@ -358,46 +392,3 @@ class NodeParameters:
 
     def _publish_event(self, event: Any) -> None:
         raise NotImplementedError
-
-
-def _refusal(parameter: Parameter, descriptor: Any, *, is_new: bool) -> str:
-    """Say why a descriptor refuses a value; empty where it does not."""
-    if descriptor is None:
-        return ""
-    if descriptor.read_only and not is_new:
-        return "Trying to set a read-only parameter."
-    if descriptor.dynamic_typing:
-        pass
-    elif parameter.type_ is _NOT_SET:
-        # Declared by a type alone, or removed: only what is being declared may lack a value.
-        return "" if is_new else "Static parameter cannot be undeclared"
-    elif descriptor.type != parameter.type_.value:
-        expected = Parameter.Type(descriptor.type).name
-        return f"Wrong parameter type, expected '{expected}' got '{parameter.type_.name}'"
-    values = parameter.value if isinstance(parameter.value, list | tuple) else [parameter.value]
-    if parameter.type_.name.startswith("INTEGER") and descriptor.integer_range:
-        return _outside(parameter, values, descriptor.integer_range[0], is_whole=True)
-    if parameter.type_.name.startswith("DOUBLE") and descriptor.floating_point_range:
-        return _outside(parameter, values, descriptor.floating_point_range[0], is_whole=False)
-    return ""
-
-
-def _outside(parameter: Parameter, values: Any, span: Any, *, is_whole: bool) -> str:
-    for value in values:
-        if value in (span.from_value, span.to_value):
-            continue
-        if not span.from_value <= value <= span.to_value:
-            return (
-                f"Parameter {parameter.name} out of range Min: {span.from_value}, "
-                f"Max: {span.to_value}, value: {value}"
-            )
-        if span.step > 0:
-            steps = (value - span.from_value) / span.step
-            off = value - span.from_value - span.step * round(steps)
-            if (is_whole and off) or not math.isclose(off, 0.0, abs_tol=1e-9):
-                return (
-                    f"The parameter value for {parameter.name} is not a valid step. "
-                    f"Range: [{span.from_value}, {span.to_value}], step: {span.step}, "
-                    f"value: {value}"
-                )
-    return ""

@@ -101,6 +101,10 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
             self.declare_parameters(
                 "", [(name, self._parameter_overrides[name].value) for name in rest]
             )
+        if start_parameter_services:
+            from .parameter_service import ParameterService
+
+            self._parameter_service = ParameterService(self)
 
     def _overrides(self, given: Sequence[Parameter]) -> dict[str, Parameter]:
         full_name = self.get_fully_qualified_name()

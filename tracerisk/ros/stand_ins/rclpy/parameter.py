@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import array
 from enum import Enum
+from pathlib import Path
 from typing import Any
 
 from rcl_interfaces.msg import Parameter as ParameterMsg
 from rcl_interfaces.msg import ParameterType, ParameterValue
 
-from ._arguments import read_yaml
+from ._arguments import flat_parameters, read_yaml
 
 PARAMETER_SEPARATOR_STRING = "."
 
@@ -158,6 +159,45 @@ def get_parameter_value(string_value: str) -> Any:
     if type_ is Parameter.Type.NOT_SET:
         type_, value = Parameter.Type.STRING, string_value
     return Parameter("value", type_, value).get_parameter_value()
+
+
+def parameter_dict_from_yaml_file(
+    parameter_file: str,
+    use_wildcard: bool = False,
+    target_nodes: list[str] | None = None,
+    namespace: str = "",
+) -> dict[str, Any]:
+    """Return the parameters of a YAML file as rcl_interfaces/Parameter messages, by their names.
+
+    Those of `target_nodes`, or of all nodes; those of `/**` only with `use_wildcard`, and before
+    the others.
+
+    Raises:
+        RuntimeError: a target node is not in the file, no node is, or the file is none of
+            parameters.
+    """
+    content = read_yaml(Path(parameter_file).read_text(encoding="utf-8"))
+    if target_nodes:
+        for name in target_nodes:
+            if name not in content:
+                raise RuntimeError(
+                    f"Param file does not contain parameters for {name},"
+                    f"only for nodes: {list(content)} "
+                )
+    chosen = ["/**"] if use_wildcard and "/**" in content else []
+    chosen += target_nodes or [name for name in content if name != "/**"]
+    if not chosen:
+        raise RuntimeError("Param file does not contain selected parameters")
+    tree: dict[str, Any] = {}
+    for name in chosen:
+        section = content[name]
+        if not isinstance(section, dict) or "ros__parameters" not in section:
+            raise RuntimeError(f"YAML file is not a valid ROS parameter file for node {name}")
+        tree |= section["ros__parameters"]
+    return {
+        name: ParameterMsg(name=name, value=get_parameter_value(str(value)))
+        for name, value in flat_parameters(namespace, tree)
+    }
 
 
 def parameter_value_to_python(parameter_value: Any) -> Any:

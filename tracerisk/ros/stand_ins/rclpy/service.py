@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from collections import deque
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 from tracerisk.ros.messages2 import copy_message
 
@@ -19,6 +19,7 @@ class Service(Entity):
     """Answers requests of one type; made by `Node.create_service`."""
 
     _root_kind = "service"
+    _is_controllers: ClassVar[bool] = True
 
     def __init__(
         self,
@@ -40,6 +41,7 @@ class Service(Entity):
             srv_type._ros_type,
             self._serve,
             node=node.get_fully_qualified_name(),
+            is_callback=self._is_controllers,
         )
 
     @property
@@ -91,3 +93,9 @@ class Service(Entity):
             self.send_response(response, reply)
 
         return call
+
+
+class LibraryService(Service):
+    """A service that every node has: that it is there is no sign of work that may come."""
+
+    _is_controllers = False

@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import rospy
-from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
+
+from tracerisk.ros.yaml_text import load_yaml
 
 __all__ = [
     "RosParamException",
@@ -104,11 +105,7 @@ def load_str(
     loaded = []
     try:
         for document in _DOCUMENTS.split(text):
-            # YAML 1.1, in which `yes` is true, as the real library reads it; the version holds
-            # for one document.
-            yaml = YAML(typ="safe", pure=True)
-            yaml.version = (1, 1)
-            values = yaml.load(document)
+            values = load_yaml(document)
             space = top
             if isinstance(values, dict) and "_ns" in values:
                 space = f"{top.rstrip('/')}/{str(values.pop('_ns')).strip('/')}"

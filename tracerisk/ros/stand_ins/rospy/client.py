@@ -66,14 +66,12 @@ def load_command_line_node_params(argv: list[str]) -> dict[str, Any]:
     Raises:
         ROSInitException: a value is no YAML.
     """
-    from ruamel.yaml import YAML
     from ruamel.yaml.error import YAMLError
 
-    # Values are read as YAML 1.1, in which `yes` is true, as the real library does.
-    yaml = YAML(typ="safe", pure=True)
-    yaml.version = (1, 1)
+    from tracerisk.ros.yaml_text import load_yaml
+
     try:
-        return {name: yaml.load(text) for name, text in graph_names.load_parameters(argv).items()}
+        return {name: load_yaml(text) for name, text in graph_names.load_parameters(argv).items()}
     except YAMLError as error:
         raise ROSInitException(f"invalid command-line parameters: {error}") from error
 
