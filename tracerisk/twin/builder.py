@@ -81,13 +81,25 @@ def build_spec(robot: Robot, scene: Scene | None = None) -> Any:
     option.timestep = STEP_S
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    option.impratio = 10.0
+    option.impratio = _impratio(robot)
     # Standing objects sleep until something touches them: they cost nothing meanwhile.
     option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SLEEP)
     if scene is not None:
         _add_scene(spec, robot, scene)
     _add_robot(spec, robot, scene)
     return spec
+
+
+def _impratio(robot: Robot) -> float:
+    """Return how much harder friction is than contact.
+
+    Pads on hinges stand at an angle to one another, which pushes out what they hold. At 10 a ball
+    between the jaws of the SO-ARM100 creeps by 1 mm/s, at 100 one between the fingers of the
+    CRANE-X7 by 0.3 mm/s; at 1000 neither does.
+    """
+    fingers = {name for gripper in robot.grippers for name in gripper.joints}
+    hinged = any(joint.type != "prismatic" for joint in robot.joints if joint.name in fingers)
+    return 1000.0 if hinged else 10.0
 
 
 def compile_model(robot: Robot, scene: Scene | None = None) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
@@ -16,6 +17,8 @@ from tracerisk.twin.robot import Robot
 # After the builder, which says that no window is needed.
 import mink  # isort: skip
 import mujoco  # isort: skip
+
+_TURN = 2 * math.pi
 
 _MAX_ITERATIONS = 40
 _RESTARTS = 24  # an arm without a common point of its wrist axes needs as many
@@ -151,6 +154,9 @@ class Kinematics:
         for name in names:
             joint = self._robot.joint(name)
             value = float(qpos[self._address[name]])
+            if joint.type == "continuous":
+                # Whole turns lead to the same pose; a limit of the range would not.
+                value -= _TURN * round((value - (joint.lower + joint.upper) / 2) / _TURN)
             values[name] = min(max(value, joint.lower), joint.upper)
         return values
 
