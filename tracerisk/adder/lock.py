@@ -224,7 +224,7 @@ def loads(data: bytes, file: str) -> Lock:
 
 
 def _conflict_sides(data: bytes) -> tuple[int, bytes, bytes] | None:
-    """Return the line of the first conflict and the file as each side has it; `None` without one."""
+    """Return the first conflict's line and the file as each side has it; `None` without one."""
     sides: tuple[list[bytes], list[bytes]] = ([], [])
     within: Literal["both", "ours", "base", "theirs"] = "both"
     first = None
