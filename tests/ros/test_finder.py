@@ -101,13 +101,35 @@ def test_a_submodule_that_a_library_lacks_is_not_found(finder):
         importlib.import_module("genpy.nope")
 
 
-def test_an_unknown_ros_package_is_told_with_what_is_provided(finder):
+def test_an_unknown_ros_package_is_told_with_what_to_do(finder):
     with pytest.raises(ModuleNotFoundError) as raised:
         importlib.import_module("geometri_msgs")
     assert raised.value.name == "geometri_msgs"
     assert "did you mean 'geometry_msgs'?" in str(raised.value)
-    assert "tracerisk has no stand-in for it; provided: " in str(raised.value)
-    assert "moveit_commander" in str(raised.value)
+    assert "neither in the controller's workspace nor served by tracerisk" in str(raised.value)
+    assert "put its definitions into the workspace" in str(raised.value)
+    assert len(str(raised.value)) < 250
+
+
+def test_a_missing_library_that_needs_hardware_is_told_so(finder):
+    with pytest.raises(ModuleNotFoundError) as raised:
+        importlib.import_module("pymycobot")
+    assert str(raised.value) == (
+        "No module named 'pymycobot': it speaks to the robot on a serial port, past ROS, and "
+        "tracerisk simulates robots behind ROS only; command the arm through its ROS driver"
+    )
+
+
+def test_a_vendors_stand_in_gives_way_to_an_installed_library(finder, tmp_path, monkeypatch):
+    package = tmp_path / "interbotix_xs_modules"
+    package.mkdir()
+    (package / "__init__.py").write_text("REAL = True\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    real = importlib.import_module("interbotix_xs_modules")
+    assert real.REAL
+    with pytest.raises(ModuleNotFoundError, match=r"^No module named 'interbotix_xs_modules.arm'$"):
+        importlib.import_module("interbotix_xs_modules.arm")
+    del sys.modules["interbotix_xs_modules"]
 
 
 def test_other_unknown_modules_are_left_to_python(finder):

@@ -23,10 +23,12 @@ from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.controller_end import ControllerEnd
 from tracerisk.pipeline.entry_point import find_entry_point
+from tracerisk.pipeline.launch.records import NOTHING_LAUNCHED
 from tracerisk.pipeline.run_files import (
     ELSEWHERE,
     ENTRY,
     EVENTS,
+    LAUNCH,
     ROBOT,
     STACKS,
     STARTED,
@@ -51,6 +53,7 @@ from tracerisk.ros.scenario_world import ScenarioWorld
 from tracerisk.ros.twin_frames import TwinFrames
 from tracerisk.ros.twin_interfaces import TwinInterfaces
 from tracerisk.ros.twin_topics import TwinTopics
+from tracerisk.ros.vendor_libraries import VENDOR_LIBRARIES
 from tracerisk.ros.version_choice import ros_version
 from tracerisk.ros.virtual_time import Scheduler
 from tracerisk.twin.generic import with_assumed_names
@@ -112,6 +115,7 @@ def _run_recorded(
     clock: list[Callable[[], int]],
 ) -> None:
     script, root = Path(request.controller), Path(request.root)
+    launch = request.launch or NOTHING_LAUNCHED
     # Bound before virtual time takes the place of the machine's.
     wall_clock = time.perf_counter
     robot = with_assumed_names(
@@ -140,6 +144,7 @@ def _run_recorded(
         argv=(str(script), *request.argv),
         seed=request.seed,
         parameters=(
+            *launch.parameters,
             *scenario.parameters,
             *(each for file in request.params for each in read_parameters(Path(file))),
         ),
@@ -159,13 +164,14 @@ def _run_recorded(
     world.time_passed = [watch.time_passed, stall.time_passed]
     end = ControllerEnd(recorder, twin, root, request.memory_limit_mb, watch.run_over, needs.judge)
     stand_ins = StandInFinder(interfaces)
-    libraries = {name for name, kind in stand_ins.provides.items() if kind.startswith("library")}
+    kinds = stand_ins.provides.items()
+    libraries = {name for name, kind in kinds if kind.startswith("library")} - VENDOR_LIBRARIES
     imports = ControllerFinder(
         tracer,
         root,
         packages=workspace.python_packages,
         reserved=libraries,
-        shared=set(stand_ins.provides) - libraries,
+        shared=set(stand_ins.provides) - libraries - VENDOR_LIBRARIES,
         elsewhere=lambda name: _found_elsewhere(name, workspace, root, recorder),
     )
     entry = find_entry_point(script, script.read_bytes(), root)
@@ -187,6 +193,9 @@ def _run_recorded(
         # The controller's own modules leave no `__pycache__` in its folder.
         sys.dont_write_bytecode = True
         recorder.note(STARTED)
+        if request.launch_notes:
+            recorder.note(LAUNCH, notes=request.launch_notes, inputs=launch.sources)
+        os.environ.update(launch.environment)
         if entry is not None:
             recorder.note(ENTRY, function=entry.function, named_in=entry.named_in)
         began = wall_clock()

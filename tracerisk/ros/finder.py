@@ -1,13 +1,13 @@
 """The import finder that serves stand-ins for ROS libraries and message packages.
 
 It goes first in `sys.meta_path`, so that the stand-ins win over an installed ROS, and it leaves
-every name it does not provide to Python. A second finder at the end of the path turns the
-failed import of what looks like a ROS package into an error that says what is provided.
+every name it does not provide to Python. The stand-ins for libraries of robot makers give way to
+an installed library, or one of the workspace. A second finder at the end of the path turns the
+failed import of what looks like a ROS package into an error that says what to do.
 """
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
@@ -20,6 +20,7 @@ from types import MappingProxyType, ModuleType, TracebackType
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 from tracerisk.ros.messages import Interfaces
+from tracerisk.ros.vendor_libraries import VENDOR_LIBRARIES, is_installed, missing_module
 
 if TYPE_CHECKING:
     from tracerisk.ros.messages2 import Interfaces2
@@ -27,13 +28,6 @@ if TYPE_CHECKING:
 Provided = Literal["library", "interfaces", "library and interfaces"]
 
 STAND_INS = Path(__file__).parent / "stand_ins"
-_ROS_LIKE = re.compile(
-    r"\w+_(msgs|srvs|interfaces|actions)"
-    r"|(ros|rcl|tf2_|moveit|ament|catkin|actionlib|action_|gazebo_|controller_manager|rosidl)\w*"
-    r"|genpy|genmsg|launch(_ros)?|tf|tf2_ros|tf_conversions|tf_transformations|cv_bridge"
-    r"|image_geometry|laser_geometry|message_filters|dynamic_reconfigure|pluginlib|rospkg|std_srvs"
-    r"|smach(_ros)?|py_trees(_ros)?|urdf_parser_py|kdl_parser_py|sensor_msgs_py|pymoveit2"
-)
 # Packages that are used for their code; their messages alone would be a half of them.
 _CODE_WITH_INTERFACES = frozenset({"actionlib", "bond", "dynamic_reconfigure", "roscpp"})
 
@@ -107,12 +101,21 @@ class StandInFinder(MetaPathFinder):
         top, _, rest = fullname.partition(".")
         if top not in self.provides:
             return None
-        spec = self._library_spec(fullname)
-        if spec is None and self.provides[top] != "library":
+        gives_way = top in VENDOR_LIBRARIES and self._is_elsewhere(top)
+        spec = None if gives_way else self._library_spec(fullname)
+        if spec is None and self.provides[top] != "library" and not (gives_way and not rest):
             spec = self._interface_spec(fullname, top, rest)
-        if spec is None:
+        if spec is None and not gives_way:
             raise self._no_such_name(fullname)
         return spec
+
+    @staticmethod
+    def _is_elsewhere(top: str) -> bool:
+        """Tell whether the workspace or the environment has a library of its own."""
+        loaded = sys.modules.get(top)
+        if loaded is None:
+            return is_installed(top)
+        return not isinstance(getattr(loaded.__spec__, "loader", None), _StandInLoader)
 
     def _library_spec(self, fullname: str) -> ModuleSpec | None:
         base = STAND_INS.joinpath(*fullname.split("."))
@@ -152,7 +155,7 @@ class StandInFinder(MetaPathFinder):
 
 
 class _MissingRosFinder(MetaPathFinder):
-    """The last finder: it knows nothing, but says more about what looks like ROS."""
+    """The last finder: it knows nothing, but says more about what looks like a robot's."""
 
     def __init__(self, stand_ins: StandInFinder) -> None:
         self._stand_ins = stand_ins
@@ -163,14 +166,9 @@ class _MissingRosFinder(MetaPathFinder):
         path: Sequence[str] | None = None,
         target: ModuleType | None = None,  # noqa: ARG002
     ) -> None:
-        if path is None and _ROS_LIKE.fullmatch(fullname):
-            near = get_close_matches(fullname, self._stand_ins.provides, n=1)
-            hint = f" (did you mean '{near[0]}'?)" if near else ""
-            raise ModuleNotFoundError(
-                f"No module named '{fullname}'{hint}: it looks like a ROS package, and tracerisk "
-                f"has no stand-in for it; provided: {', '.join(self._stand_ins.provides)}",
-                name=fullname,
-            )
+        message = missing_module(fullname, self._stand_ins.provides) if path is None else None
+        if message is not None:
+            raise ModuleNotFoundError(message, name=fullname)
 
 
 class _StandInLoader(SourceFileLoader):

@@ -21,6 +21,7 @@ from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.ros.twin_moveit import EXECUTE_TRAJECTORY, MOVE_GROUP, MoveItInterfaces
 from tracerisk.ros.twin_moveit_scene import SceneInterfaces
 from tracerisk.ros.twin_set_points import SetPoints
+from tracerisk.ros.twin_vendors import serve_vendors
 
 _NODE = "/robot_driver"
 Handler = Callable[[ActionGoal], None]
@@ -55,6 +56,7 @@ class TwinInterfaces:
         if not hasattr(interfaces, "action"):
             ActionTopics(runtime, messages)
         ControllerManager(runtime, messages)
+        serve_vendors(runtime, messages, commands)
 
     def _on_action(self, change: ActionChange, name: str, type_name: str) -> None:
         if change != "client" or type_name not in self._types or (name, type_name) in self._served:

@@ -14,11 +14,13 @@ RosVersion = Literal[1, 2]
 _ROS2 = re.compile(
     r"(rclpy|rclcpp|rcl_interfaces|builtin_interfaces|action_msgs|unique_identifier_msgs"
     r"|lifecycle_msgs|ament_index_python|launch|launch_ros|rosidl_runtime_py|moveit|pymoveit2"
-    r"|tf_transformations|composition_interfaces|ros2cli|ros2_numpy)(\..*)?"
+    r"|tf_transformations|composition_interfaces|ros2cli|ros2_numpy"
+    r"|interbotix_xs_modules\.xs_robot|interbotix_common_modules\.common_robot)(\..*)?"
 )
 _ROS1 = re.compile(
     r"(rospy|roslib|rospkg|roscpp|actionlib|actionlib_msgs|moveit_commander|tf|tf_conversions"
-    r"|dynamic_reconfigure|genpy|rosbag|roslaunch|smach|smach_ros|ros_numpy)(\..*)?"
+    r"|dynamic_reconfigure|genpy|rosbag|roslaunch|smach|smach_ros|ros_numpy"
+    r"|interbotix_xs_modules\.(arm|core|gripper|turret|mr_descriptions|locobot))(\..*)?"
 )
 # `from control_msgs.action import ...`: ROS 1 has actions in `msg`. A folder of a ROS 1 program
 # may have that name too, so that it decides only where nothing else does.

@@ -1,0 +1,56 @@
+"""What the interfaces of perception have in common in either ROS."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from geometry_msgs.msg import TransformStamped
+
+from tracerisk.ros.message_dialect import is_ros2
+from tracerisk.ros.runtime import current
+
+IS_ROS2 = is_ros2(TransformStamped)
+
+
+class NoCameraError(NotImplementedError):
+    """What only a camera could see was asked for."""
+
+    def __init__(self, what: str, service: str) -> None:
+        super().__init__(
+            f"{what} needs a camera, and tracerisk simulates none; serve {service} with what "
+            "the camera would see"
+        )
+
+
+def is_served(service: str) -> bool:
+    """Tell whether somebody answers a service."""
+    return current().graph.service(service) is not None
+
+
+def begin(name: str, init_node: bool) -> None:
+    """Initialise the node of ROS 1 where it is wanted."""
+    if init_node:
+        import rospy
+
+        rospy.init_node(name.strip("/") + "_interface")
+
+
+def node_of(given: Any) -> Any:
+    """Return the node of ROS 2.
+
+    Raises:
+        NotImplementedError: none is given, as in the library.
+    """
+    if given is None:
+        raise NotImplementedError("Passing node_inf as None is not implemented.")
+    return given
+
+
+def warn(node: Any, message: str) -> None:
+    """Log a warning in the ROS of this run."""
+    if node is not None:
+        node.get_logger().warning(message)
+    else:
+        import rospy
+
+        rospy.logwarn(message)

@@ -1,0 +1,1 @@
+"""Robots of the X series for ROS 2."""

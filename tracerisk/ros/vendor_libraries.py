@@ -1,0 +1,98 @@
+"""Python libraries of robot makers: those with a stand-in, and those that need real hardware.
+
+A vendor's library is written on rospy or rclpy, so that its own source runs where the workspace or
+the environment has it. The stand-in serves only where neither has.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Collection
+from difflib import get_close_matches
+from importlib.machinery import PathFinder
+
+VENDOR_LIBRARIES = frozenset(
+    {
+        "interbotix_common_modules",
+        "interbotix_perception_modules",
+        "interbotix_xs_modules",
+    }
+)
+"""The stand-ins that give way to a module of the same name, by their top names."""
+
+# What each speaks to, after its own documentation; none of them goes through ROS.
+_HARDWARE = {
+    "bluetooth": "a Bluetooth device",
+    "bosdyn": "the robot over the network",
+    "can": "a CAN bus",
+    "cri_lib": "the robot over the network",
+    "dobot_api": "the robot over the network",
+    "dynamixel_sdk": "servos on a serial port",
+    "feetech_servo_sdk": "servos on a serial port",
+    "frankx": "the robot over the network",
+    "jkrc": "the robot over the network",
+    "kortex_api": "the robot over the network",
+    "lerobot": "motors on a serial port",
+    "panda_py": "the robot over the network",
+    "pyfranka": "the robot over the network",
+    "pyniryo": "the robot over the network",
+    "pyniryo2": "the robot over the network",
+    "pydobot": "the robot on a serial port",
+    "pymycobot": "the robot on a serial port",
+    "pyrealsense2": "a camera",
+    "robodk": "the robot over the network",
+    "rtde_control": "the robot over the network",
+    "rtde_io": "the robot over the network",
+    "rtde_receive": "the robot over the network",
+    "scservo_sdk": "servos on a serial port",
+    "serial": "a serial port",
+    "smbus": "an I2C bus",
+    "smbus2": "an I2C bus",
+    "spidev": "an SPI bus",
+    "RPi": "the pins of a Raspberry Pi",
+    "urx": "the robot over the network",
+    "usb": "a USB device",
+    "xarm": "the robot over the network",
+}
+
+_ROS_LIKE = re.compile(
+    r"\w+_(msgs|srvs|interfaces|actions)"
+    r"|(ros|rcl|tf2_|moveit|ament|catkin|actionlib|action_|gazebo_|controller_manager|rosidl)\w*"
+    r"|genpy|genmsg|launch(_ros)?|tf|tf2_ros|tf_conversions|tf_transformations|cv_bridge"
+    r"|image_geometry|laser_geometry|message_filters|dynamic_reconfigure|pluginlib|rospkg|std_srvs"
+    r"|smach(_ros)?|py_trees(_ros)?|urdf_parser_py|kdl_parser_py|sensor_msgs_py|pymoveit2"
+)
+_MESSAGES = re.compile(r"\w+_(msgs|srvs|interfaces|actions)")
+
+
+def is_installed(name: str) -> bool:
+    """Tell whether the import path has a module `name` of its own."""
+    try:
+        spec = PathFinder.find_spec(name, sys.path)
+    except (ImportError, ValueError):
+        return False
+    # A folder without a source of its own is a part of a workspace, not a module.
+    return spec is not None and spec.origin is not None
+
+
+def missing_module(name: str, provided: Collection[str]) -> str | None:
+    """Return what to say of a top-level module that nobody has, None for what is not ROS's.
+
+    `provided` are the names that have stand-ins.
+    """
+    if name in _HARDWARE:
+        return (
+            f"No module named '{name}': it speaks to {_HARDWARE[name]}, past ROS, and tracerisk "
+            "simulates robots behind ROS only; command the arm through its ROS driver"
+        )
+    if not _ROS_LIKE.fullmatch(name):
+        return None
+    near = get_close_matches(name, provided, n=1)
+    hint = f" (did you mean '{near[0]}'?)" if near else ""
+    wanted = "its definitions" if _MESSAGES.fullmatch(name) else "its sources"
+    return (
+        f"No module named '{name}'{hint}: it looks like a ROS package, which is neither in the "
+        f"controller's workspace nor served by tracerisk; put {wanted} into the workspace, in a "
+        "folder with a package.xml"
+    )
