@@ -1,0 +1,39 @@
+"""Stand-in for the compiled half of rclpy: the errors and enumerations that are taken from it."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+from .exceptions import InvalidHandle
+
+__all__ = [
+    "InvalidHandle",
+    "NodeNameNonExistentError",
+    "RCLError",
+    "TransitionCallbackReturnType",
+    "UnsupportedEventTypeError",
+]
+
+
+class RCLError(RuntimeError):
+    """An operation of the library below failed."""
+
+
+class NodeNameNonExistentError(RCLError):
+    """No node of the name exists."""
+
+
+class UnsupportedEventTypeError(RCLError):
+    """The middleware has no such event."""
+
+
+class TransitionCallbackReturnType(Enum):
+    """How a transition of a lifecycle node went; the numbers are those of lifecycle_msgs."""
+
+    SUCCESS = 97
+    FAILURE = 98
+    ERROR = 99
+
+    def to_label(self) -> str:
+        """Return the label of the transition that follows."""
+        return f"transition_{self.name.lower()}"
