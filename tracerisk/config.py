@@ -27,6 +27,8 @@ class Settings:
     `mission_cycles` is how many cycles a mission has whose loop has no end of its own.
     `robot`, `scene` and `hardware` are names or paths, `None` for the default of the robot.
     `scenario` is the file of what the controller's world gives it, `params` files of parameters.
+    `launch` is the launch file that starts the controller, `True` for that of its workspace,
+    `False` for none.
     `states` and `helpers` override, by qualified name, which functions are relevant.
     """
 
@@ -42,6 +44,7 @@ class Settings:
     seed: int = 0
     mission_cycles: int = 10
     params: tuple[str, ...] = ()
+    launch: str | bool = True
     states: tuple[str, ...] = ()
     helpers: tuple[str, ...] = ()
 
@@ -68,7 +71,7 @@ def controller_root(path: Path) -> Path:
 def read_settings(root: Path) -> Settings:
     """Return the settings of the `pyproject.toml` in `root`; the defaults where there is none.
 
-    `robot`, `scene`, `scenario`, `hardware` and `params` that name a file are returned
+    `robot`, `scene`, `scenario`, `hardware`, `params` and `launch` that name a file are returned
     as its path from the root.
     Raises SettingsError with file and line at an unknown key or a bad value.
     """
@@ -106,6 +109,8 @@ class _Reader:
             # A name with an ending is that of a file, be it there or not; no shipped one has it.
             if name is not None and ((root / name).is_file() or Path(name).suffix):
                 files[key] = str(root / name)
+        if isinstance(settings.launch, str):
+            files["launch"] = str(root / settings.launch)
         files["params"] = tuple(str(root / name) for name in settings.params)
         return replace(settings, **files)
 
@@ -115,6 +120,10 @@ class _Reader:
                 what = "file names" if key == "params" else "qualified names"
                 self._fail(key, f"expected a list of {what}")
             return tuple(value)
+        if key == "launch":
+            if not isinstance(value, bool | str) or value == "":
+                self._fail(key, f"expected a launch file, true or false, found {value!r}")
+            return value
         if key == "active" and value not in get_args(ActiveMode):
             self._fail(key, f"{value!r} is not allowed; {one_of(get_args(ActiveMode), str(value))}")
         default = getattr(Settings(), key)

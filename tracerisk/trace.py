@@ -174,6 +174,8 @@ class Trace:
     The exposures of an element over all visits sum to its entry in `active`.
     `cycle` is what a run that ended by `cycles` repeated.
     `files` are the controller's files that were imported, its script left out, sorted.
+    `inputs` are the files from which it was given parameters without being asked to: launch
+    files, and the files of parameters that they name, from the controller's root, sorted.
     """
 
     controller: str
@@ -189,4 +191,5 @@ class Trace:
     objects: tuple[ObjectOffset, ...] = ()
     assumptions: tuple[str, ...] = ()
     files: tuple[str, ...] = ()
+    inputs: tuple[str, ...] = ()
     cycle: Cycle | None = None

@@ -42,6 +42,17 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         action="append",
         help="parameters as YAML, of ROS 1 or ROS 2; may be given again",
     )
+    launch = group.add_mutually_exclusive_group()
+    launch.add_argument(
+        "--launch", metavar="FILE", help="the launch file that starts it; else looked for"
+    )
+    launch.add_argument(
+        "--no-launch",
+        dest="launch",
+        action="store_const",
+        const=False,
+        help="give it nothing from a launch file",
+    )
     group.add_argument(
         "--duration",
         dest="duration_s",
@@ -147,6 +158,7 @@ def run_settings(options: argparse.Namespace) -> dict[str, Any]:
         "robot",
         "scene",
         "scenario",
+        "launch",
         "hardware",
         "active",
         "duration_s",

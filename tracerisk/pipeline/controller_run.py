@@ -55,21 +55,26 @@ def run_controller(
 
     Raises SourceError, RobotError or another error of the input when nothing could run.
     """
+    from tracerisk.pipeline.launch.choose import choose_launch
     from tracerisk.twin.robot_file import dump_robot
 
     scene = settings.scene or robot.default_scene
     if scene is None:
         raise errors.RobotError(f"robot '{robot.name}' has no scene of its own; give --scene")
+    choice = choose_launch(controller, settings)
+    launch = choice.setup
     with _folder(keep) as folder:
         request = RunRequest(
             controller=str(controller.path.resolve()),
             root=str(controller.root.resolve()),
             folder=str(folder),
-            argv=given.argv,
+            argv=given.argv if launch is None else launch.argv(given.argv),
             answers=given.answers,
             scene=scene,
             scenario=None if settings.scenario is None else str(Path(settings.scenario).resolve()),
             params=tuple(str(Path(each).resolve()) for each in settings.params),
+            launch=launch,
+            launch_notes=choice.notes,
             duration_s=settings.duration_s,
             memory_limit_mb=settings.memory_limit_mb,
             seed=settings.seed,

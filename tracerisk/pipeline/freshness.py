@@ -21,8 +21,8 @@ def fingerprint(controller: Controller, trace: Trace, settings: Settings) -> str
     """Return a digest of what the trace depends on.
 
     Sources without comments and blank lines, the robot with its model's files, the scene, what the
-    files of the scenario and of parameters hold, and those settings that change a run; not the
-    hardware data, from which values follow without a run.
+    files of the scenario, of launch and of parameters hold, and those settings that change a run;
+    not the hardware data, from which values follow without a run.
     """
     from tracerisk import __version__
 
@@ -37,10 +37,17 @@ def fingerprint(controller: Controller, trace: Trace, settings: Settings) -> str
         ",".join(settings.helpers),
         *robot_digests(controller, settings),
         *(_digest(file) for file in (settings.scenario, *settings.params) if file is not None),
+        f"{settings.launch is not False!r}",
+        *(f"{file} {_digest_if_there(controller.path_of(file))}" for file in trace.inputs),
     ]
     for file in (controller.file, *sorted(set(trace.files) - {controller.file})):
         parts += [file, *_code_tokens(controller.source_of(file), file)]
     return hashlib.sha256("\x00".join(parts).encode()).hexdigest()
+
+
+def _digest_if_there(path: Path) -> str:
+    """Return a digest of a file that was found and may be gone: then a run finds another."""
+    return _digest(str(path)) if path.is_file() else "gone"
 
 
 def _digest(file: str) -> str:

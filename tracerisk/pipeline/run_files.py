@@ -7,6 +7,8 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
+from tracerisk.pipeline.launch.records import LaunchSetup
+
 EVENTS = "events.jsonl"
 """The recorder's events."""
 STACKS = "stacks.txt"
@@ -19,6 +21,8 @@ ENTRY = "entry"
 """The note of the function that was called to start the controller: `function`, `named_in`."""
 ELSEWHERE = "elsewhere"
 """The note of a module found off the import path: `module`, and `folder` from the root."""
+LAUNCH = "launch"
+"""The note of what a launch file has given: `notes`, the lines that say so, and `inputs`, files."""
 SCENARIO = "scenario"
 """The note of the scenario lines that would give a controller what it lacked: `lines`."""
 _WALL_TIME = "wall_time.json"
@@ -26,7 +30,10 @@ _WALL_TIME = "wall_time.json"
 
 @dataclass(frozen=True, slots=True)
 class RunRequest:
-    """What the child is asked to run; `folder` is that of the recording, `parent` who asks."""
+    """What the child is asked to run; `folder` is that of the recording, `parent` who asks.
+
+    `argv` holds what `launch` adds to it; `launch_notes` are the lines that tell of `launch`.
+    """
 
     controller: str
     root: str
@@ -36,6 +43,8 @@ class RunRequest:
     scene: str
     scenario: str | None
     params: tuple[str, ...]
+    launch: LaunchSetup | None
+    launch_notes: tuple[str, ...]
     duration_s: float
     memory_limit_mb: int
     seed: int
@@ -49,8 +58,10 @@ class RunRequest:
     def loads(cls, text: str) -> RunRequest:
         """Read what `dumps` wrote."""
         data = json.loads(text)
-        lists = {name: tuple(data[name]) for name in ("argv", "answers", "params")}
-        return cls(**{**data, **lists})
+        names = ("argv", "answers", "params", "launch_notes")
+        lists = {name: tuple(data[name]) for name in names}
+        launch = None if data["launch"] is None else LaunchSetup.from_json(data["launch"])
+        return cls(**{**data, **lists, "launch": launch})
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ import contextlib
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from tracerisk.instrument.motion_calls import MOTION_CALLS, calls_at
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
 from tracerisk.instrument.tracer import Site
-from tracerisk.pipeline.run_files import ELSEWHERE, ENTRY
+from tracerisk.pipeline.run_files import ELSEWHERE, ENTRY, LAUNCH
 from tracerisk.pipeline.run_watch import CYCLE, MISSION_END
 from tracerisk.trace import (
     Cycle,
@@ -80,6 +80,7 @@ def make_trace(
         assumptions=_assumptions(robot, scene, settings, recording, end),
         cycle=_cycle(recording, attribution, settings),
         files=tuple(file for file in _files(controller, recording) if file != controller.file),
+        inputs=tuple(_launched(recording)["inputs"]),
     )
 
 
@@ -164,9 +165,13 @@ def _objects(recording: Recording) -> tuple[ObjectOffset, ...]:
     return () if note is None else tuple(ObjectOffset(**each) for each in note["found"])
 
 
+def _launched(recording: Recording) -> Mapping[str, Any]:
+    return recording.note(LAUNCH) or {"notes": (), "inputs": ()}
+
+
 def _started_by(recording: Recording) -> list[str]:
     """Say what an installed controller would have that the bare script has not."""
-    lines = []
+    lines = list(_launched(recording)["notes"])
     entry = recording.note(ENTRY)
     if entry is not None:
         named = f"named in {entry['named_in']}" if entry["named_in"] else "which nothing calls"

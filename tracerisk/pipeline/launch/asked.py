@@ -1,0 +1,109 @@
+"""Which parameters a source asks for, as far as can be seen without running it."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+_READS = frozenset(
+    {"get_param", "get_param_cached", "has_param", "search_param"}
+    | {"get_parameter", "get_parameter_or", "declare_parameter", "has_parameter"}
+)
+_NEEDS = frozenset({"get_param", "get_param_cached", "declare_parameter"})
+_NODES = frozenset({"create_node", "init_node", "Node", "LifecycleNode"})
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """The names of parameters in a source; `required` are those without a default of its own.
+
+    `literals` are all its strings, `nodes` those that it calls its nodes.
+    """
+
+    names: frozenset[str] = frozenset()
+    required: frozenset[str] = frozenset()
+    literals: frozenset[str] = frozenset()
+    nodes: tuple[str, ...] = ()
+
+
+def asked_of(source: bytes) -> Asked:
+    """Return what a source asks for; nothing where it is not Python 3."""
+    try:
+        tree = ast.parse(source)
+    except (SyntaxError, ValueError):
+        return Asked()
+    names: set[str] = set()
+    required: set[str] = set()
+    nodes: list[str] = []
+    calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
+    for call in calls:
+        called = _called(call)
+        if called in _READS:
+            name = _text(call.args[0]) if call.args else _keyword(call, "name")
+            if name is not None:
+                names.add(name)
+                if called in _NEEDS and _is_needed(call):
+                    required.add(name)
+        elif called == "declare_parameters":
+            names |= set(_declared(call))
+    literals = {
+        node.value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    }
+    nodes += _node_names(calls)
+    return Asked(frozenset(names), frozenset(required), frozenset(literals), tuple(nodes))
+
+
+def _called(call: ast.Call) -> str:
+    if isinstance(call.func, ast.Attribute):
+        return call.func.attr
+    return call.func.id if isinstance(call.func, ast.Name) else ""
+
+
+def _text(node: ast.expr) -> str | None:
+    is_text = isinstance(node, ast.Constant) and isinstance(node.value, str)
+    return node.value if is_text else None  # type: ignore[attr-defined]
+
+
+def _keyword(call: ast.Call, name: str) -> str | None:
+    for keyword in call.keywords:
+        if keyword.arg == name:
+            return _text(keyword.value)
+    return None
+
+
+def _is_needed(call: ast.Call) -> bool:
+    """Tell whether a read or a declaration gives no value for where nobody else does."""
+    keywords = {keyword.arg for keyword in call.keywords}
+    if len(call.args) < 2:
+        return not keywords & {"default", "value"}
+    second = call.args[1]
+    # `Parameter.Type.STRING` says of which type it is, not what.
+    return isinstance(second, ast.Attribute) and "Type" in ast.unparse(second)
+
+
+def _declared(call: ast.Call) -> Iterator[str]:
+    given = [keyword.value for keyword in call.keywords if keyword.arg == "parameters"]
+    space = (_text(call.args[0]) if call.args else _keyword(call, "namespace")) or ""
+    for each in [*call.args[1:2], *given]:
+        for entry in each.elts if isinstance(each, ast.List | ast.Tuple) else ():
+            first = entry.elts[0] if isinstance(entry, ast.Tuple) and entry.elts else None
+            name = _text(first) if first is not None else None
+            if name is not None:
+                yield f"{space}.{name}" if space else name
+
+
+def _node_names(calls: Iterable[ast.Call]) -> Iterator[str]:
+    """Yield what nodes are called: `super().__init__("x")`, `create_node("x")`, `Node("x")`."""
+    for call in calls:
+        called = _called(call)
+        is_base = called == "__init__" and isinstance(call.func, ast.Attribute)
+        if called not in _NODES and not is_base:
+            continue
+        arguments = [*call.args[:1], *(call.args[1:2] if is_base else ())]
+        name = next((text for each in arguments if (text := _text(each)) is not None), None)
+        name = name if name is not None else _keyword(call, "node_name")
+        if name:
+            yield name

@@ -1,0 +1,289 @@
+"""Choose the launch file whose parameters, arguments and remaps a controller is run with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from tracerisk.config import Settings
+from tracerisk.errors import InputError, Location, one_of
+from tracerisk.pipeline.controller import Controller
+from tracerisk.pipeline.launch.asked import Asked, asked_of
+from tracerisk.pipeline.launch.find import LaunchFile, find_launch_files, ros_of
+from tracerisk.pipeline.launch.launch_process import read_launch
+from tracerisk.pipeline.launch.parameter_files import setup_of_parameter_file
+from tracerisk.pipeline.launch.parameter_text import ParameterTextError, read_text
+from tracerisk.pipeline.launch.program import Program, program_of, shown
+from tracerisk.pipeline.launch.records import (
+    EVERY_NODE,
+    LaunchParameter,
+    LaunchReading,
+    LaunchSetup,
+    StartedNode,
+)
+from tracerisk.pipeline.launch.roslaunch_xml import read_roslaunch
+from tracerisk.pipeline.workspace import Workspace, find_workspace
+from tracerisk.ros import names
+from tracerisk.ros.version_choice import ros_version
+
+_MOST_READ = 6  # launch files in Python cost a process each
+_MOST_INCLUDERS = 4
+_MOST_TOLD = 3
+_NOT_SET = ("HOME", "LD_", "MUJOCO", "PATH", "PYTHON", "TMP", "TZ")
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchChoice:
+    """What a controller is given, `None` for nothing; `notes` say so, or why it is not."""
+
+    setup: LaunchSetup | None = None
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Candidate:
+    file: LaunchFile
+    reading: LaunchReading
+    node: StartedNode
+    started: int
+
+    @property
+    def parameters(self) -> tuple[LaunchParameter, ...]:
+        """What the node finds of parameters: its own, and those of the server of ROS 1."""
+        return (*self.reading.parameters, *self.node.parameters)
+
+    @property
+    def own(self) -> dict[str, Any]:
+        """The parameters that are meant for the node, by the names it may ask for."""
+        if self.file.ros == 2:
+            return {each.name: each.value for each in self.parameters if _is_for(each, self.node)}
+        owner = f"{self.node.namespace}/{self.node.name}/"
+        space = f"{self.node.namespace}/"
+        found: dict[str, Any] = {}
+        for each in self.parameters:
+            found[each.name] = each.value
+            if each.name.startswith(owner):
+                found[f"~{each.name.removeprefix(owner)}"] = each.value
+            elif each.name.startswith(space):
+                found[each.name.removeprefix(space)] = each.value
+        return found
+
+    def gives(self, asked: frozenset[str]) -> int:
+        """Return how many of the parameters asked for it gives, whole namespaces too."""
+        own = self.own
+        mark = "." if self.file.ros == 2 else names.SEP
+        return sum(
+            1
+            for name in asked
+            if name in own or any(given.startswith(f"{name}{mark}") for given in own)
+        )
+
+    def same_as(self, other: _Candidate, asked: Asked) -> bool:
+        """Tell whether the node is given the same by another file."""
+        return self._given(asked) == other._given(asked)
+
+    def _given(self, asked: Asked) -> tuple[Any, ...]:
+        words = asked.names | asked.literals
+        is_ros2 = self.file.ros == 2
+        own = {k: v for k, v in self.own.items() if is_ros2 or k.startswith("~") or k in words}
+        node = self.node
+        return own, node.arguments, node.remaps, node.namespace, node.ros_arguments
+
+
+def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
+    """Return what a controller is given by the launch file that starts it.
+
+    It is the file of the settings, else the one of the workspace whose node is given most of the
+    parameters that the source asks for, and of equal ones the one sorted first; else a parameter
+    file of the package that names the controller's node.
+    Raises InputError where the file of the settings cannot be read or does not start it.
+    """
+    if settings.launch is False:
+        return LaunchChoice()
+    root = controller.root.resolve()
+    workspace = find_workspace(controller.root)
+    program = program_of(controller.path, root, workspace)
+    asked = asked_of(controller.source)
+    ros = ros_version(controller.path.resolve(), root)
+    if isinstance(settings.launch, str):
+        return _named(Path(settings.launch), program, workspace, asked, root)
+    files = find_launch_files(program, root, workspace, ros)
+    direct = [file for file in files if file.is_direct][:_MOST_READ]
+    problems: list[str] = []
+    candidates = _candidates(direct, program, workspace, asked, problems)
+    best = _best(candidates, asked)
+    if direct and (best is None or best.gives(asked.required) < len(asked.required)):
+        around = [file for file in files if not file.is_direct][:_MOST_INCLUDERS]
+        candidates += _candidates(around, program, workspace, asked, problems)
+        best = _best(candidates, asked)
+    if best is not None and (found := _setup(best, candidates, asked, root)) is not None:
+        return LaunchChoice(found, found.notes)
+    if ros == 2 and (setup := setup_of_parameter_file(program, workspace, asked, root)) is not None:
+        return LaunchChoice(setup, setup.notes)
+    if best is None and direct:
+        shown_files = ", ".join(shown([file.path for file in direct], root)[:_MOST_TOLD])
+        reason = f": {problems[0]}" if problems else " with the defaults of its arguments"
+        return LaunchChoice(notes=(f"launch: {shown_files} does not start it{reason}",))
+    return LaunchChoice()
+
+
+def _named(
+    path: Path, program: Program, workspace: Workspace, asked: Asked, root: Path
+) -> LaunchChoice:
+    """Return what the launch file gives that the user has named."""
+    place = Location(str(path))
+    try:
+        ros = ros_of(path, read_text(path))
+    except ParameterTextError as error:
+        raise InputError(f"the launch file {error}", place) from error
+    if ros is None:
+        raise InputError(
+            "is no launch file; allowed: one of XML, YAML or Python, of ROS 1 or ROS 2", place
+        )
+    file = LaunchFile(path.resolve(), ros, True)
+    problems: list[str] = []
+    candidates = _candidates([file], program, workspace, asked, problems)
+    if not candidates:
+        reading = _read(file, workspace)
+        started = sorted({f"{node.package}/{node.executable}" for node in reading.nodes})
+        wanted = f"{program.package}/{program.script.name}"
+        why = f" ({problems[0]})" if problems else ""
+        raise InputError(
+            f"does not start {wanted}{why}; it starts: {one_of(started).partition(': ')[2]}", place
+        )
+    setup = _setup(candidates[0], candidates, asked, root)
+    return LaunchChoice(setup, () if setup is None else setup.notes)
+
+
+def _candidates(
+    files: Sequence[LaunchFile],
+    program: Program,
+    workspace: Workspace,
+    asked: Asked,
+    problems: list[str],
+) -> list[_Candidate]:
+    found = []
+    for file in files:
+        reading = _read(file, workspace)
+        nodes = [node for each in reading.nodes if (node := program.started_as(each)) is not None]
+        made = [_Candidate(file, reading, node, len(nodes)) for node in nodes]
+        best = _best(made, asked)
+        if best is not None:
+            found.append(best)
+        else:
+            problems += reading.problems
+    return found
+
+
+def _read(file: LaunchFile, workspace: Workspace) -> LaunchReading:
+    if file.ros == 2:
+        return read_launch(file.path, workspace)
+    return read_roslaunch(file.path, workspace.packages)
+
+
+def _best(candidates: Sequence[_Candidate], asked: Asked) -> _Candidate | None:
+    """Return the candidate that gives most of what is asked for, of equal ones the first."""
+    return max(
+        candidates,
+        key=lambda each: (
+            each.gives(asked.required),
+            each.gives(asked.names),
+            each.gives(asked.literals),
+            not each.file.is_test,
+        ),
+        default=None,
+    )
+
+
+def _is_for(parameter: LaunchParameter, node: StartedNode) -> bool:
+    """Tell whether a parameter is the node's; one without a name of its own may be anybody."""
+    whom = parameter.node
+    if whom in (None, EVERY_NODE) or node.name is None:
+        return True
+    assert whom is not None
+    return whom.rpartition("/")[2] in (node.name, "*", "**")
+
+
+def _setup(
+    best: _Candidate, candidates: Sequence[_Candidate], asked: Asked, root: Path
+) -> LaunchSetup | None:
+    """Return what a candidate gives, None where that is nothing but a name."""
+    node = best.node
+    parameters = tuple(_resolved(each) for each in best.parameters)
+    given = (parameters, node.arguments, node.ros_arguments, node.remaps, node.namespace)
+    if not any((*given, node.environment, _left_out(best, asked))):
+        return None
+    file = shown([best.file.path], root)[0]
+    setup = LaunchSetup(
+        file=file,
+        kind="launch",
+        ros=best.file.ros,
+        name=node.name,
+        namespace=node.namespace,
+        arguments=node.arguments,
+        ros_arguments=node.ros_arguments,
+        parameters=parameters,
+        remaps=node.remaps,
+        environment=tuple(each for each in node.environment if not _is_ours(each[0])),
+        sources=tuple(sorted(shown([best.file.path, *best.reading.sources], root))),
+    )
+    return replace(setup, notes=tuple(_notes(setup, best, candidates, asked, root)))
+
+
+def _is_ours(variable: str) -> bool:
+    """Tell whether a variable of the environment is one on which the run itself stands."""
+    return variable.startswith(_NOT_SET)
+
+
+def _resolved(parameter: LaunchParameter) -> LaunchParameter:
+    """Return a parameter whose node, if it may stand in any namespace, is told by its name."""
+    whom = parameter.node
+    if whom is None or whom == EVERY_NODE or not whom.startswith("/**/"):
+        return parameter
+    return replace(parameter, node=whom.rpartition("/")[2])
+
+
+def _notes(
+    setup: LaunchSetup,
+    best: _Candidate,
+    candidates: Sequence[_Candidate],
+    asked: Asked,
+    root: Path,
+) -> list[str]:
+    counts = (
+        (len(best.own) if setup.ros == 2 else len(setup.parameters), "parameter"),
+        (len(setup.arguments), "argument"),
+        (len(setup.remaps), "remap"),
+    )
+    given = ", ".join(f"{n} {what}{'s' if n > 1 else ''}" for n, what in counts if n)
+    lines = [
+        f"launch: parameters, arguments and remaps from {setup.file}"
+        f"{f' ({given})' if given else ''}; --no-launch leaves them out"
+    ]
+    others = [each for each in candidates if each is not best]
+    for is_same, told in ((True, "the same"), (False, "other values")):
+        files = [each.file.path for each in others if best.same_as(each, asked) is is_same]
+        if files:
+            listed = ", ".join(shown(files, root)[:_MOST_TOLD])
+            more = f" and {len(files) - _MOST_TOLD} more" if len(files) > _MOST_TOLD else ""
+            choose = "" if is_same else "; --launch FILE takes another"
+            lines.append(f"launch: {listed}{more} would give {told}{choose}")
+    if best.started > 1:
+        lines.append(f"launch: {setup.file} starts it {best.started} times; one of them is run")
+    for name, reason in _left_out(best, asked)[:_MOST_TOLD]:
+        what = "some parameters are" if name == "*" else f"parameter {name} is"
+        lines.append(f"launch: {what} left out: {reason}")
+    return lines
+
+
+def _left_out(best: _Candidate, asked: Asked) -> list[tuple[str, str]]:
+    """Return the parameters that were not evaluated and that the source may ask for."""
+    words = asked.names | asked.literals
+    found = dict([*best.node.left_out, *best.reading.left_out])
+    return [
+        (name, reason)
+        for name, reason in found.items()
+        if name == "*" or name in words or f"~{name.rpartition('/')[2]}" in words
+    ]

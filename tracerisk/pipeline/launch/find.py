@@ -1,0 +1,124 @@
+"""Find the launch files of a workspace that speak of a program, or include one that does."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from tracerisk.pipeline.launch.program import Program
+from tracerisk.pipeline.workspace import Workspace
+
+_MOST_FOLDERS = 5000
+_MOST_FILES = 1000
+_MOST_BYTES = 1024 * 1024
+_NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
+_TESTS = frozenset({"test", "tests"})
+_NAMED = re.compile(r".*([._]launch\.(py|xml|yaml|yml)|\.launch)|launch\.(py|xml|yaml|yml)")
+_IN_FOLDER = re.compile(r".*\.(py|xml|yaml|yml)")
+_ROS2_XML = re.compile(r"\bexec\s*=|find-pkg-share|\$\(var\s|push[-_]ros[-_]namespace")
+_ROS1_XML = re.compile(r"<node\b[^>]*\btype\s*=|\$\(arg\s|\$\(find\s|<rosparam\b|<test\b")
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchFile:
+    """A launch file: `is_direct` says that it speaks of the program itself."""
+
+    path: Path
+    ros: Literal[1, 2]
+    is_direct: bool
+
+    @property
+    def is_test(self) -> bool:
+        """Whether it is one of a test."""
+        return bool(_TESTS.intersection(self.path.parts)) or self.path.name.startswith("test_")
+
+
+def find_launch_files(
+    program: Program, root: Path, workspace: Workspace, ros: Literal[1, 2]
+) -> tuple[LaunchFile, ...]:
+    """Return the launch files of one ROS that may start a program.
+
+    Those that speak of it come first, then those that include one of these; within each, those of
+    tests last, else sorted by their paths.
+    """
+    texts = {path: _text(path) for path in _launch_files(root, workspace)}
+    texts = {path: text for path, text in texts.items() if text and ros_of(path, text) == ros}
+    direct = [path for path, text in texts.items() if program.is_named_in(text)]
+    rest: list[Path] = []
+    reached = {path.name for path in direct}
+    while True:
+        more = [
+            path
+            for path, text in texts.items()
+            if path not in direct and path not in rest and _names_any(text, reached)
+        ]
+        if not more:
+            break
+        rest += more
+        reached = {path.name for path in more}
+    found = [LaunchFile(path, ros, True) for path in direct]
+    found += [LaunchFile(path, ros, False) for path in rest]
+    return tuple(sorted(found, key=lambda each: (not each.is_direct, each.is_test, each.path)))
+
+
+def ros_of(path: Path, text: str) -> Literal[1, 2] | None:
+    """Return of which ROS a launch file is, None where it is none."""
+    if path.suffix == ".py":
+        has_function = "generate_launch_description" in text or "generate_test_descr" in text
+        return 2 if has_function else None
+    if path.suffix in (".yaml", ".yml"):
+        return 2 if re.search(r"^\s*launch\s*:", text, re.MULTILINE) else None
+    if "<launch" not in text:
+        return None
+    if _ROS2_XML.search(text):
+        return 2
+    return 1 if _ROS1_XML.search(text) or path.suffix == ".launch" else 2
+
+
+def _names_any(text: str, names: set[str]) -> bool:
+    return any(re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w-])", text) for name in names)
+
+
+def _text(path: Path) -> str:
+    try:
+        if path.stat().st_size > _MOST_BYTES:
+            return ""
+        return path.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ""
+
+
+def _launch_files(root: Path, workspace: Workspace) -> list[Path]:
+    found: dict[Path, None] = {}
+    for folder in _tops([root.resolve(), *workspace.packages.values()]):
+        for path in _below(folder):
+            found.setdefault(path)
+            if len(found) >= _MOST_FILES:
+                return list(found)
+    return list(found)
+
+
+def _tops(folders: Sequence[Path]) -> list[Path]:
+    """Return the folders that are not within another."""
+    return sorted(
+        {
+            folder
+            for folder in folders
+            if not any(folder != other and folder.is_relative_to(other) for other in folders)
+        }
+    )
+
+
+def _below(top: Path) -> Iterator[Path]:
+    for count, (folder, folders, files) in enumerate(os.walk(top)):
+        if count >= _MOST_FOLDERS:
+            return
+        folders[:] = sorted(f for f in folders if not f.startswith(".") and f not in _NOT_SEARCHED)
+        is_launch_folder = "launch" in Path(folder).relative_to(top.parent).parts
+        for name in sorted(files):
+            if _NAMED.fullmatch(name) or (is_launch_folder and _IN_FOLDER.fullmatch(name)):
+                yield Path(folder, name)

@@ -1,0 +1,51 @@
+"""Read ROS 2 launch files in processes with limits of time and memory."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from tracerisk.pipeline.launch.records import LaunchReading, StartedNode
+from tracerisk.pipeline.workspace import Workspace
+
+_LIMIT_S = 12.0
+_LONGEST_REASON = 200
+_NOT_PASSED = ("ROS_", "AMENT_", "COLCON_", "RMW_")
+
+
+def read_launch(path: Path, workspace: Workspace) -> LaunchReading:
+    """Return what a ROS 2 launch file starts; what cannot be read of it is among its problems."""
+    folders = {*workspace.import_paths, *workspace.python_packages.values()}
+    asked = {
+        "path": str(path.resolve()),
+        "packages": {name: str(folder) for name, folder in workspace.packages.items()},
+        "import_paths": sorted(str(folder) for folder in folders),
+    }
+    # What the host has sourced must not decide what a controller is given.
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(_NOT_PASSED)}
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", "tracerisk.pipeline.launch.launch_child"],
+            input=json.dumps(asked).encode(),
+            capture_output=True,
+            timeout=_LIMIT_S,
+            check=False,
+            cwd=path.parent,
+            env={**environment, "PYTHONHASHSEED": "0"},
+        )
+    except subprocess.TimeoutExpired:
+        return LaunchReading(problems=(f"does not come to an end within {_LIMIT_S:g} s",))
+    try:
+        data = json.loads(done.stdout)
+        return LaunchReading(
+            nodes=tuple(StartedNode.from_json(each) for each in data["nodes"]),
+            sources=tuple(Path(each) for each in data["sources"]),
+            problems=tuple(data["problems"]),
+        )
+    except (ValueError, KeyError, TypeError):
+        lines = done.stderr.decode(errors="replace").strip().splitlines()
+        reason = lines[-1].strip() if lines else f"its process ended with {done.returncode}"
+        return LaunchReading(problems=(f"cannot be read: {reason[:_LONGEST_REASON]}",))

@@ -1,0 +1,113 @@
+"""Under which package and names launch files start a script."""
+
+from __future__ import annotations
+
+import os
+import re
+import tomllib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from tracerisk.pipeline.launch.records import StartedNode
+from tracerisk.pipeline.workspace import Workspace
+
+# "pick = my_package.pick:main"; the package may be a variable, as in f"{package}.pick:main".
+_ENTRY = re.compile(
+    r"(?P<name>[\w.-]+)\s*=\s*(?P<place>[\w.{}'\"+ ]*?\b(?P<module>\w+))\s*:\s*[A-Za-z_]\w*"
+)
+_RENAMED = re.compile(
+    r"(?P<file>[\w./${}-]+)\s+DESTINATION\s+\S+\s+RENAME\s+(?P<name>[\w.-]+)", re.IGNORECASE
+)
+_RUNNERS = frozenset({"run", "rosrun"})
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """A script as launch files call it: its package, and the names of its executable."""
+
+    script: Path
+    package: str
+    names: frozenset[str]
+
+    def started_as(self, node: StartedNode) -> StartedNode | None:
+        """Return a node with the arguments of the script itself, None where it is another."""
+        if not node.command:
+            is_same = node.package == self.package and Path(node.executable).name in self.names
+            return node if is_same else None
+        return self._in_command(node)
+
+    def _in_command(self, node: StartedNode) -> StartedNode | None:
+        words = node.command
+        for at, word in enumerate(words):
+            rest = words[at + 1 :]
+            if Path(word).name == self.script.name and self._is_script(word):
+                return replace(node, arguments=rest)
+            is_run = Path(word).name in _RUNNERS and rest[:1] == (self.package,)
+            if is_run and len(rest) > 1 and rest[1] in self.names:
+                return replace(node, arguments=rest[2:])
+        return None
+
+    def _is_script(self, word: str) -> bool:
+        path = Path(word)
+        return path == Path(path.name) or os.path.realpath(path) == str(self.script)
+
+    def is_named_in(self, text: str) -> bool:
+        """Tell whether a text names the program."""
+        return any(re.search(rf"(?<![\w.-]){re.escape(n)}(?![\w-])", text) for n in self.names)
+
+
+def program_of(script: Path, root: Path, workspace: Workspace) -> Program:
+    """Return how launch files call a script.
+
+    That is its file's name, what `setup.py`, `setup.cfg` or `pyproject.toml` call its function,
+    the name under which `CMakeLists.txt` installs it and, if nothing else is called so, the
+    file's name without `.py`.
+    """
+    script = script.resolve()
+    holders = [
+        (len(folder.parts), name, folder)
+        for name, folder in workspace.packages.items()
+        if script.is_relative_to(folder)
+    ]
+    _, package, folder = max(holders, default=(0, root.resolve().name, root.resolve()))
+    found = {script.name}
+    claimed: set[str] = set()
+    for name, module in _commands(folder):
+        if module == script.stem:
+            found.add(name)
+        else:
+            claimed.add(name)
+    for match in _RENAMED.finditer(_read(folder / "CMakeLists.txt")):
+        (found if Path(match["file"]).name == script.name else claimed).add(match["name"])
+    if script.stem not in claimed:
+        found.add(script.stem)
+    return Program(script, package, frozenset(found))
+
+
+def _commands(folder: Path) -> Iterator[tuple[str, str]]:
+    """Yield each command that a package installs, with the last name of its module."""
+    for file in ("setup.py", "setup.cfg"):
+        for match in _ENTRY.finditer(_read(folder / file)):
+            yield match["name"], match["module"]
+    try:
+        document = tomllib.loads(_read(folder / "pyproject.toml"))
+        scripts = document.get("project", {}).get("scripts", {})
+        for name, entry in scripts.items():
+            yield name, str(entry).partition(":")[0].strip().rpartition(".")[2]
+    except (tomllib.TOMLDecodeError, AttributeError):
+        return
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ""
+
+
+def shown(paths: Sequence[Path], root: Path) -> tuple[str, ...]:
+    """Return paths as they are told: from the controller's root, each once, in their order."""
+    return tuple(
+        dict.fromkeys(Path(os.path.relpath(path.resolve(), root)).as_posix() for path in paths)
+    )

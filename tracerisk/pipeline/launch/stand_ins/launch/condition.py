@@ -1,0 +1,17 @@
+"""`launch.condition`: whether an action is done."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+
+class Condition:
+    """Holds where its predicate does."""
+
+    def __init__(self, *, predicate: Callable[[Any], bool] | None = None) -> None:
+        self._predicate = predicate
+
+    def evaluate(self, context: Any) -> bool:
+        """Tell whether it holds."""
+        return self._predicate is None or self._predicate(context)
