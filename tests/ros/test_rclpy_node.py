@@ -334,3 +334,14 @@ def test_a_name_that_the_stand_in_lacks_is_an_error_that_names_it(run_ros2):
             from rclpy.executors import EventsExecutor  # noqa: F401
 
     run_ros2(main)
+
+
+def test_who_imports_nodes_has_the_executors_too(run_ros2):
+    # As abhinavj98/ur_moveitpy_server_ros2 does: `rclpy.executors` with no import of its own.
+    def main():
+        import rclpy
+        from rclpy.node import Node
+
+        return Node.__name__, rclpy.executors.MultiThreadedExecutor.__name__
+
+    assert run_ros2(main) == ("Node", "MultiThreadedExecutor")

@@ -22,6 +22,9 @@ from .callback_groups import (
 from .clock import Clock, ROSClock
 from .context import Context
 from .exceptions import NotInitializedException
+
+# As in the real library: who imports nodes has `rclpy.executors` too.
+from .executors import Executor as _Executor  # noqa: F401
 from .parameter import Parameter
 from .qos import qos_profile_parameter_events
 
