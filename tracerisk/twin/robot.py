@@ -18,7 +18,8 @@ from tracerisk.twin.shapes import Shape
 JointType = Literal["revolute", "continuous", "prismatic", "fixed"]
 ControllerType = Literal["follow_joint_trajectory", "gripper_command"]
 
-_ROBOTS = Path(__file__).parent / "robots"
+SHIPPED_ROBOTS = Path(__file__).parent / "robots"
+"""Where the files of the shipped robots are."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,6 +148,7 @@ class Robot:
     `approximate` says that figures are assumed; `assumes_names` that groups and states which the
     controller asks for are assumed as well. `chosen_by` tells why it is this robot.
     `disabled_collisions` are pairs of links that may touch, each pair in order.
+    `payload` is rated, in [kg], `None` where it is not known.
     """
 
     name: str
@@ -169,6 +171,7 @@ class Robot:
     disabled_collisions: frozenset[tuple[str, str]] = frozenset()
     assumes_names: bool = False
     chosen_by: str = ""
+    payload: float | None = None
 
     @property
     def arm_joints(self) -> tuple[Joint, ...]:
@@ -229,7 +232,7 @@ class Robot:
 
 def robot_names() -> tuple[str, ...]:
     """Return the names of the shipped robots, sorted."""
-    return tuple(sorted(path.stem for path in _ROBOTS.glob("*.yaml")))
+    return tuple(sorted(path.stem for path in SHIPPED_ROBOTS.glob("*.yaml")))
 
 
 MODEL_SUFFIXES = (".xml", ".mjcf", ".urdf", ".xacro")
@@ -266,5 +269,5 @@ def load_robot(name_or_path: str | Path) -> Robot:
 def _shipped(name: str) -> Robot:
     from tracerisk.twin.robot_reader import read_robot
 
-    path = _ROBOTS / f"{name}.yaml"
+    path = SHIPPED_ROBOTS / f"{name}.yaml"
     return read_robot(path, shown=f"robots/{path.name}")

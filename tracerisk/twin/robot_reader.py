@@ -40,7 +40,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
         {
             "name", "title", "aliases", "source", "base_link", "links", "joints", "servos",
             "groups", "named_states", "initial_state", "grippers", "controllers",
-            "default_scaling", "default_scene",
+            "default_scaling", "default_scene", "payload",
         }
     )  # fmt: skip
     plain = tuple(_link(entry) for entry in top.maps("links"))
@@ -84,6 +84,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
         default_scene=top.optional_string("default_scene"),
         file=file,
         aliases=tuple(top.strings("aliases")),
+        payload=_positive(top, "payload") if "payload" in top else None,
     )
 
 

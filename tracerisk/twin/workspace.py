@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -14,7 +13,8 @@ import numpy as np
 
 from tracerisk.errors import RobotError, TraceRiskError
 from tracerisk.twin.model_file_frames import rotation
-from tracerisk.twin.robot import Joint, Robot, load_robot, robot_names
+from tracerisk.twin.robot import Joint, Robot, load_robot
+from tracerisk.twin.robot_index import shipped_names
 from tracerisk.twin.srdf import Srdf, read_srdf
 from tracerisk.twin.urdf import read_urdf
 from tracerisk.twin.urdf_groups import groups_of, states_of
@@ -330,22 +330,15 @@ def _parts(srdf: Srdf) -> set[str]:
     return names
 
 
-@functools.cache
-def _shipped() -> tuple[Robot, ...]:
-    """Return the shipped robots; reading them takes seconds."""
-    return tuple(load_robot(name) for name in robot_names())
-
-
 def _shipped_like(names: Iterable[str]) -> Robot | None:
     """Return the shipped robot that has most of its joints among the names."""
     wanted = set(names)
-    best: tuple[float, Robot] | None = None
-    for robot in _shipped():
-        joints = {joint.name for joint in robot.arm_joints}
-        share = len(joints & wanted) / len(joints)
+    best: tuple[float, str] | None = None
+    for each in shipped_names():
+        share = len(wanted.intersection(each.arm_joints)) / len(each.arm_joints)
         if share >= _MATCHES and (best is None or share > best[0]):
-            best = (share, robot)
-    return None if best is None else best[1]
+            best = (share, each.name)
+    return None if best is None else load_robot(best[1])
 
 
 def _ours(robot: Robot) -> Robot | None:

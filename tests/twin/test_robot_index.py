@@ -1,0 +1,34 @@
+"""The quick scan of the shipped robots tells what reading them tells."""
+
+from __future__ import annotations
+
+import pytest
+
+from tracerisk.twin.robot import Robot, load_robot, robot_names
+from tracerisk.twin.robot_index import RobotNames, shipped_names
+
+
+def names_in(robot: Robot) -> RobotNames:
+    return RobotNames(
+        name=robot.name,
+        title=robot.title,
+        aliases=robot.aliases,
+        source=robot.source,
+        payload=robot.payload,
+        links=robot.link_names,
+        joints=tuple(joint.name for joint in robot.joints),
+        arm_joints=tuple(joint.name for joint in robot.arm_joints),
+        groups=tuple(robot.groups),
+        grippers=tuple(gripper.name for gripper in robot.grippers),
+        controllers=tuple(controller.name for controller in robot.controllers),
+    )
+
+
+def test_every_shipped_robot_is_there_once_and_in_order():
+    assert tuple(each.name for each in shipped_names()) == robot_names()
+
+
+@pytest.mark.parametrize("found", shipped_names(), ids=lambda found: found.name)
+def test_scanning_a_file_tells_what_reading_it_tells(found: RobotNames):
+    expected = names_in(load_robot(found.name))
+    assert found == expected, "write the file as the other robots' files are written"
