@@ -115,6 +115,35 @@ result = arm.get_result()
     assert "panda_joint4" in result["result"].error_string
 
 
+@pytest.mark.parametrize(
+    ("tolerance", "code", "most"),
+    [
+        ("goal.goal_time_tolerance = rospy.Duration(0.05)", -5, 0.2),
+        ("goal.goal_time_tolerance = rospy.Duration(5.0)", 0, 2.0),
+        ("goal.goal_time_tolerance = rospy.Duration(-1)", 0, 2.0),
+        ("goal.goal_time_tolerance = rospy.Duration(-2)", 0, 2.0),
+        ("pass", 0, 2.0),
+    ],
+)
+def test_a_goal_must_be_reached_within_its_time(ran, tolerance, code, most):
+    # 0 is the controller's default, -1 any time; another negative time leaves the tolerances of
+    # the goal unused: ros2_controllers, joint_trajectory_controller/tolerances.hpp.
+    result = ran(f"""
+goal = goal_to([0.3] + READY[1:], 0.05)
+goal.goal_tolerance.append(JointTolerance(name="panda_joint1", position=0.01))
+{tolerance}
+began = rospy.get_time()
+arm.send_goal_and_wait(goal)
+lasted = rospy.get_time() - began
+result = arm.get_result()
+""")
+    assert result["result"].error_code == code
+    assert 0.05 < result["lasted"] < most
+    if code:
+        assert "goal_time_tolerance (0.05 s)" in result["result"].error_string
+        assert any("goal_time_tolerance" in message for message in result.findings)
+
+
 def test_a_new_goal_preempts_and_a_cancelled_one_stops(ran):
     result = ran("""
 other = actionlib.SimpleActionClient("/whatever/follow_joint_trajectory",

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.ros.action_graph import ActionGoal, GoalState
-from tracerisk.ros.message_dialect import set_time
+from tracerisk.ros.message_dialect import nanoseconds, set_time
 from tracerisk.ros.twin_commands import LiveCommand, TwinCommands
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.ros.twin_trajectory_messages import (
@@ -17,7 +19,8 @@ from tracerisk.ros.twin_trajectory_messages import (
     TrajectoryRefusedError,
     twin_trajectory,
 )
-from tracerisk.twin.execution import Motion
+from tracerisk.ros.virtual_clock import EPOCH_NS
+from tracerisk.twin.execution import GOAL_TOLERANCE, SETTLE_S, GoalTolerance, Motion
 from tracerisk.twin.motion import JointTrajectory, PlanningError
 
 TYPE = "control_msgs/FollowJointTrajectory"
@@ -25,6 +28,10 @@ FEEDBACK_HZ = 20.0
 """How often feedback is sent and path tolerances are looked at: `action_monitor_rate`."""
 
 _NO_TOLERANCE = 1e9
+_ERASED_NS = -1_000_000_000
+# Where a goal gives a time only: what drivers commonly allow. `goal: 0.1` in
+# UniversalRobots/Universal_Robots_ROS2_Driver, ur_robot_driver/config/ur_controllers.yaml.
+_LATE = 0.1  # [rad or m]
 Array = NDArray[np.float64]
 
 
@@ -48,22 +55,15 @@ class FollowServer:
         except TrajectoryRefusedError as error:
             self._refuse(goal, error.code, str(error))
             return
-        tolerances = [
-            each.position
-            for each in asked.goal_tolerance
-            if each.name in trajectory.joints and each.position != 0.0
-        ]
-        tolerance = None
-        if tolerances:
-            tolerance = min(each if each > 0.0 else _NO_TOLERANCE for each in tolerances)
+        limit = _GoalLimit.of(asked, trajectory.joints)
         goal.accept()
         try:
-            motion = twin.follow(trajectory, goal_tolerance=tolerance)
+            motion = twin.follow(trajectory, goal_tolerance=limit.tolerance)
         except PlanningError as error:
             self._tell_refused(goal, error.message)
             goal.abort(self._result(TrajectoryCode.INVALID_GOAL, error.message), error.message)
             return
-        _Pursuit(self, goal, trajectory, motion)
+        _Pursuit(self, goal, trajectory, motion, limit)
 
     def on_cancel(self, goal: ActionGoal) -> None:
         """Bring the joints to rest; the goal ends with their motion."""
@@ -87,11 +87,53 @@ class FollowServer:
         return result
 
 
+@dataclass(frozen=True, slots=True)
+class _GoalLimit:
+    """How near its goal an arm must be [rad or m], and how long after the time asked for [s].
+
+    `None` is what the controller has by default.
+    """
+
+    position: float | None = None
+    time_s: float | None = None
+
+    @classmethod
+    def of(cls, asked: Any, joints: Sequence[str]) -> _GoalLimit:
+        """Return the limits in the message of a goal.
+
+        As in ros2_controllers, joint_trajectory_controller/tolerances.hpp: 0 leaves the default,
+        -1 takes the limit away, and another negative time leaves all of the goal's unused.
+        """
+        time_ns = nanoseconds(asked.goal_time_tolerance)
+        if time_ns < 0 and time_ns != _ERASED_NS:
+            return cls()
+        time_s = {0: None, _ERASED_NS: math.inf}.get(time_ns, time_ns * 1e-9)
+        positions = [
+            each.position if each.position > 0.0 else _NO_TOLERANCE
+            for each in asked.goal_tolerance
+            if each.name in joints and each.position != 0.0
+        ]
+        return cls(min(positions, default=None), time_s)
+
+    @property
+    def tolerance(self) -> GoalTolerance:
+        """What the twin waits for: it gives up no sooner than the controller does."""
+        return GoalTolerance(
+            GOAL_TOLERANCE if self.position is None else self.position,
+            max(self.time_s or 0.0, SETTLE_S),
+        )
+
+
 class _Pursuit:
     """One goal while its motion goes on."""
 
     def __init__(
-        self, server: FollowServer, goal: ActionGoal, trajectory: JointTrajectory, motion: Motion
+        self,
+        server: FollowServer,
+        goal: ActionGoal,
+        trajectory: JointTrajectory,
+        motion: Motion,
+        limit: _GoalLimit,
     ) -> None:
         self._server = server
         self._goal = goal
@@ -100,6 +142,8 @@ class _Pursuit:
         self._commands = server._commands
         self._began_ns = self._commands.scheduler.now_ns
         self._violation = ""
+        self._code = TrajectoryCode.PATH_TOLERANCE_VIOLATED
+        self._limit = limit
         self._limits = {
             each.name: each.position
             for each in goal.message.path_tolerance
@@ -113,6 +157,15 @@ class _Pursuit:
             "follow_joint_trajectory", motion, goal.stack, self._ended
         )
         self._schedule()
+        if limit.time_s is not None and math.isfinite(limit.time_s):
+            asked = goal.message.trajectory
+            ends_ns = nanoseconds(asked.points[-1].time_from_start)
+            stamp_ns = nanoseconds(asked.header.stamp)
+            if stamp_ns:
+                ends_ns += stamp_ns - EPOCH_NS - self._began_ns
+            due_ns = self._began_ns + ends_ns + round(limit.time_s * 1e9)
+            scheduler = self._commands.scheduler
+            scheduler.call_at(max(due_ns, scheduler.now_ns), self._look_at_goal, background=True)
 
     def cancel(self) -> None:
         """Bring the joints to rest."""
@@ -159,6 +212,24 @@ class _Pursuit:
         self._goal.publish_feedback(feedback)
         self._schedule()
 
+    def _look_at_goal(self) -> None:
+        """End a goal that is not reached when its time is over."""
+        if self._motion.outcome != "active" or self._goal.state.is_terminal:
+            return
+        twin = self._commands.twin
+        state = twin.joint_state()
+        here = dict(zip(state.names, state.position, strict=True))
+        goals = zip(self._trajectory.joints, self._trajectory.position[-1], strict=True)
+        miss, joint = max((abs(here[name] - wanted), name) for name, wanted in goals)
+        if miss <= (_LATE if self._limit.position is None else self._limit.position):
+            return
+        self._code = TrajectoryCode.GOAL_TOLERANCE_VIOLATED
+        self._violation = (
+            f"joint '{joint}' is {miss:.4f} from its goal when goal_time_tolerance "
+            f"({self._limit.time_s:g} s) is over"
+        )
+        twin.stop(self._motion.joints)
+
     def _desired(self) -> tuple[Array, Array]:
         """Return the positions and velocities that the trajectory asks for now."""
         time, position = self._trajectory.time, self._trajectory.position
@@ -196,8 +267,7 @@ class _Pursuit:
         if motion.outcome == "succeeded":
             goal.succeed(result(TrajectoryCode.SUCCESSFUL, motion.message))
         elif self._violation:
-            code = TrajectoryCode.PATH_TOLERANCE_VIOLATED
-            goal.abort(result(code, self._violation), self._violation)
+            goal.abort(result(self._code, self._violation), self._violation)
             self._tell(self._violation)
         elif motion.outcome == "aborted":
             code = TrajectoryCode.GOAL_TOLERANCE_VIOLATED

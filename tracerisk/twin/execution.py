@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 GOAL_TOLERANCE = 0.005  # of a joint at the end of its motion [rad or m]
 STOPPED_FRACTION = 0.01  # of the rated velocity: what counts as standing still
-_SETTLE_S = 1.0  # an arm that is not at its goal this long after the trajectory never will be
+SETTLE_S = 1.0  # an arm that is not at its goal this long after the trajectory never will be
 _STALL_S = 0.1  # fingers that stand still this long short of their goal hold something
 _FINGER_TOLERANCE = 0.0005  # [m]
 _FINGER_STILL = 0.001  # [m/s]
@@ -118,6 +118,18 @@ def servo_lead(joint: Joint) -> float:
     return (joint.servo.damping + joint.servo.friction) / joint.servo.stiffness
 
 
+@dataclass(frozen=True, slots=True)
+class GoalTolerance:
+    """When a trajectory's goal is reached.
+
+    `position` [rad or m] is how far each joint may be from it; `settle_s` how long after the end
+    of the trajectory it is waited for, which may be infinite.
+    """
+
+    position: float = GOAL_TOLERANCE
+    settle_s: float = SETTLE_S
+
+
 @dataclass
 class ArmTrack:
     """Set-points of arm joints along a trajectory, then the wait until they are reached."""
@@ -128,7 +140,7 @@ class ArmTrack:
     members: Sequence[Joint]
     position: Array  # (n_steps, n_joints)
     velocity: Array  # (n_steps, n_joints)
-    tolerance: float = GOAL_TOLERANCE
+    goal: GoalTolerance = field(default_factory=GoalTolerance)
     _at: int = field(default=0, init=False)
     _waited: int = field(default=0, init=False)
 
@@ -146,7 +158,7 @@ class ArmTrack:
         members: Sequence[Joint],
         trajectory: JointTrajectory,
         columns: Sequence[int],
-        tolerance: float | None,
+        goal: GoalTolerance,
     ) -> ArmTrack:
         """Return the track of some columns of a trajectory."""
         position, velocity = resample(
@@ -155,8 +167,7 @@ class ArmTrack:
             trajectory.velocity[:, columns],
             STEP_S,
         )
-        tolerance = GOAL_TOLERANCE if tolerance is None else tolerance
-        return cls(motion, actuators, joints, members, position, velocity, tolerance)
+        return cls(motion, actuators, joints, members, position, velocity, goal)
 
     def brake(self) -> ArmTrack:
         """Return the track that brings the moving set-points to rest at rated acceleration."""
@@ -189,7 +200,7 @@ class ArmTrack:
             [self.members[i] for i in kept],
             self.position[:, kept],
             self.velocity[:, kept],
-            self.tolerance,
+            self.goal,
         )
         track._at, track._waited = self._at, self._waited
         return track
@@ -224,16 +235,17 @@ class ArmTrack:
             return True
         miss = np.abs(measured.position(self.joints) - self.position[-1])
         speed = np.abs(measured.velocity(self.joints))
-        if (miss <= self.tolerance).all() and (speed <= self._still).all():
+        tolerance = self.goal.position
+        if (miss <= tolerance).all() and (speed <= self._still).all():
             self.motion.end_part("succeeded", "", time_ns)
             return True
-        if self._waited * STEP_S < _SETTLE_S:
+        if self._waited * STEP_S < self.goal.settle_s:
             return False
         worst = int(np.argmax(miss))
         self.motion.end_part(
             "aborted",
             f"joint '{self.members[worst].name}' is {miss[worst]:.4f} from its goal "
-            f"{_SETTLE_S:g} s after the trajectory ended (tolerance {self.tolerance:g})",
+            f"{self.goal.settle_s:g} s after the trajectory ended (tolerance {tolerance:g})",
             time_ns,
         )
         return True
@@ -311,7 +323,7 @@ class GripperTrack:
             note = f"gripper '{name}' stalled at {here:.4f} m, short of {self._target:.4f} m"
             self.motion.end_part("succeeded", note, time_ns, stalled=True)
             return True
-        if self._waited * STEP_S >= _SETTLE_S:
+        if self._waited * STEP_S >= SETTLE_S:
             note = f"gripper '{name}' does not come to rest at {self._target:.4f} m"
             self.motion.end_part("aborted", note, time_ns)
             return True

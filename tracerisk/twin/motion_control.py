@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from tracerisk.errors import RobotError, one_of
 from tracerisk.twin.execution import (
     ArmTrack,
+    GoalTolerance,
     GripperTrack,
     Motion,
     Track,
@@ -69,7 +70,9 @@ class MotionControl:
         self._tracks = kept
         return ended
 
-    def follow(self, trajectory: JointTrajectory, *, goal_tolerance: float | None = None) -> Motion:
+    def follow(
+        self, trajectory: JointTrajectory, *, goal_tolerance: GoalTolerance | None = None
+    ) -> Motion:
         """Follow a trajectory; a live motion on any of its joints is preempted.
 
         A first point later than time 0 is reached from the present set-point.
@@ -97,7 +100,7 @@ class MotionControl:
                 [self._robot.joint(name) for name in names],
                 trajectory,
                 columns,
-                goal_tolerance,
+                goal_tolerance or GoalTolerance(),
             )
             self._add(track)
         for gripper in self._robot.grippers:

@@ -11,7 +11,7 @@ from contextlib import AbstractContextManager
 from tracerisk.trace import Element, ObjectOffset
 from tracerisk.twin.builder import STEP_NS
 from tracerisk.twin.clearance import Clearance
-from tracerisk.twin.execution import Motion
+from tracerisk.twin.execution import GoalTolerance, Motion
 from tracerisk.twin.kinematics import Kinematics
 from tracerisk.twin.motion import JointState, JointTrajectory, Pose
 from tracerisk.twin.motion_control import MotionControl
@@ -257,7 +257,9 @@ class Twin:
 
     # Motion
 
-    def follow(self, trajectory: JointTrajectory, *, goal_tolerance: float | None = None) -> Motion:
+    def follow(
+        self, trajectory: JointTrajectory, *, goal_tolerance: GoalTolerance | None = None
+    ) -> Motion:
         """Follow a trajectory; see `MotionControl.follow`."""
         return self._motions.follow(trajectory, goal_tolerance=goal_tolerance)
 
