@@ -1,6 +1,7 @@
 """The robot of a controller's own workspace, and the generic arm where there is none."""
 
 import importlib.util
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,8 @@ from tracerisk.hardware.shipped import hardware_of
 from tracerisk.pipeline.robot_choice import choose_robot
 from tracerisk.twin.builder import compile_model
 from tracerisk.twin.generic import generic_arm, names_asked, with_assumed_names
+from tracerisk.twin.robot import load_robot
+from tracerisk.twin.workspace import completed_as_ours
 from tracerisk.twin.xacro_files import expand_xacro
 
 _texts = importlib.util.spec_from_file_location("texts", Path(__file__).parent / "test_urdf.py")
@@ -146,3 +149,19 @@ def test_a_controller_of_an_unknown_robot_runs(tmp_path):
     assert any("'up_there'" in message for message in messages)
     assert any("approximate" in line for line in trace.assumptions)
     assert any("hardware: all figures are assumed" in line for line in trace.assumptions)
+
+
+@pytest.mark.parametrize(("stretch", "is_ours"), [(1.0, True), (2.0, False)])
+def test_joints_of_common_names_make_no_robot_one_of_ours(stretch, is_ours):
+    xarm = load_robot("xarm6")
+    assert {joint.name for joint in xarm.arm_joints} == {f"joint{i}" for i in range(1, 7)}
+    other = replace(
+        xarm,
+        attachments=tuple(
+            replace(each, xyz=tuple(stretch * x for x in each.xyz)) for each in xarm.attachments
+        ),
+        joints=tuple(replace(joint, torque_limit=1.0) for joint in xarm.joints),
+        approximate=True,
+    )
+    kept = [joint.torque_limit == 1.0 for joint in completed_as_ours(other).arm_joints]
+    assert kept == [not is_ours] * 6

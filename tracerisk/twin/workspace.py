@@ -332,13 +332,19 @@ def _parts(srdf: Srdf) -> set[str]:
 
 def _shipped_like(names: Iterable[str]) -> Robot | None:
     """Return the shipped robot that has most of its joints among the names."""
+    return next(_all_shipped_like(names), None)
+
+
+def _all_shipped_like(names: Iterable[str]) -> Iterator[Robot]:
+    """Yield the shipped robots with most of their joints among the names, the best ones first."""
     wanted = set(names)
-    best: tuple[float, str] | None = None
-    for each in shipped_names():
-        share = len(wanted.intersection(each.arm_joints)) / len(each.arm_joints)
-        if share >= _MATCHES and (best is None or share > best[0]):
-            best = (share, each.name)
-    return None if best is None else load_robot(best[1])
+    shares = {
+        each.name: len(wanted.intersection(each.arm_joints)) / len(each.arm_joints)
+        for each in shipped_names()
+    }
+    for name in sorted(shares, key=lambda each: (-shares[each], each)):
+        if shares[name] >= _MATCHES:
+            yield load_robot(name)
 
 
 def _ours(robot: Robot) -> Robot | None:
@@ -346,14 +352,15 @@ def _ours(robot: Robot) -> Robot | None:
 
     Names alone say little: many arms call their joints `joint1` and so on.
     """
-    like = _shipped_like(joint.name for joint in robot.arm_joints)
-    if like is None:
-        return None
-    own, ours = _distances(robot), _distances(like)
-    shared = own.keys() & ours.keys()
-    # The first joint stands on whatever the arm is mounted on.
-    same = [name for name in shared if abs(own[name] - ours[name]) < _SAME_LENGTH]
-    return like if len(same) >= _MATCHES * len(shared) else None
+    own = _distances(robot)
+    for like in _all_shipped_like(joint.name for joint in robot.arm_joints):
+        ours = _distances(like)
+        shared = own.keys() & ours.keys()
+        # The first joint stands on whatever the arm is mounted on.
+        same = [name for name in shared if abs(own[name] - ours[name]) < _SAME_LENGTH]
+        if len(same) >= _MATCHES * len(shared):
+            return like
+    return None
 
 
 def _distances(robot: Robot) -> dict[str, float]:
