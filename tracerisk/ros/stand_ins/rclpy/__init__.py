@@ -10,7 +10,7 @@ from tracerisk.ros.controller_thread import spinning
 from ._run import run as _state
 from .context import Context
 from .parameter import Parameter
-from .signals import SignalHandlerOptions
+from .signals import SignalHandlerOptions, install_signal_handlers, uninstall_signal_handlers
 from .task import Future
 from .utilities import (
     get_default_context,
@@ -23,6 +23,7 @@ from .utilities import shutdown as _shutdown
 __all__ = [
     "Context",
     "Future",
+    "InitContextManager",
     "Parameter",
     "SignalHandlerOptions",
     "create_node",
@@ -39,19 +40,49 @@ __all__ = [
 ]
 
 
+class InitContextManager:
+    """Begins a context, and ends it where it is left as a context manager."""
+
+    def __init__(
+        self,
+        args: Sequence[str] | None,
+        context: Context | None,
+        domain_id: int | None,
+        signal_handler_options: SignalHandlerOptions | None,
+    ) -> None:
+        self.context = get_default_context() if context is None else context
+        if signal_handler_options is None:
+            is_default = self.context is get_default_context()
+            signal_handler_options = (
+                SignalHandlerOptions.ALL if is_default else SignalHandlerOptions.NO
+            )
+        self.installed_signal_handlers = signal_handler_options != SignalHandlerOptions.NO
+        self.context.init(args, domain_id=domain_id)
+        install_signal_handlers(signal_handler_options)
+
+    def __enter__(self) -> InitContextManager:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        is_default = self.context is get_default_context()
+        try_shutdown(context=None if is_default else self.context)
+
+
 def init(
     *,
     args: Sequence[str] | None = None,
     context: Context | None = None,
     domain_id: int | None = None,
     signal_handler_options: SignalHandlerOptions | None = None,
-) -> None:
+) -> InitContextManager:
     """Begin; `args` is a command line, by default the program's own.
+
+    What is returned ends it: `with rclpy.init(): ...`.
 
     Raises:
         RuntimeError: it has begun already, or the command line is malformed.
     """
-    (get_default_context() if context is None else context).init(args, domain_id=domain_id)
+    return InitContextManager(args, context, domain_id, signal_handler_options)
 
 
 def get_global_executor() -> Any:
@@ -77,6 +108,8 @@ def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None 
         RuntimeError: it has not begun, or has ended already.
     """
     _shutdown(context=context)
+    if uninstall_handlers or (uninstall_handlers is None and context is None):
+        uninstall_signal_handlers()
 
 
 def create_node(node_name: str, **kwargs: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import IntEnum
 from typing import Any
 
 from tracerisk.ros.virtual_clock import EPOCH_NS, MONOTONIC_START_NS
@@ -13,7 +14,88 @@ from .duration import Duration
 from .exceptions import NotInitializedException
 from .time import Time
 
-__all__ = ["Clock", "ClockType", "ROSClock", "Time"]
+__all__ = [
+    "Clock",
+    "ClockChange",
+    "ClockType",
+    "JumpHandle",
+    "JumpThreshold",
+    "ROSClock",
+    "Time",
+    "TimeJump",
+]
+
+
+class ClockChange(IntEnum):
+    """How the source of a clock's time changed."""
+
+    ROS_TIME_NO_CHANGE = 1
+    ROS_TIME_ACTIVATED = 2
+    ROS_TIME_DEACTIVATED = 3
+    SYSTEM_TIME_NO_CHANGE = 4
+
+
+class JumpThreshold:
+    """How far a clock must jump for a callback.
+
+    Raises:
+        ValueError: a threshold has the wrong sign, or there is none.
+    """
+
+    def __init__(
+        self,
+        *,
+        min_forward: Duration | None,
+        min_backward: Duration | None,
+        on_clock_change: bool = True,
+    ) -> None:
+        if min_forward is not None and min_forward.nanoseconds <= 0:
+            raise ValueError("min_forward must be a positive non-zero duration")
+        if min_backward is not None and min_backward.nanoseconds >= 0:
+            raise ValueError("min_backward must be a negative non-zero duration")
+        if min_forward is None and min_backward is None and not on_clock_change:
+            raise ValueError("At least one jump threshold must be enabled")
+        self.min_forward = min_forward
+        self.min_backward = min_backward
+        self.on_clock_change = on_clock_change
+
+
+class TimeJump:
+    """A jump of a clock."""
+
+    def __init__(self, clock_change: ClockChange, delta: Duration) -> None:
+        if not isinstance(clock_change, ClockChange):
+            raise TypeError("clock_change must be an instance of rclpy.clock.ClockChange")
+        self.clock_change = clock_change
+        self.delta = delta
+
+
+class JumpHandle:
+    """A callback for jumps; simulated time makes none, so it is never called.
+
+    Raises:
+        ValueError: there is no callback, or one that cannot be called.
+    """
+
+    def __init__(
+        self, *, clock: Clock, threshold: JumpThreshold, pre_callback: Any, post_callback: Any
+    ) -> None:
+        if pre_callback is None and post_callback is None:
+            raise ValueError("One of pre_callback or post_callback must be callable")
+        for name, callback in (("pre_callback", pre_callback), ("post_callback", post_callback)):
+            if callback is not None and not callable(callback):
+                raise ValueError(f"{name} must be callable if given")
+        self._clock: Clock | None = clock
+
+    def unregister(self) -> None:
+        """Forget the callback."""
+        self._clock = None
+
+    def __enter__(self) -> JumpHandle:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.unregister()
 
 
 class Clock:
@@ -63,6 +145,17 @@ class Clock:
             NotInitializedException: the context is not initialized.
         """
         return self._sleep(rel_time.nanoseconds, context)
+
+    def create_jump_callback(
+        self, threshold: JumpThreshold, *, pre_callback: Any = None, post_callback: Any = None
+    ) -> JumpHandle:
+        """Have jumps of the clock told; see `JumpHandle`."""
+        return JumpHandle(
+            clock=self,
+            threshold=threshold,
+            pre_callback=pre_callback,
+            post_callback=post_callback,
+        )
 
     def _sleep(self, length_ns: int, context: Context | None) -> bool:
         state = run()

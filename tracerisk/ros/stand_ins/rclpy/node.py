@@ -13,6 +13,7 @@ from ._logger import RcutilsLogger
 from ._node_entities import NodeEntities
 from ._node_graph import NodeGraph
 from ._node_parameters import NodeParameters
+from ._rclpy_pybind11 import NodeNameNonExistentError
 from ._run import run
 from .callback_groups import (
     CallbackGroup,
@@ -29,10 +30,6 @@ from .parameter import Parameter
 from .qos import qos_profile_parameter_events
 
 __all__ = ["Node", "NodeNameNonExistentError"]
-
-
-class NodeNameNonExistentError(RuntimeError):
-    """No node of the name exists."""
 
 
 class Node(NodeEntities, NodeGraph, NodeParameters):

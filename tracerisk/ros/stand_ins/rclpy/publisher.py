@@ -54,7 +54,7 @@ class Publisher:
         return self._publication.topic
 
     def publish(self, msg: Any) -> None:
-        """Send a message.
+        """Send a message, or the bytes of one.
 
         Raises:
             TypeError: it is of another class.
@@ -63,6 +63,10 @@ class Publisher:
         """
         if self._publication.closed:
             raise InvalidHandle("cannot use Destroyable because destruction was requested")
+        if isinstance(msg, bytes):
+            from .serialization import deserialize_message
+
+            msg = deserialize_message(msg, self.msg_type)
         if not isinstance(msg, self.msg_type):
             raise TypeError(f"Expected {self.msg_type}, got {type(msg)}")
         sent = copy_message(msg)

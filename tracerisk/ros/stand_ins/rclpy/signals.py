@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from enum import IntEnum
 
+from ._run import run
+
 
 class SignalHandlerOptions(IntEnum):
     """Which signals end the contexts."""
@@ -16,12 +18,14 @@ class SignalHandlerOptions(IntEnum):
 
 def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions.ALL) -> None:
     """Take the options; Ctrl-C ends the run itself."""
+    run().signal_options = int(options)
 
 
 def uninstall_signal_handlers() -> None:
-    """Do nothing: none is installed."""
+    """Take it that no signal ends the contexts."""
+    run().signal_options = int(SignalHandlerOptions.NO)
 
 
 def get_current_signal_handlers_options() -> SignalHandlerOptions:
-    """Return which signals end the contexts."""
-    return SignalHandlerOptions.NO
+    """Return which signals would end the contexts."""
+    return SignalHandlerOptions(run().signal_options)

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from enum import Enum
 from typing import Any
 
+from tracerisk.ros.message_cdr import encode
 from tracerisk.ros.messages2 import copy_message
 from tracerisk.ros.virtual_clock import EPOCH_NS
 
@@ -138,7 +139,7 @@ class Subscription(Entity):
         if not self._queue:
             return None
         message, info = self._queue.popleft()
-        arguments = [copy_message(message)]
+        arguments: list[Any] = [encode(message) if self.raw else copy_message(message)]
         if self._callback_type is self.CallbackType.WithMessageInfo:
             arguments.append(info)
 

@@ -1,0 +1,134 @@
+"""rclpy: what a node sees of the graph; messages as bytes; the life of a context.
+
+Sources: ros2/rclpy (branch rolling, commit ba72a017) `rclpy/rclpy/{node,serialization,publisher,
+subscription,__init__,clock}.py` and `rclpy/test/test_node.py`.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+
+def test_a_node_tells_who_is_at_a_topic_and_how(run_ros2):
+    def main():
+        import rclpy
+        from rclpy.topic_endpoint_info import TopicEndpointTypeEnum
+        from std_msgs.msg import String
+        from std_srvs.srv import Trigger
+
+        rclpy.init()
+        left, right = rclpy.create_node("left", namespace="cell"), rclpy.create_node("right")
+        left.create_publisher(String, "/talk", 3)
+        right.create_subscription(String, "talk", print, rclpy.qos.qos_profile_sensor_data)
+        right.create_service(Trigger, "go", lambda request, response: response)
+        left.create_client(Trigger, "/go")
+        (sender,) = right.get_publishers_info_by_topic("talk")
+        (receiver,) = right.get_subscriptions_info_by_topic("talk")
+        assert sender.endpoint_type is TopicEndpointTypeEnum.PUBLISHER
+        return (
+            (sender.node_namespace, sender.node_name, sender.topic_type, sender.qos_profile.depth),
+            receiver.qos_profile.reliability is rclpy.qos.ReliabilityPolicy.BEST_EFFORT,
+            right.get_fully_qualified_node_names(),
+            right.get_publisher_names_and_types_by_node("left", "/cell"),
+            right.get_subscriber_names_and_types_by_node("right", "/"),
+            [
+                n
+                for n, _ in left.get_service_names_and_types_by_node("right", "/")
+                if "/right/" not in n
+            ],
+            left.get_client_names_and_types_by_node("left", "/cell"),
+            (left.count_clients("/go"), left.count_services("/go")),
+            (left.wait_for_node("right", 0.5), left.wait_for_node("/nobody", 0.5)),
+        )
+
+    endpoint, best_effort, nodes, publishes, subscribes, serves, calls, counts, found = run_ros2(
+        main
+    )
+    assert endpoint == ("/cell", "left", "std_msgs/msg/String", 3)
+    assert best_effort
+    assert nodes == ["/cell/left", "/right"]
+    assert ("/talk", ["std_msgs/msg/String"]) in publishes
+    assert subscribes == [("/talk", ["std_msgs/msg/String"])]
+    assert serves == ["/go"]
+    assert calls == [("/go", ["std_srvs/srv/Trigger"])]
+    assert counts == (1, 1)
+    assert found == (True, False)
+
+
+def test_what_a_node_that_is_none_does_cannot_be_told(run_ros2):
+    def main():
+        import rclpy
+        from rclpy.node import NodeNameNonExistentError
+
+        rclpy.init()
+        with pytest.raises(NodeNameNonExistentError, match="'/nobody'"):
+            rclpy.create_node("arm").get_publisher_names_and_types_by_node("nobody", "/")
+
+    run_ros2(main)
+
+
+def test_messages_are_published_received_and_kept_as_bytes(run_ros2):
+    def main():
+        import rclpy
+        from rclpy._rclpy_pybind11 import RCLError
+        from rclpy.exceptions import NoTypeSupportImportedException
+        from rclpy.serialization import deserialize_message, serialize_message
+        from std_msgs.msg import Int32
+
+        rclpy.init()
+        node = rclpy.create_node("arm")
+        heard = []
+        node.create_subscription(Int32, "t", heard.append, 10, raw=True)
+        node.create_subscription(Int32, "t", lambda message: heard.append(message.data), 10)
+        publisher = node.create_publisher(Int32, "t", 10)
+        publisher.publish(serialize_message(Int32(data=5)))
+        rclpy.spin_once(node)
+        rclpy.spin_once(node)
+        with pytest.raises(RCLError, match="failed to deserialize"):
+            deserialize_message(b"\x00\x01\x00\x00", Int32)
+        with pytest.raises(NoTypeSupportImportedException):
+            deserialize_message(heard[0], int)
+        return heard, deserialize_message(heard[0], Int32).data
+
+    assert run_ros2(main) == ([b"\x00\x01\x00\x00\x05\x00\x00\x00", 5], 5)
+
+
+def test_init_may_be_a_context_manager(run_ros2):
+    def main():
+        import rclpy
+        from rclpy.signals import SignalHandlerOptions, get_current_signal_handlers_options
+
+        with rclpy.init() as begun:
+            assert begun.context is rclpy.get_default_context()
+            assert get_current_signal_handlers_options() is SignalHandlerOptions.ALL
+            assert rclpy.ok()
+        assert not rclpy.ok()
+        context = rclpy.Context()
+        with rclpy.init(context=context):
+            rclpy.create_node("arm", context=context)
+        return context.ok()
+
+    assert run_ros2(main) is False
+
+
+def test_jumps_of_a_clock_can_be_asked_for_and_never_come(run_ros2):
+    def main():
+        import time
+
+        import rclpy
+        from rclpy.clock import JumpThreshold
+        from rclpy.duration import Duration
+
+        rclpy.init()
+        clock = rclpy.create_node("arm").get_clock()
+        with pytest.raises(ValueError, match="min_forward must be a positive"):
+            JumpThreshold(min_forward=Duration(seconds=-1), min_backward=None)
+        threshold = JumpThreshold(min_forward=Duration(seconds=1), min_backward=None)
+        with pytest.raises(ValueError, match="must be callable"):
+            clock.create_jump_callback(threshold)
+        jumps = []
+        with clock.create_jump_callback(threshold, post_callback=jumps.append):
+            time.sleep(5.0)
+        return jumps
+
+    assert run_ros2(main) == []

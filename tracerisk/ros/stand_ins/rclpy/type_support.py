@@ -1,0 +1,41 @@
+"""Whether a class is an interface of ROS 2."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .exceptions import NoTypeSupportImportedException
+
+
+def check_for_type_support(msg_or_srv_type: Any) -> None:
+    """Let an interface class of ROS 2 pass.
+
+    Raises:
+        NoTypeSupportImportedException: it is none.
+    """
+    if not isinstance(msg_or_srv_type, type) or not getattr(msg_or_srv_type, "_ros_type", ""):
+        raise NoTypeSupportImportedException(f"{msg_or_srv_type!r} is no interface class of ROS 2")
+
+
+def check_is_valid_msg_type(msg_type: Any) -> None:
+    """Let a message class pass.
+
+    Raises:
+        NoTypeSupportImportedException: it is no interface class.
+        RuntimeError: it is one of a service or an action.
+    """
+    check_for_type_support(msg_type)
+    if not hasattr(msg_type, "get_fields_and_field_types"):
+        raise RuntimeError(f"The message type provided is not valid ({msg_type!r}).")
+
+
+def check_is_valid_srv_type(srv_type: Any) -> None:
+    """Let a service class pass.
+
+    Raises:
+        NoTypeSupportImportedException: it is no interface class.
+        RuntimeError: it is one of a message or an action.
+    """
+    check_for_type_support(srv_type)
+    if not hasattr(srv_type, "Request") or not hasattr(srv_type, "Response"):
+        raise RuntimeError(f"The service type provided is not valid ({srv_type!r}).")
