@@ -2,9 +2,10 @@ from __future__ import annotations
 
 import sys
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import pytest
@@ -79,7 +80,7 @@ class Ran:
 def run(tmp_path: Path) -> Callable[..., Ran]:
     """Run a program of MoveItPy on the Panda, traced and in virtual time, as the command does."""
 
-    def run_program(program: str) -> Ran:
+    def run_program(program: str, packages: Mapping[str, Path] = MappingProxyType({})) -> Ran:
         script = tmp_path / "program.py"
         script.write_text(PREAMBLE + textwrap.dedent(program))
         robot = load_robot("panda")
@@ -91,7 +92,9 @@ def run(tmp_path: Path) -> Callable[..., Ran]:
             tracer = Tracer(recorder.function_ran)
             scheduler = Scheduler(twin, duration_ns=100 * SECOND, tracer=tracer)
             graph = Graph(scheduler, tracer)
-            runtime = Runtime(scheduler, graph, twin, tracer, recorder, argv=(str(script),))
+            runtime = Runtime(
+                scheduler, graph, twin, tracer, recorder, argv=(str(script),), packages=packages
+            )
             interfaces = Interfaces2()
             TwinInterfaces(runtime, interfaces)
             with (
