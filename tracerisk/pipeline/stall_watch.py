@@ -79,7 +79,7 @@ class StallWatch:
                 "deadlock",
                 f"{thread.name} has only waited for {IDLE_S:g} s of simulated time, and nothing "
                 f"provides {self._needs.told(unmet)}",
-                unmet[0].location or place,
+                place or unmet[0].location,
             )
 
     def _note(self, thread: ControllerThread, now_ns: int) -> None:

@@ -1,0 +1,324 @@
+"""Scenarios end to end: what lacks is told, and pasting what is told makes the run go on."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from ruamel.yaml import YAML
+
+from tracerisk.config import Settings
+from tracerisk.pipeline.freshness import fingerprint
+
+ROS1 = """\
+import sys
+import actionlib, moveit_commander, rospy, tf2_ros
+from geometry_msgs.msg import PoseStamped
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+from std_srvs.srv import Trigger
+
+moveit_commander.roscpp_initialize(sys.argv)
+rospy.init_node("picker")
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+arm.set_max_velocity_scaling_factor(1.0)
+
+def turn(angle):
+    joints = arm.get_current_joint_values()
+    joints[0] += angle
+    arm.go(joints, wait=True)
+
+def main():
+    angle = rospy.get_param("~angle") + 0.05
+    buffer = tf2_ros.Buffer()
+    listener = tf2_ros.TransformListener(buffer)
+    buffer.lookup_transform("world", "marker", rospy.Time(0), rospy.Duration(2.0))
+    rospy.wait_for_service("detect")
+    detect = rospy.ServiceProxy("detect", Trigger)
+    detect()
+    drive = actionlib.SimpleActionClient("move_base", MoveBaseAction)
+    drive.wait_for_server()
+    drive.send_goal_and_wait(MoveBaseGoal())
+    rospy.wait_for_message("/object", PoseStamped)
+    count = int(input("How often? "))
+    for _ in range(count):
+        turn(angle)
+
+main()
+"""
+
+ROS2 = """\
+import rclpy
+from builtin_interfaces.msg import Duration
+from control_msgs.action import FollowJointTrajectory, PointHead
+from geometry_msgs.msg import PoseStamped
+from rclpy.action import ActionClient
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectoryPoint
+
+NAMES = [f"panda_joint{i}" for i in range(1, 8)]
+
+class Picker(Node):
+    def __init__(self):
+        super().__init__("picker")
+        self.declare_parameter("angle", Parameter.Type.DOUBLE)
+        self.angle = self.get_parameter("angle").value + 0.05
+        self.pose = None
+        self.create_subscription(PoseStamped, "/object", self.on_pose, 10)
+        self.detect = self.create_client(Trigger, "/detect")
+        self.arm = ActionClient(self, FollowJointTrajectory, "/arm/follow_joint_trajectory")
+        self.look = ActionClient(self, PointHead, "/look")
+
+    def on_pose(self, message):
+        self.pose = message
+
+    def wait(self, future):
+        rclpy.spin_until_future_complete(self, future)
+        return future.result()
+
+    def turn(self):
+        goal = FollowJointTrajectory.Goal()
+        goal.trajectory.joint_names = NAMES
+        point = JointTrajectoryPoint(time_from_start=Duration(sec=1))
+        point.positions = [self.angle, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
+        goal.trajectory.points.append(point)
+        handle = self.wait(self.arm.send_goal_async(goal))
+        self.wait(handle.get_result_async())
+
+    def run(self):
+        while not self.detect.wait_for_service(timeout_sec=1.0):
+            self.get_logger().info("waiting for the detector")
+        self.wait(self.detect.call_async(Trigger.Request()))
+        self.look.wait_for_server()
+        handle = self.wait(self.look.send_goal_async(PointHead.Goal()))
+        self.wait(handle.get_result_async())
+        while self.pose is None:
+            rclpy.spin_once(self, timeout_sec=0.1)
+        if input("Go? [y/n] ") == "y":
+            self.turn()
+
+rclpy.init()
+Picker().run()
+"""
+
+
+def paste(example, lines: str) -> list[str]:
+    """Put the lines that an error suggests into the scenario; return the sections they are in."""
+    yaml = YAML(typ="safe", pure=True)
+    path = example.folder / "s.yaml"
+    known = yaml.load(path.read_text()) if path.exists() else {}
+    given = yaml.load(lines)
+    for section, content in given.items():
+        if isinstance(content, dict):
+            known.setdefault(section, {}).update(content)
+        else:
+            known.setdefault(section, []).extend(content)
+    example.write("s.yaml", json.dumps(known))
+    return sorted(given)
+
+
+def pasted_until_it_runs(example, *, most: int = 10):
+    """Run, paste what is suggested, and run again; return what was lacking, and the last outcome."""
+    lacked, errors = [], []
+    example.write("s.yaml", "{}")
+    for _ in range(most):
+        outcome = example.run("run", "c.py", "--json", "--check", "--scenario", "s.yaml")
+        if outcome.code != 4:
+            return lacked, errors, outcome
+        error = outcome.json["error"]
+        assert error["scenario"], error["message"]
+        assert error["scenario"] in outcome.err
+        errors.append(error)
+        lacked.append(paste(example, error["scenario"]))
+    raise AssertionError(errors[-1]["message"])
+
+
+def lines_of(source: str, *parts: str) -> list[int]:
+    lines = source.splitlines()
+    return [next(i for i, line in enumerate(lines, 1) if part in line) for part in parts]
+
+
+@pytest.mark.slow
+def test_pasting_what_is_told_gives_a_controller_of_ros_1_all_it_waits_for(example):
+    """Slow: eight runs, one for each thing that is lacking and two of the whole."""
+    example.write("c.py", ROS1)
+    lacked, errors, outcome = pasted_until_it_runs(example)
+    assert outcome.code == 1, outcome.err  # --check: blocks would be written
+    assert lacked == [
+        ["parameters"],
+        ["frames"],
+        ["services"],
+        ["actions"],
+        ["publish"],
+        ["answers"],
+    ]
+    assert [error["line"] for error in errors] == lines_of(
+        ROS1, "get_param", "lookup_tr", "wait_for_service", "wait_for_server", "wait_for_m", "input"
+    )
+    assert "service /detect" in errors[2]["message"]
+    assert "action server /move_base (move_base_msgs/MoveBase)" in errors[3]["message"]
+    assert "a message on /object (geometry_msgs/PoseStamped)" in errors[4]["message"]
+    again = example.run("run", "c.py", "--json", "--check", "--scenario", "s.yaml")
+    assert again.out == outcome.out
+
+
+@pytest.mark.slow
+def test_pasting_what_is_told_gives_a_controller_of_ros_2_all_it_waits_for(example):
+    """Slow: seven runs, two of which wait 60 s of simulated time."""
+    example.write("c.py", ROS2)
+    lacked, errors, outcome = pasted_until_it_runs(example)
+    assert outcome.code == 1, outcome.err
+    assert lacked[0] == ["parameters"]
+    assert "services" in lacked[1]
+    assert "service /detect (std_srvs/Trigger)" in errors[1]["message"]
+    assert errors[1]["line"] == lines_of(ROS2, "wait_for_service")[0]
+    assert {section for each in lacked for section in each} == {
+        "parameters",
+        "services",
+        "actions",
+        "publish",
+        "answers",
+    }
+    again = example.run("run", "c.py", "--json", "--check", "--scenario", "s.yaml")
+    assert again.out == outcome.out
+
+
+DOCS = Path(__file__).parents[2] / "docs" / "scenario.md"
+
+
+def block(language: str) -> str:
+    (found,) = re.findall(
+        rf"^```{language}\n(.*?)^```$", DOCS.read_text(), re.MULTILINE | re.DOTALL
+    )
+    return found
+
+
+def test_the_documents_example_runs_to_its_end(example):
+    """Slow for the two motions that it shows: about 4 s."""
+    example.write("pick.py", block("python"))
+    example.write("cell.yaml", block("yaml"))
+    outcome = example.run("trace", "pick.py", "--json", "--scenario", "cell.yaml")
+    assert outcome.code == 0, outcome.err
+    trace = outcome.json["trace"]
+    assert trace["end"]["cause"] == "ended"
+    assert [visit["function"]["name"] for visit in trace["visits"]] == ["pick", "pick"]
+    assert trace["visits"][0]["start_s"] == pytest.approx(4.5, abs=0.05)
+    assert trace["end"]["simulated_s"] > 5.0
+
+
+def test_the_documents_message_is_what_a_run_without_a_scenario_says(example):
+    example.write("pick.py", block("python"))
+    outcome = example.run("run", "pick.py")
+    assert outcome.code == 4
+    message, advice = outcome.err.splitlines()[0], outcome.err[outcome.err.index("These lines") :]
+    assert f"{message}\n...\n{advice.rstrip()}\n```" in DOCS.read_text()
+
+
+LISTENER = """\
+import moveit_commander, rospy
+from std_msgs.msg import Float64
+
+rospy.init_node("listener")
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+
+class Listener:
+    def __init__(self):
+        self.angle = None
+        rospy.Subscriber("angle", Float64, self.on_angle)
+
+    def on_angle(self, message):
+        self.angle = message.data
+
+    def turn(self):
+        joints = arm.get_current_joint_values()
+        joints[0] += self.angle
+        arm.go(joints, wait=True)
+
+listener = Listener()
+"""
+POLL = "while listener.angle is None:\n    rospy.sleep(0.1)\nlistener.turn()\n"
+
+
+def test_a_topic_on_which_nobody_publishes_is_told_when_a_node_only_spins(example):
+    example.write("c.py", LISTENER + "rospy.spin()\n")
+    outcome = example.run("run", "c.py", "--json")
+    assert outcome.code == 4
+    error = outcome.json["error"]
+    assert error["message"].startswith(
+        "nothing was commanded, and nothing provides messages on /angle (std_msgs/Float64), "
+        "asked for at c.py:10"
+    )
+    assert error["line"] == 10
+    assert error["scenario"] == (
+        "publish:\n  - topic: /angle\n    type: std_msgs/Float64\n    message: {data: 0.0}\n"
+    )
+    assert outcome.json["trace"]["end"]["cause"] == "no_motion"
+
+
+def test_a_loop_that_only_waits_stops_after_a_minute(example):
+    example.write("c.py", LISTENER + POLL)
+    outcome = example.run("run", "c.py", "--json")
+    assert outcome.code == 4
+    data = outcome.json
+    assert data["error"]["message"].startswith("MainThread has only waited for 60 s")
+    assert "messages on /angle (std_msgs/Float64), asked for at c.py:10" in data["error"]["message"]
+    assert data["error"]["line"] == LISTENER.count("\n") + 2
+    assert 60.0 <= data["trace"]["end"]["simulated_s"] < 62.0
+
+
+def test_a_loop_that_only_waits_goes_on_while_the_scenario_has_more_to_give(example):
+    example.write("c.py", LISTENER + POLL)
+    example.write(
+        "s.yaml", "publish:\n  - {topic: /angle, type: std_msgs/Float64, at: 90, message: 0.1}\n"
+    )
+    example.write("pyproject.toml", '[tool.tracerisk]\nscenario = "s.yaml"\n')
+    outcome = example.run("trace", "c.py", "--json")
+    assert outcome.code == 0, outcome.err
+    (visit,) = outcome.json["trace"]["visits"]
+    assert visit["start_s"] == pytest.approx(90.0, abs=0.2)
+
+
+def test_objects_of_the_scenario_are_bodies_of_the_scene(example, quick):
+    example.write("c.py", quick())
+    example.write(
+        "s.yaml",
+        "objects:\n"
+        "  - {name: can, cylinder: {radius: 0.03, height: 0.1}, xyz: [0, 0.5, 0.3], mass: 0.2}\n"
+        "  - {name: shelf, box: [0.2, 0.2, 0.02], xyz: [0, 0.5, 0.2]}\n",
+    )
+    trace = example.run("trace", "c.py", "--json", "--scenario", "s.yaml").json["trace"]
+    assert "can" in [each["name"] for each in trace["objects"]]
+    assert "shelf" not in [each["name"] for each in trace["objects"]]
+
+
+def test_a_mistake_in_a_scenario_is_bad_input(example, quick):
+    example.write("c.py", quick())
+    example.write("s.yaml", "servces: []\n")
+    outcome = example.run("run", "c.py", "--scenario", "s.yaml")
+    assert outcome.code == 2
+    assert "s.yaml:1:1: unknown key 'servces'; did you mean 'services'?" in outcome.err
+
+
+def test_a_trace_depends_on_what_the_scenario_and_the_parameter_files_hold(tmp_path, sample_trace):
+    from tracerisk.pipeline import load_controller
+
+    script = tmp_path / "c.py"
+    script.write_text("pass\n")
+    files = tmp_path / "s.yaml", tmp_path / "p.yaml"
+    for file in files:
+        file.write_text("{}\n")
+    settings = Settings(scenario=str(files[0]), params=(str(files[1]),))
+    controller, trace = load_controller(str(script)), replace(sample_trace, files=())
+
+    def digest(given: Settings) -> str:
+        return fingerprint(controller, trace, given)
+
+    digests = {digest(Settings()), digest(settings)}
+    for file in files:
+        file.write_text("answers: []\n")
+        digests.add(digest(settings))
+    assert len(digests) == 4
