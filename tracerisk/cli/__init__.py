@@ -19,6 +19,7 @@ VERBS = {
     "build": "build the risk model from the blocks in sources, and from nothing else",
     "solve": "solve a model, or the blocks in sources, exactly",
     "strip": "remove the risk blocks from sources, every other byte kept",
+    "robots": "list the robots that are shipped, or show what one of them has",
     "doctor": "tell whether everything that tracerisk needs works here",
 }
 

@@ -1,0 +1,271 @@
+"""`tracerisk robots`: the shipped robots, and what one of them has."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.cli import options as shared
+from tracerisk.cli.output import print_json
+
+if TYPE_CHECKING:
+    from tracerisk.twin.robot import Controller, Gripper, Joint, Robot
+    from tracerisk.twin.robot_index import RobotNames
+
+# What the driver of a robot offers under the names of its controllers, by the controller's type.
+_BY_CONTROLLER: Mapping[str, Sequence[tuple[str, str, str]]] = {
+    "follow_joint_trajectory": (
+        ("action", "/follow_joint_trajectory", "control_msgs/FollowJointTrajectory"),
+        ("topic", "/command", "trajectory_msgs/JointTrajectory"),
+        ("topic", "/joint_trajectory", "trajectory_msgs/JointTrajectory"),
+    ),
+    "gripper_command": (("action", "/gripper_cmd", "control_msgs/GripperCommand"),),
+}
+# What every robot is asked for by its own name.
+_ALWAYS = (
+    ("action", "move_group", "moveit_msgs/MoveGroup"),
+    ("action", "execute_trajectory", "moveit_msgs/ExecuteTrajectory"),
+    ("topic", "/joint_states", "sensor_msgs/JointState"),
+    ("topic", "/tf", "tf2_msgs/TFMessage"),
+    ("service", "compute_ik", "moveit_msgs/GetPositionIK"),
+    ("service", "compute_fk", "moveit_msgs/GetPositionFK"),
+    ("service", "list_controllers", "controller_manager_msgs/ListControllers"),
+    ("service", "switch_controller", "controller_manager_msgs/SwitchController"),
+)
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    parser.add_argument(
+        "robot", metavar="NAME|FILE", nargs="?", help="the robot to show; else all are listed"
+    )
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    if options.robot is not None:
+        robot = _robot(options.robot)
+        if options.json:
+            print_json("robots", robot=_as_json(robot))
+        else:
+            print("\n".join(_described(robot)))
+        return 0
+    from tracerisk.twin.robot_index import shipped_names
+
+    names = shipped_names()
+    if options.json:
+        print_json("robots", robots=[_listed_as_json(each) for each in names])
+    else:
+        print("\n".join(_listed(names)))
+    return 0
+
+
+def _robot(name: str) -> Robot:
+    from tracerisk.twin.robot import is_model_file, load_robot
+
+    if is_model_file(name):
+        from tracerisk.pipeline.robot_choice import read_model
+
+        return read_model(Path.cwd(), name).robot
+    return load_robot(name)
+
+
+def interfaces(robot: Robot) -> list[dict[str, str]]:
+    """Return what the twin serves for a robot by name; other names of these types are served too.
+
+    Each has its `kind` (action, topic or service), `name` and `type`.
+    """
+    found = [
+        (kind, f"{controller.name}{suffix}", message)
+        for controller in robot.controllers
+        for kind, suffix, message in _BY_CONTROLLER[controller.type]
+    ]
+    return [
+        {"kind": kind, "name": name, "type": message} for kind, name, message in (*found, *_ALWAYS)
+    ]
+
+
+# The list
+
+
+def _listed_as_json(names: RobotNames) -> dict[str, Any]:
+    return {
+        "name": names.name,
+        "title": names.title,
+        "joints": len(names.arm_joints),
+        "grippers": list(names.grippers),
+        "payload_kg": names.payload,
+        "source": names.source,
+    }
+
+
+def _listed(robots: Iterable[RobotNames]) -> list[str]:
+    rows = [
+        (
+            each.name,
+            each.title,
+            str(len(each.arm_joints)),
+            ", ".join(each.grippers) or "-",
+            "-" if each.payload is None else f"{each.payload:g} kg",
+            _public_source(each.source),
+        )
+        for each in robots
+    ]
+    heads = ("name", "robot", "joints", "gripper", "payload", "figures from")
+    return [*_table((heads, *rows)), "", "`tracerisk robots NAME` shows one of them."]
+
+
+def _public_source(source: str) -> str:
+    """Return the repository that a source names first."""
+    words = (word.strip(",;:()") for word in source.split())
+    return next((word for word in words if word.count("/") == 1), source)
+
+
+# One robot
+
+
+def _as_json(robot: Robot) -> dict[str, Any]:
+    return {
+        "name": robot.name,
+        "title": robot.title,
+        "aliases": list(robot.aliases),
+        "source": robot.source,
+        "payload_kg": robot.payload,
+        "default_scene": robot.default_scene,
+        "joints": [_joint_as_json(joint) for joint in robot.joints],
+        "groups": {
+            name: {"joints": list(group.joints), "tip_link": group.tip_link}
+            for name, group in robot.groups.items()
+        },
+        "named_states": {
+            group: {state: dict(positions) for state, positions in states.items()}
+            for group, states in robot.named_states.items()
+        },
+        "grippers": [_gripper_as_json(gripper) for gripper in robot.grippers],
+        "controllers": [_controller_as_json(controller) for controller in robot.controllers],
+        "interfaces": interfaces(robot),
+        "sensors": _sensors(robot),
+    }
+
+
+def _joint_as_json(joint: Joint) -> dict[str, Any]:
+    endless = joint.type == "continuous"
+    return {
+        "name": joint.name,
+        "type": joint.type,
+        "lower": None if endless else joint.lower,
+        "upper": None if endless else joint.upper,
+        "velocity": joint.velocity_limit,
+        "acceleration": joint.acceleration_limit,
+        "torque": joint.torque_limit,
+        "units": "m, N" if joint.type == "prismatic" else "rad, N m",
+    }
+
+
+def _gripper_as_json(gripper: Gripper) -> dict[str, Any]:
+    return {
+        "name": gripper.name,
+        "group": gripper.group,
+        "joints": list(gripper.joints),
+        "pads": list(gripper.pads),
+        "range": [gripper.least, gripper.opening],
+        "effort": gripper.effort,
+    }
+
+
+def _controller_as_json(controller: Controller) -> dict[str, Any]:
+    return {
+        "name": controller.name,
+        "type": controller.type,
+        "joints": list(controller.joints),
+    }
+
+
+def _sensors(robot: Robot) -> list[dict[str, str]]:
+    joints = [
+        {"of": joint.name, "measures": what}
+        for joint in robot.joints
+        for what in ("position", "velocity", "torque")
+    ]
+    pads = [
+        {"of": pad, "measures": "contact force"}
+        for gripper in robot.grippers
+        for pad in gripper.pads
+    ]
+    return joints + pads
+
+
+def _described(robot: Robot) -> list[str]:
+    lines = [f"{robot.name}: {robot.title}"]
+    if robot.aliases:
+        lines.append(f"also called: {', '.join(robot.aliases)}")
+    if robot.payload is not None:
+        lines.append(f"payload: {robot.payload:g} kg")
+    lines += ["", "joints:", *_indented(_table(_joint_rows(robot)))]
+    for gripper in robot.grippers:
+        unit = "m" if robot.joint(gripper.joints[0]).type == "prismatic" else "rad"
+        force = "N" if unit == "m" else "N m"
+        lines += [
+            "",
+            f"gripper {gripper.name} (group {gripper.group}):",
+            f"  joints: {', '.join(gripper.joints)}",
+            f"  from {gripper.least:g} to {gripper.opening:g} {unit}, "
+            f"at most {gripper.effort:g} {force} a finger; it holds with {', '.join(gripper.pads)}",
+        ]
+    lines += ["", "groups:"]
+    for name, group in robot.groups.items():
+        tip = "" if group.tip_link is None else f"; tip {group.tip_link}"
+        lines.append(f"  {name}: {', '.join(group.joints)}{tip}")
+    lines += ["", "named states:"]
+    lines += [f"  {group}: {', '.join(states)}" for group, states in robot.named_states.items()]
+    if not robot.named_states:
+        lines.append("  none")
+    served = [(each["kind"], each["name"], each["type"]) for each in interfaces(robot)]
+    lines += ["", "served, under these and other names:", *_indented(_table(served))]
+    touch = ", ".join(pad for gripper in robot.grippers for pad in gripper.pads)
+    lines += ["", "sensors:", "  position, velocity and torque of every joint"]
+    if touch:
+        lines.append(f"  contact force on {touch}")
+    return [*lines, "", f"source: {robot.source}"]
+
+
+def _joint_rows(robot: Robot) -> list[tuple[str, ...]]:
+    rows: list[tuple[str, ...]] = [
+        ("name", "type", "from", "to", "speed", "acceleration", "torque")
+    ]
+    for joint in robot.joints:
+        unit, force = ("m", "N") if joint.type == "prismatic" else ("rad", "N m")
+        endless = joint.type == "continuous"
+        rows.append(
+            (
+                joint.name,
+                joint.type,
+                "-" if endless else f"{_short(joint.lower)} {unit}",
+                "-" if endless else f"{_short(joint.upper)} {unit}",
+                f"{_short(joint.velocity_limit)} {unit}/s",
+                f"{_short(joint.acceleration_limit)} {unit}/s^2",
+                f"{_short(joint.torque_limit)} {force}",
+            )
+        )
+    return rows
+
+
+def _short(value: float) -> str:
+    return f"{value:.4g}"
+
+
+def _table(rows: Iterable[Sequence[str]]) -> list[str]:
+    """Return rows as lines whose columns stand under one another."""
+    rows = [tuple(row) for row in rows]
+    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+
+
+def _indented(lines: Iterable[str]) -> list[str]:
+    return [f"  {line}" for line in lines]
