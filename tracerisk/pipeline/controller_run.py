@@ -34,6 +34,7 @@ from tracerisk.trace import RunEnd, Trace
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.controller import Controller
+    from tracerisk.pipeline.launch.choose import LaunchChoice
     from tracerisk.pipeline.stages import Progress, RunInput
     from tracerisk.twin.robot import Robot
 
@@ -53,15 +54,54 @@ def run_controller(
 ) -> Trace:
     """Run the controller on the twin of `robot`, and return what the run showed.
 
+    A run that fails with what a launch file gives is done again without it: the file was found,
+    not asked for, and must not keep a controller from running.
     Raises SourceError, RobotError or another error of the input when nothing could run.
     """
-    from tracerisk.pipeline.launch.choose import choose_launch
+    from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
+
+    def run(choice: LaunchChoice, keep: Path | None) -> Trace:
+        return _run_with(choice, controller, robot, settings, given, keep, progress)
+
+    choice = choose_launch(controller, settings)
+    began = time.monotonic()
+    trace = run(choice, keep)
+    is_found = choice.setup is not None and settings.launch is True
+    has_time = time.monotonic() - began < settings.wall_limit_s / 2
+    if not is_found or not has_time or _shows_risk(trace):
+        return trace
+    assert choice.setup is not None
+    without = LaunchChoice(
+        notes=(
+            f"launch: nothing is taken from {choice.setup.file}: with it the run shows no risk "
+            f"({trace.end.message}); --launch FILE takes it",
+        )
+    )
+    plain = run(without, None)
+    if not _shows_risk(plain):
+        return trace
+    return plain if keep is None else run(without, keep)
+
+
+def _shows_risk(trace: Trace) -> bool:
+    return trace.end.is_good and bool(trace.functions)
+
+
+def _run_with(
+    choice: LaunchChoice,
+    controller: Controller,
+    robot: Robot,
+    settings: Settings,
+    given: RunInput,
+    keep: Path | None,
+    progress: Progress | None,
+) -> Trace:
+    """Run the controller once with what a launch file gives it."""
     from tracerisk.twin.robot_file import dump_robot
 
     scene = settings.scene or robot.default_scene
     if scene is None:
         raise errors.RobotError(f"robot '{robot.name}' has no scene of its own; give --scene")
-    choice = choose_launch(controller, settings)
     launch = choice.setup
     with _folder(keep) as folder:
         request = RunRequest(

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+import contextlib
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+_MOST_MODULES = 60
 
 _READS = frozenset(
     {"get_param", "get_param_cached", "has_param", "search_param"}
@@ -27,6 +32,55 @@ class Asked:
     nodes: tuple[str, ...] = ()
 
 
+def asked_by(script: Path, source: bytes, folders: Mapping[str, Path]) -> Asked:
+    """Return what a script and the modules of the workspace that it imports ask for.
+
+    `folders` are those in which the workspace's Python packages stand, by their names. The nodes
+    are those of the script alone.
+    """
+    asked = asked_of(source)
+    waiting, seen = deque([(script, source)]), {script}
+    while waiting and len(seen) < _MOST_MODULES:
+        path, text = waiting.popleft()
+        for each in _imported(path, text, folders):
+            if each in seen:
+                continue
+            seen.add(each)
+            with contextlib.suppress(OSError):
+                waiting.append((each, each.read_bytes()))
+                more = asked_of(waiting[-1][1])
+                asked = replace(
+                    asked, names=asked.names | more.names, required=asked.required | more.required
+                )
+    return asked
+
+
+def _imported(path: Path, source: bytes, folders: Mapping[str, Path]) -> Iterator[Path]:
+    """Yield the files of the modules of the workspace that a module imports."""
+    try:
+        tree = ast.parse(source)
+    except (SyntaxError, ValueError):
+        return
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            targets = [(each.name, 0) for each in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            targets = [(base, node.level)]
+            targets += [(f"{base}.{each.name}".strip("."), node.level) for each in node.names]
+        else:
+            continue
+        for name, level in targets:
+            parts = [part for part in name.split(".") if part]
+            if not parts:
+                continue
+            top = path.parents[level - 1] if level else folders.get(parts[0], path.parent)
+            target = top.joinpath(*parts)
+            for file in (target.with_suffix(".py"), target / "__init__.py"):
+                if file.is_file():
+                    yield file.resolve()
+
+
 def asked_of(source: bytes) -> Asked:
     """Return what a source asks for; nothing where it is not Python 3."""
     try:
@@ -35,7 +89,6 @@ def asked_of(source: bytes) -> Asked:
         return Asked()
     names: set[str] = set()
     required: set[str] = set()
-    nodes: list[str] = []
     calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
     for call in calls:
         called = _called(call)
@@ -52,8 +105,8 @@ def asked_of(source: bytes) -> Asked:
         for node in ast.walk(tree)
         if isinstance(node, ast.Constant) and isinstance(node.value, str)
     }
-    nodes += _node_names(calls)
-    return Asked(frozenset(names), frozenset(required), frozenset(literals), tuple(nodes))
+    nodes = tuple(_node_names(calls))
+    return Asked(frozenset(names), frozenset(required), frozenset(literals), nodes)
 
 
 def _called(call: ast.Call) -> str:

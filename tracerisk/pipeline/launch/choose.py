@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, one_of
 from tracerisk.pipeline.controller import Controller
-from tracerisk.pipeline.launch.asked import Asked, asked_of
+from tracerisk.pipeline.launch.asked import Asked, asked_by
 from tracerisk.pipeline.launch.find import LaunchFile, find_launch_files, ros_of
 from tracerisk.pipeline.launch.launch_process import read_launch
 from tracerisk.pipeline.launch.parameter_files import setup_of_parameter_file
@@ -28,7 +29,8 @@ from tracerisk.pipeline.workspace import Workspace, find_workspace
 from tracerisk.ros import names
 from tracerisk.ros.version_choice import ros_version
 
-_MOST_READ = 6  # launch files in Python cost a process each
+_MOST_READ = 10
+_AT_ONCE = 2  # launch files of ROS 2 cost a process each
 _MOST_INCLUDERS = 4
 _MOST_TOLD = 3
 _NOT_SET = ("HOME", "LD_", "MUJOCO", "PATH", "PYTHON", "TMP", "TZ")
@@ -104,9 +106,10 @@ def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
         return LaunchChoice()
     root = controller.root.resolve()
     workspace = find_workspace(controller.root)
-    program = program_of(controller.path, root, workspace)
-    asked = asked_of(controller.source)
-    ros = ros_version(controller.path.resolve(), root)
+    script = controller.path.resolve()
+    program = program_of(script, root, workspace)
+    asked = asked_by(script, controller.source, workspace.python_packages)
+    ros = ros_version(script, root)
     if isinstance(settings.launch, str):
         return _named(Path(settings.launch), program, workspace, asked, root)
     files = find_launch_files(program, root, workspace, ros)
@@ -165,8 +168,9 @@ def _candidates(
     problems: list[str],
 ) -> list[_Candidate]:
     found = []
-    for file in files:
-        reading = _read(file, workspace)
+    with ThreadPoolExecutor(_AT_ONCE) as pool:
+        readings = list(pool.map(lambda file: _read(file, workspace), files))
+    for file, reading in zip(files, readings, strict=True):
         nodes = [node for each in reading.nodes if (node := program.started_as(each)) is not None]
         made = [_Candidate(file, reading, node, len(nodes)) for node in nodes]
         best = _best(made, asked)

@@ -53,8 +53,14 @@ class Program:
         return path == Path(path.name) or os.path.realpath(path) == str(self.script)
 
     def is_named_in(self, text: str) -> bool:
-        """Tell whether a text names the program."""
-        return any(re.search(rf"(?<![\w.-]){re.escape(n)}(?![\w-])", text) for n in self.names)
+        """Tell whether a text names the program: with its package, or by its file's name."""
+        file = self.script.name
+        names = self.names if _is_word(self.package, text) else {file} if "." in file else ()
+        return any(_is_word(name, text) for name in names)
+
+
+def _is_word(name: str, text: str) -> bool:
+    return re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w-])", text) is not None
 
 
 def program_of(script: Path, root: Path, workspace: Workspace) -> Program:
