@@ -8,7 +8,8 @@ from collections.abc import Collection
 from tracerisk.instrument.tracer import Site
 
 MOTION_CALLS = frozenset(
-    {"go", "execute", "pick", "place", "send_goal", "send_goal_async", "send_goal_and_wait"}
+    {"go", "execute", "execute_and_wait", "pick", "place"}
+    | {"send_goal", "send_goal_async", "send_goal_and_wait"}
 )
 """Last names of calls that command motion: those of move groups and of action clients."""
 

@@ -215,3 +215,19 @@ done = panda.execute(planned, controllers=[])
     assert ran["turned"] == ran["last"]
     assert ran["mean"] == pytest.approx(ran["taken"].duration)
     assert bool(ran["done"])
+
+
+def test_an_empty_trajectory_cannot_be_timed_or_executed(run):
+    ran = run(
+        """
+from moveit.core.robot_trajectory import RobotTrajectory
+empty = RobotTrajectory(panda.get_robot_model())
+timed = empty.apply_totg_time_parameterization(1.0, 1.0)
+smoothed = empty.apply_ruckig_smoothing(1.0, 1.0)
+status = panda.execute(empty, controllers=[])
+sizes = (len(empty), empty.duration, empty.average_segment_duration, empty.get_waypoint_durations())
+"""
+    )
+    assert (ran["timed"], ran["smoothed"], bool(ran["status"])) == (False, False, False)
+    assert ran["sizes"] == (0, 0, 0.0, [])
+    assert ran.findings[0] == "a trajectory cannot be timed anew: it has no waypoints"

@@ -137,12 +137,14 @@ class RobotTrajectory:
         return True
 
     def _retime(self, velocity: float, acceleration: float) -> bool:
-        library_server = library().server
+        server = library().server
         try:
-            timed = library_server.retime(self._to_twin(), Scaling(velocity, acceleration))
+            if not self._waypoints:
+                raise PlanningError("bad_request", "it has no waypoints")
+            timed = server.retime(self._to_twin(), Scaling(velocity, acceleration))
         except PlanningError as error:
             message = f"a trajectory cannot be timed anew: {error.message}"
-            library_server.execution.tell("planning_failure", message)
+            server.execution.tell("planning_failure", message)
             return False
         self._fill(timed, self._waypoints[0])
         return True
