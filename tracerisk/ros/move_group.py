@@ -75,13 +75,15 @@ class MoveGroupServer:
     """Plan and execute on the twin of `runtime`, for every client in the process.
 
     `execution` carries out trajectories, `scene` is the planning scene, which `changes` changes.
+    `models` are bodies that the simulated world has and planning knows nothing of.
     """
 
     def __init__(self, runtime: Runtime) -> None:
         self._runtime = runtime
         self._twin: Twin = runtime.twin
         self.robot: Robot = runtime.twin.robot
-        self.scene = PlanningScene(self._declare)
+        self.scene = PlanningScene(self.declare)
+        self.models: dict[str, SceneBody] = {}
         self.changes = SceneChanges(
             self.scene, self.robot, runtime.twin.link_pose, self._tell_scene
         )
@@ -402,10 +404,12 @@ class MoveGroupServer:
         """Return the names of what collides at joint positions, pair by pair."""
         return self._twin.collisions(positions)
 
-    def _declare(self) -> None:
-        """Make the objects of the scene bodies of the twin."""
+    def declare(self) -> None:
+        """Make the objects of the scene, and the models, bodies of the twin."""
         try:
-            self._twin.declare(self.bodies(self.scene), self.scene.allowed)
+            bodies = [*self.bodies(self.scene), *self.models.values()]
+            unknown = {frozenset((name,)) for name in self.models}
+            self._twin.declare(bodies, self.scene.allowed | unknown)
         except RobotError as error:
             self._tell_scene(error.message)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from tracerisk.ros.twin_commands import TwinCommands
+from tracerisk.ros.twin_gazebo import GazeboServices
 from tracerisk.ros.twin_interbotix import InterbotixDriver
 from tracerisk.ros.twin_messages import TwinMessages
 
@@ -15,3 +16,5 @@ if TYPE_CHECKING:
 def serve_vendors(runtime: Runtime, messages: TwinMessages, commands: TwinCommands) -> None:
     """Offer each vendor's services and listen to its command topics."""
     InterbotixDriver(runtime, messages, commands)
+    if runtime.recorder is not None:
+        GazeboServices(runtime, messages, commands)

@@ -6,7 +6,7 @@ scene keep their places in every array.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -65,8 +65,17 @@ def rebuild(
     stands_for = {k: v for k, v in (before.stands_for or {}).items() if k in names}
     kept = {body_name(name) for name in names - fresh}
     apart = {pair for pair in before.apart if pair[0] in kept}
+    # A free body that is declared anew is put where it is declared; one that is let go stays.
+    anew = {
+        body.name
+        for body in bodies
+        if body.name in fresh
+        and body.is_free
+        and body.link is None
+        and (body.name not in old or old[body.name].link is None)
+    }
     now = Declared(tuple(bodies), stands_for, frozenset(apart))
-    new_model, new_data = _compiled(robot, scene, now, model, data)
+    new_model, new_data = _compiled(robot, scene, now, anew, (model, data))
     # Only what is new is looked at: what was there before has found its place.
     overlaps = [
         pair
@@ -78,23 +87,38 @@ def rebuild(
         name = declared.removeprefix(body_name(""))
         if other in objects and name not in old and _is_same(new_model, new_data, declared, other):
             stands_for.setdefault(name, other)
-    apart |= set(overlaps)
+    # What is free is pushed out of what it overlaps.
+    free = {body_name(body.name) for body in bodies if body.is_free and body.link is None}
+    apart |= {pair for pair in overlaps if pair[0] not in free}
     now = replace(now, stands_for=stands_for, apart=frozenset(apart))
     if overlaps:
-        new_model, new_data = _compiled(robot, scene, now, model, data)
+        new_model, new_data = _compiled(robot, scene, now, anew, (model, data))
     return now, new_model, new_data
 
 
 def _compiled(
-    robot: Robot, scene: Scene, declared: Declared, model: Any, data: Any
+    robot: Robot, scene: Scene, declared: Declared, anew: Set[str], old: tuple[Any, Any]
 ) -> tuple[Any, Any]:
+    model, data = old
     spec = build_spec(robot, scene)
     base = spec.worldbody.add_frame(
         pos=model.body(robot.base_link).pos, quat=model.body(robot.base_link).quat
     )
     present: set[str] = set()
     for body in declared.bodies:
-        if body.link is None:
+        if body.link is None and body.is_free:
+            if declared.simulated(body):
+                add_body(
+                    spec,
+                    body,
+                    spec.worldbody,
+                    contype=OBJECT,
+                    conaffinity=FIXTURE | ROBOT | OBJECT,
+                    free=True,
+                    pose=_in_world(data, body, robot.base_link),
+                )
+                present.add(body_name(body.name))
+        elif body.link is None:
             if declared.simulated(body):
                 added = add_body(
                     spec, body, spec.worldbody, contype=FIXTURE, conaffinity=ROBOT | OBJECT
@@ -109,7 +133,7 @@ def _compiled(
                 contype=OBJECT,
                 conaffinity=FIXTURE | ROBOT | OBJECT,
                 free=True,
-                pose=_in_world(data, body),
+                pose=_in_world(data, body, body.link),
             )
             add_weld(spec, body_name(body.name), body.link, body.pose)
             present.add(body_name(body.name))
@@ -130,7 +154,7 @@ def _compiled(
     except ValueError as cause:
         raise RobotError(f"the planning scene cannot be simulated: {cause}") from cause
     new_data = mujoco.MjData(new_model)
-    _carry_over(robot, scene, declared, (model, data), (new_model, new_data))
+    _carry_over(robot, scene, declared, anew, old, (new_model, new_data))
     return new_model, new_data
 
 
@@ -138,13 +162,14 @@ def _carry_over(
     robot: Robot,
     scene: Scene,
     declared: Declared,
+    anew: Set[str],
     old: tuple[Any, Any],
     new: tuple[Any, Any],
 ) -> None:
     """Copy the state of the simulation: joints by name, free bodies by name, time, controls."""
     (old_model, old_data), (new_model, new_data) = old, new
     names = [joint.name for joint in robot.joints] + [thing.name for thing in scene.objects]
-    attached = [body_name(body.name) for body in declared.bodies if body.link is not None]
+    attached = [body_name(body.name) for body in declared.bodies if body.name not in anew]
     had = {old_model.joint(i).name for i in range(old_model.njnt)}
     has = {new_model.joint(i).name for i in range(new_model.njnt)}
     for name in [*names, *(name for name in attached if name in had and name in has)]:
@@ -184,8 +209,8 @@ def _bounding_volume(model: Any, body: int) -> float:
     return float(np.prod(2 * halves, axis=1).sum())
 
 
-def _in_world(data: Any, body: SceneBody) -> Pose:
-    link = data.body(body.link)
+def _in_world(data: Any, body: SceneBody, frame: str) -> Pose:
+    link = data.body(frame)
     position, turn = np.zeros(3), np.zeros(4)
     x, y, z, w = body.pose.orientation
     mujoco.mju_mulPose(

@@ -1,7 +1,7 @@
 """Bodies that a controller declares while it runs: what a planning scene holds.
 
 A body of the world stands still where it was put, as in MoveIt's planning scene; one that is
-attached is a free body, welded to its link.
+attached is a free body, welded to its link. A model that a controller spawns is free as well.
 """
 
 from __future__ import annotations
@@ -45,7 +45,8 @@ class HalfSpace:
 class SceneBody:
     """A body, by its name; `pose` is in the robot's base frame, or in `link` when attached.
 
-    `touch_links` are the links that an attached body may touch.
+    `touch_links` are the links that an attached body may touch. `is_free` says that a body of the
+    world can be moved; `given_mass` [kg] takes the place of the one assumed.
     """
 
     name: str
@@ -55,6 +56,8 @@ class SceneBody:
     half_spaces: tuple[HalfSpace, ...] = ()
     link: str | None = None
     touch_links: tuple[str, ...] = ()
+    is_free: bool = False
+    given_mass: float | None = None
 
     def __post_init__(self) -> None:
         for hull in self.hulls:
@@ -77,7 +80,9 @@ class SceneBody:
 
     @property
     def mass(self) -> float:
-        """The mass assumed of the body where it is attached [kg]."""
+        """The mass of the body where it is not fixed: as given, else assumed [kg]."""
+        if self.given_mass is not None:
+            return self.given_mass
         volume = sum(shape_volume(shape) for shape in self.shapes)
         for hull in self.hulls:
             spans = np.ptp(np.array(hull.points), axis=0)
