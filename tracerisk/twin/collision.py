@@ -2,7 +2,8 @@
 
 It knows what MoveIt's planning scene would: the robot and the declared bodies, never the twin's
 own scene. Pairs of links that touch by build are no collision: neighbours, the fingers of one
-gripper, and those that touch at a named state, for the primitive shapes overstate the links.
+gripper, those that the robot's SRDF disables, and those that touch at a named state, for the
+primitive shapes overstate the links.
 """
 
 from __future__ import annotations
@@ -114,6 +115,11 @@ class CollisionWorld:
         for geom in spec.geoms:
             if geom.contype:
                 geom.contype, geom.conaffinity = _LINK, _LINK | _BODY
+        links = set(self._robot.link_names)
+        for one, two in sorted(self._robot.disabled_collisions):
+            # Left out before they are looked at: an SRDF disables most pairs.
+            if one != two and {one, two} <= links:
+                spec.add_exclude(bodyname1=one, bodyname2=two)
         for body in bodies:
             parent = spec.worldbody if body.link is None else spec.body(body.link)
             if parent is None:
@@ -133,7 +139,7 @@ class CollisionWorld:
         states: list[Mapping[str, float]] = [{}]
         for named in self._robot.named_states.values():
             states += named.values()
-        by_build: set[Pair] = set()
+        by_build = {frozenset(pair) for pair in self._robot.disabled_collisions}
         for state in states:
             by_build |= self.touching_links(self.configuration(state))
         for gripper in self._robot.grippers:

@@ -386,7 +386,12 @@ def _with_srdf(robot: Robot, srdf: Srdf) -> Robot:
     states = {**robot.named_states}
     for group, found in states_of(srdf, groups, joints).items():
         states[group] = MappingProxyType({**states.get(group, {}), **found})
-    return replace(robot, groups=MappingProxyType(groups), named_states=MappingProxyType(states))
+    return replace(
+        robot,
+        groups=MappingProxyType(groups),
+        named_states=MappingProxyType(states),
+        disabled_collisions=robot.disabled_collisions | srdf.disabled_collisions,
+    )
 
 
 def completed_as_ours(robot: Robot, *, knows_motors: bool = False) -> Robot:
