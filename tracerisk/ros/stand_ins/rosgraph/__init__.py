@@ -1,0 +1,25 @@
+"""Stand-in for rosgraph: the master, names, and the environment of ROS 1."""
+
+from __future__ import annotations
+
+from .masterapi import Error as MasterError
+from .masterapi import Failure as MasterFailure
+from .masterapi import Master, MasterException, is_online
+from .names import myargv
+from .rosenv import ROS_MASTER_URI, get_master_uri
+
+__all__ = [
+    "ROS_MASTER_URI",
+    "Master",
+    "MasterError",
+    "MasterException",
+    "MasterFailure",
+    "get_master_uri",
+    "is_master_online",
+    "myargv",
+]
+
+
+def is_master_online(master_uri: str | None = None) -> bool:
+    """Tell whether the master answers, as it does."""
+    return is_online(master_uri)

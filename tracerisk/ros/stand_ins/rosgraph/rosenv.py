@@ -1,0 +1,23 @@
+"""What the environment says of ROS."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+
+ROS_MASTER_URI = "ROS_MASTER_URI"
+ROS_IP = "ROS_IP"
+ROS_HOSTNAME = "ROS_HOSTNAME"
+ROS_NAMESPACE = "ROS_NAMESPACE"
+DEFAULT_MASTER_PORT = 11311
+
+
+def get_master_uri(env: Mapping[str, str] | None = None, argv: list[str] | None = None) -> str:
+    """Return where the master is, from the command line (`__master:=`), else the environment."""
+    from tracerisk.ros.runtime import current
+
+    for argument in current().argv if argv is None else argv:
+        if argument.startswith("__master:="):
+            return argument.removeprefix("__master:=")
+    found = (os.environ if env is None else env).get(ROS_MASTER_URI)
+    return found or f"http://localhost:{DEFAULT_MASTER_PORT}"
