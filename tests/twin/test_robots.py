@@ -233,6 +233,7 @@ def test_its_gripper_picks_a_light_object_up(name: str, index: int):
     settle(twin, 0.1)
     motion = finish(twin, twin.move_gripper(gripper.name, closed))
     assert motion.stalled, motion.message
+    assert ("rad" in motion.message) == (robot.joint(gripper.joints[0]).type != "prismatic")
     at_first = np.array(twin.object_pose("thing").position)
     beside = at_first - pad_middle(robot, gripper, measured(twin))
     straight_to(twin, high)

@@ -27,7 +27,8 @@ STOPPED_FRACTION = 0.01  # of the rated velocity: what counts as standing still
 SETTLE_S = 1.0  # an arm that is not at its goal this long after the trajectory never will be
 _STALL_S = 0.1  # fingers that stand still this long short of their goal hold something
 _FINGER_TOLERANCE = 0.0005  # [m]
-_FINGER_STILL = 0.001  # [m/s]
+_FINGER_STILL = 0.001  # of a pad [m/s]
+_FINGER_LENGTH = 0.05  # assumed, from the hinge of a finger to its pad [m]
 _LONGEST_S = 1800.0  # of a trajectory, whose set-points are all held in memory
 _LOOK_STEPS = 5  # between two looks at what is measured, where that decides
 
@@ -284,6 +285,9 @@ class GripperTrack:
         # The servo's force on one finger is share * stiffness * (set-point - position).
         self._slack = max_effort / (share * gripper.stiffness)
         self._is_soft = self._slack < gripper.opening
+        hinged = members[0].type != "prismatic"
+        self._unit = "rad" if hinged else "m"
+        self._still = _FINGER_STILL / (_FINGER_LENGTH if hinged else 1.0)
         self._at = 0
         self._waited = 0
         self._moved_at = 0
@@ -312,19 +316,20 @@ class GripperTrack:
             return False
         here = self._here(measured)
         speed = float(np.abs(measured.velocity(self.joints)).max())
-        still = speed < _FINGER_STILL
+        still = speed < self._still
         if still and abs(here - self._target) <= _FINGER_TOLERANCE:
             self.motion.end_part("succeeded", "", time_ns)
             return True
         if not still:
             self._moved_at = self._waited
-        name = self._gripper.name
+        name, unit = self._gripper.name, self._unit
         if (self._waited - self._moved_at) * STEP_S >= _STALL_S:
-            note = f"gripper '{name}' stalled at {here:.4f} m, short of {self._target:.4f} m"
+            short = f"{self._target:.4f} {unit}"
+            note = f"gripper '{name}' stalled at {here:.4f} {unit}, short of {short}"
             self.motion.end_part("succeeded", note, time_ns, stalled=True)
             return True
         if self._waited * STEP_S >= SETTLE_S:
-            note = f"gripper '{name}' does not come to rest at {self._target:.4f} m"
+            note = f"gripper '{name}' does not come to rest at {self._target:.4f} {unit}"
             self.motion.end_part("aborted", note, time_ns)
             return True
         return False
