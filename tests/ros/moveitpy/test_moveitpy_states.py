@@ -231,3 +231,50 @@ sizes = (len(empty), empty.duration, empty.average_segment_duration, empty.get_w
     assert (ran["timed"], ran["smoothed"], bool(ran["status"])) == (False, False, False)
     assert ran["sizes"] == (0, 0, 0.0, [])
     assert ran.findings[0] == "a trajectory cannot be timed anew: it has no waypoints"
+
+
+def test_the_other_finger_follows_the_first(run):
+    ran = run(
+        """
+hand = panda.get_planning_component("hand")
+state = RobotState(panda.get_robot_model())
+state.set_joint_group_positions("hand", [0.02])
+by_group = state.joint_positions["panda_finger_joint2"]
+state.joint_positions = {"panda_finger_joint1": 0.03}
+by_name = state.joint_positions["panda_finger_joint2"]
+hand.set_goal_state(robot_state=state)
+done = panda.execute(hand.plan().trajectory, controllers=[])
+with monitor.read_only() as scene:
+    reached = scene.current_state.get_joint_group_positions("hand")
+"""
+    )
+    assert (ran["by_group"], ran["by_name"]) == (0.02, 0.03)
+    assert bool(ran["done"])
+    assert ran["reached"].tolist() == pytest.approx([0.03, 0.03], abs=0.001)
+
+
+def test_a_path_without_times_is_timed_and_executed(run):
+    ran = run(
+        """
+from moveit.core.robot_trajectory import RobotTrajectory
+from moveit_msgs.msg import RobotTrajectory as Message
+from trajectory_msgs.msg import JointTrajectoryPoint
+with monitor.read_only() as scene:
+    here = scene.current_state.get_joint_group_positions("panda_arm")
+message = Message()
+message.joint_trajectory.joint_names = [f"panda_joint{i}" for i in range(1, 8)]
+for share in np.linspace(0.0, 1.0, 5):
+    point = JointTrajectoryPoint(positions=(here + share * (np.array(READY) - here)).tolist())
+    message.joint_trajectory.points.append(point)
+path = RobotTrajectory(panda.get_robot_model())
+path.joint_model_group_name = "panda_arm"
+path.set_robot_trajectory_msg(RobotState(panda.get_robot_model()), message)
+untimed = path.duration
+timed = path.apply_totg_time_parameterization(0.5, 0.5, path_tolerance=0.01, resample_dt=0.05)
+done = panda.execute(path, controllers=[])
+"""
+    )
+    assert ran["untimed"] == 0.0
+    assert ran["timed"] is True
+    assert ran["path"].duration > 0.5
+    assert bool(ran["done"])

@@ -168,6 +168,11 @@ class JointModelGroup:
     def _checked(self, values: Sequence[float]) -> list[float]:
         found = [float(value) for value in np.asarray(values, dtype=np.float64).reshape(-1)]
         wanted = len(self.active_joint_model_names)
+        gripper = self._server.gripper_of(self._name)
+        if gripper is not None and len(found) == 1:
+            # The other fingers mimic the first, as they do in the real library.
+            signs = [gripper.sign(name) for name in self.active_joint_model_names]
+            return [sign * signs[0] * found[0] for sign in signs]
         if len(found) != wanted:
             raise ValueError(
                 f"group '{self._name}' has {wanted} variables "

@@ -101,7 +101,7 @@ class RobotState:
 
     @joint_positions.setter
     def joint_positions(self, joint_positions: Mapping[str, float]) -> None:
-        self._set(self._positions, joint_positions)
+        self._set_positions(joint_positions)
 
     @property
     def joint_velocities(self) -> dict[str, float]:
@@ -143,13 +143,13 @@ class RobotState:
             RuntimeError: there is no such group; lists those there are.
             ValueError: there are more or fewer values than joints.
         """
-        self._set(self._positions, self._named(joint_model_group_name, position_values))
+        self._set_positions(self._named(joint_model_group_name, position_values))
 
     def set_joint_group_active_positions(
         self, joint_model_group_name: str, position_values: Sequence[float]
     ) -> None:
         """Set the positions of a group's joints that can be commanded; raise as the former."""
-        self._set(self._positions, self._named(joint_model_group_name, position_values))
+        self._set_positions(self._named(joint_model_group_name, position_values))
 
     def get_joint_group_positions(self, joint_model_group_name: str) -> Array:
         """Return the positions of a group's joints, (n_joints,) [rad or m]."""
@@ -202,7 +202,7 @@ class RobotState:
         if name not in states:
             log_error(f"Group '{group}' has no state '{name}'; {one_of(states, name)}")
             return False
-        self._set(self._positions, states[name])
+        self._set_positions(states[name])
         return True
 
     def set_to_random_positions(self, joint_model_group: JointModelGroup | None = None) -> None:
@@ -211,10 +211,13 @@ class RobotState:
         The run's seed decides.
         """
         server = library().server
-        if joint_model_group is None:
-            self._set(self._positions, server.random_positions())
-        else:
-            self._set(self._positions, server.random_target(joint_model_group.name))
+        drawn = (
+            server.random_positions()
+            if joint_model_group is None
+            else server.random_target(joint_model_group.name)
+        )
+        led = {name for gripper in server.robot.grippers for name in gripper.joints[1:]}
+        self._set_positions({name: value for name, value in drawn.items() if name not in led})
 
     def set_from_ik(
         self,
@@ -237,7 +240,7 @@ class RobotState:
         except PlanningError as error:
             server.execution.tell("planning_failure", f"set_from_ik failed: {error.message}")
             return False
-        self._set(self._positions, found)
+        self._set_positions(found)
         return True
 
     def clear_attached_bodies(self) -> None:
@@ -349,6 +352,16 @@ class RobotState:
     def _listed(self, group: str, values: Mapping[str, float]) -> Array:
         names = self._model._group(group).active_joint_model_names
         return np.array([values[name] for name in names], dtype=np.float64)
+
+    def _set_positions(self, given: Mapping[str, float]) -> None:
+        """Set positions; the fingers of a gripper follow the one that leads them."""
+        self._set(self._positions, given)
+        for gripper in library().server.robot.grippers:
+            leader, *others = gripper.joints
+            if leader in given:
+                for name in others:
+                    if name not in given:
+                        self._positions[name] = gripper.sign(name) * float(given[leader])
 
     def _set(self, values: dict[str, float], given: Mapping[str, float]) -> None:
         for name, value in given.items():
