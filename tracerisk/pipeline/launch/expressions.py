@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 _LONGEST = 10_000
-_LARGEST_POWER = 1000
 _BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -117,12 +116,11 @@ class _Evaluation:
 
     def _binary(self, node: ast.BinOp) -> Any:
         left, right = self.of(node.left), self.of(node.right)
-        if isinstance(node.op, ast.Pow) and abs(right) > _LARGEST_POWER:
-            raise ValueError(f"a power of {right} is too large")
-        value = _BINARY[type(node.op)](left, right)
-        if isinstance(value, str | list) and len(value) > _LONGEST:
+        if isinstance(node.op, ast.Pow) and _size(left) * abs(right) > _LONGEST:
+            raise ValueError("a power is too large")
+        if isinstance(node.op, ast.Mult) and _length(left, right) > _LONGEST:
             raise ValueError(f"a text grows over {_LONGEST} characters")
-        return value
+        return _BINARY[type(node.op)](left, right)
 
     def _compare(self, node: ast.Compare) -> bool:
         left = self.of(node.left)
@@ -156,3 +154,16 @@ class _Evaluation:
             if callable(function):
                 return function(*arguments)
         raise ValueError(f"'{ast.unparse(node.func)}' is not called here")
+
+
+def _size(number: Any) -> int:
+    """Return how many bits a number has."""
+    return abs(number).bit_length() if isinstance(number, int) else 1
+
+
+def _length(left: Any, right: Any) -> int:
+    """Return how long a text or a list gets by being repeated; 0 where neither is one."""
+    for series, times in ((left, right), (right, left)):
+        if isinstance(series, str | list) and isinstance(times, int):
+            return len(series) * times
+    return 0

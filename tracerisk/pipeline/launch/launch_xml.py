@@ -120,6 +120,10 @@ class _Later(actions.OpaqueFunction):
         super().__init__(function=self._make)
         self.element = element
 
+    def describe(self) -> str:
+        """Return the tag."""
+        return f"<{self.element.tag}>"
+
     def _make(self, _context: Any) -> list[Any]:
         tag = self.element.tag.replace("-", "_")
         if tag not in _TAGS:

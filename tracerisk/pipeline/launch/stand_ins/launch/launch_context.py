@@ -123,7 +123,7 @@ class LaunchContext:
 
     def problem(self, entity: Any, error: Exception) -> None:
         """Note what could not be evaluated, once."""
-        name = type(entity).__name__
+        name = entity.describe()
         reason = str(error) if isinstance(error, AbsentError) else f"{_told(error)}"
         line = f"{name}: {reason}"
         if line not in self.reading.problems:

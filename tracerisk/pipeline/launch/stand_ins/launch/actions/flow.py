@@ -111,6 +111,9 @@ class _Described(Action):
         self.describe_file = describe
         self.path = path
 
+    def describe(self) -> str:
+        return self.path.name
+
     def execute(self, context: Any) -> Any:
         return [self.describe_file(self.path, context)]
 

@@ -1,0 +1,269 @@
+"""ROS 2 launch files, read in their process: what they start and give (docs.ros.org, launch)."""
+
+from __future__ import annotations
+
+import pytest
+
+from tracerisk.pipeline.launch.launch_process import read_launch
+from tracerisk.pipeline.workspace import find_workspace
+
+IMPORTS = """\
+from launch import LaunchDescription
+from launch.actions import *
+from launch.conditions import IfCondition, UnlessCondition
+from launch.event_handlers import OnProcessExit
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+from launch.substitutions import *
+from launch_ros.actions import *
+from launch_ros.parameter_descriptions import ParameterFile, ParameterValue
+from launch_ros.substitutions import FindPackageShare
+
+def pick(**given):
+    return Node(package="arm_task", executable="pick", **given)
+
+"""
+
+
+@pytest.fixture
+def read(workspace):
+    def read_file(name, text):
+        path = workspace.write(f"launch/{name}", text)
+        return read_launch(path, find_workspace(workspace.package))
+
+    return read_file
+
+
+@pytest.fixture
+def described(read):
+    """Read the description that holds the given entities."""
+
+    def read_entities(entities, before=""):
+        body = f"{IMPORTS}{before}\ndef generate_launch_description():\n"
+        return read("arm.launch.py", f"{body}    return LaunchDescription([{entities}])\n")
+
+    return read_entities
+
+
+def values(node):
+    return {each.name: each.value for each in node.parameters}
+
+
+def test_values_have_the_types_that_launch_ros_gives_them(described):
+    (node,) = described(
+        "DeclareLaunchArgument('speed', default_value='0.5'), DeclareLaunchArgument('n', default_value='7'),"
+        "pick(parameters=[{'speed': LaunchConfiguration('speed'), 'text': '0.5', 'flag': True,"
+        " 'list': [1, 2.5], 'joined': ['a', LaunchConfiguration('n')], 'names': ['1', 'b'],"
+        " 'as_text': ParameterValue(LaunchConfiguration('n'), value_type=str),"
+        " 'as_float': ParameterValue(LaunchConfiguration('n'), value_type=float),"
+        " 'arm': {'joint': {'limit': 2}}}])"
+    ).nodes
+    assert values(node) == {
+        "speed": 0.5,
+        "text": "0.5",
+        "flag": True,
+        "list": [1.0, 2.5],
+        "joined": "a7",
+        "names": ["1", "b"],
+        "as_text": "7",
+        "as_float": 7.0,
+        "arm.joint.limit": 2,
+    }
+
+
+def test_files_name_the_nodes_whose_parameters_they_hold(described, workspace):
+    workspace.write(
+        "config/a.yaml",
+        "pick:\n  ros__parameters: {speed: 1.5, arm: {joints: [a, b]}}\n"
+        "/**:\n  ros__parameters: {all: $(var n)}\n",
+    )
+    reading = described(
+        "DeclareLaunchArgument('n', default_value='7'),"
+        "pick(name='pick', parameters=[ParameterFile(PathJoinSubstitution("
+        "[FindPackageShare('arm_task'), 'config', 'a.yaml']), allow_substs=True)])"
+    )
+    (node,) = reading.nodes
+    found = {(each.node, each.name): each.value for each in node.parameters}
+    assert found == {
+        ("/pick", "speed"): 1.5,
+        ("/pick", "arm.joints"): ["a", "b"],
+        ("/**", "all"): 7,
+    }
+    assert [path.name for path in reading.sources] == ["arm.launch.py", "a.yaml"]
+
+
+def test_names_remaps_arguments_and_environment(described):
+    (node,) = described(
+        "SetEnvironmentVariable('SIDE', 'left'), SetRemap('a', 'b'), SetParameter('all', 1),"
+        "pick(name='p', namespace='arm', remappings=[('c', 'd')], arguments=['--n', '2'],"
+        " ros_arguments=['--log-level', 'warn'], additional_env={'N': '1'}, output='screen')"
+    ).nodes
+    assert (node.name, node.namespace) == ("p", "/arm")
+    assert node.remaps == (("a", "b"), ("c", "d"))
+    assert node.arguments == ("--n", "2")
+    assert node.ros_arguments == ("--log-level", "warn")
+    assert node.environment == (("N", "1"), ("SIDE", "left"))
+    assert values(node) == {"all": 1}
+
+
+def test_scopes_end_with_their_groups(described):
+    inner, outer = described(
+        "GroupAction([PushRosNamespace('left'), SetLaunchConfiguration('n', '1'),"
+        " SetParameter('p', 1), pick(namespace='arm')]),"
+        "pick(arguments=[LaunchConfiguration('n', default='none')])"
+    ).nodes
+    assert inner.namespace == "/left/arm"
+    assert values(inner) == {"p": 1}
+    assert outer.namespace == ""
+    assert outer.arguments == ("none",)
+    assert values(outer) == {}
+
+
+def test_conditions_timers_functions_and_events(described):
+    reading = described(
+        "DeclareLaunchArgument('sim', default_value='true'),"
+        "pick(name='a', condition=IfCondition(LaunchConfiguration('sim'))),"
+        "pick(name='no', condition=UnlessCondition(LaunchConfiguration('sim'))),"
+        "pick(name='b', condition=IfCondition(PythonExpression(['\"', LaunchConfiguration('sim'),"
+        ' \'" == "true"\']))),'
+        "TimerAction(period=5.0, actions=[pick(name='c')]), OpaqueFunction(function=made),"
+        "first, RegisterEventHandler(OnProcessExit(target_action=first, on_exit=[pick(name='e')])),"
+        "RegisterEventHandler(OnProcessExit(target_action=never, on_exit=[pick(name='no')]))",
+        before="first, never = pick(name='first'), pick(name='never')\n"
+        "def made(context, *args):\n"
+        "    return [pick(name='d', arguments=[LaunchConfiguration('sim').perform(context)])]\n",
+    )
+    assert [node.name for node in reading.nodes] == ["a", "b", "c", "d", "first", "e"]
+    assert reading.nodes[3].arguments == ("true",)
+    assert reading.problems == ()
+
+
+def test_included_files_of_every_kind_get_their_arguments(described, workspace):
+    workspace.write(
+        "launch/in.launch.xml",
+        '<launch><arg name="n" default="0"/><node pkg="arm_task" exec="pick" name="x$(var n)"/>'
+        "</launch>",
+    )
+    workspace.write(
+        "launch/in.launch.yaml",
+        "launch:\n- arg: {name: n, default: '0'}\n"
+        "- node: {pkg: arm_task, exec: pick, name: y$(var n), param: [{name: p, value: 2}]}\n",
+    )
+    reading = described(
+        "*[IncludeLaunchDescription(PythonLaunchDescriptionSource([ThisLaunchFileDir(),"
+        " '/in.launch.' + kind]), launch_arguments={'n': '3'}.items()) for kind in ('xml', 'yaml')]"
+    )
+    assert [node.name for node in reading.nodes] == ["x3", "y3"]
+    assert values(reading.nodes[1]) == {"p": 2}
+
+
+def test_xml_has_all_that_python_has(read):
+    reading = read(
+        "arm.launch.xml",
+        """\
+<launch>
+  <arg name="speed" default="0.5"/>
+  <let name="side" value="left_$(var speed)"/>
+  <group if="$(equals $(var speed) 0.50)">
+    <push-ros-namespace namespace="ns"/>
+    <set_remap from="a" to="b"/>
+    <node pkg="arm_task" exec="pick" name="pick" args="--side $(var side)" ros_args="--log-level warn">
+      <param name="speed" value="$(var speed)"/>
+      <param name="text" value="$(var speed)" type="str"/>
+      <param name="joints" value="a, b" value-sep=","/>
+      <param name="arm"><param name="n" value="$(eval '1 + 1')"/></param>
+      <remap from="c" to="d"/>
+      <env name="SIDE" value="left"/>
+    </node>
+  </group>
+  <node pkg="arm_task" exec="pick" name="no" unless="$(not false)"/>
+  <executable cmd="ros2 run arm_task pick --n 1"/>
+  <bad/>
+</launch>
+""",
+    )
+    node, command = reading.nodes
+    assert node.namespace == "/ns"
+    assert node.arguments == ("--side", "left_0.5")
+    assert node.ros_arguments == ("--log-level", "warn")
+    assert values(node) == {"speed": 0.5, "text": "0.5", "joints": ["a", "b"], "arm.n": 2}
+    assert node.remaps == (("a", "b"), ("c", "d"))
+    assert node.environment == (("SIDE", "left"),)
+    assert command.command == ("ros2", "run", "arm_task", "pick", "--n", "1")
+    assert any("<bad> is not read" in each for each in reading.problems)
+
+
+def test_what_is_not_here_leaves_only_itself_out(described):
+    (node, other) = described(
+        "pick(parameters=[moveit.to_dict(), {'robot_description': Command(['xacro ', 'a.xacro']),"
+        " 'speed': 1, 'share': FindPackageShare('not_here')}]),"
+        "pick(arguments=[FindPackageShare('not_here')]), pick(name='other')",
+        before="from moveit_configs_utils import MoveItConfigsBuilder\n"
+        "moveit = MoveItConfigsBuilder('panda').planning_pipelines().to_moveit_configs()\n",
+    ).nodes
+    assert values(node) == {"speed": 1}
+    assert dict(node.left_out) == {
+        "*": "moveit_configs_utils.MoveItConfigsBuilder is not here",
+        "robot_description": "the output of xacro is not here",
+        "share": "package 'not_here' is not here",
+    }
+    assert other.name == "other"
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("import launch.nothing_such", "No module named 'launch.nothing_such'"),
+        ("from launch.actions import Teleport", "Teleport"),
+        ("open('/etc/hostname', 'a')", "may not write /etc/hostname"),
+        ("import os; os.system('true')", "may not do os.system"),
+        ("import subprocess; subprocess.run(['true'])", "may not do subprocess.Popen"),
+        ("import os; os.remove('/tmp/no_such_file_at_all')", "may not do os.remove"),
+        ("import socket; socket.create_connection(('127.0.0.1', 9))", "may not do socket.connect"),
+        ("raise KeyError('x')", "KeyError"),
+        ("raise SystemExit(3)", "3"),
+    ],
+)
+def test_a_file_that_does_more_than_describe_is_a_problem(described, line, told):
+    reading = described("pick()", before=line)
+    assert reading.nodes == ()
+    assert any(told in each for each in reading.problems), reading.problems
+
+
+def test_a_file_may_write_a_temporary_file_and_print(described):
+    before = (
+        "import tempfile\nwith tempfile.NamedTemporaryFile('w', suffix='.yaml', delete=False) as f:\n"
+        "    f.write('/**: {ros__parameters: {speed: 1}}')\nprint('hello')\n"
+    )
+    (node,) = described("pick(parameters=[f.name])", before=before).nodes
+    assert values(node) == {"speed": 1}
+
+
+def test_an_argument_without_a_default_is_told(described):
+    reading = described(
+        "DeclareLaunchArgument('arm'), pick(arguments=[LaunchConfiguration('arm')]),"
+        "DeclareLaunchArgument('m', default_value='x', choices=['a', 'b'])"
+    )
+    assert reading.nodes == ()
+    problems = "\n".join(reading.problems)
+    assert "argument 'arm' has no default" in problems
+    assert "launch configuration 'arm' does not exist" in problems
+    assert "argument 'm' is 'x'; its choices: a, b" in problems
+
+
+def test_a_file_that_includes_itself_comes_to_an_end(described):
+    reading = described("IncludeLaunchDescription(ThisLaunchFile())")
+    assert any("includes itself" in each for each in reading.problems)
+
+
+@pytest.mark.slow  # the limit is ten seconds
+def test_a_file_without_an_end_is_stopped(described):
+    reading = described("", before="while True:\n    pass\n")
+    assert reading.nodes == ()
+    assert reading.problems
+
+
+def test_memory_has_a_limit(read):
+    reading = read(
+        "big.launch.py", "x = bytearray(3 * 1024**3)\ndef generate_launch_description(): 1\n"
+    )
+    assert any("MemoryError" in each for each in reading.problems)
