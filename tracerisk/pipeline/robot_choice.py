@@ -35,7 +35,8 @@ def choose_robot(controller: Controller, settings: Settings) -> RobotChoice:
 
     Raises RobotError when the settings name none that is known, or several fit equally well.
     """
-    from tracerisk.twin.detect import NoRobotNamedError, detect_robot
+    from tracerisk.pipeline.robot_hints import robot_hints
+    from tracerisk.twin.detect import NoRobotNamedError, SeveralRobotsError, detect_robot
     from tracerisk.twin.generic import generic_arm, names_asked
     from tracerisk.twin.robot import load_robot
     from tracerisk.twin.workspace import find_workspace_robot
@@ -55,16 +56,16 @@ def choose_robot(controller: Controller, settings: Settings) -> RobotChoice:
     found = find_workspace_robot(roots, packages, strings, controller.path)
     if found.robot is not None and found.is_named:
         return RobotChoice(replace(found.robot, chosen_by=found.reason), found.skipped)
+    asked = names_asked(controller.source)
     try:
-        robot = replace(
-            detect_robot(strings, str(controller.path)),
-            chosen_by="told by the names in the controller's strings",
-        )
-    except NoRobotNamedError:
+        robot = detect_robot(strings, robot_hints(controller), asked.joints)
+    except (NoRobotNamedError, SeveralRobotsError) as error:
         if found.robot is not None:
             return RobotChoice(replace(found.robot, chosen_by=found.reason), found.skipped)
+        if isinstance(error, SeveralRobotsError):
+            raise
         robot = replace(
-            generic_arm(names_asked(controller.source)),
+            generic_arm(asked),
             chosen_by="a stand-in for the robot, which is not known: name it with --robot",
         )
     return RobotChoice(robot, found.skipped)
@@ -102,11 +103,5 @@ def robot_digests(controller: Controller, settings: Settings) -> tuple[str, ...]
 
 
 def _own_packages(root: Path) -> Mapping[str, Path]:
-    """Return the packages of the controller's repository; without one, those beside its own."""
-    top = root.resolve()
-    around = next((each for each in (top, *top.parents) if (each / ".git").exists()), top.parent)
-    return {
-        name: folder
-        for name, folder in find_workspace(root).packages.items()
-        if folder.is_relative_to(around)
-    }
+    """Return the packages of the controller's own project."""
+    return find_workspace(root).packages

@@ -3,88 +3,165 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
-from pathlib import PurePath
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
 
 from tracerisk.errors import RobotError, one_of
+from tracerisk.twin.mentions import EVERYDAY, Hint, decide
+from tracerisk.twin.plain_names import is_number, is_plain
 from tracerisk.twin.robot import Robot, load_robot, robot_names
 
-# What many robots call a part of theirs says nothing about which one it is.
-_COMMON = {
-    "arm", "arm_controller", "base_link", "base_footprint", "ee_link", "end_effector_link",
-    "gripper", "gripper_controller", "gripper_link", "hand", "head", "joint_trajectory_controller",
-    "manipulator", "tool0", "tool_link", "world",
-}  # fmt: skip
 _SHORTEST_STEM = 5  # `joint` alone says nothing about the arm
-_Evidence = tuple[int, int, int]
+_HALF = 0.5  # the share of an arm's joints that must be named where their names are plain
+_FEWEST = 3
 
 
 class NoRobotNamedError(RobotError):
     """The controller's strings speak of no known robot."""
 
 
-def detect_robot(strings: Iterable[str], place: str = "") -> Robot:
-    """Return the robot whose joints, links or groups the strings name.
+class SeveralRobotsError(RobotError):
+    """The controller's strings fit several robots, and nothing says which one is meant."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Fit:
+    """How a robot fits the words of a controller.
+
+    `joints` and `places` are the joints, and the links, groups and controllers, that are named.
+    `is_certain` says that they can be meant as this robot's, and not as any arm's.
+    """
+
+    joints: frozenset[str]
+    places: frozenset[str]
+    is_named: bool
+    is_certain: bool
+    is_whole: bool
+
+    @property
+    def rank(self) -> tuple[int, int]:
+        return len(self.joints), sum(1 for name in self.places if not is_plain(name))
+
+    @property
+    def says_anything(self) -> bool:
+        return bool(self.joints or self.places or self.is_named)
+
+
+def detect_robot(
+    strings: Iterable[str], hints: Iterable[Hint] = (), listed: Collection[str] = ()
+) -> Robot:
+    """Return the robot whose joints, links or groups the strings name; `chosen_by` says how.
 
     A string counts as a whole, as a part of a ROS name (`/panda_arm_controller/command`), or as
     the stem of numbered names (`panda_joint`). Joints speak louder than links and groups, and
-    these louder than the robot's own name. Of several robots that fit equally, the one whose name
-    stands in the strings, or in `place` (the path of the controller, the name of its package).
+    these louder than the robot's own name. Names that any arm could have (`elbow_joint`) count
+    where half of an arm's joints are named. Of several robots that fit equally the hints decide,
+    else the only one whose joints are all named. Where only numbers (`joint1`) or plain names fit,
+    or none at all, a robot is taken only if a hint names it and it has the joints that are
+    `listed` as such; groups that it lacks are then assumed.
 
-    Raises RobotError when no robot or several fit, naming them.
+    Raises NoRobotNamedError when no robot fits, SeveralRobotsError when several do.
     """
     given = tuple(strings)
-    words = _words(given)
     robots = {name: load_robot(name) for name in robot_names()}
-    evidence = {name: _evidence(robot, words) for name, robot in robots.items()}
-    best = max(evidence.values(), default=(0, 0, 0))
-    if not any(best):
-        raise NoRobotNamedError(
-            "the controller's strings name no joint, link or group of a known robot; "
-            f"say which one it drives with --robot; {one_of(robots)}"
-        )
-    fitting = [name for name, found in evidence.items() if found[:2] == best[:2]]
-    named = _named(fitting, robots, (*given, place))
-    if len(named) == 1:
-        return robots[named[0]]
-    fitting = [name for name in named or fitting if evidence[name] == best] or named or fitting
-    if len(fitting) > 1:
-        raise RobotError(
-            f"the controller's strings fit several robots: {', '.join(fitting)}; "
-            "say which one it drives with --robot"
-        )
-    return robots[fitting[0]]
+    words = _words(given)
+    fits = {name: _fit(robot, words, given) for name, robot in robots.items()}
+    best = max((fit.rank for fit in fits.values()), default=(0, 0))
+    fitting = [name for name, fit in fits.items() if fit.says_anything and fit.rank == best]
+    certain = [name for name in fitting if fits[name].is_certain]
+    if certain:
+        return _of_certain(certain, robots, fits, hints)
+    # Numbers fit every arm, and what is plain fits any: here a name must say which one it is.
+    if any(_covers(robots[name], fits[name].joints) for name in fitting):
+        verdict = decide(fitting, robots, hints)
+        if verdict.reason:
+            return replace(robots[verdict.left[0]], chosen_by=verdict.reason)
+        raise _unknown(robots)
+    verdict = decide(robots, robots, (hint for hint in hints if hint.is_telling))
+    if verdict.reason:
+        robot = robots[verdict.left[0]]
+        if set(listed) <= {joint.name for joint in robot.joints}:
+            return replace(robot, chosen_by=verdict.reason, assumes_names=True)
+    raise _unknown(robots)
 
 
-def _named(fitting: list[str], robots: dict[str, Robot], texts: Iterable[str]) -> list[str]:
-    """Return those whose name stands in the texts as a word of its own.
+def _of_certain(
+    names: list[str], robots: Mapping[str, Robot], fits: Mapping[str, _Fit], hints: Iterable[Hint]
+) -> Robot:
+    told = "told by the names in the controller's strings"
+    if len(names) == 1:
+        return _chosen(robots[names[0]], told)
+    own = [name for name in names if fits[name].is_named]
+    if len(own) == 1:
+        return _chosen(robots[own[0]], told)
+    verdict = decide(own or names, robots, hints)
+    if verdict.reason:
+        return _chosen(robots[verdict.left[0]], told, verdict.reason)
+    whole = [name for name in verdict.left if fits[name].is_whole]
+    if len(whole) == 1:
+        reason = f"of {_listed(names)} only {whole[0]} has no joint beside these"
+        return _chosen(robots[whole[0]], told, reason)
+    raise SeveralRobotsError(
+        f"the controller's strings fit several robots: {_listed(verdict.left)}; "
+        "say which one it drives with --robot"
+    )
 
-    `ur5e` is no mention of `ur5`, and `ur5_moveit_config` is one.
-    """
-    whole = [
-        word
-        for text in texts
-        for part in (PurePath(text).parts or (text,))
-        for word in (part.lower(), *re.split(r"[^a-z0-9]+", part.lower()))
-    ]
-    words = set(whole)
-    return [
-        name for name in fitting if words & {name.lower(), *map(str.lower, robots[name].aliases)}
-    ]
+
+def _chosen(robot: Robot, told: str, reason: str = "") -> Robot:
+    return replace(robot, chosen_by=f"{told}; {reason}" if reason else told)
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(sorted(names))
+
+
+def _unknown(robots: Iterable[str]) -> NoRobotNamedError:
+    return NoRobotNamedError(
+        "the controller's strings name no joint, link or group of a known robot; "
+        f"say which one it drives with --robot; {one_of(robots)}"
+    )
+
+
+def _fit(robot: Robot, words: frozenset[str], strings: tuple[str, ...]) -> _Fit:
+    of_arm = {joint.name for joint in robot.arm_joints}
+    joints = {joint.name for joint in robot.joints} & words
+    proper = {name for name in joints if not is_plain(name)}
+    stems = {re.sub(r"\d+$", "", joint.name) for joint in robot.joints}
+    stems = {
+        stem
+        for stem in stems & words
+        if len(stem.rstrip("_")) > _SHORTEST_STEM and not is_plain(stem)
+    }
+    controllers = {controller.name for controller in robot.controllers}
+    places = {*robot.link_names, *robot.groups, *controllers} & words
+    # Names of whole namespaces (`/robot/limb/right`) stand within longer ones.
+    places |= {name for name in controllers if "/" in name and any(name[1:] in s for s in strings)}
+    tellable = {name for name in joints if not is_number(name)}
+    names = {robot.name, *robot.aliases} - EVERYDAY
+    is_named = any(names & _words([string]) for string in strings if not re.search(r"\s", string))
+    return _Fit(
+        joints=frozenset(joints | stems),
+        places=frozenset(places),
+        is_named=is_named,
+        is_certain=bool(proper or stems or is_named)
+        or any(not is_plain(name) for name in places)
+        or _covers(robot, tellable),
+        is_whole=of_arm <= joints,
+    )
+
+
+def _covers(robot: Robot, joints: Collection[str]) -> bool:
+    """Say whether half of the joints of an arm of the robot, and more than a few, are named."""
+    return any(
+        len(set(joints) & set(group.joints)) >= max(_FEWEST, _HALF * len(group.joints))
+        for group in robot.groups.values()
+    )
 
 
 def _words(strings: Iterable[str]) -> frozenset[str]:
+    """Return the strings and their parts."""
     words: set[str] = set()
     for string in strings:
         words.add(string)
         words.update(part for part in re.split(r"[/\s,;:.]+", string) if part)
     return frozenset(words)
-
-
-def _evidence(robot: Robot, words: frozenset[str]) -> _Evidence:
-    joints = {joint.name for joint in robot.joints} - _COMMON
-    stems = {re.sub(r"\d+$", "", name) for name in joints}
-    joints |= {stem for stem in stems if len(stem.rstrip("_")) > _SHORTEST_STEM}
-    places = {*robot.link_names, *robot.groups, *(c.name for c in robot.controllers)} - _COMMON
-    names = {robot.name, *robot.aliases}
-    return len(joints & words), len(places & words), len(names & words)

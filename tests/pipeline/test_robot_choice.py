@@ -1,0 +1,86 @@
+"""Of several robots that fit a controller, the one that its project names is taken."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tracerisk import pipeline
+from tracerisk.config import Settings
+from tracerisk.errors import RobotError
+from tracerisk.pipeline.robot_choice import choose_robot
+
+ARM = 'JOINTS = ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint"]\n'
+MANIFEST = "<package><name>{}</name></package>\n"
+
+
+def project(top: Path, script: str, **files: str) -> Path:
+    """A package with a controller and further files, in a repository."""
+    package = top / "repo" / "cell"
+    (package / "scripts").mkdir(parents=True)
+    (top / "repo" / ".git").mkdir()
+    (package / "package.xml").write_text(files.pop("manifest", MANIFEST.format("cell")))
+    for name, text in files.items():
+        path = package.parent / name.replace("__", "/").replace("_DOT_", ".")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    (package / "scripts" / "pick.py").write_text(script)
+    return package / "scripts" / "pick.py"
+
+
+def chosen_by(script: Path) -> tuple[str, str]:
+    robot = choose_robot(pipeline.load_controller(script), Settings()).robot
+    return robot.name, robot.chosen_by.partition("; ")[2] or robot.chosen_by
+
+
+@pytest.mark.parametrize(
+    ("script", "files", "robot", "told"),
+    [
+        (ARM + "ur3e_home = 0\n", {}, "ur3e", "its source (pick.py)"),
+        (ARM + "# of the UR10\n", {}, "ur10", "its comments (pick.py)"),
+        ('"""Moves a UR-5e."""\n' + ARM, {}, "ur5e", "its comments (pick.py)"),
+        (ARM, {"manifest": MANIFEST.format("ur5_cell")}, "ur5",
+         "the package's manifest (cell/package.xml)"),
+        (ARM, {"cell__launch__cell_DOT_launch": '<arg name="type" default="ur3"/>'}, "ur3",
+         "a launch file (cell/launch/cell.launch)"),
+        (ARM, {"cell__config__a_DOT_yaml": "ur_type: ur10e"}, "ur10e",
+         "a parameter file (cell/config/a.yaml)"),
+        (ARM, {"README_DOT_md": "# A cell with a UR10e"}, "ur10e", "a readme (README.md)"),
+        (ARM + "# not the UR3\n", {"cell__ur5_DOT_yaml": "ur5"}, "ur3", "its comments (pick.py)"),
+    ],
+)  # fmt: skip
+def test_the_heaviest_evidence_decides_and_is_told(tmp_path, script, files, robot, told):
+    assert chosen_by(project(tmp_path, script, **files)) == (robot, f"{robot} is named in {told}")
+
+
+def test_folders_of_the_project_count_and_those_around_it_do_not(tmp_path):
+    script = project(tmp_path / "ur10", ARM)
+    with pytest.raises(RobotError, match="fit several robots"):
+        chosen_by(script)
+    script.parents[2].rename(tmp_path / "ur5e_demo")
+    moved = tmp_path / "ur5e_demo" / "cell" / "scripts" / "pick.py"
+    assert chosen_by(moved) == ("ur5e", "ur5e is named in its folder's name (ur5e_demo)")
+
+
+def test_files_of_another_checkout_beside_it_are_no_evidence(tmp_path):
+    own, other = tmp_path / "own", tmp_path / "other"
+    for folder in (own, other):
+        folder.mkdir()
+        (folder / "package.xml").write_text(MANIFEST.format(folder.name))
+    (other / "README.md").write_text("UR5e\n")
+    (own / "pick.py").write_text(ARM)
+    with pytest.raises(RobotError, match="fit several robots: ur10, ur10e, ur3, ur3e, ur5, ur5e"):
+        chosen_by(own / "pick.py")
+
+
+def test_a_script_that_lies_about_is_not_told_by_the_folder_it_lies_in(tmp_path):
+    (tmp_path / "ur5e").mkdir()
+    (tmp_path / "ur5e" / "pick.py").write_text('GROUP = "manipulator"\n')
+    assert chosen_by(tmp_path / "ur5e" / "pick.py")[0] == "generic"
+
+
+def test_a_controller_of_a_gripper_alone_gets_the_generic_arm(tmp_path):
+    name, told = chosen_by(project(tmp_path, 'NAMES = ["gripper", "gripper_controller"]\n'))
+    assert name == "generic"
+    assert "--robot" in told
