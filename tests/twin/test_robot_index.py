@@ -18,7 +18,7 @@ def names_in(robot: Robot) -> RobotNames:
         links=robot.link_names,
         joints=tuple(joint.name for joint in robot.joints),
         arm_joints=tuple(joint.name for joint in robot.arm_joints),
-        groups=tuple(robot.groups),
+        groups={name: group.joints for name, group in robot.groups.items()},
         grippers=tuple(gripper.name for gripper in robot.grippers),
         controllers=tuple(controller.name for controller in robot.controllers),
     )

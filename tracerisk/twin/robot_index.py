@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from tracerisk.twin.robot import SHIPPED_ROBOTS, robot_names
 
 _SECTION = re.compile(r"^(\w+):(.*)$")
 _ENTRY = re.compile(r"^  - \{?name: (\S+?)(?:,|\}|$)(.*)$")
-_KEY = re.compile(r"^  (\S+):")
+_GROUP = re.compile(r"^  (\S+):\n    joints: \[([^\]]*)\]", re.MULTILINE)
 _JOINTS = re.compile(r"\bjoints: \[([^\]]*)\]")
 
 
@@ -23,8 +24,8 @@ _JOINTS = re.compile(r"\bjoints: \[([^\]]*)\]")
 class RobotNames:
     """What a shipped robot calls itself and its parts, and what stands at the top of its file.
 
-    `joints` are all that move, `arm_joints` those of them that belong to no gripper; `payload` is
-    rated, in [kg], `None` where the file gives none.
+    `joints` are all that move, `arm_joints` those of them that belong to no gripper; `groups` have
+    the joints of each. `payload` is rated, in [kg], `None` where the file gives none.
     """
 
     name: str
@@ -35,7 +36,7 @@ class RobotNames:
     links: tuple[str, ...]
     joints: tuple[str, ...]
     arm_joints: tuple[str, ...]
-    groups: tuple[str, ...]
+    groups: Mapping[str, tuple[str, ...]]
     grippers: tuple[str, ...]
     controllers: tuple[str, ...]
 
@@ -64,8 +65,8 @@ def scan_names(text: str) -> RobotNames:
         links=tuple(name for name, _ in _entries(sections, "links")),
         joints=joints,
         arm_joints=tuple(name for name in joints if name not in held),
-        groups=tuple(
-            found[1] for line in sections["groups"].splitlines() if (found := _KEY.match(line))
+        groups=MappingProxyType(
+            {found[1]: _list(found[2]) for found in _GROUP.finditer(sections["groups"])}
         ),
         grippers=tuple(name for name, _ in _entries(sections, "grippers")),
         controllers=tuple(name for name, _ in _entries(sections, "controllers")),
