@@ -125,12 +125,20 @@ def test_a_xacro_finds_its_packages_and_an_srdf_beside_names_its_groups(example)
     example.write("pyproject.toml", "")
     example.write("controller.py", CONTROLLER.replace('"arm"', '"bender"').replace("home", "low"))
     example.write("parts/package.xml", "<package><name>bent_parts</name></package>")
-    example.write("parts/urdf/arm.xacro", urdf(mesh="package://bent_parts/gone.stl"))
+    example.write(
+        "parts/urdf/arm.xacro",
+        urdf(
+            mesh="package://bent_parts/gone.stl",
+            more='<joint name="on" type="fixed"><parent link="arm"/><child link="tool"/></joint>',
+        ),
+    )
     example.write(
         "parts/urdf/bent.urdf.xacro",
         '<robot name="bent" xmlns:xacro="http://www.ros.org/wiki/xacro">'
-        '<xacro:include filename="$(find bent_parts)/urdf/arm.xacro"/></robot>',
+        '<xacro:include filename="$(find bent_parts)/urdf/arm.xacro"/>'
+        '<xacro:include filename="tool.xacro"/></robot>',
     )
+    example.write("parts/urdf/tool.xacro", '<robot><link name="tool"/></robot>')
     example.write(
         "parts/config/bent.srdf",
         '<robot name="bent"><group name="bender"><joint name="turn"/></group>'
@@ -139,7 +147,9 @@ def test_a_xacro_finds_its_packages_and_an_srdf_beside_names_its_groups(example)
     robot = "parts/urdf/bent.urdf.xacro"
     found = example.run("doctor", "controller.py", "--robot", robot, "--json").json["found"]
     assert found["groups"] == "bender: turn"
-    assert all(name in found["robot files read"] for name in ("arm.xacro", "bent.srdf"))
+    assert all(
+        name in found["robot files read"] for name in ("arm.xacro", "tool.xacro", "bent.srdf")
+    )
     outcome = example.run("run", "controller.py", "--robot", robot)
     assert outcome.code == 0, outcome.err
 

@@ -27,6 +27,8 @@ def main() -> int:
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
     resource.setrlimit(resource.RLIMIT_CPU, (CPU_S, CPU_S))
     asked = json.load(sys.stdin)
+    # xacrodoc hands xacro the text: relative includes of the file itself start from here.
+    os.chdir(Path(asked["path"]).parent)
     # What xacro says goes to standard error; only the document is the answer.
     with contextlib.redirect_stdout(sys.stderr):
         from xacrodoc import XacroDoc, packages

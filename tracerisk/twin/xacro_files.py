@@ -86,7 +86,7 @@ def expanded_xacro(
 
 def _refusal(told: Mapping[str, Any], shown: str, path: Path) -> RobotError:
     """Return the error at the line of the file that names what lies outside the folders."""
-    asked, allowed = told["asked"], ", ".join(told["within"])
+    asked, top = told["asked"], told["within"][0]
     line = None
     where = shown
     if told["by"] is not None:
@@ -96,7 +96,7 @@ def _refusal(told: Mapping[str, Any], shown: str, path: Path) -> RobotError:
         lines = by.read_bytes().splitlines()
         line = next((number for number, each in enumerate(lines, 1) if name in each), None)
     return RobotError(
-        f"'{asked}' lies outside {allowed}, and only files below it are read; put the file "
-        "there, or take this line out",
+        f"'{asked}' lies outside {top} and the packages of the workspace, and only files in them "
+        "are read; put the file there, or take this line out",
         Location(where, line),
     )
