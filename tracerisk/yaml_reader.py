@@ -190,11 +190,16 @@ class YamlMap:
 
 
 def read_yaml(
-    path: Path, error: type[InputError] = InputError, *, shown: str | None = None
+    path: Path,
+    error: type[InputError] = InputError,
+    *,
+    shown: str | None = None,
+    version: tuple[int, int] = (1, 2),
 ) -> YamlMap:
     """Read one YAML document whose top is a mapping.
 
-    `shown` is the name for messages, the path by default.
+    `shown` is the name for messages, the path by default; `version` that of YAML: in 1.1 `yes`
+    is true.
     Raises `error` with file and line when the file is absent, is not UTF-8, is larger than
     16 MB, is not YAML, holds a key twice, or does not hold a mapping with string keys.
     """
@@ -215,7 +220,9 @@ def read_yaml(
         line = data[: cause.start].count(b"\n") + 1
         raise error("is not UTF-8; save it as UTF-8", Location(file, line)) from cause
     try:
-        node = YAML(typ="rt", pure=True).load(text)
+        yaml = YAML(typ="rt", pure=True)
+        yaml.version = version
+        node = yaml.load(text)
     except MarkedYAMLError as cause:
         mark = cause.problem_mark or cause.context_mark
         place = Location(file, mark.line + 1, mark.column + 1) if mark else Location(file)

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from ruamel.yaml import YAML
-
-from tracerisk.config import Settings
-from tracerisk.pipeline.freshness import fingerprint
 
 ROS1 = """\
 import sys
@@ -303,22 +299,25 @@ def test_a_mistake_in_a_scenario_is_bad_input(example, quick):
     assert "s.yaml:1:1: unknown key 'servces'; did you mean 'services'?" in outcome.err
 
 
-def test_a_trace_depends_on_what_the_scenario_and_the_parameter_files_hold(tmp_path, sample_trace):
-    from tracerisk.pipeline import load_controller
+def test_what_the_scenario_holds_is_part_of_what_the_lock_keeps_of_a_run(example, quick):
+    example.write("c.py", quick())
+    example.write("pyproject.toml", '[tool.tracerisk]\nscenario = "s.yaml"\n')
+    locks = []
+    for text in ("answers: []\n", "answers: [unasked]\n"):
+        example.write("s.yaml", text)
+        assert example.run("run", "c.py", "--quiet").code == 0
+        locks.append(example.read("tracerisk.lock"))
+    assert locks[0] != locks[1]
 
-    script = tmp_path / "c.py"
-    script.write_text("pass\n")
-    files = tmp_path / "s.yaml", tmp_path / "p.yaml"
-    for file in files:
-        file.write_text("{}\n")
-    settings = Settings(scenario=str(files[0]), params=(str(files[1]),))
-    controller, trace = load_controller(str(script)), replace(sample_trace, files=())
 
-    def digest(given: Settings) -> str:
-        return fingerprint(controller, trace, given)
-
-    digests = {digest(Settings()), digest(settings)}
-    for file in files:
-        file.write_text("answers: []\n")
-        digests.add(digest(settings))
-    assert len(digests) == 4
+def test_the_arm_is_the_controllers_and_a_scenario_moves_nothing(example):
+    example.write("c.py", LISTENER + POLL)
+    message = "{joint_names: [panda_joint1], points: [{positions: [0.5], time_from_start: 1}]}"
+    kind = "trajectory_msgs/JointTrajectory"
+    example.write(
+        "s.yaml",
+        f"publish:\n  - {{topic: /arm/command, type: {kind}, at: 1, message: {message}}}\n"
+        "  - {topic: /angle, type: std_msgs/Float64, at: 4, message: 0.1}\n",
+    )
+    trace = example.run("trace", "c.py", "--json", "--scenario", "s.yaml").json["trace"]
+    assert [visit["start_s"] for visit in trace["visits"]] == [pytest.approx(4.0, abs=0.2)]

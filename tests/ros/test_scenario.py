@@ -404,18 +404,29 @@ def test_parameters_of_ros_1_are_everybodys_or_private(run_in):
         rospy.init_node("picker")
         return [
             rospy.get_param(name)
-            for name in ("speed", "~retries", "/arm/gains/p", "/arm/joints", "~depth", "~named")
+            for name in (
+                "speed",
+                "~retries",
+                "/arm/gains/p",
+                "/arm/joints",
+                "~depth",
+                "~named",
+                "~is_left",
+            )
         ]
 
-    params = ["/**:\n  ros__parameters: {depth: 4}\n", "picker:\n  ros__parameters: {named: 5}\n"]
-    assert run_in(text, main, params=params) == [0.2, 3, 1.5, ["a", "b"], 4, 5]
+    params = [
+        "/**:\n  ros__parameters: {depth: 4, is_left: yes}\n",
+        "picker:\n  ros__parameters: {named: 5}\n",
+    ]
+    assert run_in(text, main, params=params) == [0.2, 3, 1.5, ["a", "b"], 4, 5, True]
 
 
 def test_parameters_of_ros_2_are_those_of_their_node_and_the_command_line_wins(run2_in):
     text = "parameters: {speed: 0.2, arm: {gain: 1.5}, home: ready}\n"
     params = [
         "/**:\n  ros__parameters:\n    depth: 4\n    arm: {name: left}\n",
-        "picker:\n  ros__parameters: {mine: true}\nplacer:\n  ros__parameters: {mine: false}\n",
+        "/**/picker:\n  ros__parameters: {mine: true}\nplacer:\n  ros__parameters: {mine: false}\n",
     ]
 
     def main(scheduler, node):

@@ -62,6 +62,7 @@ class UnmetNeeds:
         unmet = self._led_to(cause)
         if not unmet:
             return plain
+        plain = replace(plain, location=location or self.below_root(unmet[0].location))
         lines = scenario_lines([each.need for each in unmet], self._interfaces)
         if cause == "quiescent":
             told = f"nothing was commanded, and nothing provides {self.told(unmet)}"

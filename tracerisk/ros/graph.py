@@ -40,6 +40,7 @@ class Publication:
     copy: Callable[[Any], Any]
     on_connect: Callable[[Subscription], None] | None = None
     on_disconnect: Callable[[Subscription], None] | None = None
+    by_controller: bool = True
     latched: Any = None
     sent: int = 0
     closed: bool = False
@@ -199,10 +200,14 @@ class Graph:
         copy: Callable[[Any], Any] = lambda message: message,
         on_connect: Callable[[Subscription], None] | None = None,
         on_disconnect: Callable[[Subscription], None] | None = None,
+        by_controller: bool = True,
     ) -> Publication:
-        """Begin to publish on a topic; those who subscribed already are connected."""
+        """Begin to publish on a topic; those who subscribed already are connected.
+
+        `by_controller` is False for a scenario's: what it publishes commands nothing.
+        """
         publication = Publication(
-            self, topic, type_name, node, latch, copy, on_connect, on_disconnect
+            self, topic, type_name, node, latch, copy, on_connect, on_disconnect, by_controller
         )
         entry = self._topics.setdefault(topic, _Topic())
         for other in entry.subscriptions:

@@ -26,12 +26,12 @@ class Parameter:
 
 
 def read_parameters(path: Path) -> tuple[Parameter, ...]:
-    """Read a parameter file of either ROS.
+    """Read a parameter file of either ROS, which is YAML 1.1 as both read it: `yes` is true.
 
     Raises:
         ScenarioError: it cannot be read, or holds no mapping, or a value no parameter can have.
     """
-    return parameters_of(read_yaml(path, ScenarioError))
+    return parameters_of(read_yaml(path, ScenarioError, version=(1, 1)))
 
 
 def parameters_of(tree: YamlMap) -> tuple[Parameter, ...]:
@@ -128,7 +128,9 @@ def overrides_of(parameters: tuple[Parameter, ...]) -> tuple[tuple[str | None, s
     found: list[tuple[str | None, str, Any]] = []
     for each in parameters:
         if each.node is not None:
-            found.append((None if each.node == EVERY_NODE else each.node, each.name, each.value))
+            # `/**/pick` is every node of that name, in whatever namespace.
+            node = None if each.node == EVERY_NODE else each.node.removeprefix(f"{EVERY_NODE}/")
+            found.append((node, each.name, each.value))
             continue
         name = each.name.lstrip("~").strip("/")
         for dotted, value in _flat(name.replace("/", "."), each.value):

@@ -36,6 +36,7 @@ class ScenarioTopic:
             entry.topic,
             entry.type_name,
             node=NODE,
+            by_controller=False,
             on_connect=None if entry.at or entry.rate is not None else self._on_subscriber,
         )
         if entry.rate is not None:

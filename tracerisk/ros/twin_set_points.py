@@ -81,7 +81,8 @@ class SetPoints:
         take = self._takers[type_name]
 
         def deliver(message: Any, publication: Publication) -> None:
-            del publication
+            if not publication.by_controller:
+                return
             others = self._graph.subscriptions(name)
             if not any(each.by_controller for each in others):
                 take(name, message)

@@ -206,6 +206,8 @@ def get_param(param_name: str, default: Any = _UNSPECIFIED) -> Any:
     except KeyError:
         if default is _UNSPECIFIED:
             raise
+        # It can do without.
+        node().scheduler.needs.meet(Need("parameter", names.resolve_name(param_name)))
         return default
 
 
