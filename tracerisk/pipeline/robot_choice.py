@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -89,17 +89,20 @@ def read_model(root: Path, name: str) -> ModelFile:
 
 
 def robot_digests(controller: Controller, settings: Settings) -> tuple[str, ...]:
-    """Return a digest of each file that was read for a robot that the settings name by its file.
+    """Return a digest of each file that `robot_files` returns; raises as it does."""
+    files = robot_files(controller, settings)
+    return tuple(hashlib.sha256(file.read_bytes()).hexdigest() for file in files)
+
+
+def robot_files(controller: Controller, settings: Settings) -> tuple[Path, ...]:
+    """Return the files that are read for a robot that the settings name by its file, that first.
 
     Raises RobotError as `choose_robot` does.
     """
     name = settings.robot
     if name is None or not Path(name).suffix:
         return ()
-    files: Iterable[Path] = (Path(name),)
-    if is_model_file(name):
-        files = read_model(controller.root, name).files
-    return tuple(hashlib.sha256(file.read_bytes()).hexdigest() for file in files)
+    return read_model(controller.root, name).files if is_model_file(name) else (Path(name),)
 
 
 def _own_packages(root: Path) -> Mapping[str, Path]:
