@@ -5,11 +5,11 @@ import pytest
 from tracerisk.errors import RobotError
 from tracerisk.twin.detect import NoRobotNamedError, SeveralRobotsError, detect_robot
 from tracerisk.twin.mentions import Hint, decide, mentioned
-from tracerisk.twin.robot import load_robot, robot_names
+from tracerisk.twin.robot_index import shipped_names
 
 UR_JOINTS = ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint"]
 SIX = [f"joint{i}" for i in range(1, 7)]
-ROBOTS = {name: load_robot(name) for name in robot_names()}
+ROBOTS = {each.name: each for each in shipped_names()}
 
 
 def source(text: str) -> list[Hint]:
@@ -150,3 +150,9 @@ def test_hints_that_say_nothing_leave_all():
     verdict = decide(["ur3", "ur5"], ROBOTS, [Hint("its comments", {"a.py": "an arm"})])
     assert verdict.left == ("ur3", "ur5")
     assert not verdict.reason
+
+
+def test_a_name_that_two_robots_share_speaks_for_the_one_whose_joints_are_named():
+    hints = [Hint("its folders", {"src": "iiwa14_pick"})]
+    assert detect_robot(["iiwa_joint_1"], hints).name == "iiwa14_stack"
+    assert detect_robot(["lbr_A1"], hints).name == "iiwa14"

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 from tracerisk.errors import RobotError, one_of
 from tracerisk.twin.mentions import EVERYDAY, Hint, decide
 from tracerisk.twin.plain_names import is_number, is_plain
-from tracerisk.twin.robot import Robot, load_robot, robot_names
+from tracerisk.twin.robot import Robot, load_robot
+from tracerisk.twin.robot_index import RobotNames, shipped_names
 
 _SHORTEST_STEM = 5  # `joint` alone says nothing about the arm
 _HALF = 0.5  # the share of an arm's joints that must be named where their names are plain
@@ -63,7 +64,7 @@ def detect_robot(
     Raises NoRobotNamedError when no robot fits, SeveralRobotsError when several do.
     """
     given = tuple(strings)
-    robots = {name: load_robot(name) for name in robot_names()}
+    robots = {each.name: each for each in shipped_names()}
     words = _words(given)
     fits = {name: _fit(robot, words, given) for name, robot in robots.items()}
     best = max((fit.rank for fit in fits.values()), default=(0, 0))
@@ -75,40 +76,42 @@ def detect_robot(
     if any(_covers(robots[name], fits[name].joints) for name in fitting):
         verdict = decide(fitting, robots, hints)
         if verdict.reason:
-            return replace(robots[verdict.left[0]], chosen_by=verdict.reason)
+            return replace(load_robot(verdict.left[0]), chosen_by=verdict.reason)
         raise _unknown(robots)
     verdict = decide(robots, robots, (hint for hint in hints if hint.is_telling))
-    if verdict.reason:
-        robot = robots[verdict.left[0]]
-        if set(listed) <= {joint.name for joint in robot.joints}:
-            return replace(robot, chosen_by=verdict.reason, assumes_names=True)
+    if verdict.reason and set(listed) <= set(robots[verdict.left[0]].joints):
+        robot = load_robot(verdict.left[0])
+        return replace(robot, chosen_by=verdict.reason, assumes_names=True)
     raise _unknown(robots)
 
 
 def _of_certain(
-    names: list[str], robots: Mapping[str, Robot], fits: Mapping[str, _Fit], hints: Iterable[Hint]
+    names: list[str],
+    robots: Mapping[str, RobotNames],
+    fits: Mapping[str, _Fit],
+    hints: Iterable[Hint],
 ) -> Robot:
     told = "told by the names in the controller's strings"
     if len(names) == 1:
-        return _chosen(robots[names[0]], told)
+        return _chosen(names[0], told)
     own = [name for name in names if fits[name].is_named]
     if len(own) == 1:
-        return _chosen(robots[own[0]], told)
+        return _chosen(own[0], told)
     verdict = decide(own or names, robots, hints)
     if verdict.reason:
-        return _chosen(robots[verdict.left[0]], told, verdict.reason)
+        return _chosen(verdict.left[0], told, verdict.reason)
     whole = [name for name in verdict.left if fits[name].is_whole]
     if len(whole) == 1:
         reason = f"of {_listed(names)} only {whole[0]} has no joint beside these"
-        return _chosen(robots[whole[0]], told, reason)
+        return _chosen(whole[0], told, reason)
     raise SeveralRobotsError(
         f"the controller's strings fit several robots: {_listed(verdict.left)}; "
         "say which one it drives with --robot"
     )
 
 
-def _chosen(robot: Robot, told: str, reason: str = "") -> Robot:
-    return replace(robot, chosen_by=f"{told}; {reason}" if reason else told)
+def _chosen(name: str, told: str, reason: str = "") -> Robot:
+    return replace(load_robot(name), chosen_by=f"{told}; {reason}" if reason else told)
 
 
 def _listed(names: Iterable[str]) -> str:
@@ -122,20 +125,20 @@ def _unknown(robots: Iterable[str]) -> NoRobotNamedError:
     )
 
 
-def _fit(robot: Robot, words: frozenset[str], strings: tuple[str, ...]) -> _Fit:
-    of_arm = {joint.name for joint in robot.arm_joints}
-    joints = {joint.name for joint in robot.joints} & words
+def _fit(robot: RobotNames, words: frozenset[str], strings: tuple[str, ...]) -> _Fit:
+    joints = words.intersection(robot.joints)
     proper = {name for name in joints if not is_plain(name)}
-    stems = {re.sub(r"\d+$", "", joint.name) for joint in robot.joints}
+    stems = {re.sub(r"\d+$", "", joint) for joint in robot.joints}
     stems = {
         stem
         for stem in stems & words
         if len(stem.rstrip("_")) > _SHORTEST_STEM and not is_plain(stem)
     }
-    controllers = {controller.name for controller in robot.controllers}
-    places = {*robot.link_names, *robot.groups, *controllers} & words
+    places = words & {*robot.links, *robot.groups, *robot.controllers}
     # Names of whole namespaces (`/robot/limb/right`) stand within longer ones.
-    places |= {name for name in controllers if "/" in name and any(name[1:] in s for s in strings)}
+    places |= {
+        name for name in robot.controllers if "/" in name and any(name[1:] in s for s in strings)
+    }
     tellable = {name for name in joints if not is_number(name)}
     names = {robot.name, *robot.aliases} - EVERYDAY
     is_named = any(names & _words([string]) for string in strings if not re.search(r"\s", string))
@@ -146,14 +149,14 @@ def _fit(robot: Robot, words: frozenset[str], strings: tuple[str, ...]) -> _Fit:
         is_certain=bool(proper or stems or is_named)
         or any(not is_plain(name) for name in places)
         or _covers(robot, tellable),
-        is_whole=of_arm <= joints,
+        is_whole=joints.issuperset(robot.arm_joints),
     )
 
 
-def _covers(robot: Robot, joints: Collection[str]) -> bool:
+def _covers(robot: RobotNames, joints: Collection[str]) -> bool:
     """Say whether half of the joints of an arm of the robot, and more than a few, are named."""
     return any(
-        len(set(joints) & set(group.joints)) >= max(_FEWEST, _HALF * len(group.joints))
+        len(set(joints) & set(group)) >= max(_FEWEST, _HALF * len(group))
         for group in robot.groups.values()
     )
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from tracerisk.twin.robot import Robot
+from tracerisk.twin.robot_index import RobotNames
 
 EVERYDAY = frozenset({"fetch"})
 """Robots whose bare name is a word of everyday English: only their longer names are mentions."""
@@ -39,25 +39,25 @@ class Verdict:
     said: list[str] = field(default_factory=list)
 
 
-def mentioned(text: str, robots: Mapping[str, Robot]) -> frozenset[str]:
+def mentioned(text: str, robots: Mapping[str, RobotNames]) -> frozenset[str]:
     """Return the names of the robots that a text names, by their name or an alias.
 
     A name is a word of its own: `ur5e` is no mention of `ur5`; `ur5_moveit_config`, `UR5Node`,
     `UR-5` and `ur 5` are. What is part of a longer name of another robot is none.
     """
     text = _plain(text)
-    found = set()
-    for phrase, name in _phrases(robots):
+    found: set[str] = set()
+    for phrase, names in _phrases(robots):
         wanted = f" {phrase} "
         # What was read is not read again as a shorter name; neighbours share a blank.
         while wanted in text:
-            found.add(name)
+            found |= names
             text = text.replace(wanted, f" {_APART} ")
     return frozenset(found)
 
 
 def decide(
-    candidates: Iterable[str], robots: Mapping[str, Robot], hints: Iterable[Hint]
+    candidates: Iterable[str], robots: Mapping[str, RobotNames], hints: Iterable[Hint]
 ) -> Verdict:
     """Return which of several robots the hints single out, the heaviest hint first.
 
@@ -83,15 +83,16 @@ def decide(
     return verdict
 
 
-def _phrases(robots: Mapping[str, Robot]) -> list[tuple[str, str]]:
-    """Return what robots are called in plain words, with their names, longer ones first."""
-    found = set()
+def _phrases(robots: Mapping[str, RobotNames]) -> list[tuple[str, set[str]]]:
+    """Return what robots are called in plain words, with those called so, longer ones first."""
+    found: dict[str, set[str]] = {}
     for name, robot in robots.items():
         for called in {robot.name, *robot.aliases} - EVERYDAY:
             phrase = " ".join(_split(called.lower()))
             apart = re.sub(r"(?<=[a-z])(?=\d)", " ", phrase)
-            found |= {(phrase, name), (apart, name)}
-    return sorted(found, key=lambda each: (-len(each[0]), each))
+            for each in (phrase, apart):
+                found.setdefault(each, set()).add(name)
+    return sorted(found.items(), key=lambda each: (-len(each[0]), each[0]))
 
 
 def _plain(text: str) -> str:
