@@ -331,12 +331,59 @@ PART_SORTING = Sample(
     sources=(ARM, SORTER),
 )  # fmt: skip
 
+SHELF = "shelf_stocking.py"
+SHELF_STOCKING = Sample(
+    SHELF,
+    {
+        "ShelfStocking.look_out": MOTORS,
+        "ShelfStocking.fetch_box": BOTH,
+        "ShelfStocking.put_on_shelf": BOTH,
+        "ShelfStocking.park": MOTORS,
+    },
+    {
+        "extracted": Change(
+            ("ShelfStocking.look_out", "ShelfStocking.fetch_box", "ShelfStocking.put_on_shelf",
+             "ShelfStocking.let_go", "ShelfStocking.park"),
+            {SHELF: ((
+                '        self.set_hand("open")\n'
+                "        self.move_to(0.40 + 0.08 * row, -0.42, 0.55)\n\n",
+                "        self.let_go(row)\n\n    def let_go(self, row):\n"
+                '        self.set_hand("open")\n'
+                "        self.move_to(0.40 + 0.08 * row, -0.42, 0.55)\n\n",
+            ),)},
+        ),
+        "inlined": Change(
+            ("ShelfStocking.look_out", "ShelfStocking.fetch_box", "ShelfStocking.put_on_shelf",
+             "main"),
+            {SHELF: ((
+                "    stocking.park()\n",
+                "    stocking.arm.set_start_state_to_current_state()\n"
+                '    stocking.arm.set_goal_state(configuration_name="ready")\n'
+                "    stocking.plan_and_execute(stocking.arm)\n",
+            ),)},
+        ),
+        "renamed, and a dead function added": Change(
+            ("ShelfStocking.look_out", "ShelfStocking.take_box", "ShelfStocking.put_on_shelf",
+             "ShelfStocking.park"),
+            {SHELF: (
+                ("stocking.fetch_box()", "stocking.take_box()"),
+                (
+                    "    def fetch_box(self):",
+                    '    def never(self):\n        self.set_hand("open")\n        self.park()\n\n'
+                    "    def take_box(self):",
+                ),
+            )},
+        ),
+    },
+)  # fmt: skip
+
 ALL = {
     "machine_tending": MACHINE_TENDING,
     "surface_scan": SURFACE_SCAN,
     "glue_bead": GLUE_BEAD,
     "careful_pick": CAREFUL_PICK,
     "part_sorting": PART_SORTING,
+    "shelf_stocking": SHELF_STOCKING,
 }
 QUICK_TWICE = ("machine_tending", "part_sorting")
 QUICK_CHANGES = {
@@ -345,6 +392,7 @@ QUICK_CHANGES = {
     "glue_bead": "put into a function",
     "careful_pick": "inlined",
     "part_sorting": "inlined",
+    "shelf_stocking": "extracted",
 }
 """Samples and refactorings of each that every test run looks at; the others are `slow`."""
 
