@@ -11,6 +11,7 @@ from rclpy.time import Time
 from tf2_ros.buffer import Buffer
 from tf2_ros.transform_listener import TransformListener
 
+assert tf2_ros.TransformStamped is TransformStamped
 rclpy.init()
 node = Node("frames")
 buffer = Buffer()

@@ -1,5 +1,8 @@
 """Stand-in for tf2_ros, the buffer, listeners and broadcasters of tf2, of ROS 1 and of ROS 2."""
 
+# The messages are names of the real package too: its modules are taken in whole.
+from geometry_msgs.msg import TransformStamped
+from tf2_msgs.msg import TFMessage
 from tf2_py import (
     BufferCore,
     ConnectivityException,
@@ -40,11 +43,13 @@ __all__ = [
     "NotImplementedException",
     "Stamped",
     "StaticTransformBroadcaster",
+    "TFMessage",
     "TimeoutException",
     "TransformBroadcaster",
     "TransformException",
     "TransformListener",
     "TransformRegistration",
+    "TransformStamped",
     "TypeException",
     "convert",
 ]
