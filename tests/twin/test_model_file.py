@@ -315,3 +315,42 @@ def test_a_link_of_the_file_system_leads_nowhere_else(tmp_path):
 def test_absurd_sizes_are_told(tmp_path, change, message):
     with pytest.raises(RobotError, match=message):
         read(tmp_path, ARM.replace(*change))
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("a" * 5000, "<mesh>: 'aaa.* names no file: .*too long"),
+        ("http://[half/a.stl", r"<mesh>: 'http://\[half/a.stl' names no file"),
+        ("package://own/%00", "<mesh>: .* names no file: .*null"),
+        ("loop.stl", "<mesh>: 'loop.stl' names no file: .*oop"),
+    ],
+)
+def test_names_that_no_file_can_have_are_told(tmp_path, name, message):
+    (tmp_path / "loop.stl").symlink_to(tmp_path / "loop.stl")
+    text = f'<mujoco><asset><mesh name="m" file="{name}"/></asset></mujoco>'
+    with pytest.raises(RobotError, match=message):
+        read(tmp_path, text, packages={"own": tmp_path})
+
+
+def test_more_than_can_be_an_arm_is_refused_before_it_takes_memory(tmp_path):
+    with pytest.raises(RobotError, match="at most 200000 elements are read"):
+        read(tmp_path, f"<mujoco>{'<a/>' * 300_000}</mujoco>")
+    chain = "".join(
+        f'<link name="l{i}"/><joint name="j{i}" type="fixed"><parent link="l{i}"/>'
+        f'<child link="l{i + 1}"/></joint>'
+        for i in range(3000)
+    )
+    with pytest.raises(RobotError, match="at most 500 links are simulated"):
+        read(tmp_path, f'<robot name="r">{chain}<link name="l3000"/></robot>', "chain.urdf")
+
+
+def test_a_macro_that_grows_without_bounds_is_refused(tmp_path):
+    text = '<robot name="r" xmlns:xacro="x">${"b" * 17000000}</robot>'
+    with pytest.raises(RobotError, match=r"it expands to 17\d* characters; at most 16777216"):
+        read(tmp_path, text, "macro.xacro")
+
+
+def test_an_encoding_that_python_lacks_is_told(tmp_path):
+    with pytest.raises(RobotError, match=r"arm.xml:1: is not XML that can be read: .*klingon"):
+        read(tmp_path, '<?xml version="1.0" encoding="klingon"?><mujoco/>')

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings, controller_root
+from tracerisk.errors import Location, RobotError
 from tracerisk.pipeline.controller import Controller, string_literals
 from tracerisk.pipeline.workspace import find_workspace
 from tracerisk.twin.robot import is_model_file
@@ -82,7 +83,10 @@ def read_model(root: Path, name: str) -> ModelFile:
     from tracerisk.twin.model_file_paths import ModelFolder
 
     path = Path(name)
-    resolved = path.resolve()
+    try:
+        resolved = path.resolve()
+    except (OSError, RuntimeError) as error:
+        raise RobotError(f"names no file: {error}", Location(name)) from error
     top = root.resolve() if resolved.is_relative_to(root.resolve()) else controller_root(path)
     packages = {**_own_packages(top), **_own_packages(root)}
     return read_model_file(path, ModelFolder(resolved.parent, top, packages))

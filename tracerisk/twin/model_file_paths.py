@@ -30,7 +30,10 @@ class ModelFolder:
         `below` is the folder that the file's settings put before relative names.
         Raises RobotError at the element when the name leads out of the folders that are allowed.
         """
-        parts = urlsplit(name)
+        try:
+            parts = urlsplit(name)
+        except ValueError as error:
+            element.fail(f"'{name}' names no file: {error}")
         if parts.scheme in _PACKAGE_SCHEMES:
             package = self.packages.get(parts.netloc)
             if package is None:
@@ -51,9 +54,12 @@ class ModelFolder:
 
         Raises RobotError when it lies outside the folders that are allowed.
         """
-        if "\0" in name:
-            raise RobotError(f"<{tag}>: a name of a file holds a zero byte", location)
-        resolved = path.resolve()
+        try:
+            resolved = path.resolve()
+            is_there = resolved.is_file()
+        except (OSError, RuntimeError, ValueError) as error:
+            # Links in a circle, names too long, zero bytes.
+            raise RobotError(f"<{tag}>: '{name[:80]}' names no file: {error}", location) from error
         allowed = (self.top, *self.packages.values())
         if not any(resolved.is_relative_to(folder.resolve()) for folder in allowed):
             raise RobotError(
@@ -61,7 +67,7 @@ class ModelFolder:
                 "put the file there, or take this line out",
                 location,
             )
-        return resolved if resolved.is_file() else None
+        return resolved if is_there else None
 
 
 def read_model_text(path: Path, shown: str) -> bytes:

@@ -12,6 +12,7 @@ from tracerisk.twin.robot import Robot
 from tracerisk.twin.xml_reader import XmlElement
 
 _TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+_MOST_LINKS = 500
 _WORLD, _WORLD_LINK = "world", "world_link"
 _ROLLS = re.compile(r"wheel|caster|castor|roller|track", re.IGNORECASE)
 
@@ -110,6 +111,8 @@ def read_tree(root: XmlElement, file: str) -> Tree:
         if name in links:
             entry.fail(f"link '{name}' is defined twice")
         links[name] = entry
+        if len(links) > _MOST_LINKS:
+            entry.fail(f"is one too many: at most {_MOST_LINKS} links are simulated")
     if not links:
         root.fail("has no link; name the file of the whole robot")
     joints = {}

@@ -19,6 +19,7 @@ from typing import Any
 
 MEMORY_BYTES = 2 * 1024**3
 CPU_S = 20
+MOST_CHARACTERS = 16 * 1024**2
 REFUSED = 7
 
 
@@ -45,6 +46,8 @@ def main() -> int:
             if reading.refused is None:
                 raise
         reading.is_over = True
+    if reading.refused is None and len(text) > MOST_CHARACTERS:
+        sys.exit(f"it expands to {len(text)} characters; at most {MOST_CHARACTERS} are read")
     if reading.refused is not None:
         json.dump(
             {"asked": reading.refused, "by": reading.by, "within": asked["within"]}, sys.stdout

@@ -10,6 +10,7 @@ from typing import NoReturn
 from tracerisk.errors import Location, RobotError, one_of
 
 MOST_BYTES = 16 * 1024 * 1024
+MOST_ELEMENTS = 200_000
 _DEEPEST = 200
 
 
@@ -85,6 +86,11 @@ def read_xml(text: str | bytes, file: str) -> XmlElement:
     parser.StartDoctypeDeclHandler = builder.doctype
     try:
         parser.Parse(data, True)
+    except RobotError:
+        raise
+    except (LookupError, ValueError) as error:
+        # Python knows no such encoding, or not one that a parser can use.
+        raise RobotError(f"is not XML that can be read: {error}", Location(file, 1)) from error
     except xml.parsers.expat.ExpatError as error:
         reason = xml.parsers.expat.errors.messages.get(error.code, str(error))
         raise RobotError(
@@ -100,12 +106,16 @@ class _Builder:
         self._parser = parser
         self._file = file
         self._open: list[XmlElement] = []
+        self._count = 0
 
     def _here(self) -> Location:
         return Location(self._file, self._parser.CurrentLineNumber)
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
         element = XmlElement(tag, attributes, self._here())
+        self._count += 1
+        if self._count > MOST_ELEMENTS:
+            element.fail(f"is one too many: at most {MOST_ELEMENTS} elements are read")
         if len(self._open) >= _DEEPEST:
             element.fail(f"stands deeper than {_DEEPEST} elements")
         if self._open:
