@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 from tracerisk.errors import RobotError, one_of
@@ -17,7 +17,13 @@ from tracerisk.ros.robot_groups import RobotGroups
 from tracerisk.ros.scene_changes import SceneChanges
 from tracerisk.ros.scene_shapes import scene_body
 from tracerisk.ros.trajectory_execution import ErrorCode, TrajectoryExecution
-from tracerisk.twin.motion import JointTrajectory, PlanningError, PlanningFailure, Pose
+from tracerisk.twin.motion import (
+    JointTrajectory,
+    LinkTarget,
+    PlanningError,
+    PlanningFailure,
+    Pose,
+)
 
 if TYPE_CHECKING:
     from tracerisk.ros.runtime import Runtime
@@ -207,33 +213,35 @@ class MoveGroupServer(RobotGroups):
     def reach(
         self, group: str, goals: Sequence[PoseGoal], start: Mapping[str, float] | None = None
     ) -> dict[str, float]:
-        """Return joint positions that meet the goals.
+        """Return joint positions that meet the goals, one a link.
 
         Raises:
             PlanningError: none were found.
         """
-        if len(goals) != 1:
-            raise PlanningError(
-                "no_plan", f"{len(goals)} links have a goal at once; one at a time is planned"
-            )
-        (goal,) = goals
-        if goal.link not in self.robot.link_names:
-            raise PlanningError(
-                "bad_request",
-                f"robot '{self.robot.name}' has no link '{goal.link}'; "
-                f"{one_of(self.robot.link_names, goal.link)}",
-            )
-        pose, tolerances = self._free(goal, start or {})
+        for goal in goals:
+            if goal.link not in self.robot.link_names:
+                raise PlanningError(
+                    "bad_request",
+                    f"robot '{self.robot.name}' has no link '{goal.link}'; "
+                    f"{one_of(self.robot.link_names, goal.link)}",
+                )
+        near = [self._free(goal, start or {}) for goal in goals]
         try:
-            return self._solve(group, goal.link, pose, tolerances, start)
+            return self._twin.reach_all(group, near, seed=start)
         except PlanningError as error:
-            wide = (
-                max(tolerances[0], goal.position_tolerance),
-                max(tolerances[1], goal.orientation_tolerance),
-            )
-            if error.failure != "no_ik_solution" or wide == tolerances:
+            wide = [
+                replace(
+                    target,
+                    position_tolerance=max(target.position_tolerance, goal.position_tolerance),
+                    orientation_tolerance=max(
+                        target.orientation_tolerance, goal.orientation_tolerance
+                    ),
+                )
+                for target, goal in zip(near, goals, strict=True)
+            ]
+            if error.failure != "no_ik_solution" or wide == near:
                 raise
-        return self._solve(group, goal.link, pose, wide, start)
+        return self._twin.reach_all(group, wide, seed=start)
 
     def solve(
         self, group: str, pose: Pose, link: str, seed: Mapping[str, float]
@@ -245,32 +253,16 @@ class MoveGroupServer(RobotGroups):
         """
         return self._twin.inverse_kinematics(group, pose, link=link, seed=seed)
 
-    def _free(self, goal: PoseGoal, start: Mapping[str, float]) -> tuple[Pose, tuple[float, float]]:
+    def _free(self, goal: PoseGoal, start: Mapping[str, float]) -> LinkTarget:
         """Return the pose to look for, and how near counts: the part not asked for stays near."""
         here = self.forward(start, goal.link)
         if goal.kind == "position":
-            return Pose(goal.pose.position, here.orientation), (1e-4, _FREE_ORIENTATION)
+            free = Pose(goal.pose.position, here.orientation)
+            return LinkTarget(goal.link, free, orientation_tolerance=_FREE_ORIENTATION)
         if goal.kind == "orientation":
-            return Pose(here.position, goal.pose.orientation), (_FREE_POSITION, 1e-3)
-        return goal.pose, (1e-4, 1e-3)
-
-    def _solve(
-        self,
-        group: str,
-        link: str,
-        pose: Pose,
-        tolerances: tuple[float, float],
-        start: Mapping[str, float] | None,
-    ) -> dict[str, float]:
-        return self._twin.inverse_kinematics(
-            group,
-            pose,
-            link=link,
-            seed=start,
-            position_tolerance=tolerances[0],
-            orientation_tolerance=tolerances[1],
-            avoid_collisions=True,
-        )
+            free = Pose(here.position, goal.pose.orientation)
+            return LinkTarget(goal.link, free, position_tolerance=_FREE_POSITION)
+        return LinkTarget(goal.link, goal.pose)
 
     def _plan_joints(
         self,

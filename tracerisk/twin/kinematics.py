@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tracerisk.errors import RobotError, one_of
 from tracerisk.twin.builder import compile_model
-from tracerisk.twin.motion import PlanningError, Pose
+from tracerisk.twin.motion import LinkTarget, PlanningError, Pose
 from tracerisk.twin.robot import Robot
 
 # After the builder, which says that no window is needed.
@@ -94,36 +94,54 @@ class Kinematics:
         Raises PlanningError("no_ik_solution") when no start leads there, and
         PlanningError("bad_request") when the group has no tip link or the pose is no pose.
         """
-        members = self._robot.group(group)
-        tip = link or members.tip_link
+        tip = link or self._robot.group(group).tip_link
         if tip is None:
             raise PlanningError(
                 "bad_request", f"group '{group}' has no tip link; name the link the pose is for"
             )
-        body = self._link(tip)
-        target = _target(pose)
-        search = _Search(
-            self._configuration, self._limits, self._frozen(members.joints), tip, target
-        )
+        target = LinkTarget(tip, pose, position_tolerance, orientation_tolerance)
+        return self.inverse_all(group, [target], seed=seed, restarts=restarts, accept=accept)
+
+    def inverse_all(
+        self,
+        group: str,
+        targets: Sequence[LinkTarget],
+        *,
+        seed: Mapping[str, float] | None = None,
+        restarts: int = _RESTARTS,
+        accept: Callable[[Mapping[str, float]], bool] | None = None,
+    ) -> dict[str, float]:
+        """Return joint positions of `group` that bring each link to its pose, as with two arms.
+
+        The search is that of `inverse`, and so are the errors.
+        """
+        members = self._robot.group(group)
+        for target in targets:
+            self._link(target.link)
+        search = _Search(self._configuration, self._limits, self._frozen(members.joints), targets)
         best = np.inf
         for start in self._starts(group, seed or {}, restarts):
-            found, error = search.descend(start, position_tolerance, orientation_tolerance)
+            found, error = search.descend(start)
             if found is not None:
                 reached = self._within_limits(members.joints, found)
                 if accept is None or accept(reached):
                     return reached
             best = min(best, error)
-        self._data.qpos[:] = self.positions(seed or {})
-        mujoco.mj_kinematics(self._model, self._data)
-        here = self._pose(body)
-        x, y, z = pose.position
-        raise PlanningError(
+        raise self._out_of_reach(group, targets, seed or {}, best)
+
+    def _out_of_reach(
+        self, group: str, targets: Sequence[LinkTarget], seed: Mapping[str, float], best: float
+    ) -> PlanningError:
+        asked, now = [], []
+        for target in targets:
+            here = self.forward(seed, target.link)
+            asked.append(f"'{target.link}' to {_shown(target.pose)} m")
+            now.append(_shown(here))
+        return PlanningError(
             "no_ik_solution",
-            f"no position of group '{group}' within its limits brings '{tip}' to "
-            f"({x:.3f}, {y:.3f}, {z:.3f}) m with the orientation asked for; the nearest found is "
-            f"{best * 1000:.0f} mm away, the link is now at "
-            f"({here.position[0]:.3f}, {here.position[1]:.3f}, {here.position[2]:.3f}) m; "
-            "ask for a pose within reach",
+            f"no position of group '{group}' within its limits brings {' and '.join(asked)} with "
+            f"the orientation asked for; the nearest found is {best * 1000:.0f} mm away, the link "
+            f"is now at {', '.join(now)} m; ask for a pose within reach",
         )
 
     def _starts(
@@ -178,39 +196,39 @@ class Kinematics:
 
 
 class _Search:
-    """Gauss-Newton steps under joint limits (a quadratic program each) towards one pose."""
+    """Gauss-Newton steps under joint limits (a quadratic program each) towards poses of links."""
 
     def __init__(
         self,
         configuration: Any,
         limits: list[Any],
         frozen: list[Any] | None,
-        link: str,
-        target: Any,
+        targets: Sequence[LinkTarget],
     ) -> None:
         self._configuration = configuration
         self._limits = limits
         self._frozen = frozen
-        self._task = mink.FrameTask(link, "body", position_cost=1.0, orientation_cost=0.3)
-        self._task.set_target(target)
+        self._targets = targets
+        self._tasks = [
+            mink.FrameTask(target.link, "body", position_cost=1.0, orientation_cost=0.3)
+            for target in targets
+        ]
+        for task, target in zip(self._tasks, targets, strict=True):
+            task.set_target(_target(target.pose))
 
-    def descend(
-        self, start: NDArray[np.float64], position_tolerance: float, orientation_tolerance: float
-    ) -> tuple[NDArray[np.float64] | None, float]:
-        """Return the configuration reached, `None` if short of the target, and the miss [m]."""
+    def descend(self, start: NDArray[np.float64]) -> tuple[NDArray[np.float64] | None, float]:
+        """Return the configuration reached, `None` if short of a target, and the miss [m]."""
         configuration = self._configuration
         configuration.update(start)
         distance = np.inf
         for _ in range(_MAX_ITERATIONS):
-            error = self._task.compute_error(configuration)
-            distance = float(np.linalg.norm(error[:3]))
-            turn = float(np.linalg.norm(error[3:]))
-            if distance <= position_tolerance and turn <= orientation_tolerance:
+            distance, is_there = self._miss()
+            if is_there:
                 return configuration.q.copy(), distance
             try:
                 velocity = mink.solve_ik(
                     configuration,
-                    [self._task],
+                    self._tasks,
                     1.0,
                     solver="daqp",
                     damping=1e-6,
@@ -223,6 +241,22 @@ class _Search:
                 return None, distance
             configuration.integrate_inplace(velocity, 1.0)
         return None, distance
+
+    def _miss(self) -> tuple[float, bool]:
+        """Return the greatest distance from a target [m], and whether all are reached."""
+        distances, is_there = [], True
+        for task, target in zip(self._tasks, self._targets, strict=True):
+            error = task.compute_error(self._configuration)
+            distances.append(float(np.linalg.norm(error[:3])))
+            turn = float(np.linalg.norm(error[3:]))
+            is_near = distances[-1] <= target.position_tolerance
+            is_there = is_there and is_near and turn <= target.orientation_tolerance
+        return max(distances, default=0.0), is_there
+
+
+def _shown(pose: Pose) -> str:
+    x, y, z = pose.position
+    return f"({x:.3f}, {y:.3f}, {z:.3f})"
 
 
 def _target(pose: Pose) -> Any:

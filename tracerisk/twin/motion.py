@@ -25,6 +25,16 @@ class Pose:
 
 
 @dataclass(frozen=True, slots=True)
+class LinkTarget:
+    """Where a link should come, in the robot's base frame; tolerances in [m] and [rad]."""
+
+    link: str
+    pose: Pose
+    position_tolerance: float = 1e-4
+    orientation_tolerance: float = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
 class JointState:
     """Positions [rad or m], velocities [rad/s or m/s] and efforts [N m or N] of named joints."""
 

@@ -6,7 +6,7 @@ A move in joint space is straight where that is free, else it leads around what 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from tracerisk.errors import one_of
 from tracerisk.twin.clearance import Clearance
 from tracerisk.twin.kinematics import Kinematics
-from tracerisk.twin.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.twin.motion import JointTrajectory, LinkTarget, PlanningError, Pose
 from tracerisk.twin.robot import Joint, Robot
 from tracerisk.twin.timing import along_path, straight_line
 
@@ -106,6 +106,38 @@ class Planner:
         Raises PlanningError("no_ik_solution") for a pose out of reach, ("collision") for one that
         is reached in collision only.
         """
+        return self._clear(
+            seed,
+            lambda is_clear: self._kinematics.inverse(
+                group,
+                pose,
+                link=link,
+                seed=seed,
+                position_tolerance=position_tolerance,
+                orientation_tolerance=orientation_tolerance,
+                accept=is_clear,
+            ),
+        )
+
+    def reach_all(
+        self, group: str, targets: Sequence[LinkTarget], *, seed: Mapping[str, float]
+    ) -> dict[str, float]:
+        """Return joint positions that bring each link to its pose, clear of everything.
+
+        Raises PlanningError as `reach` does.
+        """
+        return self._clear(
+            seed,
+            lambda is_clear: self._kinematics.inverse_all(
+                group, targets, seed=seed, accept=is_clear
+            ),
+        )
+
+    def _clear(
+        self,
+        seed: Mapping[str, float],
+        search: Callable[[Callable[[Mapping[str, float]], bool]], dict[str, float]],
+    ) -> dict[str, float]:
         pair: tuple[str, str] | None = None
 
         def is_clear(found: Mapping[str, float]) -> bool:
@@ -115,15 +147,7 @@ class Planner:
             return touching is None
 
         try:
-            return self._kinematics.inverse(
-                group,
-                pose,
-                link=link,
-                seed=seed,
-                position_tolerance=position_tolerance,
-                orientation_tolerance=orientation_tolerance,
-                accept=is_clear,
-            )
+            return search(is_clear)
         except PlanningError as error:
             if pair is None:
                 raise

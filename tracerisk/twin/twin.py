@@ -13,7 +13,7 @@ from tracerisk.twin.builder import STEP_NS
 from tracerisk.twin.clearance import Clearance
 from tracerisk.twin.execution import GoalTolerance, Motion
 from tracerisk.twin.kinematics import Kinematics
-from tracerisk.twin.motion import JointState, JointTrajectory, Pose
+from tracerisk.twin.motion import JointState, JointTrajectory, LinkTarget, Pose
 from tracerisk.twin.motion_control import MotionControl
 from tracerisk.twin.placement import offset
 from tracerisk.twin.planning import Planner
@@ -149,6 +149,15 @@ class Twin:
             position_tolerance=position_tolerance,
             orientation_tolerance=orientation_tolerance,
         )
+
+    def reach_all(
+        self, group: str, targets: Sequence[LinkTarget], *, seed: Mapping[str, float] | None = None
+    ) -> dict[str, float]:
+        """Return joint positions of `group` that bring each link to its pose; `Planner.reach_all`.
+
+        The search begins at the present state, changed by `seed`.
+        """
+        return self._planner.reach_all(group, targets, seed={**self._positions(), **(seed or {})})
 
     def collision(self, positions: Mapping[str, float] | None = None) -> tuple[str, str] | None:
         """Return the names of a pair of links or declared bodies that collide, None for none.
