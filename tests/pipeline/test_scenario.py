@@ -155,7 +155,7 @@ def test_pasting_what_is_told_gives_a_controller_of_ros_1_all_it_waits_for(examp
     assert [error["line"] for error in errors] == lines_of(
         ROS1, "get_param", "lookup_tr", "wait_for_service", "wait_for_server", "wait_for_m", "input"
     )
-    assert "service /detect" in errors[2]["message"]
+    assert "service /detect (std_srvs/Trigger)" in errors[2]["message"]
     assert "action server /move_base (move_base_msgs/MoveBase)" in errors[3]["message"]
     assert "a message on /object (geometry_msgs/PoseStamped)" in errors[4]["message"]
     again = example.run("run", "c.py", "--json", "--check", "--scenario", "s.yaml")

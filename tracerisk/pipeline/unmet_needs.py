@@ -12,6 +12,7 @@ from tracerisk.ros.action_graph import Actions
 from tracerisk.ros.needs import Missed, NeedKind
 from tracerisk.ros.runtime import Runtime
 from tracerisk.ros.scenario_lines import scenario_lines
+from tracerisk.ros.service_types import service_type
 from tracerisk.trace import GOOD_ENDS, EndCause
 
 _RECENT_NS = 1_000_000_000  # what was asked for last before an error may have led to it
@@ -59,9 +60,13 @@ class UnmetNeeds:
         plain = JudgedEnd(cause, message, location)
         if cause in GOOD_ENDS and self._has_commanded():
             return plain
-        unmet = self._led_to(cause)
-        if not unmet:
+        found = self._led_to(cause)
+        if not found:
             return plain
+        unmet = tuple(_typed(each) for each in found)
+        for before, after in zip(found, unmet, strict=True):
+            message = message.replace(f"{before.need.told},", f"{after.need.told},")
+        plain = replace(plain, message=message)
         plain = replace(plain, location=location or self.below_root(unmet[0].location))
         lines = scenario_lines([each.need for each in unmet], self._interfaces)
         if cause == "quiescent":
@@ -119,3 +124,11 @@ class UnmetNeeds:
             for each in self._runtime.scheduler.needs.missed
             if not (each.need.kind in given and given[each.need.kind](each))
         )
+
+
+def _typed(missed: Missed) -> Missed:
+    """Return a service that was waited for by its name with the type that the source shows."""
+    need = missed.need
+    if need.kind != "service" or need.type_name:
+        return missed
+    return replace(missed, need=replace(need, type_name=service_type(need.name, missed.location)))
