@@ -61,3 +61,36 @@ def test_root_is_the_nearest_marked_folder_else_the_scripts_own(tmp_path, mark):
     assert controller_root(script) == package / "scripts"
     (package / mark).touch()
     assert controller_root(script) == package
+
+
+def test_a_controller_has_settings_of_its_own(tmp_path):
+    (tmp_path / "src").mkdir()
+    (tmp_path / "src/pick.py").write_text("")
+    (tmp_path / "pyproject.toml").write_text(
+        '[tool.tracerisk]\nrobot = "panda"\nmax_risk = 1e-4\n\n'
+        '[tool.tracerisk.controllers."src/pick.py"]\nrobot = "ur5e"\nargs = ["--left"]\n'
+    )
+    shared = read_settings(tmp_path)
+    assert (shared.robot, shared.args, shared.max_risk) == ("panda", (), 1e-4)
+    own = read_settings(tmp_path, "src/pick.py")
+    assert (own.robot, own.args, own.max_risk) == ("ur5e", ("--left",), 1e-4)
+    assert read_settings(tmp_path, "src/other.py") == shared
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message"),
+    [
+        ('[tool.tracerisk.controllers."a.py"]\nrobo = "x"\n', 2, "unknown setting; did you mean"),
+        ('[tool.tracerisk.controllers."b.py"]\nseed = 1\n', 1, "there is no controller b.py"),
+        ("[tool.tracerisk]\ncontrollers = 3\n", 2, "expected tables"),
+        ("[tool.tracerisk]\nmax_risk = 2\n", 2, "a probability from 0 to 1"),
+        ("[tool.tracerisk]\nrequire_reason = 1\n", 2, "expected true or false"),
+        ('[tool.tracerisk]\nargs = "x"\n', 2, "expected a list of strings"),
+    ],
+)
+def test_what_is_wrong_in_a_table_is_told_with_its_line(tmp_path, text, line, message):
+    (tmp_path / "a.py").write_text("")
+    (tmp_path / "pyproject.toml").write_text(text)
+    with pytest.raises(SettingsError, match=message) as caught:
+        read_settings(tmp_path, "a.py")
+    assert caught.value.location.line == line

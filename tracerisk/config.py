@@ -6,7 +6,7 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any, Literal, NoReturn, get_args
 
 from tracerisk.errors import Location, SettingsError, one_of
@@ -15,6 +15,7 @@ ActiveMode = Literal["moving", "moving+holding"]
 """Which time counts as exposure: moving only, or moving, holding and grasping."""
 
 _TABLE = ("tool", "tracerisk")
+_CONTROLLERS = "controllers"
 _ROOT_MARKS = ("package.xml", "pyproject.toml", "setup.py", ".git")
 
 
@@ -29,7 +30,10 @@ class Settings:
     `scenario` is the file of what the controller's world gives it, `params` files of parameters.
     `launch` is the launch file that starts the controller, `True` for that of its workspace,
     `False` for none.
+    `args` are the controller's arguments, `answers` what its questions get, in turn.
     `states` and `helpers` override, by qualified name, which functions are relevant.
+    `max_risk` is the greatest failure probability of a mission that `check` lets pass;
+    `require_reason` makes a value set by hand without a reason an error there.
     """
 
     robot: str | None = None
@@ -47,6 +51,10 @@ class Settings:
     launch: str | bool = True
     states: tuple[str, ...] = ()
     helpers: tuple[str, ...] = ()
+    args: tuple[str, ...] = ()
+    answers: tuple[str, ...] = ()
+    max_risk: float | None = None
+    require_reason: bool = False
 
     def with_options(self, options: Mapping[str, Any]) -> Settings:
         """Return the settings with those options of the command line that were given."""
@@ -68,9 +76,11 @@ def controller_root(path: Path) -> Path:
     return folder
 
 
-def read_settings(root: Path) -> Settings:
+def read_settings(root: Path, file: str | None = None) -> Settings:
     """Return the settings of the `pyproject.toml` in `root`; the defaults where there is none.
 
+    `file` is a controller, from the root: its table `[tool.tracerisk.controllers."FILE"]` goes
+    before the settings of all.
     `robot`, `scene`, `scenario`, `hardware`, `params` and `launch` that name a file are returned
     as its path from the root.
     Raises SettingsError with file and line at an unknown key or a bad value.
@@ -84,22 +94,36 @@ def read_settings(root: Path) -> Settings:
     except tomllib.TOMLDecodeError as error:
         raise SettingsError(f"is not valid TOML: {error}", Location(str(path))) from error
     table = document.get("tool", {}).get("tracerisk", {})
-    return _Reader(path, text).settings(table, root)
+    return _Reader(path, text).settings(table, root, file)
 
 
 class _Reader:
     def __init__(self, path: Path, text: str) -> None:
         self._path = path
         self._lines = text.splitlines()
+        self._place: tuple[str, ...] = _TABLE
 
-    def settings(self, table: Any, root: Path) -> Settings:
+    def settings(self, table: Any, root: Path, file: str | None) -> Settings:
         if not isinstance(table, dict):
             raise SettingsError("[tool.tracerisk] is no table", Location(str(self._path)))
-        names = [field.name for field in fields(Settings)]
-        for key in table:
-            if key not in names:
-                self._fail(key, f"unknown setting; {one_of(names, key)}")
-        settings = Settings(**{key: self._value(key, value) for key, value in table.items()})
+        shared = {key: value for key, value in table.items() if key != _CONTROLLERS}
+        values = self._values(shared, _TABLE)
+        tables = table.get(_CONTROLLERS, {})
+        if not isinstance(tables, dict):
+            self._fail(_CONTROLLERS, 'expected tables, [tool.tracerisk.controllers."FILE"]')
+        for name, own in tables.items():
+            place = (*_TABLE, _CONTROLLERS, name)
+            if not isinstance(own, dict):
+                self._fail(_CONTROLLERS, f"{name} is no table of settings")
+            if not (root / name).is_file():
+                raise SettingsError(
+                    f"{_CONTROLLERS}: there is no controller {name} below this file's folder",
+                    Location(str(self._path), self._line(None, place)),
+                )
+            of_one = self._values(own, place)
+            if file is not None and PurePosixPath(name) == PurePosixPath(file):
+                values.update(of_one)
+        settings = Settings(**values)
         both = sorted(set(settings.states) & set(settings.helpers))
         if both:
             self._fail("helpers", f"{', '.join(both)} stands in `states` too; keep it in one")
@@ -114,7 +138,28 @@ class _Reader:
         files["params"] = tuple(str(root / name) for name in settings.params)
         return replace(settings, **files)
 
+    def _values(self, table: Mapping[str, Any], place: tuple[str, ...]) -> dict[str, Any]:
+        self._place = place
+        names = [field.name for field in fields(Settings)]
+        for key in table:
+            if key not in names:
+                allowed = names if place != _TABLE else [*names, _CONTROLLERS]
+                self._fail(key, f"unknown setting; {one_of(allowed, key)}")
+        return {key: self._value(key, value) for key, value in table.items()}
+
     def _value(self, key: str, value: Any) -> Any:
+        if key in ("args", "answers"):
+            if not isinstance(value, list) or not all(isinstance(each, str) for each in value):
+                self._fail(key, "expected a list of strings")
+            return tuple(value)
+        if key == "max_risk":
+            if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= 1:
+                self._fail(key, f"expected a probability from 0 to 1, found {value!r}")
+            return float(value)
+        if key == "require_reason":
+            if not isinstance(value, bool):
+                self._fail(key, f"expected true or false, found {value!r}")
+            return value
         if key in ("params", "states", "helpers"):
             if not isinstance(value, list) or not all(isinstance(each, str) for each in value):
                 what = "file names" if key == "params" else "qualified names"
@@ -142,15 +187,20 @@ class _Reader:
         return value
 
     def _fail(self, key: str, message: str) -> NoReturn:
-        raise SettingsError(f"{key}: {message}", Location(str(self._path), self._line(key)))
+        place = self._line(key, self._place)
+        raise SettingsError(f"{key}: {message}", Location(str(self._path), place))
 
-    def _line(self, key: str) -> int | None:
-        """Return where `key` stands; tomllib keeps no positions."""
+    def _line(self, key: str | None, table: tuple[str, ...]) -> int | None:
+        """Return where `key` of a table stands, or its header; tomllib keeps no positions."""
         in_table = False
-        pattern = re.compile(rf"""\s*["']?{re.escape(key)}["']?\s*=""")
+        pattern = None if key is None else re.compile(rf"""\s*["']?{re.escape(key)}["']?\s*=""")
+        wanted = ".".join(table)
         for number, line in enumerate(self._lines, start=1):
             if line.strip().startswith("["):
-                in_table = line.strip().strip("[] \t").replace(" ", "") == ".".join(_TABLE)
-            elif in_table and pattern.match(line):
+                header = line.strip().strip("[] \t").replace('"', "").replace("'", "")
+                in_table = header.replace(" ", "") == wanted.replace(" ", "")
+                if in_table and pattern is None:
+                    return number
+            elif in_table and pattern is not None and pattern.match(line):
                 return number
         return None

@@ -49,6 +49,7 @@ def test_a_lock_is_sorted_json_with_one_value_a_line() -> None:
         "    }\n"
         "   },\n"
         '   "fingerprint": "abc",\n'
+        '   "inputs": {},\n'
         '   "trace": {\n'
         '    "robot": "panda",\n'
         '    "visits": 50\n'

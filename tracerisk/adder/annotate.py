@@ -105,6 +105,7 @@ def annotate_sources(
     *,
     fingerprint: str,
     trace: Mapping[str, Any],
+    inputs: Mapping[str, Any] | None = None,
     policy: MergePolicy,
 ) -> Annotation:
     """Return what becomes of a controller's sources and of the lock.
@@ -132,13 +133,9 @@ def annotate_sources(
         fingerprint=fingerprint,
         blocks={file: _written(one.blocks) for file, one in merged.items()},
         trace=trace,
+        inputs=inputs or {},
     )
-    pending = ControllerLock(
-        fingerprint=fingerprint,
-        blocks=final.blocks,
-        trace=trace,
-        previous={file: one.base for file, one in merged.items()},
-    )
+    pending = replace(final, previous={file: one.base for file, one in merged.items()})
     new_lock = lock.with_controller(controller, final)
     if not changed and new_lock.dumps() == lock.dumps():
         return Unchanged(lock)

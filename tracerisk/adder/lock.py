@@ -32,7 +32,7 @@ VERSION = 1
 
 _FUNCTION_KEYS = {CALL_SEQUENCE.key: CALL_SEQUENCE, NEXT.key: NEXT}
 _COMPONENT_KEYS = {kind.key: kind for kind in COMPONENT_KINDS}
-_CONTROLLER_KEYS = ("blocks", "fingerprint", "previous", "trace")
+_CONTROLLER_KEYS = ("blocks", "fingerprint", "inputs", "previous", "trace")
 
 
 class LockError(InputError):
@@ -96,13 +96,15 @@ class ControllerLock:
 
     `blocks` maps each source, relative to the lock's folder, to what was last written in it.
     `previous` is not `None` while a write is under way: what the sources held before it.
-    `trace` is the summary of the trace, of plain JSON values, as the caller gave it.
+    `fingerprint` is a digest of what the trace depended on, `inputs` what that was and `trace`
+    the summary of the trace: plain JSON values, as the caller gave them.
     """
 
     fingerprint: str
     blocks: Mapping[str, Written]
     trace: Mapping[str, Any] = field(default_factory=dict)
     previous: Mapping[str, Written] | None = None
+    inputs: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,6 +166,7 @@ def _controller_data(entry: ControllerLock) -> dict[str, Any]:
     data: dict[str, Any] = {
         "blocks": _sources_data(entry.blocks),
         "fingerprint": entry.fingerprint,
+        "inputs": dict(entry.inputs),
         "trace": dict(entry.trace),
     }
     if entry.previous is not None:
@@ -326,6 +329,7 @@ class _Reader:
             fingerprint=fingerprint,
             blocks=self._sources(entry.get("blocks"), f"{path}: blocks"),
             trace=self._mapping(entry.get("trace"), f"{path}: trace"),
+            inputs=self._mapping(entry.get("inputs"), f"{path}: inputs"),
             previous=None if previous is None else self._sources(previous, f"{path}: previous"),
         )
 

@@ -35,7 +35,8 @@ def run(options: argparse.Namespace) -> int:
 
     profile = shared.read_profile(options)
     controller = pipeline.load_controller(options.controller)
-    settings = pipeline.load_settings(controller, shared.run_settings(options))
+    given = shared.run_settings(options)
+    settings = pipeline.load_settings(controller, given)
     trace = _read_trace(options, controller)
     if not trace.robot and settings.hardware is None:
         raise InputError(
@@ -50,6 +51,7 @@ def run(options: argparse.Namespace) -> int:
         settings,
         policy=shared.merge_policy(options),
         profile=profile,
+        given=given,
     )
     keeps_files = options.check or options.diff
     if not keeps_files:

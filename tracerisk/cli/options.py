@@ -172,6 +172,8 @@ def run_settings(options: argparse.Namespace) -> dict[str, Any]:
     return {
         **{name: getattr(options, name, None) for name in names},
         "params": None if params is None else tuple(params),
+        "args": tuple(getattr(options, "argv", ())) or None,
+        "answers": tuple(getattr(options, "answers", ())) or None,
     }
 
 

@@ -48,13 +48,13 @@ def run(options: argparse.Namespace) -> int:
     profile = shared.read_profile(options)
     policy = shared.merge_policy(options)
     controller = pipeline.load_controller(options.controller)
-    settings = pipeline.load_settings(controller, shared.run_settings(options))
+    given = shared.run_settings(options)
+    settings = pipeline.load_settings(controller, given)
     pipeline.check_blocks(controller)
     with progress_bar(settings.duration_s, quiet=options.quiet) as progress:
         trace = pipeline.trace_controller(
             controller,
             settings,
-            given=pipeline.RunInput(tuple(options.argv), tuple(options.answers)),
             keep=None if options.keep is None else Path(options.keep),
             progress=progress,
         )
@@ -76,7 +76,7 @@ def run(options: argparse.Namespace) -> int:
         )
     hardware = pipeline.load_hardware(settings, trace.robot)
     annotated = pipeline.annotate(
-        controller, trace, hardware, settings, policy=policy, profile=profile
+        controller, trace, hardware, settings, policy=policy, profile=profile, given=given
     )
     write_outputs(options, annotated.computed)
     sources = {str(controller.path_of(file)): text for file, text in annotated.sources.items()}

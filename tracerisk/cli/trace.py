@@ -38,7 +38,6 @@ def run(options: argparse.Namespace) -> int:
         trace = pipeline.trace_controller(
             controller,
             settings,
-            given=pipeline.RunInput(tuple(options.argv), tuple(options.answers)),
             keep=None if options.keep is None else Path(options.keep),
             progress=progress,
         )

@@ -3,7 +3,6 @@
 from tracerisk.pipeline.controller import Controller, load_controller
 from tracerisk.pipeline.stages import (
     Annotated,
-    RunInput,
     annotate,
     at_annotated_lines,
     build,
@@ -20,7 +19,6 @@ from tracerisk.pipeline.stages import (
 __all__ = [
     "Annotated",
     "Controller",
-    "RunInput",
     "annotate",
     "at_annotated_lines",
     "build",

@@ -35,7 +35,7 @@ from tracerisk.trace import RunEnd, Trace
 if TYPE_CHECKING:
     from tracerisk.pipeline.controller import Controller
     from tracerisk.pipeline.launch.choose import LaunchChoice
-    from tracerisk.pipeline.stages import Progress, RunInput
+    from tracerisk.pipeline.stages import Progress
     from tracerisk.twin.robot import Robot
 
 _POLL_S = 0.02
@@ -48,7 +48,6 @@ def run_controller(
     robot: Robot,
     settings: Settings,
     *,
-    given: RunInput,
     keep: Path | None = None,
     progress: Progress | None = None,
 ) -> Trace:
@@ -61,7 +60,7 @@ def run_controller(
     from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
 
     def run(choice: LaunchChoice, keep: Path | None) -> Trace:
-        return _run_with(choice, controller, robot, settings, given, keep, progress)
+        return _run_with(choice, controller, robot, settings, keep, progress)
 
     choice = choose_launch(controller, settings)
     began = time.monotonic()
@@ -92,7 +91,6 @@ def _run_with(
     controller: Controller,
     robot: Robot,
     settings: Settings,
-    given: RunInput,
     keep: Path | None,
     progress: Progress | None,
 ) -> Trace:
@@ -108,8 +106,8 @@ def _run_with(
             controller=str(controller.path.resolve()),
             root=str(controller.root.resolve()),
             folder=str(folder),
-            argv=given.argv if launch is None else launch.argv(given.argv),
-            answers=given.answers,
+            argv=settings.args if launch is None else launch.argv(settings.args),
+            answers=settings.answers,
             scene=scene,
             scenario=None if settings.scenario is None else str(Path(settings.scenario).resolve()),
             params=tuple(str(Path(each).resolve()) for each in settings.params),

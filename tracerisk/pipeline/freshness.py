@@ -1,102 +1,229 @@
-"""What the lock keeps of a run: a digest of what it depended on, and a summary of its trace."""
+"""Whether what a trace depended on is still as it was, told without a run.
+
+The lock keeps, for each controller, the settings of its run and a digest of each file it depended
+on: of its sources without comments and blank lines, of other files byte for byte.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import io
+import json
+import os
 import tokenize
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-from tracerisk.adder.model_names import model_names
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, SourceError
 from tracerisk.pipeline.controller import Controller
-from tracerisk.pipeline.robot_choice import robot_digests
+from tracerisk.pipeline.robot_choice import robot_files
 from tracerisk.trace import Trace
 
+GONE = "gone"
+"""What stands for the digest of a file that was looked for and is not there."""
 
-def fingerprint(controller: Controller, trace: Trace, settings: Settings) -> str:
-    """Return a digest of what the trace depends on.
+_SOURCES, _FILES, _SETTINGS, _GIVEN, _HARDWARE = "sources", "files", "settings", "given", "hardware"
+# Settings that change neither a run nor its values: how long it may take, what is demanded of it.
+_LIMITS = frozenset(
+    {"wall_limit_s", "stall_limit_s", "memory_limit_mb", "max_risk", "require_reason"}
+)
+_OF_VALUES = frozenset({"hardware", "active"})
+_NAMES_OF_FILES = ("robot", "scene", "scenario", "hardware", "launch")
 
-    Sources without comments and blank lines, the robot with its model's files, the scene, what the
-    files of the scenario, of launch and of parameters hold, and those settings that change a run;
-    not the hardware data, from which values follow without a run.
+
+@dataclass(frozen=True, slots=True)
+class RunInputs:
+    """What a trace and the values made of it depended on, in plain JSON values.
+
+    `settings` are those that differ from their defaults, with the version of tracerisk; `given`
+    those of them that came from the command line.
+    `sources` and `files` map paths from the root to digests. `hardware` is a digest of the
+    description; it changes values, not the trace, and is no part of the fingerprint.
     """
+
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    given: Mapping[str, Any] = field(default_factory=dict)
+    sources: Mapping[str, str] = field(default_factory=dict)
+    files: Mapping[str, str] = field(default_factory=dict)
+    hardware: str = ""
+
+    @property
+    def fingerprint(self) -> str:
+        """A digest of all that a run depends on."""
+        run = {name: value for name, value in self.settings.items() if name not in _OF_VALUES}
+        parts = [run, dict(self.sources), dict(self.files)]
+        return _digest(json.dumps(parts, sort_keys=True).encode())
+
+    def data(self) -> dict[str, Any]:
+        """Return what the lock keeps."""
+        return {
+            _FILES: dict(self.files),
+            _GIVEN: dict(self.given),
+            _HARDWARE: self.hardware,
+            _SETTINGS: dict(self.settings),
+            _SOURCES: dict(self.sources),
+        }
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> RunInputs:
+        """Return the inputs that a lock keeps; what it lacks is empty, and so never fresh."""
+
+        def table(name: str) -> Mapping[str, Any]:
+            value = data.get(name)
+            return value if isinstance(value, dict) else {}
+
+        return cls(
+            table(_SETTINGS),
+            table(_GIVEN),
+            table(_SOURCES),
+            table(_FILES),
+            str(data.get(_HARDWARE, "")),
+        )
+
+
+def run_inputs(
+    controller: Controller,
+    trace: Trace,
+    settings: Settings,
+    *,
+    given: Mapping[str, Any] | None = None,
+) -> RunInputs:
+    """Return what a trace depended on, as it stands now.
+
+    `given` are those of the settings that came from the command line.
+    Raises SourceError for a source that is not Python, InputError for a file that cannot be read.
+    """
+    root = controller.root.resolve()
+    named = (settings.scenario, *settings.params, *map(str, robot_files(controller, settings)))
+    listed = {*trace.inputs, *(_from(root, Path(file)) for file in named if file is not None)}
+    sources = {controller.file, *trace.files}
+    return RunInputs(
+        settings=settings_data(settings, root),
+        given=_given_data(given or {}, root),
+        sources={file: code_digest(controller.source_of(file), file) for file in sorted(sources)},
+        files={file: file_digest(root / file) for file in sorted(listed - sources)},
+        hardware=hardware_digest(settings),
+    )
+
+
+def settings_data(settings: Settings, root: Path) -> dict[str, Any]:
+    """Return the settings that a run or its values depend on and that are not the default."""
     from tracerisk import __version__
 
-    parts = [
-        __version__,
-        trace.robot,
-        trace.scene,
-        f"{settings.duration_s!r}",
-        f"{settings.seed!r}",
-        f"{settings.mission_cycles!r}",
-        ",".join(settings.states),
-        ",".join(settings.helpers),
-        *robot_digests(controller, settings),
-        *(_digest(file) for file in (settings.scenario, *settings.params) if file is not None),
-        f"{settings.launch is not False!r}",
-        *(f"{file} {_digest_if_there(controller.path_of(file))}" for file in trace.inputs),
-    ]
-    for file in (controller.file, *sorted(set(trace.files) - {controller.file})):
-        parts += [file, *_code_tokens(controller.source_of(file), file)]
-    return hashlib.sha256("\x00".join(parts).encode()).hexdigest()
+    default = Settings()
+    data: dict[str, Any] = {"tracerisk": __version__}
+    for each in fields(Settings):
+        value = getattr(settings, each.name)
+        if each.name not in _LIMITS and value != getattr(default, each.name):
+            data[each.name] = _plain(each.name, value, root)
+    return data
 
 
-def _digest_if_there(path: Path) -> str:
-    """Return a digest of a file that was found and may be gone: then a run finds another."""
-    return _digest(str(path)) if path.is_file() else "gone"
+def hardware_digest(settings: Settings) -> str:
+    """Return a digest of the hardware description of the settings; empty for a shipped one."""
+    return "" if settings.hardware is None else file_digest(Path(settings.hardware))
 
 
-def _digest(file: str) -> str:
+def file_digest(path: Path) -> str:
+    """Return a digest of a file's bytes, or that it is gone: then a run finds another."""
     try:
-        return hashlib.sha256(Path(file).read_bytes()).hexdigest()
+        return _digest(path.read_bytes())
+    except FileNotFoundError:
+        return GONE
     except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", Location(file)) from error
+        raise InputError(f"cannot be read: {error.strerror}", Location(str(path))) from error
 
 
-def trace_summary(trace: Trace) -> dict[str, Any]:
-    """Return what the lock keeps of a trace: the exposures of each function's elements [s]."""
-    functions: dict[str, Any] = {}
-    names = model_names([function.ref for function in trace.functions])
-    for function in trace.functions:
-        visits = [visit for visit in trace.visits if visit.function == function.ref]
-        elements: dict[str, Any] = {}
-        for element in trace.elements:
-            found = [e for v in visits if (e := v.exposures.get(element.name)) is not None]
-            if any(exposure.active_s for exposure in found):
-                elements[element.name] = {
-                    "moving_s": _rounded(sum(e.moving_s for e in found)),
-                    "holding_s": _rounded(sum(e.holding_s for e in found)),
-                    "grasping_s": _rounded(sum(e.grasping_s for e in found)),
-                }
-        known = [visit.duration_s for visit in visits if visit.duration_s is not None]
-        functions[names[function.ref]] = {
-            "visits": len(visits),
-            "duration_s": _rounded(sum(known)),
-            "elements": elements,
-        }
+def code_digest(source: bytes, file: str) -> str:
+    """Return a digest of what a source says: its tokens without comments and blank lines.
+
+    Raises SourceError where it is not Python.
+    """
+    left_out = {tokenize.COMMENT, tokenize.NL}
+    digest = hashlib.sha256()
+    try:
+        for token in tokenize.tokenize(io.BytesIO(source).readline):
+            if token.type not in left_out:
+                digest.update(f"{token.type}:{token.string}\0".encode(errors="surrogatepass"))
+    except (tokenize.TokenError, SyntaxError) as error:
+        raise SourceError(f"is not Python 3: {error}", Location(file)) from error
+    return digest.hexdigest()
+
+
+def stale_reasons(
+    recorded: RunInputs, controller: Controller, settings: Settings
+) -> tuple[str, ...]:
+    """Return why the trace of a controller is no longer what a run would give; none if it is.
+
+    Raises as `run_inputs`.
+    """
+    root = controller.root.resolve()
+    return (
+        *_settings_reasons(recorded.settings, settings_data(settings, root)),
+        *_changed(recorded.sources, lambda file: _code_now(controller, file)),
+        *_changed(recorded.files, lambda file: file_digest(root / file)),
+    )
+
+
+def values_reasons(recorded: RunInputs, settings: Settings) -> tuple[str, ...]:
+    """Return why the values no longer follow from the trace: another hardware description."""
+    if recorded.hardware == hardware_digest(settings):
+        return ()
+    return (f"{settings.hardware or 'the hardware description'} has changed",)
+
+
+def _settings_reasons(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterable[str]:
+    for name in sorted({*before, *now}):
+        if before.get(name) != now.get(name):
+            told = "version of tracerisk" if name == "tracerisk" else f"setting {name}"
+            yield f"{told} was {_shown(before.get(name))}, is {_shown(now.get(name))}"
+
+
+def _shown(value: Any) -> str:
+    return "the default" if value is None else str(value)
+
+
+def _changed(recorded: Mapping[str, str], now: Callable[[str], str]) -> Iterable[str]:
+    for file, digest in sorted(recorded.items()):
+        found = now(file)
+        if found != digest:
+            verb = {GONE: "is gone"}.get(found, "is there now" if digest == GONE else "has changed")
+            yield f"{file} {verb}"
+
+
+def _code_now(controller: Controller, file: str) -> str:
+    if file != controller.file and not controller.path_of(file).is_file():
+        return GONE
+    return code_digest(controller.source_of(file), str(controller.path_of(file)))
+
+
+def _given_data(given: Mapping[str, Any], root: Path) -> dict[str, Any]:
     return {
-        "robot": trace.robot,
-        "scene": trace.scene,
-        "end": trace.end.cause,
-        "functions": functions,
+        name: _plain(name, value, root)
+        for name, value in sorted(given.items())
+        if value not in (None, (), []) and name not in _LIMITS
     }
 
 
-def _rounded(seconds: float) -> float:
-    return round(seconds, 3)
+def _plain(name: str, value: Any, root: Path) -> Any:
+    """Return a setting as JSON; a file that it names is told from the root."""
+    if name == "params":
+        return [_from(root, Path(file)) for file in value]
+    if name in _NAMES_OF_FILES and isinstance(value, str) and Path(value).suffix:
+        return _from(root, Path(value))
+    return list(value) if isinstance(value, tuple) else value
 
 
-def _code_tokens(source: bytes, file: str) -> Sequence[str]:
-    left_out = {tokenize.COMMENT, tokenize.NL}
-    try:
-        return [
-            f"{token.type}:{token.string}"
-            for token in tokenize.tokenize(io.BytesIO(source).readline)
-            if token.type not in left_out
-        ]
-    except (tokenize.TokenError, SyntaxError) as error:
-        raise SourceError(f"is not Python 3: {error}", Location(file)) from error
+def _from(root: Path, path: Path) -> str:
+    return Path(os.path.relpath(path.resolve(), root)).as_posix()
+
+
+def _file_or_none(name: str | None) -> str | None:
+    return name if name is not None and Path(name).suffix else None
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()

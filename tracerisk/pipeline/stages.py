@@ -5,6 +5,7 @@ This is the public Python API; `tracerisk` re-exports it.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -25,7 +26,8 @@ from tracerisk.errors import HardwareError, InputError, Location
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.controller import Controller
-from tracerisk.pipeline.freshness import fingerprint, trace_summary
+from tracerisk.pipeline.freshness import run_inputs
+from tracerisk.pipeline.trace_summary import trace_summary
 from tracerisk.trace import FunctionRef, QualifiedName, Trace
 
 if TYPE_CHECKING:
@@ -35,14 +37,6 @@ if TYPE_CHECKING:
 
 Progress = Callable[[str, float], None]
 """Told the phase and the simulated time [s]."""
-
-
-@dataclass(frozen=True, slots=True)
-class RunInput:
-    """What a run is given beside its settings: arguments of the script, answers to `input()`."""
-
-    argv: tuple[str, ...] = ()
-    answers: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +98,7 @@ class Annotated:
 
 def load_settings(controller: Controller, options: Mapping[str, Any] | None = None) -> Settings:
     """Return the settings of a controller's root, overridden by the options that are given."""
-    return read_settings(controller.root).with_options(options or {})
+    return read_settings(controller.root, controller.file).with_options(options or {})
 
 
 def load_robot(controller: Controller, settings: Settings) -> Robot:
@@ -157,7 +151,6 @@ def trace_controller(
     controller: Controller,
     settings: Settings,
     *,
-    given: RunInput | None = None,
     keep: Path | None = None,
     progress: Progress | None = None,
 ) -> Trace:
@@ -168,13 +161,15 @@ def trace_controller(
     Raises SourceError, RobotError, HardwareError before anything runs.
     """
     from tracerisk.pipeline.controller_run import run_controller
+    from tracerisk.pipeline.robot_choice import choose_robot
 
-    robot = load_robot(controller, settings)
+    choice = choose_robot(controller, settings)
     # What the robot has no place for is told before a minute is spent on simulation.
-    bind(load_hardware(settings, robot.name), robot.elements)
-    return run_controller(
-        controller, robot, settings, given=given or RunInput(), keep=keep, progress=progress
-    )
+    bind(load_hardware(settings, choice.robot.name), choice.robot.elements)
+    trace = run_controller(controller, choice.robot, settings, keep=keep, progress=progress)
+    root = controller.root.resolve()
+    read = {Path(os.path.relpath(file.resolve(), root)).as_posix() for file in choice.files}
+    return replace(trace, inputs=tuple(sorted({*trace.inputs, *read})))
 
 
 def annotate(
@@ -185,9 +180,11 @@ def annotate(
     *,
     policy: MergePolicy | None = None,
     profile: ProfileText | None = None,
+    given: Mapping[str, Any] | None = None,
 ) -> Annotated:
     """Put the blocks of a trace into the controller's source; nothing is written yet.
 
+    `given` are those of the settings that came from the command line: a refresh uses them again.
     Raises EditInTheWayError when a person edited a computed value and the policy says to stop,
     HardwareError when the description does not fit, BlockError or UnsafeRewriteError when the
     source cannot be annotated.
@@ -201,12 +198,14 @@ def annotate(
     files = _annotated_files(controller, trace, lock)
     _forbid_shared(key, files, lock, controller)
     before = {file: controller.source_of(file) for file in files}
+    inputs = run_inputs(controller, trace, settings, given=given)
     outcome: Annotation = annotate_sources(
         key,
         [_source_blocks(controller, file, before[file], trace, computed) for file in files],
         lock,
-        fingerprint=fingerprint(controller, trace, settings),
+        fingerprint=inputs.fingerprint,
         trace=trace_summary(trace),
+        inputs=inputs.data(),
         policy=policy or MergePolicy(),
     )
     if isinstance(outcome, EditsInTheWay):
