@@ -165,3 +165,32 @@ def test_joints_of_common_names_make_no_robot_one_of_ours(stretch, is_ours):
     )
     kept = [joint.torque_limit == 1.0 for joint in completed_as_ours(other).arm_joints]
     assert kept == [not is_ours] * 6
+
+
+UR_SRDF = """\
+<robot name="{name}">
+  <group name="lifter">
+    <joint name="shoulder_pan_joint"/><joint name="shoulder_lift_joint"/><joint name="elbow_joint"/>
+    <joint name="wrist_1_joint"/><joint name="wrist_2_joint"/><joint name="wrist_3_joint"/>
+  </group>
+</robot>
+"""
+
+
+def test_of_known_robots_with_the_joints_of_an_srdf_the_one_that_it_names_gives_the_arm(tmp_path):
+    folder, script = workspace(tmp_path, 'group = "lifter"\n')
+    (folder / "cell.srdf").write_text(UR_SRDF.format(name="ur5_robot"))
+    choice = chosen(script)
+    assert choice.robot.name == "ur5"
+    assert "lifter" in choice.robot.groups
+
+
+def test_an_srdf_that_fits_several_known_robots_and_names_none_gives_no_arm(tmp_path):
+    folder, script = workspace(tmp_path, 'group = "lifter"\n')
+    (folder / "cell.srdf").write_text(UR_SRDF.format(name="cell"))
+    choice = chosen(script)
+    assert choice.robot.name == "generic"
+    assert any(
+        "several known robots have its joints: ur10, ur10e, ur3, ur3e, ur5, ur5e" in told
+        for told in choice.skipped
+    )

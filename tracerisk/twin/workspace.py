@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -12,6 +12,7 @@ from types import MappingProxyType
 import numpy as np
 
 from tracerisk.errors import RobotError, TraceRiskError
+from tracerisk.twin.mentions import Hint, decide
 from tracerisk.twin.model_file_frames import rotation
 from tracerisk.twin.robot import Joint, Robot, load_robot
 from tracerisk.twin.robot_index import shipped_names
@@ -147,15 +148,25 @@ class _Search:
             if found is not None:
                 robot, urdf = found
                 return robot, f"{file.shown} with {urdf.shown} in the workspace ({why})"
-            shipped = _shipped_like(srdf.words)
-            if shipped is not None:
-                completed = _with_srdf(shipped, srdf)
-                return (
-                    completed,
-                    f"{file.shown} in the workspace ({why}), the arm from {shipped.name}",
-                )
-            self._skipped.append(f"{file.shown}: no URDF or known robot has its joints")
+            like = _shipped_like(srdf.words)
+            if len(like) > 1:
+                like = self._named_of(like, file, srdf)
+            if len(like) == 1:
+                completed = _with_srdf(load_robot(like[0]), srdf)
+                return completed, f"{file.shown} in the workspace ({why}), the arm from {like[0]}"
+            told = f"several known robots have its joints: {', '.join(like)}"
+            self._skipped.append(
+                f"{file.shown}: {told if like else 'no URDF or known robot has its joints'}"
+            )
         return None
+
+    def _named_of(self, names: Sequence[str], file: _File, srdf: Srdf) -> tuple[str, ...]:
+        """Return those of several robots that the SRDF or its path names, else the controller."""
+        hints = (
+            Hint("the SRDF", {file.shown: f"{srdf.name} {file.shown}"}),
+            Hint("its source", {self._script.name: " ".join((self._script.stem, *self._words))}),
+        )
+        return decide(names, {each.name: each for each in shipped_names()}, hints).left
 
     def _urdf_for(
         self, file: _File, srdf: Srdf, urdf_files: list[_File]
@@ -330,21 +341,27 @@ def _parts(srdf: Srdf) -> set[str]:
     return names
 
 
-def _shipped_like(names: Iterable[str]) -> Robot | None:
-    """Return the shipped robot that has most of its joints among the names."""
-    return next(_all_shipped_like(names), None)
+def _shipped_like(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the shipped robots that have the greatest share of their joints among the names."""
+    shares = _shares(names)
+    return tuple(name for name in shares if shares[name] == max(shares.values()))
 
 
-def _all_shipped_like(names: Iterable[str]) -> Iterator[Robot]:
-    """Yield the shipped robots with most of their joints among the names, the best ones first."""
+def _shares(names: Iterable[str]) -> dict[str, float]:
+    """Return the shares of the shipped robots with most of their joints among the names."""
     wanted = set(names)
     shares = {
         each.name: len(wanted.intersection(each.arm_joints)) / len(each.arm_joints)
         for each in shipped_names()
     }
+    return {name: share for name, share in sorted(shares.items()) if share >= _MATCHES}
+
+
+def _all_shipped_like(names: Iterable[str]) -> Iterator[Robot]:
+    """Yield the shipped robots with most of their joints among the names, the best ones first."""
+    shares = _shares(names)
     for name in sorted(shares, key=lambda each: (-shares[each], each)):
-        if shares[name] >= _MATCHES:
-            yield load_robot(name)
+        yield load_robot(name)
 
 
 def _ours(robot: Robot) -> Robot | None:
