@@ -110,6 +110,14 @@ def test_joints_limits_and_motors_are_the_makers(arm):
     assert arm.name == "reacher_two"
 
 
+def test_damping_beyond_a_drives_friction_is_the_servos(tmp_path):
+    robot = read(tmp_path, ARM.replace('<joint damping="1"', '<joint damping="50"')).robot
+    servo = robot.joint("shoulder").servo
+    assert (servo.damping, servo.friction) == (60.0 + 49.0, 1.0)
+    slow = read(tmp_path, ARM.replace('<joint damping="1"', '<joint damping="5000"')).robot
+    assert slow.joint("shoulder").servo.stiffness != 900.0, "it would never arrive"
+
+
 def test_frames_are_those_of_the_model_also_with_anchors_and_references(arm, tmp_path):
     own = ARM.replace('<geom type="mesh" mesh="upper"/>', "")
     own = own[: own.index("<asset>")] + own[own.index("<worldbody>") :].replace(

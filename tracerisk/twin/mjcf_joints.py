@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from tracerisk.twin.mjcf_model import Data, MjcfModel
+from tracerisk.twin.outline import derived_servo
 from tracerisk.twin.robot import Servo
+from tracerisk.twin.robot_assembly import ASSUMED_VELOCITY
 
 FREE, BALL, SLIDE, HINGE = 0, 1, 2, 3
 _GRIPS = re.compile(r"finger|gripper|hand|jaw|knuckle|claw|thumb|grasp|pinch", re.IGNORECASE)
@@ -59,7 +62,7 @@ def drives_of(model: MjcfModel) -> Drives:
                 follows[joint] = (leader, 1.0 if share * first > 0.0 else -1.0, 0.0)
         if len(joints) == 1:
             joint, gear = joints[0]
-            servo = _servo(actuator, gear, model.joints[joint])
+            servo = _servo(actuator, gear, model.joints[joint], efforts.get(joint, 0.0))
             if servo is not None:
                 servos[joint] = servo
                 if actuator["control"] is not None:
@@ -108,19 +111,24 @@ def _force(actuator: Data) -> float:
     return 0.0
 
 
-def _servo(actuator: Data, gear: float, joint: Data) -> Servo | None:
-    """Return the position servo that an actuator is.
+def _servo(actuator: Data, gear: float, joint: Data, effort: float) -> Servo | None:
+    """Return the position servo that an actuator is; `effort` is its limit, 0 for none.
 
     `None` for one of another kind, and for a placeholder that is so slow that it never arrives.
+    What a model gives its joints of damping beyond the friction of a drive is the servo's: the
+    motion is the same, and no motor is loaded by what no real joint has.
     """
     stiffness = -float(actuator["bias"][1]) * gear * gear
     if actuator["gain"] <= 0.0 or stiffness <= 0.0:
         return None
     damping = max(0.0, -float(actuator["bias"][2]) * gear * gear)
-    friction = float(joint["damping"])
-    if damping + friction > _SLOWEST_S * stiffness:
+    passive = float(joint["damping"])
+    if damping + passive > _SLOWEST_S * stiffness:
         return None
-    return Servo(stiffness, damping, float(joint["armature"]), friction)
+    kind = "prismatic" if joint["type"] == SLIDE else "revolute"
+    drive = derived_servo(effort or math.inf, ASSUMED_VELOCITY[kind]).friction
+    friction = min(passive, drive)
+    return Servo(stiffness, damping + passive - friction, float(joint["armature"]), friction)
 
 
 def _passive(
