@@ -87,7 +87,7 @@ status = robot.execute(arm.plan().trajectory, [])
     )
     assert bool(ran["status"])
     (finding,) = ran.findings
-    assert "package 'moveit_resources_panda_moveit_config' not found" in finding
+    assert "package 'moveit_resources_panda_moveit_config' is not in the workspace" in finding
     assert "robot_description" not in ran["values"]
 
 

@@ -1,17 +1,30 @@
-"""Parameters gathered from the files of a package; the base that launch_param_builder gives."""
+"""Parameters gathered from the files of a package, as launch_param_builder does."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Protocol, Self
 
-from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
 
-from tracerisk.errors import RobotError
-from tracerisk.ros.move_group import MoveGroupServer
-from tracerisk.ros.runtime import current
-from tracerisk.twin.xacro_files import expand_xacro
+class PackageFiles(Protocol):
+    """Where packages are, and what is done about what is not there."""
+
+    def folder(self, package: str) -> Path | None:
+        """Return the folder of a package; None where it is not there."""
+        ...
+
+    def text(self, path: Path) -> str:
+        """Return the text of a file."""
+        ...
+
+    def expanded(self, path: Path, arguments: Mapping[str, Any]) -> Any:
+        """Return what a xacro file expands to; None where it cannot be expanded."""
+        ...
+
+    def left_out(self, what: str) -> dict[str, Any]:
+        """Note what is left out, and return what stands for its parameters."""
+        ...
 
 
 class ParameterBuilderFileNotFoundError(FileNotFoundError):
@@ -19,19 +32,17 @@ class ParameterBuilderFileNotFoundError(FileNotFoundError):
 
 
 class ParameterBuilder:
-    """Gathers parameters from a package of the workspace.
+    """Gathers parameters from a package.
 
-    A package that the workspace lacks is a finding of the run, and what its files would give is
-    left out: the robot is that of the run in any case.
+    What the files of a package that is not there would give is left out: the robot is that of
+    the run in any case.
     """
 
-    def __init__(self, package_name: str) -> None:
+    def __init__(self, files: PackageFiles, package_name: str) -> None:
+        self._files = files
+        self._package_name = package_name
         self._parameters: dict[str, Any] = {}
-        self._package_path: Path | None = None
-        try:
-            self._package_path = Path(get_package_share_directory(package_name))
-        except PackageNotFoundError as error:
-            tell(f"{error.args[0]}; its parameters are left out")
+        self._package_path = files.folder(package_name)
 
     def yaml(self, file_path: str | Path, parameter_namespace: str | None = None) -> Self:
         """Add the parameters of a YAML file, below a namespace if one is given."""
@@ -40,7 +51,7 @@ class ParameterBuilder:
     def file_parameter(self, parameter_name: str, file_path: str | Path) -> Self:
         """Add the text of a file as a parameter."""
         path = self._path(file_path)
-        return self if path is None else self.parameter(parameter_name, read_text(path))
+        return self if path is None else self.parameter(parameter_name, self._files.text(path))
 
     def xacro_parameter(
         self, parameter_name: str, file_path: str | Path, mappings: Mapping[str, str] | None = None
@@ -79,25 +90,25 @@ class ParameterBuilder:
 
     def _yaml(self, file_path: str | Path) -> dict[str, Any]:
         path = self._path(file_path)
-        return {} if path is None else load_yaml(path)
+        if path is None:
+            return self._files.left_out(f"package '{self._package_name}'")
+        return load_yaml(path, self._files.text(path))
 
-    def _xacro(self, file_path: str | Path, mappings: Mapping[str, Any] | None) -> str | None:
-        """Return what a file expands to; None, with a finding, where it cannot be expanded."""
+    def _xacro(self, file_path: str | Path, mappings: Mapping[str, Any] | None) -> Any:
+        """Return what a file expands to; None where it is not there or cannot be expanded."""
         path = self._path(file_path)
         if path is None:
+            self._files.left_out(f"package '{self._package_name}'")
             return None
         if path.suffix != ".xacro":
-            return read_text(path)
-        arguments = {str(name): str(value) for name, value in (mappings or {}).items()}
-        try:
-            return expand_xacro(path, current().packages, arguments=arguments).decode()
-        except RobotError as error:
-            tell(f"{path.name} cannot be expanded, and is left out: {error.message}")
-            return None
+            return self._files.text(path)
+        return self._files.expanded(
+            path, {str(name): value for name, value in (mappings or {}).items()}
+        )
 
 
-def load_yaml(path: Path) -> dict[str, Any]:
-    """Return what a YAML file holds.
+def load_yaml(path: Path, text: str) -> dict[str, Any]:
+    """Return what the text of a YAML file holds.
 
     Raises:
         RuntimeError: it is no YAML, or holds no mapping.
@@ -108,7 +119,7 @@ def load_yaml(path: Path) -> dict[str, Any]:
     yaml = YAML(typ="safe", pure=True)
     yaml.version = (1, 1)
     try:
-        content = yaml.load(read_text(path))
+        content = yaml.load(text)
     except YAMLError as error:
         raise RuntimeError(f"{path} is no YAML: {error}") from error
     if content is None:
@@ -116,13 +127,3 @@ def load_yaml(path: Path) -> dict[str, Any]:
     if not isinstance(content, dict):
         raise RuntimeError(f"{path} holds no mapping; give parameters as 'name: value'")
     return dict(content)
-
-
-def read_text(path: Path) -> str:
-    """Return the text of a file."""
-    return path.read_text(encoding="utf-8")
-
-
-def tell(message: str) -> None:
-    """Record a finding of the run where the controller stands."""
-    current().client(MoveGroupServer).execution.tell("configuration", message)
