@@ -163,7 +163,7 @@ class Graph:
         self._warn = warn
         self._topics: dict[str, _Topic] = {}
         self._services: dict[str, ServiceServer] = {}
-        self._offers: dict[str, tuple[str, Callable[[Any], Any], str]] = {}
+        self._offers: dict[str, dict[str, tuple[Callable[[Any], Any], str]]] = {}
         self._watchers: list[Callable[[Change, str, str], None]] = []
         scheduler.listens = self.listens
 
@@ -306,17 +306,29 @@ class Graph:
         """Serve `base_name` in whatever namespace somebody asks for it: a service of the twin's.
 
         It begins when it is first asked for by name, and where nobody else serves that name.
+        Where several types are offered under one name, whoever asks says which is meant.
         """
-        self._offers[base_name] = (type_name, handle, node)
+        self._offers.setdefault(base_name, {})[type_name] = (handle, node)
 
-    def service(self, name: str) -> ServiceServer | None:
+    def service(self, name: str, type_name: str | None = None) -> ServiceServer | None:
         """Return who serves a name, if anybody; a service of the twin's begins with that."""
-        if name not in self._services:
-            offered = self._offers.get(name.rsplit("/", 1)[-1])
-            if offered is not None:
-                type_name, handle, node = offered
-                self.serve(name, type_name, handle, node=node, is_callback=False)
-        return self._services.get(name)
+        known = self._services.get(name)
+        offered = self._offers.get(name.rsplit("/", 1)[-1], {})
+        if known is None and offered:
+            kind = type_name if type_name in offered else next(iter(offered))
+        elif (
+            known is not None
+            and not known.is_callback
+            and known.type_name in offered
+            and type_name in offered
+            and type_name != known.type_name
+        ):
+            # Waited for by its name alone, another vendor's was taken for it.
+            kind = type_name
+        else:
+            return known
+        handle, node = offered[kind]
+        return self.serve(name, kind, handle, node=node, is_callback=False)
 
     def services(self) -> tuple[ServiceServer, ...]:
         """Return all servers, sorted by name."""

@@ -19,11 +19,9 @@ if TYPE_CHECKING:
 _SET_POINT_S = 0.3
 """A command with a shorter way in time is a set-point of a stream, not a motion of its own."""
 
-_RISE_S = 0.05
-
 
 class InterbotixMotion:
-    """Makes trajectories of positions, velocities and waypoints, from where the joints are."""
+    """Makes trajectories of positions and waypoints, from where the joints are."""
 
     def __init__(self, twin: Twin) -> None:
         self._twin = twin
@@ -37,39 +35,6 @@ class InterbotixMotion:
         goal = [self._reachable(name, asked[name]) for name in names]
         made = self._ramped(servos, names, here, goal)
         return made, made.duration_s <= _SET_POINT_S
-
-    def at_velocities(self, asked: Mapping[str, float]) -> JointTrajectory | None:
-        """Return the way at velocities until the first joint is at a limit, None at rest."""
-        names = tuple(asked)
-        joints = [self._twin.robot.joint(name) for name in names]
-        here = np.array(self._here(names))
-        speed = np.array(
-            [
-                float(np.clip(asked[joint.name], -joint.velocity_limit, joint.velocity_limit))
-                for joint in joints
-            ]
-        )
-        ways = [
-            ((joint.upper if v > 0 else joint.lower) - at) / v
-            for joint, at, v in zip(joints, here, speed, strict=True)
-            if abs(v) > 1e-6
-        ]
-        if not ways or min(ways) <= 2 * _RISE_S:
-            return None
-        time = min(ways)
-        times = np.array([_RISE_S, time - _RISE_S, time])
-        return JointTrajectory(
-            names,
-            times,
-            np.vstack(
-                (
-                    here + speed * _RISE_S / 2,
-                    here + speed * (time - 1.5 * _RISE_S),
-                    here + speed * (time - _RISE_S),
-                )
-            ),
-            np.vstack((speed, speed, np.zeros(len(names)))),
-        )
 
     def through(self, servos: Mapping[str, Servo], points: Sequence[Any]) -> JointTrajectory:
         """Return the way through waypoints, each a goal that is set when its time comes.

@@ -20,6 +20,7 @@ from tracerisk.ros.interbotix_motion import InterbotixMotion
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.ros.twin_topics import JOINT_STATE_TYPE
+from tracerisk.ros.velocity_motion import at_velocities
 from tracerisk.twin.motion import PlanningError
 
 if TYPE_CHECKING:
@@ -315,7 +316,7 @@ class InterbotixDriver:
             made = self._motion.to_positions(servos, asked)
             self._streams.follow(f"{topic} {' '.join(asked)}", kind, made[0], is_set_point=made[1])
         elif all(servo.mode == "velocity" for servo in servos.values()):
-            moving = self._motion.at_velocities(asked)
+            moving = at_velocities(self._twin, asked)
             if moving is None:
                 self._twin.stop(list(asked))
                 self._commands.poll()

@@ -50,13 +50,13 @@ class TwinInterfaces:
             SceneInterfaces(runtime, messages)
             self._types[MOVE_GROUP] = (moveit.move_group, moveit.on_cancel)
             self._types[EXECUTE_TRAJECTORY] = (moveit.execute_trajectory, moveit.on_cancel)
+        self._types |= serve_vendors(runtime, messages, commands)
         self._served: set[tuple[str, str]] = set()
         self._actions.watch(self._on_action)
         SetPoints(runtime, commands)
         if not hasattr(interfaces, "action"):
             ActionTopics(runtime, messages)
         ControllerManager(runtime, messages)
-        serve_vendors(runtime, messages, commands)
 
     def _on_action(self, change: ActionChange, name: str, type_name: str) -> None:
         if change != "client" or type_name not in self._types or (name, type_name) in self._served:

@@ -2,19 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from tracerisk.ros.action_graph import ActionGoal
 from tracerisk.ros.twin_commands import TwinCommands
+from tracerisk.ros.twin_franka import RECOVERIES, FrankaSettings
 from tracerisk.ros.twin_gazebo import GazeboServices
 from tracerisk.ros.twin_interbotix import InterbotixDriver
 from tracerisk.ros.twin_messages import TwinMessages
+from tracerisk.ros.twin_xarm import XarmDriver
 
 if TYPE_CHECKING:
     from tracerisk.ros.runtime import Runtime
 
+Handler = Callable[[ActionGoal], None]
 
-def serve_vendors(runtime: Runtime, messages: TwinMessages, commands: TwinCommands) -> None:
-    """Offer each vendor's services and listen to its command topics."""
+
+def serve_vendors(
+    runtime: Runtime, messages: TwinMessages, commands: TwinCommands
+) -> dict[str, tuple[Handler, Handler]]:
+    """Offer each vendor's services and listen to its command topics.
+
+    Returns the types of their actions, with what takes a goal and what cancels one.
+    """
     InterbotixDriver(runtime, messages, commands)
+    XarmDriver(runtime, messages, commands)
     if runtime.recorder is not None:
         GazeboServices(runtime, messages, commands)
+    franka = FrankaSettings(runtime, messages, commands)
+    return dict.fromkeys(RECOVERIES, (franka.recover, franka.on_cancel))

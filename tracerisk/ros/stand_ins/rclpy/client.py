@@ -153,7 +153,7 @@ class Client(Entity):
             raise TypeError(f"Expected {self.srv_type.Request}, got {type(request)}")
 
     def _server(self) -> ServiceServer | None:
-        server = run().graph.service(self.srv_name)
+        server = run().graph.service(self.srv_name, self.srv_type._ros_type)
         if server is None or server.type_name not in (ANY_TYPE, self.srv_type._ros_type):
             return None
         return server

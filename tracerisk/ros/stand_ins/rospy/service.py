@@ -180,7 +180,7 @@ class ServiceProxy(_Service):
             )
         state = node()
         state.scheduler.touch()
-        server = state.graph.service(self.resolved_name)
+        server = state.graph.service(self.resolved_name, self.service_class._type)
         if server is None:
             state.scheduler.miss(Need("service", self.resolved_name, self.service_class._type))
             raise ServiceException(f"service [{self.resolved_name}] unavailable")

@@ -1,0 +1,55 @@
+"""What joints do that are commanded velocities: they go on until they are told otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tracerisk.twin.motion import JointTrajectory
+
+if TYPE_CHECKING:
+    from tracerisk.twin.twin import Twin
+
+_RISE_S = 0.02
+_LONGEST_S = 1000.0
+
+
+def at_velocities(
+    twin: Twin, asked: Mapping[str, float], for_s: float | None = None
+) -> JointTrajectory | None:
+    """Return the way of joints at velocities [rad/s], None where they are at rest.
+
+    It ends when the first of them is at its limit, or after `for_s` where that is less: they come
+    to rest then, as those of a driver that hears no more commands.
+    """
+    names = tuple(asked)
+    joints = [twin.robot.joint(name) for name in names]
+    state = twin.joint_state()
+    at = dict(zip(state.names, state.position, strict=True))
+    here = np.array([at[name] for name in names])
+    speed = np.array(
+        [
+            float(np.clip(asked[joint.name], -joint.velocity_limit, joint.velocity_limit))
+            for joint in joints
+        ]
+    )
+    left = [
+        ((joint.upper if v > 0 else joint.lower) - x) / v
+        for joint, x, v in zip(joints, here, speed, strict=True)
+        if abs(v) > 1e-6
+    ]
+    if not left:
+        return None
+    time = min(min(left), _LONGEST_S if for_s is None else for_s)
+    if time <= 2 * _RISE_S:
+        return None
+    times = np.array([_RISE_S, time - _RISE_S, time])
+    ways = (_RISE_S / 2, time - 1.5 * _RISE_S, time - _RISE_S)
+    return JointTrajectory(
+        names,
+        times,
+        np.vstack([here + speed * way for way in ways]),
+        np.vstack((speed, speed, np.zeros(len(names)))),
+    )
