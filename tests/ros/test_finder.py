@@ -190,8 +190,9 @@ def test_every_library_in_the_table_can_be_found():
 
 def test_packages_used_for_their_code_are_not_served_by_their_messages_alone():
     finder = StandInFinder()
-    assert "dynamic_reconfigure" in finder.interfaces.packages
-    assert "dynamic_reconfigure" not in finder.provides
+    assert "bond" in finder.interfaces.packages
+    assert "bond" not in finder.provides
+    assert finder.provides["dynamic_reconfigure"] == "library and interfaces"
 
 
 def test_messages_of_the_workspace_are_served(tmp_path):

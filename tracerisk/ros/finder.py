@@ -19,6 +19,7 @@ from pathlib import Path
 from types import MappingProxyType, ModuleType, TracebackType
 from typing import TYPE_CHECKING, Any, Literal, Self
 
+from tracerisk.ros.cfg_modules import cfg_module
 from tracerisk.ros.messages import Interfaces
 from tracerisk.ros.vendor_libraries import VENDOR_LIBRARIES, is_installed, missing_module
 
@@ -90,7 +91,7 @@ class StandInFinder(MetaPathFinder):
     def find_spec(
         self,
         fullname: str,
-        path: Sequence[str] | None = None,  # noqa: ARG002
+        path: Sequence[str] | None = None,
         target: ModuleType | None = None,  # noqa: ARG002
     ) -> ModuleSpec | None:
         """Return the spec of a module that is provided, else None.
@@ -106,8 +107,16 @@ class StandInFinder(MetaPathFinder):
         if spec is None and self.provides[top] != "library" and not (gives_way and not rest):
             spec = self._interface_spec(fullname, top, rest)
         if spec is None and not gives_way:
+            spec = cfg_module(fullname, path or self._own_folder(top))
+        if spec is None and not gives_way:
             raise self._no_such_name(fullname)
         return spec
+
+    def _own_folder(self, top: str) -> list[str]:
+        if not isinstance(self.interfaces, Interfaces):
+            return []
+        folder = self.interfaces.workspace.get(top)
+        return [] if folder is None else [str(folder)]
 
     @staticmethod
     def _is_elsewhere(top: str) -> bool:
@@ -165,10 +174,13 @@ class _MissingRosFinder(MetaPathFinder):
         fullname: str,
         path: Sequence[str] | None = None,
         target: ModuleType | None = None,  # noqa: ARG002
-    ) -> None:
-        message = missing_module(fullname, self._stand_ins.provides) if path is None else None
+    ) -> ModuleSpec | None:
+        if path is not None:
+            return cfg_module(fullname, path)
+        message = missing_module(fullname, self._stand_ins.provides)
         if message is not None:
             raise ModuleNotFoundError(message, name=fullname)
+        return None
 
 
 class _StandInLoader(SourceFileLoader):

@@ -87,6 +87,11 @@ class Interfaces:
         self._services: dict[str, type[Service]] = {}
         self._service_parts: set[str] = set()
 
+    @property
+    def workspace(self) -> Mapping[str, Path]:
+        """The folders of the controller's own packages."""
+        return self._workspace
+
     @cached_property
     def packages(self) -> tuple[str, ...]:
         """The names of all packages that are known, sorted."""

@@ -1,0 +1,91 @@
+"""`<package>.cfg.<Name>Config`: what catkin generates from `cfg/<Name>.cfg` of a package.
+
+The file is run when the module is imported, with the stand-in of dynamic_reconfigure's generator.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from importlib.abc import Loader
+from importlib.machinery import ModuleSpec
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+_SUFFIX = "Config"
+_DEEPEST = 3  # a module of a package stands at most in `<package>/src/<package>`
+
+
+def cfg_module(fullname: str, path: Sequence[str]) -> ModuleSpec | None:
+    """Return the spec of a package's `cfg`, or of a configuration in it; None for all else.
+
+    `path` is where the module's parent looks for modules.
+    """
+    _, _, leaf = fullname.rpartition(".")
+    if leaf == "cfg":
+        folder = _cfg_folder(path)
+        if folder is None:
+            return None
+        spec = ModuleSpec(fullname, _CfgLoader(None), is_package=True)
+        spec.submodule_search_locations = [str(folder)]
+        return spec
+    if leaf.endswith(_SUFFIX) and fullname.split(".")[-2:-1] == ["cfg"]:
+        for each in path:
+            file = Path(each, f"{leaf.removesuffix(_SUFFIX)}.cfg")
+            if file.is_file():
+                return ModuleSpec(fullname, _CfgLoader(file), origin=str(file))
+    return None
+
+
+def _cfg_folder(path: Sequence[str]) -> Path | None:
+    for each in path:
+        folder = Path(each)
+        for above in (folder, *folder.parents[:_DEEPEST]):
+            if (above / "package.xml").is_file():
+                return above / "cfg" if any((above / "cfg").glob("*.cfg")) else None
+    return None
+
+
+class _CfgLoader(Loader):
+    def __init__(self, file: Path | None) -> None:
+        self._file = file
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType | None:  # noqa: ARG002
+        return None
+
+    def exec_module(self, module: ModuleType) -> None:
+        if self._file is not None:
+            vars(module).update(_generated(self._file))
+
+
+def _generated(file: Path) -> dict[str, Any]:
+    from dynamic_reconfigure.encoding import extract_params
+    from dynamic_reconfigure.parameter_generator_catkin import ParameterGenerator
+
+    ParameterGenerator.latest = None
+    code = compile(file.read_bytes(), str(file), "exec", dont_inherit=True)
+    try:
+        exec(code, {"__name__": "__main__", "__file__": str(file)})
+    except SystemExit as end:
+        if end.code not in (None, 0):
+            raise ImportError(f"{file}: it ends with status {end.code}") from end
+    generator = ParameterGenerator.latest
+    if generator is None:
+        raise ImportError(f"{file}: it describes nothing: no generator's `generate` was called")
+    description = generator.group.to_dict()
+    parameters = list(extract_params(description))
+    level = 0
+    for each in parameters:
+        level |= each["level"]
+    return {
+        "inf": float("inf"),
+        "config_description": description,
+        **{table: {each["name"]: each[field] for each in parameters} for table, field in _tables()},
+        "all_level": level,
+        **{f"{file.stem}_{each['name']}": each["value"] for each in generator.constants},
+    }
+
+
+def _tables() -> Iterator[tuple[str, str]]:
+    yield from (("min", "min"), ("max", "max"), ("defaults", "default"))
+    yield from (("level", "level"), ("type", "type"))
