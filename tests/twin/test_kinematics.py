@@ -8,7 +8,7 @@ from tracerisk.twin.clearance import Clearance
 from tracerisk.twin.kinematics import Kinematics
 from tracerisk.twin.motion import PlanningError, Pose
 from tracerisk.twin.planning import Planner
-from tracerisk.twin.robot import Robot
+from tracerisk.twin.robot import Robot, load_robot
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
 
@@ -124,3 +124,19 @@ def test_a_target_outside_the_limits_is_an_invalid_goal(
     with pytest.raises(PlanningError, match="'panda_finger_joint1' is not in group") as caught:
         planner.joints("panda_arm", {"panda_finger_joint1": 0.0}, ready)
     assert caught.value.failure == "invalid_goal"
+
+
+@pytest.mark.parametrize(("seed", "wanted"), [(3.4, 3.6), (6.2, 6.4), (-6.2, -6.4)])
+def test_a_joint_without_stops_is_turned_back_by_whole_turns_where_its_range_ends(seed, wanted):
+    gen3 = load_robot("gen3")
+    kinematics = Kinematics(gen3)
+    bent = {"joint_2": 0.3, "joint_4": -2.2, "joint_6": 0.9, "joint_7": 0.5}
+    goal = kinematics.forward({**bent, "joint_1": wanted}, "end_effector_link")
+    found = kinematics.inverse("manipulator", goal, seed={**bent, "joint_1": seed})
+    reached = kinematics.forward(found, "end_effector_link")
+    assert np.allclose(reached.position, goal.position, atol=1e-3)
+    assert turn_between(reached.orientation, goal.orientation) < 5e-3
+    for joint in gen3.arm_joints:
+        assert joint.lower <= found[joint.name] <= joint.upper
+    if abs(wanted) < 6.2:
+        assert found["joint_1"] == pytest.approx(wanted, abs=0.2), "no way round"

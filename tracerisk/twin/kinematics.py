@@ -174,7 +174,8 @@ class Kinematics:
             value = float(qpos[self._address[name]])
             if joint.type == "continuous":
                 # Whole turns lead to the same pose; a limit of the range would not.
-                value -= _TURN * round((value - (joint.lower + joint.upper) / 2) / _TURN)
+                value -= _TURN * math.ceil(max(0.0, value - joint.upper) / _TURN)
+                value += _TURN * math.ceil(max(0.0, joint.lower - value) / _TURN)
             values[name] = min(max(value, joint.lower), joint.upper)
         return values
 
