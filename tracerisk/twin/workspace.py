@@ -459,7 +459,10 @@ def named_as_ours(robot: Robot) -> Robot:
     for name, group in like.groups.items():
         if set(group.joints) <= joints.keys():
             tip = group.tip_link if group.tip_link in robot.link_names else None
-            own = next((g for g in robot.groups.values() if g.joints == group.joints), None)
-            groups[name] = replace(group, tip_link=tip or (own.tip_link if own else None))
-            states.setdefault(name, like.named_states.get(name, {}))
+            own = next((g for g in robot.groups if robot.groups[g].joints == group.joints), None)
+            own_tip = robot.groups[own].tip_link if own is not None else None
+            groups[name] = replace(group, tip_link=tip or own_tip)
+            told = robot.named_states.get(own or name, {})
+            # The file's own states go before those of ours.
+            states[name] = MappingProxyType({**like.named_states.get(name, {}), **told})
     return replace(robot, groups=MappingProxyType(groups), named_states=MappingProxyType(states))
