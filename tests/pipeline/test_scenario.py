@@ -321,3 +321,20 @@ def test_the_arm_is_the_controllers_and_a_scenario_moves_nothing(example):
     )
     trace = example.run("trace", "c.py", "--json", "--scenario", "s.yaml").json["trace"]
     assert [visit["start_s"] for visit in trace["visits"]] == [pytest.approx(4.0, abs=0.2)]
+
+
+def test_a_topic_on_which_nobody_publishes_is_a_finding_of_a_run_that_did_something(example):
+    example.write("c.py", LISTENER + "listener.angle = 0.1\nlistener.turn()\nrospy.spin()\n")
+    trace = example.run("trace", "c.py", "--json").json["trace"]
+    assert trace["end"]["cause"] == "quiescent"
+    (finding,) = [each for each in trace["findings"] if each["kind"] == "unprovided"]
+    assert "nothing provides messages on /angle (std_msgs/Float64)" in finding["message"]
+    assert (finding["location"]["file"], finding["location"]["line"]) == ("c.py", 10)
+
+
+def test_a_long_sleep_is_no_loop_that_only_waits(example):
+    body = "rospy.sleep(100.0)\nlistener.angle = 0.1\nlistener.turn()\n"
+    example.write("c.py", LISTENER + body)
+    outcome = example.run("trace", "c.py", "--json")
+    assert outcome.code == 0, outcome.err
+    assert outcome.json["trace"]["visits"][0]["start_s"] == pytest.approx(100.0, abs=0.1)

@@ -18,6 +18,7 @@ from tracerisk.trace import GOOD_ENDS, EndCause
 _RECENT_NS = 1_000_000_000  # what was asked for last before an error may have led to it
 _ASKED_AGAIN_NS = 10_000_000_000
 _TOLD = 3
+_LISTENING = frozenset({"quiescent", "idle"})
 # An answer that never comes: the call of a service that nobody serves, a goal for nobody.
 _LASTING: frozenset[NeedKind] = frozenset({"topic", "service", "action"})
 
@@ -59,6 +60,8 @@ class UnmetNeeds:
         """Return the end of a run with what it lacked, where that may be why it ended."""
         plain = JudgedEnd(cause, message, location)
         if cause in GOOD_ENDS and self._has_commanded():
+            if cause in _LISTENING:
+                self._tell_unpublished()
             return plain
         found = self._led_to(cause)
         if not found:
@@ -90,6 +93,16 @@ class UnmetNeeds:
         if place is None or not Path(place.file).is_relative_to(self._root):
             return place
         return replace(place, file=Path(place.file).relative_to(self._root).as_posix())
+
+    def _tell_unpublished(self) -> None:
+        """Tell of topics on which nobody publishes: the run may have ended for want of them."""
+        for each in self._runtime.graph.unpublished():
+            self._runtime.recorder.finding(
+                "unprovided",
+                f"nothing provides {each.need.told}, to which the controller listens; a scenario "
+                "(--scenario) can",
+                self.below_root(each.location),
+            )
 
     def _led_to(self, cause: EndCause) -> tuple[Missed, ...]:
         if cause in ("raised", "exited"):
