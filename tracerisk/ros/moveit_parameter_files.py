@@ -23,7 +23,7 @@ class PackageFiles(Protocol):
         ...
 
     def left_out(self, what: str) -> dict[str, Any]:
-        """Note what is left out, and return what stands for its parameters."""
+        """Note what is left out, and return what stands for its parameters: `*`, or nothing."""
         ...
 
 
@@ -88,18 +88,21 @@ class ParameterBuilder:
             raise ParameterBuilderFileNotFoundError(f"File {path} doesn't exist")
         return path
 
+    def _missing(self, file_path: str | Path) -> str:  # noqa: ARG002 - others tell by the file
+        """Return what is not there where a file has no path."""
+        return f"package '{self._package_name}'"
+
     def _yaml(self, file_path: str | Path) -> dict[str, Any]:
         path = self._path(file_path)
         if path is None:
-            return self._files.left_out(f"package '{self._package_name}'")
+            return self._files.left_out(self._missing(file_path))
         return load_yaml(path, self._files.text(path))
 
     def _xacro(self, file_path: str | Path, mappings: Mapping[str, Any] | None) -> Any:
         """Return what a file expands to; None where it is not there or cannot be expanded."""
         path = self._path(file_path)
         if path is None:
-            self._files.left_out(f"package '{self._package_name}'")
-            return None
+            return self._files.left_out(self._missing(file_path)).get("*")
         if path.suffix != ".xacro":
             return self._files.text(path)
         return self._files.expanded(

@@ -192,17 +192,65 @@ def test_xml_has_all_that_python_has(read):
     assert any("<bad> is not read" in each for each in reading.problems)
 
 
+MOVEIT = """
+from ament_index_python.packages import get_package_share_directory
+from moveit_configs_utils import MoveItConfigsBuilder
+from moveit_configs_utils.launches import generate_demo_launch
+moveit = (
+    MoveItConfigsBuilder("panda", package_name={package!r})
+    .robot_description(mappings={{"side": LaunchConfiguration("side")}})
+    .planning_pipelines(pipelines=["ompl"])
+    .moveit_cpp(file_path=get_package_share_directory({package!r}) + "/config/moveit_cpp.yaml")
+    .to_moveit_configs()
+)
+rviz = str(moveit.package_path / "config/moveit.rviz")
+"""
+
+
+def test_the_parameters_of_moveit_come_from_its_package(described, workspace):
+    config = workspace.package / "config"
+    workspace.write(
+        "config/moveit_cpp.yaml", "ompl_rrtc: {plan_request_params: {planning_attempts: 2}}"
+    )
+    workspace.write("config/panda.urdf.xacro", "<robot name='panda'/>")
+    workspace.write("config/panda.srdf", "<robot name='panda'/>")
+    workspace.write("config/joint_limits.yaml", "default_velocity_scaling_factor: 0.3")
+    for name in ("kinematics", "moveit_controllers"):
+        workspace.write(f"config/{name}.yaml", "{}")
+    reading = described(
+        "pick(parameters=[moveit.to_dict()])", before=MOVEIT.format(package="arm_task")
+    )
+    (node,) = reading.nodes
+    found = values(node)
+    assert found["ompl_rrtc.plan_request_params.planning_attempts"] == 2
+    assert found["robot_description_planning.default_velocity_scaling_factor"] == 0.3
+    assert found["robot_description_semantic"] == "<robot name='panda'/>"
+    assert found["ompl.planning_plugins"] == ["ompl_interface/OMPLPlanner"]
+    assert dict(node.left_out) == {"robot_description": "the output of xacro is not here"}
+    assert {config / "moveit_cpp.yaml", config / "joint_limits.yaml"} <= set(reading.sources)
+
+
+def test_moveit_without_its_package_leaves_only_itself_out(described):
+    (node,) = described(
+        "pick(parameters=[moveit.to_dict(), {'speed': 1}])",
+        before=MOVEIT.format(package="not_here"),
+    ).nodes
+    found = values(node)
+    assert (found["speed"], found["default_planning_pipeline"]) == (1, "ompl")
+    assert set(dict(node.left_out).values()) == {"package 'not_here' is not here"}
+
+
 def test_what_is_not_here_leaves_only_itself_out(described):
     (node, other) = described(
         "pick(parameters=[moveit.to_dict(), {'robot_description': Command(['xacro ', 'a.xacro']),"
         " 'speed': 1, 'share': FindPackageShare('not_here')}]),"
         "pick(arguments=[FindPackageShare('not_here')]), pick(name='other')",
-        before="from moveit_configs_utils import MoveItConfigsBuilder\n"
-        "moveit = MoveItConfigsBuilder('panda').planning_pipelines().to_moveit_configs()\n",
+        before="from arm_configs import ConfigsBuilder\n"
+        "moveit = ConfigsBuilder('panda').planning_pipelines().to_moveit_configs()\n",
     ).nodes
     assert values(node) == {"speed": 1}
     assert dict(node.left_out) == {
-        "*": "moveit_configs_utils.MoveItConfigsBuilder is not here",
+        "*": "arm_configs.ConfigsBuilder is not here",
         "robot_description": "the output of xacro is not here",
         "share": "package 'not_here' is not here",
     }

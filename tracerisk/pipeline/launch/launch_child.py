@@ -79,13 +79,15 @@ def main() -> int:
         from tracerisk.pipeline.launch.launch_visit import visit
 
         sys.dont_write_bytecode = True
-        _serve(packages)
+        read: list[Path] = []
+        _serve(packages, read)
         sys.path += asked["import_paths"]
         sys.argv = ["launch"]
         with tempfile.TemporaryDirectory(prefix="tracerisk-launch-") as folder:
             tempfile.tempdir = folder
             _forbid(folder)
             reading = visit(Path(asked["path"]), packages)
+            reading.sources += (path for path in read if path not in reading.sources)
     sys.stdout.write(
         json.dumps(
             {
@@ -98,9 +100,10 @@ def main() -> int:
     return 0
 
 
-def _serve(packages: dict[str, Path]) -> None:
-    """Put the stand-ins where launch files import them from, once and for all."""
+def _serve(packages: dict[str, Path], read: list[Path]) -> None:
+    """Put the stand-ins where launch files import them from; what they read goes to `read`."""
     from tracerisk.pipeline.launch.absent import AbsentFinder, AbsentModule
+    from tracerisk.pipeline.launch.moveit_configs import moveit_configs_modules
 
     home = f"{__package__}.stand_ins"
     for top in _STAND_INS:
@@ -114,6 +117,7 @@ def _serve(packages: dict[str, Path]) -> None:
     # What is installed here may differ from what is installed where the file is launched.
     for name in ("ament_index_python", "ament_index_python.packages"):
         sys.modules[name] = _ament_index(packages)
+    sys.modules.update(moveit_configs_modules(packages, read.append))
     finder = AbsentFinder(_STAND_INS)
     # It would look for packages where they are installed, and a controller needs no URDF.
     sys.modules["xacro"] = AbsentModule("xacro")
@@ -121,12 +125,14 @@ def _serve(packages: dict[str, Path]) -> None:
 
 
 def _ament_index(packages: dict[str, Path]) -> ModuleType:
+    from tracerisk.pipeline.launch.moveit_configs import ABSENT_FOLDER
+
     module = ModuleType("ament_index_python.packages")
 
     def folder_of(package_name: str, **_: Any) -> str:
         """Return the folder of a package; where it is not here, one that is not there either."""
         folder = packages.get(package_name)
-        return str(folder) if folder is not None else f"/absent/share/{package_name}"
+        return str(folder) if folder is not None else str(ABSENT_FOLDER / package_name)
 
     vars(module).update(
         PackageNotFoundError=type("PackageNotFoundError", (KeyError,), {}),
