@@ -132,3 +132,18 @@ def test_jumps_of_a_clock_can_be_asked_for_and_never_come(run_ros2):
         return jumps
 
     assert run_ros2(main) == []
+
+
+def test_policies_have_their_older_names_and_are_classes(run_ros2):
+    def main():
+        from rclpy import qos
+
+        older = qos.QoSReliabilityPolicy.RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT
+        assert older is qos.ReliabilityPolicy.BEST_EFFORT
+        assert isinstance(older, qos.QoSReliabilityPolicy)
+        assert "rmw_qos_policy_reliability_reliable" not in qos.ReliabilityPolicy.short_keys()
+        assert qos.qos_policy_name_from_kind(16) == "RELIABILITY"
+        profile = qos.QoSPresetProfiles.get_from_short_key("best_available")
+        return profile.reliability is qos.ReliabilityPolicy.BEST_AVAILABLE
+
+    assert run_ros2(main)

@@ -17,12 +17,15 @@ __all__ = [
     "QoSHistoryPolicy",
     "QoSLivelinessPolicy",
     "QoSPolicyEnum",
+    "QoSPolicyKind",
     "QoSPresetProfiles",
     "QoSProfile",
     "QoSReliabilityPolicy",
     "ReliabilityPolicy",
     "qos_check_compatible",
+    "qos_policy_name_from_kind",
     "qos_profile_action_status_default",
+    "qos_profile_best_available",
     "qos_profile_parameter_events",
     "qos_profile_parameters",
     "qos_profile_sensor_data",
@@ -98,21 +101,41 @@ class LivelinessPolicy(QoSPolicyEnum):
 
 
 # The names before ROS 2 Galactic, and their values with the policy's name in front.
-class _Older:
-    def __init__(self, policy: type[QoSPolicyEnum], prefix: str) -> None:
-        self._policy, self._prefix = policy, prefix
+QoSHistoryPolicy = HistoryPolicy
+QoSReliabilityPolicy = ReliabilityPolicy
+QoSDurabilityPolicy = DurabilityPolicy
+QoSLivelinessPolicy = LivelinessPolicy
+_POLICIES: tuple[type[QoSPolicyEnum], ...] = (
+    HistoryPolicy,
+    ReliabilityPolicy,
+    DurabilityPolicy,
+    LivelinessPolicy,
+)
+for _policy in _POLICIES:
+    _prefix = f"RMW_QOS_POLICY_{_policy.__name__.removesuffix('Policy').upper()}_"
+    for _each in _policy:
+        setattr(_policy, _prefix + _each.name, _each)
 
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._policy, name.removeprefix(self._prefix))
 
-    def __call__(self, value: Any) -> Any:
-        return self._policy(value)
+class QoSPolicyKind(IntEnum):
+    """The policies, as events of incompatible profiles name them."""
+
+    INVALID = 1
+    DURABILITY = 2
+    DEADLINE = 4
+    LIVELINESS = 8
+    RELIABILITY = 16
+    HISTORY = 32
+    LIFESPAN = 64
+    DEPTH = 128
+    LIVELINESS_LEASE_DURATION = 256
+    AVOID_ROS_NAMESPACE_CONVENTIONS = 512
 
 
-QoSHistoryPolicy: Any = _Older(HistoryPolicy, "RMW_QOS_POLICY_HISTORY_")
-QoSReliabilityPolicy: Any = _Older(ReliabilityPolicy, "RMW_QOS_POLICY_RELIABILITY_")
-QoSDurabilityPolicy: Any = _Older(DurabilityPolicy, "RMW_QOS_POLICY_DURABILITY_")
-QoSLivelinessPolicy: Any = _Older(LivelinessPolicy, "RMW_QOS_POLICY_LIVELINESS_")
+def qos_policy_name_from_kind(policy_kind: QoSPolicyKind | int) -> str:
+    """Return the name of a policy."""
+    return QoSPolicyKind(policy_kind).name
+
 
 _DEFAULTS: dict[str, Any] = {
     "history": HistoryPolicy.SYSTEM_DEFAULT,
@@ -265,6 +288,12 @@ qos_profile_rosout_default = QoSProfile(
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
     lifespan=Duration(seconds=10),
 )
+qos_profile_best_available = QoSProfile(
+    depth=10,
+    reliability=ReliabilityPolicy.BEST_AVAILABLE,
+    durability=DurabilityPolicy.BEST_AVAILABLE,
+    liveliness=LivelinessPolicy.BEST_AVAILABLE,
+)
 DURATION_INFINITE = Infinite
 
 
@@ -280,6 +309,7 @@ class QoSPresetProfiles(Enum):
     PARAMETER_EVENTS = qos_profile_parameter_events
     ACTION_STATUS_DEFAULT = qos_profile_action_status_default
     ROSOUT_DEFAULT = qos_profile_rosout_default
+    BEST_AVAILABLE = qos_profile_best_available
 
     @classmethod
     def short_keys(cls) -> list[str]:
