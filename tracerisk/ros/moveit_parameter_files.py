@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Protocol, Self
 
+from tracerisk.ros import yaml_text
+
 
 class PackageFiles(Protocol):
     """Where packages are, and what is done about what is not there."""
@@ -116,13 +118,10 @@ def load_yaml(path: Path, text: str) -> dict[str, Any]:
     Raises:
         RuntimeError: it is no YAML, or holds no mapping.
     """
-    from ruamel.yaml import YAML
     from ruamel.yaml.error import YAMLError
 
-    yaml = YAML(typ="safe", pure=True)
-    yaml.version = (1, 1)
     try:
-        content = yaml.load(text)
+        content = yaml_text.load_yaml(text)
     except YAMLError as error:
         raise RuntimeError(f"{path} is no YAML: {error}") from error
     if content is None:

@@ -15,7 +15,9 @@ def package(tmp_path):
     (config / "panda.srdf").write_text("<robot name='panda'/>")
     (config / "kinematics.yaml").write_text("panda_arm: {kinematics_solver_timeout: 0.05}\n")
     (config / "joint_limits.yaml").write_text("default_velocity_scaling_factor: 0.1\n")
-    (config / "moveit_controllers.yaml").write_text("controller_names: [arm]\n")
+    (config / "moveit_controllers.yaml").write_text(
+        "controller_names: [old]\ncontroller_names: [arm]\n"
+    )
     (config / "other_controllers.yaml").write_text("{}\n")
     (config / "moveit_cpp.yaml").write_text(
         "plan_request_params: {planning_pipeline: ompl, max_velocity_scaling_factor: 0.25}\n"
