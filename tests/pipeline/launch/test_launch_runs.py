@@ -10,7 +10,7 @@ from tracerisk import trace_json
 from tracerisk.config import Settings, read_settings
 from tracerisk.errors import SettingsError
 from tracerisk.pipeline.controller import load_controller
-from tracerisk.pipeline.freshness import fingerprint
+from tracerisk.pipeline.freshness import run_inputs
 
 PACKAGE = "<package><name>arm_task</name></package>\n"
 ROS1 = """\
@@ -134,6 +134,10 @@ def test_without_the_launch_file_it_is_as_if_there_were_none(ros1):
     assert "KeyError: '~angle'" in found.end.message
     assert found.inputs == ()
     assert not [line for line in found.assumptions if line.startswith("launch")]
+
+
+def fingerprint(controller, trace, settings):
+    return run_inputs(controller, trace, settings).fingerprint
 
 
 def test_a_run_is_stale_when_a_file_that_gave_it_something_changes(ros1):

@@ -50,6 +50,7 @@ class _Candidate:
     reading: LaunchReading
     node: StartedNode
     started: int
+    nodes: tuple[str, ...]
 
     @property
     def parameters(self) -> tuple[LaunchParameter, ...]:
@@ -60,7 +61,7 @@ class _Candidate:
     def own(self) -> dict[str, Any]:
         """The parameters that are meant for the node, by the names it may ask for."""
         if self.file.ros == 2:
-            return {each.name: each.value for each in self.parameters if _is_for(each, self.node)}
+            return {each.name: each.value for each in self.parameters if self._is_for(each)}
         owner = f"{self.node.namespace}/{self.node.name}/"
         space = f"{self.node.namespace}/"
         found: dict[str, Any] = {}
@@ -71,6 +72,22 @@ class _Candidate:
             elif each.name.startswith(space):
                 found[each.name.removeprefix(space)] = each.value
         return found
+
+    @property
+    def private(self) -> tuple[LaunchParameter, ...]:
+        """The parameters that are the node's alone."""
+        if self.file.ros == 2:
+            return tuple(each for each in self.parameters if self._is_for(each))
+        owner = f"{self.node.namespace}/{self.node.name}/"
+        return tuple(each for each in self.parameters if each.name.startswith(owner))
+
+    def _is_for(self, parameter: LaunchParameter) -> bool:
+        """Tell whether a parameter is the node's, which may be any whose name is not known."""
+        whom = parameter.node
+        if whom in (None, EVERY_NODE) or not self.nodes:
+            return True
+        assert whom is not None
+        return whom.rpartition("/")[2] in (*self.nodes, "*", "**")
 
     def gives(self, asked: frozenset[str]) -> int:
         """Return how many of the parameters asked for it gives, whole namespaces too."""
@@ -172,7 +189,12 @@ def _candidates(
         readings = list(pool.map(lambda file: _read(file, workspace), files))
     for file, reading in zip(files, readings, strict=True):
         nodes = [node for each in reading.nodes if (node := program.started_as(each)) is not None]
-        made = [_Candidate(file, reading, node, len(nodes)) for node in nodes]
+        made = [
+            _Candidate(
+                file, reading, node, len(nodes), asked.nodes if node.name is None else (node.name,)
+            )
+            for node in nodes
+        ]
         best = _best(made, asked)
         if best is not None:
             found.append(best)
@@ -201,15 +223,6 @@ def _best(candidates: Sequence[_Candidate], asked: Asked) -> _Candidate | None:
     )
 
 
-def _is_for(parameter: LaunchParameter, node: StartedNode) -> bool:
-    """Tell whether a parameter is the node's; one without a name of its own may be anybody."""
-    whom = parameter.node
-    if whom in (None, EVERY_NODE) or node.name is None:
-        return True
-    assert whom is not None
-    return whom.rpartition("/")[2] in (node.name, "*", "**")
-
-
 def _setup(
     best: _Candidate, candidates: Sequence[_Candidate], asked: Asked, root: Path
 ) -> LaunchSetup | None:
@@ -231,6 +244,7 @@ def _setup(
         parameters=parameters,
         remaps=node.remaps,
         environment=tuple(each for each in node.environment if not _is_ours(each[0])),
+        own=tuple(_resolved(each) for each in best.private),
         sources=tuple(sorted(shown([best.file.path, *best.reading.sources], root))),
     )
     return replace(setup, notes=tuple(_notes(setup, best, candidates, asked, root)))

@@ -49,7 +49,13 @@ def setup_of_parameter_file(
     if others:
         notes.append(f"launch: {', '.join(shown(others, root))} would give others")
     return LaunchSetup(
-        file=file, kind="parameters", ros=2, parameters=parameters, sources=(file,), notes=(*notes,)
+        file=file,
+        kind="parameters",
+        ros=2,
+        parameters=parameters,
+        own=parameters,
+        sources=(file,),
+        notes=(*notes,),
     )
 
 

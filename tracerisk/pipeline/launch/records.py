@@ -81,6 +81,7 @@ class LaunchSetup:
     """What a controller is given by the file that starts it.
 
     `file` and `sources` are paths from the controller's root; `notes` are the lines that say so.
+    `own` are those of the parameters that are meant for the controller's own node.
     """
 
     file: str
@@ -95,6 +96,7 @@ class LaunchSetup:
     environment: tuple[tuple[str, str], ...] = ()
     sources: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    own: tuple[LaunchParameter, ...] = ()
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> LaunchSetup:
@@ -105,6 +107,7 @@ class LaunchSetup:
                 "remaps": tuple((one, two) for one, two in data["remaps"]),
                 "environment": tuple((one, two) for one, two in data["environment"]),
                 "parameters": tuple(LaunchParameter(**each) for each in data["parameters"]),
+                "own": tuple(LaunchParameter(**each) for each in data["own"]),
                 **{
                     key: tuple(data[key])
                     for key in ("arguments", "ros_arguments", "sources", "notes")

@@ -1,0 +1,33 @@
+"""The names that a launch file gives a controller tell of its robot too."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import replace
+
+from tracerisk.pipeline.controller import load_controller, string_literals
+from tracerisk.pipeline.launch.records import NOTHING_LAUNCHED, LaunchParameter
+from tracerisk.pipeline.launch.spoken import with_parameters
+from tracerisk.twin.generic import names_asked
+
+
+def test_texts_and_lists_of_texts_are_part_of_what_a_source_says(tmp_path):
+    (tmp_path / "pick.py").write_bytes(b"x = 'group'  # no newline at the end")
+    controller = load_controller(tmp_path / "pick.py")
+    own = (
+        LaunchParameter("/pick", "arm.joint_names", ["shoulder", "elbow"]),
+        LaunchParameter("/**", "group", "m\u00fcll'\"\\\n"),
+        LaunchParameter("/**", "speed", 0.5),
+        LaunchParameter("/**", "gains", [1.0]),
+    )
+    spoken = with_parameters(controller, replace(NOTHING_LAUNCHED, own=own))
+    ast.parse(spoken.source)
+    assert string_literals(spoken) == ("group", "m\u00fcll'\"\\\n", "shoulder", "elbow")
+    assert names_asked(spoken.source).joints == ("shoulder", "elbow")
+
+
+def test_without_any_it_is_the_controller_itself(tmp_path):
+    (tmp_path / "pick.py").write_bytes(b"")
+    controller = load_controller(tmp_path / "pick.py")
+    assert with_parameters(controller, None) is controller
+    assert with_parameters(controller, NOTHING_LAUNCHED) is controller

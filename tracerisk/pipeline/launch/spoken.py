@@ -1,0 +1,29 @@
+"""What a launch file says in a controller's name: texts by which its robot is known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+from tracerisk.pipeline.controller import Controller
+from tracerisk.pipeline.launch.records import LaunchSetup
+
+
+def with_parameters(controller: Controller, setup: LaunchSetup | None) -> Controller:
+    """Return a controller whose source has its own parameters as assignments too.
+
+    For those who look for names of joints, groups and robots in it; it is not the one that runs.
+    """
+    if setup is None or not setup.own:
+        return controller
+    lines = [line for each in setup.own for line in _lines(each.name, each.value)]
+    return replace(controller, source=b"\n".join([controller.source, *lines, b""]))
+
+
+def _lines(name: str, value: Any) -> Iterator[bytes]:
+    texts = list(value) if isinstance(value, list | tuple) else [value]
+    if texts and all(isinstance(text, str) for text in texts):
+        plain = "".join(char if char.isascii() and char.isalnum() else "_" for char in name)
+        written = ascii(texts) if isinstance(value, list | tuple) else ascii(value)
+        yield f"p_{plain} = {written}".encode()
