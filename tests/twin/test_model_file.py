@@ -362,3 +362,17 @@ def test_a_macro_that_grows_without_bounds_is_refused(tmp_path):
 def test_an_encoding_that_python_lacks_is_told(tmp_path):
     with pytest.raises(RobotError, match=r"arm.xml:1: is not XML that can be read: .*klingon"):
         read(tmp_path, '<?xml version="1.0" encoding="klingon"?><mujoco/>')
+
+
+def test_a_link_that_reaches_into_the_floor_is_not_held_by_it(tmp_path):
+    text = """<mujoco><worldbody><body name="stand">
+      <body name="turret"><joint name="pan" axis="0 0 1" range="-150 150"/>
+        <geom type="box" size="0.04 0.04 0.05" pos="0 0 0.045" mass="1"/></body>
+    </body></worldbody>
+    <actuator><position joint="pan" kp="50" kv="5" forcerange="-5 5"/></actuator></mujoco>"""
+    robot = read(tmp_path, text).robot
+    twin = Twin.build(robot, load_scene("empty"))
+    motion = twin.follow(twin.plan_joints("arm", {"pan": 0.5}, velocity_scaling=1.0))
+    while motion.outcome == "active":
+        twin.advance(10**12)
+    assert motion.outcome == "succeeded", motion.message

@@ -87,6 +87,8 @@ def build_spec(robot: Robot, scene: Scene | None = None) -> Any:
     if scene is not None:
         _add_scene(spec, robot, scene)
     _add_robot(spec, robot, scene)
+    if scene is not None:
+        _part_from_mounting(spec, robot, scene)
     return spec
 
 
@@ -193,6 +195,24 @@ def _add_robot(spec: Any, robot: Robot, scene: Scene | None) -> None:
     for gripper in robot.grippers:
         _add_gripper(spec, gripper)
     _add_sensors(spec, robot, bodies)
+
+
+def _part_from_mounting(spec: Any, robot: Robot, scene: Scene) -> None:
+    """Let links not touch the fixtures that they stand in when the run begins.
+
+    The shapes of links overstate them: one that reaches into its table would be held fast by it.
+    """
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    place_robot(model, data, robot)
+    fixtures = {fixture.name for fixture in scene.fixtures}
+    links = set(robot.link_names)
+    pairs = set()
+    for geoms in data.contact.geom[: data.ncon]:
+        one, other = (model.body(model.geom_bodyid[geom]).name for geom in geoms)
+        pairs |= {(a, b) for a, b in ((one, other), (other, one)) if a in fixtures and b in links}
+    for fixture, link in sorted(pairs):
+        spec.add_exclude(bodyname1=fixture, bodyname2=link)
 
 
 def _fill_link(body: Any, link: Link) -> None:
