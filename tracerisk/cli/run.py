@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tracerisk.cli import options as shared
 from tracerisk.cli.assessment import print_assessment, risk_exit
@@ -19,6 +21,10 @@ from tracerisk.cli.run_report import (
     write_outputs,
 )
 from tracerisk.errors import ControllerFailedError, ExitCode, Location
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline import Controller
+    from tracerisk.trace import Trace
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -68,12 +74,7 @@ def run(options: argparse.Namespace) -> int:
             )
         return code
     if not trace.functions:
-        raise ControllerFailedError(
-            f"{trace.end.message}, and it commanded no hardware: there is no risk to assess; "
-            "does it need arguments (after --) or answers (--answer)?",
-            Location(str(controller.path), 1),
-            trace.end.scenario,
-        )
+        raise _nothing_commanded(trace, controller)
     hardware = pipeline.load_hardware(settings, trace.robot)
     annotated = pipeline.annotate(
         controller, trace, hardware, settings, policy=policy, profile=profile, given=given
@@ -125,3 +126,18 @@ def run(options: argparse.Namespace) -> int:
             assumptions=(*trace.assumptions, *annotated.computed.assumptions),
         )
     return int(code)
+
+
+def _nothing_commanded(trace: Trace, controller: Controller) -> ControllerFailedError:
+    """Return the error of a run in which no hardware was commanded, with what it showed instead."""
+    message = f"{trace.end.message}, and it commanded no hardware: there is no risk to assess"
+    if not trace.findings:
+        hint = "does it need arguments (after --) or answers (--answer)?"
+        return ControllerFailedError(f"{message}; {hint}", Location(str(controller.path), 1))
+    first = trace.findings[0]
+    more = len(trace.findings) - 1
+    also = f" (and {more} more, which `tracerisk trace` tells)" if more else ""
+    place = first.location
+    if place is not None:
+        place = replace(place, file=str(controller.path_of(place.file)))
+    return ControllerFailedError(f"{message}; {first.message}{also}", place)

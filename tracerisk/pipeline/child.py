@@ -28,6 +28,7 @@ from tracerisk.pipeline.run_files import (
     ELSEWHERE,
     ENTRY,
     EVENTS,
+    JOINTS_ASKED,
     LAUNCH,
     ROBOT,
     STACKS,
@@ -125,6 +126,7 @@ def _run_recorded(
     scenario = Scenario() if request.scenario is None else read_scenario(Path(request.scenario))
     scene = with_objects(load_scene(request.scene), scenario.objects)
     twin = Twin.build(robot, scene, samples=samples)
+    twin.on_unknown_joints = lambda names: recorder.note(JOINTS_ASKED, names=names)
     tracer = Tracer(recorder.function_ran)
     world = _Metered(twin, wall_clock)
     scheduler = Scheduler(

@@ -22,6 +22,7 @@ from tracerisk.instrument.recording import Recording, read_recording
 from tracerisk.pipeline.left_running import RUN_MARK, end_left_running
 from tracerisk.pipeline.run_files import (
     EVENTS,
+    JOINTS_ASKED,
     ROBOT,
     SCENARIO,
     STACKS,
@@ -43,6 +44,14 @@ _GRACE_S = 2.0
 _STACK_LINE = re.compile(r'  File "(?P<file>.*)", line (?P<line>\d+) in ')
 
 
+@dataclass(frozen=True, slots=True)
+class ControllerRun:
+    """What one run showed: its trace, and the joints that it moved and the robot has not."""
+
+    trace: Trace
+    joints_asked: tuple[str, ...] = ()
+
+
 def run_controller(
     controller: Controller,
     robot: Robot,
@@ -50,7 +59,7 @@ def run_controller(
     *,
     keep: Path | None = None,
     progress: Progress | None = None,
-) -> Trace:
+) -> ControllerRun:
     """Run the controller on the twin of `robot`, and return what the run showed.
 
     A run that fails with what a launch file gives is done again without it: the file was found,
@@ -59,26 +68,26 @@ def run_controller(
     """
     from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
 
-    def run(choice: LaunchChoice, keep: Path | None) -> Trace:
+    def run(choice: LaunchChoice, keep: Path | None) -> ControllerRun:
         return _run_with(choice, controller, robot, settings, keep, progress)
 
     choice = choose_launch(controller, settings)
     began = time.monotonic()
-    trace = run(choice, keep)
+    done = run(choice, keep)
     is_found = choice.setup is not None and settings.launch is True
     has_time = time.monotonic() - began < settings.wall_limit_s / 2
-    if not is_found or not has_time or _shows_risk(trace):
-        return trace
+    if not is_found or not has_time or _shows_risk(done.trace):
+        return done
     assert choice.setup is not None
     without = LaunchChoice(
         notes=(
             f"launch: nothing is taken from {choice.setup.file}: with it the run shows no risk "
-            f"({trace.end.message}); --launch FILE takes it",
+            f"({done.trace.end.message}); --launch FILE takes it",
         )
     )
     plain = run(without, None)
-    if not _shows_risk(plain):
-        return trace
+    if not _shows_risk(plain.trace):
+        return done
     return plain if keep is None else run(without, keep)
 
 
@@ -93,7 +102,7 @@ def _run_with(
     settings: Settings,
     keep: Path | None,
     progress: Progress | None,
-) -> Trace:
+) -> ControllerRun:
     """Run the controller once with what a launch file gives it."""
     from tracerisk.twin.robot_file import dump_robot
 
@@ -124,7 +133,14 @@ def _run_with(
         _raise_failure(recording)
         _raise_unstarted(recording, process_end, settings)
         end = _run_end(recording, process_end, controller)
-        return make_trace(controller, robot, scene, settings, recording, folder, end)
+        trace = make_trace(controller, robot, scene, settings, recording, folder, end)
+        asked = [
+            name
+            for note in recording.notes
+            if note.kind == JOINTS_ASKED
+            for name in note.data["names"]
+        ]
+        return ControllerRun(trace, tuple(dict.fromkeys(asked)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,9 +31,12 @@ class RobotChoice:
     files: tuple[Path, ...] = ()
 
 
-def choose_robot(controller: Controller, settings: Settings) -> RobotChoice:
+def choose_robot(
+    controller: Controller, settings: Settings, *, also_named: tuple[str, ...] = ()
+) -> RobotChoice:
     """Return the robot that a controller drives; its `chosen_by` says why it is this one.
 
+    `also_named` are joints that it names in its run, and not in its source.
     Raises RobotError when the settings name none that is known, or several fit equally well.
     """
     from tracerisk.pipeline.robot_hints import robot_hints
@@ -51,13 +54,14 @@ def choose_robot(controller: Controller, settings: Settings) -> RobotChoice:
         return RobotChoice(robot, files=read.files)
     if settings.robot is not None:
         return RobotChoice(replace(load_robot(settings.robot), chosen_by="as the settings say"))
-    strings = string_literals(controller)
+    strings = (*string_literals(controller), *also_named)
     packages = _own_packages(controller.root)
     roots = (controller.root, *packages.values())
     found = find_workspace_robot(roots, packages, strings, controller.path)
     if found.robot is not None and found.is_named:
         return RobotChoice(replace(found.robot, chosen_by=found.reason), found.skipped)
     asked = names_asked(controller.source)
+    asked = replace(asked, joints=tuple(dict.fromkeys((*also_named, *asked.joints))))
     try:
         robot = detect_robot(strings, robot_hints(controller), asked.joints)
     except (NoRobotNamedError, SeveralRobotsError) as error:

@@ -25,6 +25,8 @@ LAUNCH = "launch"
 """The note of what a launch file has given: `notes`, the lines that say so, and `inputs`, files."""
 SCENARIO = "scenario"
 """The note of the scenario lines that would give a controller what it lacked: `lines`."""
+JOINTS_ASKED = "joints_asked"
+"""The note of a motion of joints that the robot has not: `names`, all of them."""
 _WALL_TIME = "wall_time.json"
 
 

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from tracerisk.prm.hybrid import HybridModel
     from tracerisk.twin.robot import Robot
 
+_ROBOTS_TRIED = 3  # for the names that a run shows, of an arm and then of its gripper
+
 Progress = Callable[[str, float], None]
 """Told the phase and the simulated time [s]."""
 
@@ -158,18 +160,29 @@ def trace_controller(
 
     A run that ends badly gives a trace too, as far as it came: see `Trace.end`.
     `keep` is a folder in which the recording stays.
+    A run that moves joints which a robot lacks that nobody named is done again with the robot
+    that has them: no source tells the names that a controller puts together as it runs.
     Raises SourceError, RobotError, HardwareError before anything runs.
     """
     from tracerisk.pipeline.controller_run import run_controller
     from tracerisk.pipeline.robot_choice import choose_robot
 
+    asked: tuple[str, ...] = ()
     choice = choose_robot(controller, settings)
-    # What the robot has no place for is told before a minute is spent on simulation.
-    bind(load_hardware(settings, choice.robot.name), choice.robot.elements)
-    trace = run_controller(controller, choice.robot, settings, keep=keep, progress=progress)
+    for _ in range(_ROBOTS_TRIED):
+        # What the robot has no place for is told before a minute is spent on simulation.
+        bind(load_hardware(settings, choice.robot.name), choice.robot.elements)
+        done = run_controller(controller, choice.robot, settings, keep=keep, progress=progress)
+        if settings.robot is not None or not set(done.joints_asked) - set(asked):
+            break
+        asked = (*asked, *done.joints_asked)
+        other = choose_robot(controller, settings, also_named=asked)
+        if other.robot == choice.robot:
+            break
+        choice = other
     root = controller.root.resolve()
     read = {Path(os.path.relpath(file.resolve(), root)).as_posix() for file in choice.files}
-    return replace(trace, inputs=tuple(sorted({*trace.inputs, *read})))
+    return replace(done.trace, inputs=tuple(sorted({*done.trace.inputs, *read})))
 
 
 def annotate(

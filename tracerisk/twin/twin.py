@@ -5,7 +5,7 @@ Time advances only in `advance`, in whole physics steps; everything else reads o
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 
 from tracerisk.trace import Element, ObjectOffset
@@ -30,6 +30,7 @@ class Twin:
     """A robot in its scene, simulated; use `build`.
 
     `time_ns` is the simulated time, a whole number of steps; `step_ns` the physics step.
+    `on_unknown_joints` is told the joints of a motion some of which the robot has not.
     """
 
     step_ns = STEP_NS
@@ -37,6 +38,7 @@ class Twin:
     def __init__(self, robot: Robot, scene: Scene, samples: SampleWriter | None) -> None:
         self.robot = robot
         self.scene = scene
+        self.on_unknown_joints: Callable[[tuple[str, ...]], None] = lambda _: None
         self._simulation = Simulation(robot, scene, samples)
         self._motions = MotionControl(robot, self._simulation)
         self._kinematics = Kinematics(robot)
