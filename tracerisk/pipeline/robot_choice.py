@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -94,12 +93,6 @@ def read_model(root: Path, name: str) -> ModelFile:
     top = root.resolve() if resolved.is_relative_to(root.resolve()) else controller_root(path)
     packages = {**_own_packages(top), **_own_packages(root)}
     return read_model_file(path, ModelFolder(resolved.parent, top, packages))
-
-
-def robot_digests(controller: Controller, settings: Settings) -> tuple[str, ...]:
-    """Return a digest of each file that `robot_files` returns; raises as it does."""
-    files = robot_files(controller, settings)
-    return tuple(hashlib.sha256(file.read_bytes()).hexdigest() for file in files)
 
 
 def robot_files(controller: Controller, settings: Settings) -> tuple[Path, ...]:
