@@ -133,12 +133,11 @@ def _nothing_commanded(trace: Trace, controller: Controller) -> ControllerFailed
     message = f"{trace.end.message}, and it commanded no hardware: there is no risk to assess"
     if not trace.findings:
         hint = "does it need arguments (after --) or answers (--answer)?"
-        place = Location(str(controller.path), 1)
-        return ControllerFailedError(f"{message}; {hint}", place, trace.end.scenario)
+        start = Location(str(controller.path), 1)
+        return ControllerFailedError(f"{message}; {hint}", start, trace.end.scenario)
     first = trace.findings[0]
     more = len(trace.findings) - 1
     also = f" (and {more} more, which `tracerisk trace` tells)" if more else ""
-    place = first.location
-    if place is not None:
-        place = replace(place, file=str(controller.path_of(place.file)))
+    found = first.location
+    place = None if found is None else replace(found, file=str(controller.path_of(found.file)))
     return ControllerFailedError(f"{message}; {first.message}{also}", place, trace.end.scenario)
