@@ -164,8 +164,11 @@ def test_it_stands_still_at_its_named_states(name: str):
                     wanted = gripper.position(positions)
                     motion = finish(twin, twin.move_gripper(gripper.name, wanted))
                     assert motion.outcome == "succeeded", (state, motion.message)
-                    assert gripper.position(measured(twin)) == pytest.approx(wanted, abs=0.002)
-            settle(twin, 0.5)
+                    assert not motion.stalled, (state, motion.message)
+                    slides = robot.joint(gripper.joints[0]).type == "prismatic"
+                    near = 0.0005 if slides else 0.01  # half a millimetre, at the pads of hinges
+                    assert gripper.position(measured(twin)) == pytest.approx(wanted, abs=near)
+            settle(twin, 1.0)
             before = measured(twin)
             settle(twin, 1.0)
             for joint, value in measured(twin).items():

@@ -26,7 +26,7 @@ GOAL_TOLERANCE = 0.005  # of a joint at the end of its motion [rad or m]
 STOPPED_FRACTION = 0.01  # of the rated velocity: what counts as standing still
 SETTLE_S = 1.0  # an arm that is not at its goal this long after the trajectory never will be
 _STALL_S = 0.1  # fingers that stand still this long short of their goal hold something
-_FINGER_TOLERANCE = 0.0005  # [m]
+_FINGER_TOLERANCE = 0.0005  # of a pad [m]
 _FINGER_STILL = 0.001  # of a pad [m/s]
 _FINGER_LENGTH = 0.05  # assumed, from the hinge of a finger to its pad [m]
 _LONGEST_S = 1800.0  # of a trajectory, whose set-points are all held in memory
@@ -287,7 +287,8 @@ class GripperTrack:
         self._is_soft = self._slack < gripper.opening
         hinged = members[0].type != "prismatic"
         self._unit = "rad" if hinged else "m"
-        self._still = _FINGER_STILL / (_FINGER_LENGTH if hinged else 1.0)
+        lever = _FINGER_LENGTH if hinged else 1.0
+        self._still, self._tolerance = _FINGER_STILL / lever, _FINGER_TOLERANCE / lever
         self._at = 0
         self._waited = 0
         self._moved_at = 0
@@ -317,7 +318,7 @@ class GripperTrack:
         here = self._here(measured)
         speed = float(np.abs(measured.velocity(self.joints)).max())
         still = speed < self._still
-        if still and abs(here - self._target) <= _FINGER_TOLERANCE:
+        if still and abs(here - self._target) <= self._tolerance:
             self.motion.end_part("succeeded", "", time_ns)
             return True
         if not still:
