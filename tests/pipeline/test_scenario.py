@@ -159,6 +159,7 @@ def test_pasting_what_is_told_gives_a_controller_of_ros_1_all_it_waits_for(examp
     assert "action server /move_base (move_base_msgs/MoveBase)" in errors[3]["message"]
     assert "a message on /object (geometry_msgs/PoseStamped)" in errors[4]["message"]
     again = example.run("run", "c.py", "--json", "--check", "--scenario", "s.yaml")
+    assert again.code == 1, again.err
     assert again.out == outcome.out
 
 
@@ -180,6 +181,7 @@ def test_pasting_what_is_told_gives_a_controller_of_ros_2_all_it_waits_for(examp
         "answers",
     }
     again = example.run("run", "c.py", "--json", "--check", "--scenario", "s.yaml")
+    assert again.code == 1, again.err
     assert again.out == outcome.out
 
 
@@ -338,3 +340,25 @@ def test_a_long_sleep_is_no_loop_that_only_waits(example):
     outcome = example.run("trace", "c.py", "--json")
     assert outcome.code == 0, outcome.err
     assert outcome.json["trace"]["visits"][0]["start_s"] == pytest.approx(100.0, abs=0.1)
+
+
+def test_a_question_that_is_asked_again_and_again_ends_the_run(example, quick):
+    example.write("c.py", quick() + 'while input("Which arm? ") != "left": pass\n')
+    outcome = example.run("run", "c.py", "--json", "--robot", "panda")
+    assert outcome.code == 4
+    error = outcome.json["error"]
+    assert "the answer to 'Which arm?' was asked for 200 times" in error["message"]
+    assert error["scenario"] == "answers: ['1']\n"
+    example.write("s.yaml", "answers: [right, left]\n")
+    assert example.run("trace", "c.py", "--scenario", "s.yaml").code == 0
+
+
+def test_a_loop_that_waits_for_a_parameter_is_told_of_it(example):
+    example.write(
+        "c.py",
+        "import rospy\nrospy.init_node('n')\n"
+        "while not rospy.has_param('/calibrated'):\n    rospy.sleep(0.5)\n",
+    )
+    error = example.run("run", "c.py", "--json", "--robot", "panda").json["error"]
+    assert "nothing provides parameter /calibrated, asked for at c.py:3" in error["message"]
+    assert error["scenario"] == "parameters:\n  /calibrated: 0.0\n"

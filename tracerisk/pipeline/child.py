@@ -182,7 +182,11 @@ def _run_recorded(
         stand_ins,
         virtual_time(scheduler, seed=request.seed),
         scripted_input(
-            (*request.answers, *scenario.answers), recorder, scheduler.touch, scheduler.miss
+            (*request.answers, *scenario.answers),
+            recorder,
+            scheduler.touch,
+            scheduler.miss,
+            lambda message: scheduler.end("deadlock", message),
         ),
         prepared_controller(
             script, tracer, request.argv, root=root, entry=entry.function if entry else None

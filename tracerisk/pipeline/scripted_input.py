@@ -13,6 +13,7 @@ from tracerisk.instrument.recording import Recorder
 from tracerisk.ros.needs import Need
 
 _STDIN = 0
+_ASKED_IN_VAIN = 200
 
 
 @contextlib.contextmanager
@@ -21,13 +22,15 @@ def scripted_input(
     recorder: Recorder,
     touch: Callable[[], None],
     miss: Callable[[Need], None],
+    give_up: Callable[[str], None],
 ) -> Iterator[None]:
     """Give `input()` and reads of the standard input the answers in turn, then Enter.
 
     Each answer is noted in the recording. `touch` is called at each Enter: a loop that asks and
-    asks is a busy wait, and must end. `miss` is told of each question that got Enter.
+    asks is a busy wait, and must end. `miss` is told of each question that got Enter, and
+    `give_up` ends the run at one that is asked again and again.
     """
-    stream = _Answers(answers, recorder, touch, miss)
+    stream = _Answers(answers, recorder, touch, miss, give_up)
     real_input, real_stdin = builtins.input, sys.stdin
 
     def scripted(prompt: object = "", /) -> str:
@@ -55,9 +58,12 @@ class _Answers(io.TextIOBase):
         recorder: Recorder,
         touch: Callable[[], None],
         miss: Callable[[Need], None],
+        give_up: Callable[[str], None],
     ) -> None:
         self.prompt = ""
         self._miss = miss
+        self._give_up = give_up
+        self._last_asked, self._times = "", 0
         self._answers = list(answers)
         self._line = ""
         self._recorder = recorder
@@ -98,6 +104,13 @@ class _Answers(io.TextIOBase):
         if not self._answers:
             asked = repr(self.prompt) if self.prompt else "a read of the standard input"
             self._miss(Need("input", asked))
+            self._times = self._times + 1 if asked == self._last_asked else 1
+            self._last_asked = asked
+            if self._times == _ASKED_IN_VAIN:
+                self._give_up(
+                    f"the answer to {asked} was asked for {_ASKED_IN_VAIN} times and was only "
+                    "Enter each time"
+                )
             self._touch()
         answer = self._answers.pop(0) if self._answers else ""
         self._recorder.note("input", answer=answer)

@@ -14,6 +14,8 @@ from tracerisk.ros.controller_frames import controller_frame
 
 NeedKind = Literal["topic", "service", "action", "parameter", "frame", "input"]
 
+_ASKED_IN_VAIN = 10
+
 
 @dataclass(frozen=True, slots=True)
 class Need:
@@ -58,6 +60,7 @@ class NeedLedger:
     def __init__(self) -> None:
         self._missed: dict[tuple[NeedKind, str], Missed] = {}
         self._types: dict[tuple[NeedKind, str], str] = {}
+        self._asked: dict[tuple[NeedKind, str], int] = {}
 
     @property
     def missed(self) -> tuple[Missed, ...]:
@@ -74,6 +77,13 @@ class NeedLedger:
             type_name = known.need.type_name
         place = location or _place()
         self._missed[key] = Missed(replace(need, type_name=type_name), first_ns, now_ns, place)
+
+    def ask(self, need: Need, now_ns: int) -> None:
+        """Note a question whether something is there: who asks it again and again waits for it."""
+        key = need.kind, need.name
+        self._asked[key] = self._asked.get(key, 0) + 1
+        if self._asked[key] >= _ASKED_IN_VAIN:
+            self.miss(need, now_ns)
 
     def meet(self, need: Need) -> None:
         """Note that something that was asked for is there."""

@@ -41,7 +41,11 @@ class MasterProxy:
     def __contains__(self, key: str) -> bool:
         state = node()
         state.scheduler.touch()
-        return state.graph.parameters.has(resolve_name(key))
+        name = resolve_name(key)
+        is_set = state.graph.parameters.has(name)
+        if not is_set:
+            state.scheduler.needs.ask(Need("parameter", name), state.scheduler.now_ns)
+        return is_set
 
     def get_param_cached(self, key: str) -> Any:
         """Return a parameter."""
