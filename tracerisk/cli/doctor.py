@@ -16,6 +16,8 @@ from tracerisk.cli.output import print_json
 from tracerisk.errors import ExitCode, TraceRiskError
 
 if TYPE_CHECKING:
+    from tracerisk.config import Settings
+    from tracerisk.pipeline import Controller
     from tracerisk.twin.robot import Robot
 
 _PACKAGES = ("dm-control", "libcst", "mink", "mujoco", "numpy", "rich", "rosbags", "ruamel.yaml")
@@ -114,7 +116,21 @@ def _of_controller(path: str, robot_name: str | None) -> dict[str, str]:
         found["hardware"] = pipeline.load_hardware(settings, robot.name).file
     except TraceRiskError as error:
         found["robot"] = f"not known: {error}"
+    found["launch"] = _launch(controller, settings)
     return found
+
+
+def _launch(controller: Controller, settings: Settings) -> str:
+    """Return what a launch file gives the controller."""
+    from tracerisk.pipeline.launch.choose import choose_launch
+
+    try:
+        notes = choose_launch(controller, settings).notes
+    except TraceRiskError as error:
+        return f"not known: {error}"
+    return (
+        "; ".join(note.removeprefix("launch: ") for note in notes) or "nothing from a launch file"
+    )
 
 
 def _parts(robot: Robot) -> dict[str, str]:

@@ -210,3 +210,18 @@ def test_one_may_not_name_a_launch_file_and_want_none(example):
     outcome = example.run("trace", "turn.py", "--launch", "a", "--no-launch")
     assert outcome.code == 2
     assert "not allowed with argument" in outcome.err
+
+
+def test_doctor_tells_of_the_launch_file_before_a_run(ros1):
+    outcome = ros1.run("doctor", "scripts/turn.py", "--robot", "panda")
+    assert (
+        "launch: parameters, arguments and remaps from launch/turn.launch (2 param" in outcome.out
+    )
+    ros1.write("pyproject.toml", '[tool.tracerisk]\nlaunch = "launch/none.launch"\n')
+    (ros1.folder / "package.xml").unlink()
+    outcome = ros1.run("doctor", "scripts/turn.py", "--robot", "panda")
+    assert "launch: not known: " in outcome.out
+    assert "none.launch: the launch file cannot be read: No such file" in outcome.out
+    ros1.write("pyproject.toml", "[tool.tracerisk]\nlaunch = false\n")
+    outcome = ros1.run("doctor", "scripts/turn.py", "--robot", "panda")
+    assert "launch: nothing from a launch file" in outcome.out

@@ -29,9 +29,9 @@ from tracerisk.pipeline.workspace import Workspace, find_workspace
 from tracerisk.ros import names
 from tracerisk.ros.version_choice import ros_version
 
-_MOST_READ = 10
-_AT_ONCE = 2  # launch files of ROS 2 cost a process each
-_MOST_INCLUDERS = 4
+_MOST_READ = {1: 40, 2: 10}  # launch files of ROS 2 cost a process each
+_MOST_INCLUDERS = {1: 40, 2: 4}
+_AT_ONCE = 2
 _MOST_TOLD = 3
 _NOT_SET = ("HOME", "LD_", "MUJOCO", "PATH", "PYTHON", "TMP", "TZ")
 
@@ -130,12 +130,12 @@ def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
     if isinstance(settings.launch, str):
         return _named(Path(settings.launch), program, workspace, asked, root)
     files = find_launch_files(program, root, workspace, ros)
-    direct = [file for file in files if file.is_direct][:_MOST_READ]
+    direct = [file for file in files if file.is_direct][: _MOST_READ[ros]]
     problems: list[str] = []
     candidates = _candidates(direct, program, workspace, asked, problems)
     best = _best(candidates, asked)
     if direct and (best is None or best.gives(asked.required) < len(asked.required)):
-        around = [file for file in files if not file.is_direct][:_MOST_INCLUDERS]
+        around = [file for file in files if not file.is_direct][: _MOST_INCLUDERS[ros]]
         candidates += _candidates(around, program, workspace, asked, problems)
         best = _best(candidates, asked)
     if best is not None and (found := _setup(best, candidates, asked, root)) is not None:
