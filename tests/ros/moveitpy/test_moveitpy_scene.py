@@ -181,7 +181,10 @@ with monitor.read_only() as scene:
     )
     assert ran.over is not None
     assert ran.over.cause == "deadlock"
-    assert "the lock of the planning scene" in ran.over.message
+    assert (
+        "the lock of the planning scene, which it holds itself (leave the `with`"
+        in ran.over.message
+    )
 
 
 def test_readers_share_the_lock_and_a_writer_waits_for_them(run):

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from types import TracebackType
 from typing import Any, Self
 
@@ -63,30 +62,31 @@ class PlanningSceneMonitor:
 
     def process_collision_object(self, collision_object_msg: Any, color_msg: Any = None) -> bool:
         """Apply a CollisionObject: add, append, move or remove; with an ObjectColor."""
-        with self._writing():
-            done = self._library.server.changes.apply(collision_object_msg)
+        server = self._library.server
+
+        def change() -> bool:
             if color_msg is not None:
-                self._library.server.scene.colors[color_msg.id] = color_msg
-        return bool(done)
+                server.scene.colors[color_msg.id] = color_msg
+            return bool(server.changes.apply(collision_object_msg))
+
+        return self._write(change)
 
     def process_attached_collision_object(self, attached_collision_object_msg: Any) -> bool:
         """Apply an AttachedCollisionObject: attach or detach."""
-        with self._writing():
-            done = self._library.server.changes.apply_attached(attached_collision_object_msg)
-        return bool(done)
+        changes = self._library.server.changes
+        return self._write(lambda: bool(changes.apply_attached(attached_collision_object_msg)))
 
     def new_planning_scene_message(self, scene: Any) -> bool:
         """Apply a PlanningScene message, whole or a difference."""
-        with self._writing():
-            return bool(self._library.server.changes.apply_scene(scene))
+        changes = self._library.server.changes
+        return self._write(lambda: bool(changes.apply_scene(scene)))
 
     def clear_octomap(self) -> None:
         """Forget the octomap; there is none."""
 
     def update_frame_transforms(self) -> None:
         """Look up the frames outside the robot; waits for the lock."""
-        with self._writing():
-            pass
+        self._write(lambda: True)
 
     # The monitor
 
@@ -151,11 +151,10 @@ class PlanningSceneMonitor:
             self._followed_ns = self._library.scheduler.now_ns
             self._scene.current_state._take(positions)
 
-    @contextmanager
-    def _writing(self) -> Iterator[None]:
+    def _write(self, change: Callable[[], bool]) -> bool:
         self._lock.acquire(alone=True)
         try:
-            yield
+            return change()
         finally:
             self._lock.release(alone=True)
 
@@ -190,11 +189,16 @@ class _SceneLock:
         def is_free() -> bool:
             return not self._is_written and not (alone and self._readers)
 
-        self._scheduler.wait_until(is_free, reason=_LOCK, on=self)
+        thread = self._scheduler.current
+        holds = thread is self._writer or thread in self._readers
+        reason = (
+            f"{_LOCK}, which it holds itself (leave the `with` block first)" if holds else _LOCK
+        )
+        self._scheduler.wait_until(is_free, reason=reason, on=self)
         if alone:
-            self._is_written, self._writer = True, self._scheduler.current
+            self._is_written, self._writer = True, thread
         else:
-            self._readers.append(self._scheduler.current)
+            self._readers.append(thread)
 
     def release(self, *, alone: bool) -> None:
         """Leave the lock."""
