@@ -17,6 +17,7 @@ VENDOR_LIBRARIES = frozenset(
         "interbotix_common_modules",
         "interbotix_perception_modules",
         "interbotix_xs_modules",
+        "pymoveit2",
     }
 )
 """The stand-ins that give way to a module of the same name, by their top names."""
