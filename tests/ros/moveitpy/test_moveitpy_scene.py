@@ -187,6 +187,23 @@ with monitor.read_only() as scene:
     )
 
 
+def test_a_writer_who_needs_the_lock_again_gets_an_error(run):
+    # glibc: pthread_rwlock_wrlock answers EDEADLK to the thread that writes, a system_error in C++.
+    ran = run(
+        """
+arm.set_goal_state(configuration_name="ready")
+try:
+    with monitor.read_write() as scene:
+        arm.plan()
+except RuntimeError as error:
+    said = str(error)
+plan = arm.plan()
+"""
+    )
+    assert ran["said"].startswith("Resource deadlock avoided: the thread holds the lock")
+    assert bool(ran["plan"])
+
+
 def test_readers_share_the_lock_and_a_writer_waits_for_them(run):
     ran = run(
         """

@@ -56,7 +56,8 @@ class PlanningSceneMonitor:
     def read_write(self) -> LockedPlanningSceneContextManagerRW:
         """Return a context manager that gives the scene to nobody else meanwhile.
 
-        As in the real library planning within the block waits for ever: it needs the lock.
+        As in the real library planning within the block raises a RuntimeError: it needs the lock.
+        Within a block of `read_only` it waits for ever.
         """
         return LockedPlanningSceneContextManagerRW._of(self)
 
@@ -165,7 +166,10 @@ class PlanningSceneMonitor:
 
 
 class _SceneLock:
-    """A lock for one writer or several readers; a thread that waits for itself waits for ever."""
+    """A lock for one writer or several readers, as `std::shared_mutex` is on Linux.
+
+    A writer who asks for it again gets an error, a reader who would write waits for ever.
+    """
 
     def __init__(self, scheduler: Any) -> None:
         self._scheduler = scheduler
@@ -184,13 +188,22 @@ class _SceneLock:
         return self._writer or next(iter(self._readers), None)
 
     def acquire(self, *, alone: bool) -> None:
-        """Wait for the lock and take it."""
+        """Wait for the lock and take it.
+
+        Raises:
+            RuntimeError: the thread writes already.
+        """
 
         def is_free() -> bool:
             return not self._is_written and not (alone and self._readers)
 
         thread = self._scheduler.current
-        holds = thread is self._writer or thread in self._readers
+        if self._is_written and thread is self._writer:
+            raise RuntimeError(
+                f"Resource deadlock avoided: the thread holds {_LOCK} already; leave the block of "
+                "read_write() first"
+            )
+        holds = thread in self._readers
         reason = (
             f"{_LOCK}, which it holds itself (leave the `with` block first)" if holds else _LOCK
         )
