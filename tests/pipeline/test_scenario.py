@@ -362,3 +362,20 @@ def test_a_loop_that_waits_for_a_parameter_is_told_of_it(example):
     error = example.run("run", "c.py", "--json", "--robot", "panda").json["error"]
     assert "nothing provides parameter /calibrated, asked for at c.py:3" in error["message"]
     assert error["scenario"] == "parameters:\n  /calibrated: 0.0\n"
+
+
+def test_parameters_come_from_the_settings_and_the_command_line(example):
+    example.write(
+        "c.py",
+        LISTENER + "listener.angle = rospy.get_param('~angle')\n"
+        "if rospy.get_param('/armed'):\n    listener.turn()\n",
+    )
+    example.write("armed.yaml", "armed: yes\n")
+    example.write("ros2.yaml", "/**:\n  ros__parameters:\n    angle: 0.1\n")
+    example.write("pyproject.toml", '[tool.tracerisk]\nparams = ["armed.yaml"]\n')
+    given = ("--params", "armed.yaml", "--params", "ros2.yaml")
+    assert "~angle" in example.run("trace", "c.py").err
+    outcome = example.run("trace", "c.py", "--json", *given)
+    assert outcome.code == 0, outcome.err
+    assert len(outcome.json["trace"]["visits"]) == 1
+    assert example.run("trace", "c.py", "--params", "gone.yaml").code == 2

@@ -31,7 +31,11 @@ def with_objects(scene: Scene, objects: Sequence[YamlMap]) -> Scene:
             fixtures.append(read)
         else:
             graspable.append(read)
-    return replace(scene, fixtures=tuple(fixtures), objects=tuple(graspable))
+    if not objects:
+        return scene
+    # Of another name: what is recorded in it cannot be replayed in the scene alone.
+    name = f"{scene.name}, with objects of a scenario"
+    return replace(scene, name=name, fixtures=tuple(fixtures), objects=tuple(graspable))
 
 
 def _object(entry: YamlMap) -> Fixture | GraspableObject:
