@@ -109,7 +109,10 @@ def compile_model(robot: Robot, scene: Scene | None = None) -> Any:
     try:
         return build_spec(robot, scene).compile()
     except ValueError as cause:
-        raise RobotError(f"robot '{robot.name}' ({robot.file}) cannot be built: {cause}") from cause
+        reason = " ".join(str(cause).split())
+        raise RobotError(
+            f"robot '{robot.name}' ({robot.file}) cannot be built: {reason}"
+        ) from cause
 
 
 def place_robot(model: Any, data: Any, robot: Robot) -> None:
