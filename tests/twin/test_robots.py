@@ -19,6 +19,7 @@ from tracerisk.twin.execution import Motion
 from tracerisk.twin.kinematics import Kinematics
 from tracerisk.twin.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.twin.robot import Gripper, Robot, load_robot, robot_names
+from tracerisk.twin.robot_index import shipped_names
 from tracerisk.twin.samples import SampleWriter, read_samples
 from tracerisk.twin.scene import Fixture, GraspableObject, Scene, load_scene
 from tracerisk.twin.shapes import Shape
@@ -28,7 +29,7 @@ from tracerisk.twin.twin import Twin
 import mujoco  # isort: skip
 
 NAMES = robot_names()
-WITH_GRIPPER = tuple(name for name in NAMES if load_robot(name).grippers)
+GRIPPERS = [(each.name, i) for each in shipped_names() for i in range(len(each.grippers))]
 FLAT = (0.0, 0.0, 0.0)
 NOWHERE = Scene("nowhere", "nothing", FLAT, FLAT, (), (), (), "nowhere.yaml")
 GRAVITY = 9.81
@@ -214,10 +215,7 @@ def test_inverse_kinematics_reach_what_the_arm_reaches(name: str, count: int):
         assert reached >= 0.95 * count, group
 
 
-@pytest.mark.parametrize(
-    ("name", "index"),
-    [(name, i) for name in WITH_GRIPPER for i in range(len(load_robot(name).grippers))],
-)
+@pytest.mark.parametrize(("name", "index"), GRIPPERS)
 def test_its_gripper_picks_a_light_object_up(name: str, index: int, tmp_path: Path):
     robot = load_robot(name)
     gripper = robot.grippers[index]
