@@ -287,3 +287,70 @@ def test_two_functions_that_move_at_once_keep_their_exposures_apart(traced):
     (finding,) = [each for each in trace.findings if each.kind == "concurrent_owners"]
     assert "Both.open" in finding.message
     assert "Both.turn" in finding.message
+
+
+TWO_ARMS = """\
+import threading
+
+import actionlib
+import rospy
+from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryGoal
+from trajectory_msgs.msg import JointTrajectoryPoint
+
+NAMES = ["s0", "s1", "e0", "e1", "w0", "w1", "w2"]
+NEUTRAL = [0.0, -0.55, 0.0, 0.75, 0.0, 1.26, 0.0]
+
+rospy.init_node("both")
+
+
+def client(side):
+    found = actionlib.SimpleActionClient(
+        "/robot/limb/%s/follow_joint_trajectory" % side, FollowJointTrajectoryAction)
+    found.wait_for_server()
+    return found
+
+
+def goal(side, shift, seconds):
+    made = FollowJointTrajectoryGoal()
+    made.trajectory.joint_names = ["%s_%s" % (side, name) for name in NAMES]
+    made.trajectory.points = [JointTrajectoryPoint(
+        positions=[shift] + NEUTRAL[1:], time_from_start=rospy.Duration(seconds))]
+    return made
+
+
+LEFT, RIGHT = client("left"), client("right")
+
+
+def sort_left():
+    LEFT.send_goal_and_wait(goal("left", 0.4, 4.0))
+
+
+def sort_right():
+    rospy.sleep(1.0)
+    RIGHT.send_goal_and_wait(goal("right", -0.4, 2.0))
+
+
+threads = [threading.Thread(target=each) for each in (sort_left, sort_right)]
+for thread in threads:
+    thread.start()
+for thread in threads:
+    thread.join()
+"""
+
+
+def test_two_arms_that_two_functions_move_at_once_keep_their_exposures_apart(traced):
+    trace = traced(TWO_ARMS)
+    left, right = trace.visits
+    assert (left.function.name, right.function.name) == ("sort_left", "sort_right")
+    assert right.start_s == pytest.approx(1.0, abs=0.1)
+    for visit, own, other, seconds in (
+        (left, "left_s0", "right_s0", 4.0),
+        (right, "right_s0", "left_s0", 2.0),
+    ):
+        assert visit.exposures[own].moving_s == pytest.approx(seconds, abs=0.3)
+        assert other not in visit.exposures or visit.exposures[other].moving_s == 0.0
+    # The right arm's visit lies within the left one's: together they are longer than the run.
+    assert trace.end.simulated_s < 4.6
+    (finding,) = [each for each in trace.findings if each.kind == "concurrent_owners"]
+    assert "sort_left" in finding.message
+    assert "sort_right" in finding.message
