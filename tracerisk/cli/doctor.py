@@ -16,8 +16,6 @@ from tracerisk.cli.output import print_json
 from tracerisk.errors import ExitCode, TraceRiskError
 
 if TYPE_CHECKING:
-    from tracerisk.config import Settings
-    from tracerisk.pipeline import Controller
     from tracerisk.twin.robot import Robot
 
 _PACKAGES = ("dm-control", "libcst", "mink", "mujoco", "numpy", "rich", "rosbags", "ruamel.yaml")
@@ -90,7 +88,8 @@ def _robots() -> str:
 
 def _of_controller(path: str, robot_name: str | None) -> dict[str, str]:
     from tracerisk import pipeline
-    from tracerisk.pipeline.robot_choice import choose_robot
+    from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
+    from tracerisk.pipeline.robot_choice import choose_launched_robot
 
     controller = pipeline.load_controller(path)
     settings = pipeline.load_settings(controller, {"robot": robot_name})
@@ -102,8 +101,15 @@ def _of_controller(path: str, robot_name: str | None) -> dict[str, str]:
             for field in dataclasses.fields(settings)
         ),
     }
+    launch = LaunchChoice()
     try:
-        choice = choose_robot(controller, settings)
+        launch = choose_launch(controller, settings)
+        told = "; ".join(note.removeprefix("launch: ") for note in launch.notes)
+        found["launch"] = told or "nothing from a launch file"
+    except TraceRiskError as error:
+        found["launch"] = f"not known: {error}"
+    try:
+        choice = choose_launched_robot(controller, settings, launch.setup)
         robot = choice.robot
         doubt = "; some figures are assumed" if robot.approximate else ""
         found["robot"] = f"{robot.name} ({robot.chosen_by}{doubt})"
@@ -116,21 +122,7 @@ def _of_controller(path: str, robot_name: str | None) -> dict[str, str]:
         found["hardware"] = pipeline.load_hardware(settings, robot.name).file
     except TraceRiskError as error:
         found["robot"] = f"not known: {error}"
-    found["launch"] = _launch(controller, settings)
     return found
-
-
-def _launch(controller: Controller, settings: Settings) -> str:
-    """Return what a launch file gives the controller."""
-    from tracerisk.pipeline.launch.choose import choose_launch
-
-    try:
-        notes = choose_launch(controller, settings).notes
-    except TraceRiskError as error:
-        return f"not known: {error}"
-    return (
-        "; ".join(note.removeprefix("launch: ") for note in notes) or "nothing from a launch file"
-    )
 
 
 def _parts(robot: Robot) -> dict[str, str]:

@@ -56,54 +56,16 @@ def run_controller(
     controller: Controller,
     robot: Robot,
     settings: Settings,
+    choice: LaunchChoice,
     *,
     keep: Path | None = None,
     progress: Progress | None = None,
 ) -> ControllerRun:
     """Run the controller on the twin of `robot`, and return what the run showed.
 
-    A run that fails with what a launch file gives is done again without it: the file was found,
-    not asked for, and must not keep a controller from running.
+    `choice` is what a launch file gives it.
     Raises SourceError, RobotError or another error of the input when nothing could run.
     """
-    from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
-
-    def run(choice: LaunchChoice, keep: Path | None) -> ControllerRun:
-        return _run_with(choice, controller, robot, settings, keep, progress)
-
-    choice = choose_launch(controller, settings)
-    began = time.monotonic()
-    done = run(choice, keep)
-    is_found = choice.setup is not None and settings.launch is True
-    has_time = time.monotonic() - began < settings.wall_limit_s / 2
-    if not is_found or not has_time or _shows_risk(done.trace):
-        return done
-    assert choice.setup is not None
-    without = LaunchChoice(
-        notes=(
-            f"launch: nothing is taken from {choice.setup.file}: with it the run shows no risk "
-            f"({done.trace.end.message}); --launch FILE takes it",
-        )
-    )
-    plain = run(without, None)
-    if not _shows_risk(plain.trace):
-        return done
-    return plain if keep is None else run(without, keep)
-
-
-def _shows_risk(trace: Trace) -> bool:
-    return trace.end.is_good and bool(trace.functions)
-
-
-def _run_with(
-    choice: LaunchChoice,
-    controller: Controller,
-    robot: Robot,
-    settings: Settings,
-    keep: Path | None,
-    progress: Progress | None,
-) -> ControllerRun:
-    """Run the controller once with what a launch file gives it."""
     from tracerisk.twin.robot_file import dump_robot
 
     scene = settings.scene or robot.default_scene

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import Location, RobotError
 from tracerisk.pipeline.controller import Controller, string_literals
+from tracerisk.pipeline.launch.records import LaunchSetup
+from tracerisk.pipeline.launch.spoken import with_parameters
 from tracerisk.pipeline.workspace import find_workspace
 from tracerisk.twin.robot import is_model_file
 
@@ -28,6 +30,25 @@ class RobotChoice:
     robot: Robot
     skipped: tuple[str, ...] = ()
     files: tuple[Path, ...] = ()
+
+
+def choose_launched_robot(
+    controller: Controller,
+    settings: Settings,
+    launch: LaunchSetup | None,
+    *,
+    also_named: tuple[str, ...] = (),
+) -> RobotChoice:
+    """Return the robot of which a controller's source speaks, or its parameters of a launch file.
+
+    Raises RobotError as `choose_robot` does; a name that only the launch file has raises none.
+    """
+    try:
+        return choose_robot(with_parameters(controller, launch), settings, also_named=also_named)
+    except RobotError:
+        if launch is None or not launch.own:
+            raise
+        return choose_robot(controller, settings, also_named=also_named)
 
 
 def choose_robot(

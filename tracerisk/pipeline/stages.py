@@ -5,7 +5,6 @@ This is the public Python API; `tracerisk` re-exports it.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -23,7 +22,6 @@ from tracerisk.adder.published import is_c_like, read_c_blocks, read_plain_block
 from tracerisk.adder.read import read_blocks
 from tracerisk.config import Settings, read_settings
 from tracerisk.errors import HardwareError, InputError, Location
-from tracerisk.hardware.binding import bind
 from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.controller import Controller
 from tracerisk.pipeline.freshness import run_inputs
@@ -34,8 +32,6 @@ if TYPE_CHECKING:
     from tracerisk.prm.assessment import Assessment
     from tracerisk.prm.hybrid import HybridModel
     from tracerisk.twin.robot import Robot
-
-_ROBOTS_TRIED = 3  # for the names that a run shows, of an arm and then of its gripper
 
 Progress = Callable[[str, float], None]
 """Told the phase and the simulated time [s]."""
@@ -107,12 +103,14 @@ def load_robot(controller: Controller, settings: Settings) -> Robot:
     """Return the robot that the controller drives; `Robot.chosen_by` says why it is this one.
 
     It is that of the settings, else that of the controller's workspace, else the shipped one of
-    which the controller's strings speak, else a generic arm.
+    which the controller's strings speak, with those of its launch file, else a generic arm.
     Raises RobotError when it is unknown, or several fit.
     """
-    from tracerisk.pipeline.robot_choice import choose_robot
+    from tracerisk.pipeline.launch.choose import choose_launch
+    from tracerisk.pipeline.robot_choice import choose_launched_robot
 
-    return choose_robot(controller, settings).robot
+    launch = choose_launch(controller, settings).setup if settings.robot is None else None
+    return choose_launched_robot(controller, settings, launch).robot
 
 
 def load_hardware(settings: Settings, robot: str) -> Hardware:
@@ -160,29 +158,15 @@ def trace_controller(
 
     A run that ends badly gives a trace too, as far as it came: see `Trace.end`.
     `keep` is a folder in which the recording stays.
-    A run that moves joints which a robot lacks that nobody named is done again with the robot
-    that has them: no source tells the names that a controller puts together as it runs.
+    What is assumed of its robot and its launch file is tried again where the run shows that it
+    does not fit: see `Trace.assumptions`.
     Raises SourceError, RobotError, HardwareError before anything runs.
     """
-    from tracerisk.pipeline.controller_run import run_controller
-    from tracerisk.pipeline.robot_choice import choose_robot
+    from tracerisk.pipeline.attempts import trace_attempts
 
-    asked: tuple[str, ...] = ()
-    choice = choose_robot(controller, settings)
-    for _ in range(_ROBOTS_TRIED):
-        # What the robot has no place for is told before a minute is spent on simulation.
-        bind(load_hardware(settings, choice.robot.name), choice.robot.elements)
-        done = run_controller(controller, choice.robot, settings, keep=keep, progress=progress)
-        if settings.robot is not None or not set(done.joints_asked) - set(asked):
-            break
-        asked = (*asked, *done.joints_asked)
-        other = choose_robot(controller, settings, also_named=asked)
-        if other.robot == choice.robot:
-            break
-        choice = other
-    root = controller.root.resolve()
-    read = {Path(os.path.relpath(file.resolve(), root)).as_posix() for file in choice.files}
-    return replace(done.trace, inputs=tuple(sorted({*done.trace.inputs, *read})))
+    return trace_attempts(
+        controller, settings, hardware_of=load_hardware, keep=keep, progress=progress
+    )
 
 
 def annotate(

@@ -1,0 +1,97 @@
+"""Run a controller with what is assumed of its surroundings, and again where that does not fit."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.config import Settings
+from tracerisk.hardware.binding import bind
+from tracerisk.pipeline.controller import Controller
+from tracerisk.pipeline.controller_run import run_controller
+from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
+from tracerisk.pipeline.robot_choice import choose_launched_robot
+from tracerisk.trace import Trace
+
+if TYPE_CHECKING:
+    from tracerisk.hardware.model import Hardware
+    from tracerisk.pipeline.stages import Progress
+
+_ROBOTS_TRIED = 3  # for the names that a run shows, of an arm and then of its gripper
+
+
+def trace_attempts(
+    controller: Controller,
+    settings: Settings,
+    *,
+    hardware_of: Callable[[Settings, str], Hardware],
+    keep: Path | None = None,
+    progress: Progress | None = None,
+) -> Trace:
+    """Return what the run showed whose launch file and robot fit the controller.
+
+    A run that moves joints which a robot lacks that nobody named is done again with the robot
+    that has them: no source tells the names that a controller puts together as it runs.
+    A run that shows no risk with what a launch file gives is done again without it: the file was
+    found, not asked for, and must not keep a controller from running.
+    """
+
+    def attempt(choice: LaunchChoice, keep: Path | None) -> Trace:
+        return _with_robot(controller, settings, choice, hardware_of, keep, progress)
+
+    choice = choose_launch(controller, settings)
+    began = time.monotonic()
+    trace = attempt(choice, keep)
+    is_found = choice.setup is not None and settings.launch is True
+    has_time = time.monotonic() - began < settings.wall_limit_s / 2
+    if not is_found or not has_time or _shows_risk(trace):
+        return trace
+    assert choice.setup is not None
+    without = LaunchChoice(
+        notes=(
+            f"launch: nothing is taken from {choice.setup.file}: with it the run shows no risk "
+            f"({trace.end.message}); --launch FILE takes it",
+        )
+    )
+    plain = attempt(without, None)
+    if not _shows_risk(plain):
+        # What is kept is the recording of the run that is told.
+        return trace
+    return plain if keep is None else attempt(without, keep)
+
+
+def _shows_risk(trace: Trace) -> bool:
+    return trace.end.is_good and bool(trace.functions)
+
+
+def _with_robot(
+    controller: Controller,
+    settings: Settings,
+    launch: LaunchChoice,
+    hardware_of: Callable[[Settings, str], Hardware],
+    keep: Path | None,
+    progress: Progress | None,
+) -> Trace:
+    """Run the controller on the robot of its names, then on that of the names its run shows."""
+    asked: tuple[str, ...] = ()
+    choice = choose_launched_robot(controller, settings, launch.setup)
+    for _ in range(_ROBOTS_TRIED):
+        # What the robot has no place for is told before a minute is spent on simulation.
+        bind(hardware_of(settings, choice.robot.name), choice.robot.elements)
+        done = run_controller(
+            controller, choice.robot, settings, launch, keep=keep, progress=progress
+        )
+        if settings.robot is not None or not set(done.joints_asked) - set(asked):
+            break
+        asked = (*asked, *done.joints_asked)
+        other = choose_launched_robot(controller, settings, launch.setup, also_named=asked)
+        if other.robot == choice.robot:
+            break
+        choice = other
+    root = controller.root.resolve()
+    read = {Path(os.path.relpath(file.resolve(), root)).as_posix() for file in choice.files}
+    return replace(done.trace, inputs=tuple(sorted({*done.trace.inputs, *read})))
