@@ -115,6 +115,19 @@ def test_the_generic_arm_tells_each_name_that_it_assumes_once():
     assert "over_the_table" in told[2]
 
 
+def test_a_robot_of_a_file_tells_that_an_srdf_would_name_its_groups():
+    told = []
+    tiny = texts.robot()
+    parts = {name: group for name, group in tiny.groups.items() if name != "all"}
+    tiny = replace(tiny, assumes_names=True, groups=parts)
+    known = with_assumed_names(tiny, told.append)
+    assert dict(known.named_state("left_arm", "ready")) == dict(tiny.named_state("limb", "ready"))
+    assert told == [
+        "planning group 'left_arm' is assumed to be the limb of the tiny robot, for it is not "
+        "known; an SRDF beside its file would tell"
+    ]
+
+
 def test_a_robot_that_is_known_assumes_no_name():
     tiny = texts.robot()
     assert with_assumed_names(tiny, lambda _: None) is tiny

@@ -245,6 +245,12 @@ def with_assumed_names(robot: Robot, tell: Callable[[str], None]) -> Robot:
     return replace(robot, groups=groups, named_states=_AssumedStates(robot, groups, tell))
 
 
+def _remedy(robot: Robot) -> str:
+    if robot.name == NAME:
+        return "name the robot with --robot"
+    return "an SRDF beside its file would tell"
+
+
 class _AssumedGroups(Mapping[str, Group]):
     """The groups of a robot; any other name is the arm, or the gripper if it sounds like one."""
 
@@ -259,7 +265,7 @@ class _AssumedGroups(Mapping[str, Group]):
             self._known[name] = self._known[stand_in]
             self._tell(
                 f"planning group '{name}' is assumed to be the {stand_in} of the {self._robot.name}"
-                " robot, for it is not known; name the robot with --robot"
+                f" robot, for it is not known; {_remedy(self._robot)}"
             )
         return self._known[name]
 
@@ -328,7 +334,7 @@ class _StatesOfGroup(Mapping[str, Mapping[str, float]]):
             self._known[name] = {joint: self._position(joint, name) for joint in self._joints}
             self._tell(
                 f"named state '{name}' of group '{self._group}' is not known: a posture is "
-                "assumed; name the robot with --robot"
+                f"assumed; {_remedy(self._robot)}"
             )
         return self._known[name]
 
