@@ -240,6 +240,20 @@ def test_moveit_without_its_package_leaves_only_itself_out(described):
     assert set(dict(node.left_out).values()) == {"package 'not_here' is not here"}
 
 
+def test_classes_of_libraries_that_are_not_here_can_be_derived_from(described):
+    (node,) = described(
+        "arguments.add_to(1), pick(parameters=[{'speed': 1, 'side': arguments.side}])",
+        before="from dataclasses import dataclass\n"
+        "from launch_pal.arg_utils import LaunchArgumentsBase, TiagoArgs\n"
+        "@dataclass(frozen=True)\n"
+        "class Arguments(LaunchArgumentsBase):\n"
+        "    side: object = TiagoArgs.side\n"
+        "arguments = Arguments()\n",
+    ).nodes
+    assert values(node) == {"speed": 1}
+    assert dict(node.left_out) == {"side": "launch_pal.arg_utils.TiagoArgs is not here"}
+
+
 def test_what_is_not_here_leaves_only_itself_out(described):
     (node, other) = described(
         "pick(parameters=[moveit.to_dict(), {'robot_description': Command(['xacro ', 'a.xacro']),"

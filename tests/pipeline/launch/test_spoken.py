@@ -5,6 +5,8 @@ from __future__ import annotations
 import ast
 from dataclasses import replace
 
+from tracerisk.config import Settings
+from tracerisk.pipeline import load_robot
 from tracerisk.pipeline.controller import load_controller, string_literals
 from tracerisk.pipeline.launch.records import NOTHING_LAUNCHED, LaunchParameter
 from tracerisk.pipeline.launch.spoken import with_parameters
@@ -31,3 +33,16 @@ def test_without_any_it_is_the_controller_itself(tmp_path):
     controller = load_controller(tmp_path / "pick.py")
     assert with_parameters(controller, None) is controller
     assert with_parameters(controller, NOTHING_LAUNCHED) is controller
+
+
+def test_a_robot_that_only_the_launch_file_names_is_taken(workspace):
+    workspace.write("scripts/pick.py", "import rospy\njoints = rospy.get_param('~joints')\n")
+    joints = ", ".join(f"panda_joint{i}" for i in range(1, 8))
+    workspace.write(
+        "launch/a.launch",
+        '<launch><node pkg="arm_task" type="pick.py" name="pick">'
+        f'<rosparam param="joints">[{joints}]</rosparam></node></launch>',
+    )
+    controller = load_controller(workspace.package / "scripts/pick.py")
+    assert load_robot(controller, Settings()).name == "panda"
+    assert load_robot(controller, Settings(launch=False)).name == "generic"
