@@ -39,6 +39,18 @@ class Absent:
         """Return another such value."""
         return Absent(self._told)
 
+    def __mro_entries__(self, _: tuple[Any, ...]) -> tuple[type, ...]:
+        """Return what a class that derives from the value derives from instead."""
+        told = self._told
+
+        class FromAbsent:
+            def __getattr__(self, name: str) -> Any:
+                if name.startswith("__"):
+                    raise AttributeError(name)
+                return Absent(told)
+
+        return (FromAbsent,)
+
     def __getitem__(self, _: Any) -> Absent:
         return Absent(self._told)
 
