@@ -4,7 +4,9 @@ import pytest
 
 from tracerisk.errors import RobotError
 from tracerisk.twin.detect import NoRobotNamedError, SeveralRobotsError, detect_robot
+from tracerisk.twin.kinematics import Kinematics
 from tracerisk.twin.mentions import Hint, decide, mentioned
+from tracerisk.twin.robot import load_robot
 from tracerisk.twin.robot_index import shipped_names
 
 UR_JOINTS = ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint"]
@@ -156,3 +158,26 @@ def test_a_name_that_two_robots_share_speaks_for_the_one_whose_joints_are_named(
     hints = [Hint("its folders", {"src": "iiwa14_pick"})]
     assert detect_robot(["iiwa_joint_1"], hints).name == "iiwa14_stack"
     assert detect_robot(["lbr_A1"], hints).name == "iiwa14"
+
+
+def test_a_prefix_before_all_joints_of_an_arm_is_before_its_links_too():
+    joints = [f"left_{name}" for name in (*UR_JOINTS, "wrist_2_joint", "wrist_3_joint")]
+    robot = detect_robot([*joints, "left_tool0"], source("ur5e"), joints)
+    assert robot.name == "ur5e"
+    assert [joint.name for joint in robot.arm_joints] == [
+        "left_shoulder_pan_joint", "left_shoulder_lift_joint", "left_elbow_joint",
+        "left_wrist_1_joint", "left_wrist_2_joint", "left_wrist_3_joint",
+    ]  # fmt: skip
+    assert robot.groups["manipulator"].tip_link == "left_tool0"
+    assert robot.chosen_by.endswith("its links and joints have the prefix 'left_'")
+    pose = Kinematics(robot).forward({}, "left_tool0")
+    assert pose == Kinematics(load_robot("ur5e")).forward({}, "tool0")
+    with pytest.raises(SeveralRobotsError):
+        detect_robot(joints)
+
+
+def test_joints_with_two_prefixes_are_of_two_arms_which_no_robot_has():
+    joints = [*UR_JOINTS, "wrist_2_joint", "wrist_3_joint"]
+    both = [f"{side}_{name}" for side in ("left", "right") for name in joints]
+    with pytest.raises(NoRobotNamedError):
+        detect_robot(both, source("ur5e"), both)

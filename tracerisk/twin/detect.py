@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from tracerisk.errors import RobotError, one_of
 from tracerisk.twin.mentions import EVERYDAY, Hint, decide
 from tracerisk.twin.plain_names import is_number, is_plain
+from tracerisk.twin.prefix import prefix_in, with_prefix
 from tracerisk.twin.robot import Robot, load_robot
 from tracerisk.twin.robot_index import RobotNames, shipped_names
 
@@ -59,12 +60,32 @@ def detect_robot(
     where half of an arm's joints are named. Of several robots that fit equally the hints decide,
     else the only one whose joints are all named. Where only numbers (`joint1`) or plain names fit,
     or none at all, a robot is taken only if a hint names it and it has the joints that are
-    `listed` as such; groups that it lacks are then assumed.
+    `listed` as such; groups that it lacks are then assumed. Where no robot fits, one does whose
+    joints are all named with a prefix, and has it before the names of its links and joints.
 
     Raises NoRobotNamedError when no robot fits, SeveralRobotsError when several do.
     """
     given = tuple(strings)
     robots = {each.name: each for each in shipped_names()}
+    weighed = _Once(hints)
+    try:
+        return _detect(given, robots, weighed, listed)
+    except NoRobotNamedError:
+        prefix = prefix_in(_words(given), robots.values())
+        if not prefix:
+            raise
+    bare = [word.removeprefix(prefix) for word in _words(given)]
+    robot = _detect(bare, robots, weighed, [name.removeprefix(prefix) for name in listed])
+    told = f"{robot.chosen_by}; its links and joints have the prefix '{prefix}'"
+    return replace(with_prefix(robot, prefix), chosen_by=told)
+
+
+def _detect(
+    given: Collection[str],
+    robots: Mapping[str, RobotNames],
+    hints: Iterable[Hint],
+    listed: Collection[str],
+) -> Robot:
     words = _words(given)
     fits = {name: _fit(robot, words, given) for name, robot in robots.items()}
     best = max((fit.rank for fit in fits.values()), default=(0, 0))
@@ -125,7 +146,7 @@ def _unknown(robots: Iterable[str]) -> NoRobotNamedError:
     )
 
 
-def _fit(robot: RobotNames, words: frozenset[str], strings: tuple[str, ...]) -> _Fit:
+def _fit(robot: RobotNames, words: frozenset[str], strings: Collection[str]) -> _Fit:
     joints = words.intersection(robot.joints)
     proper = {name for name in joints if not is_plain(name)}
     stems = {re.sub(r"\d+$", "", joint) for joint in robot.joints}
@@ -159,6 +180,20 @@ def _covers(robot: RobotNames, joints: Collection[str]) -> bool:
         len(set(joints) & set(group)) >= max(_FEWEST, _HALF * len(group))
         for group in robot.groups.values()
     )
+
+
+class _Once:
+    """Hints that are asked for more than once, and read from their files but once."""
+
+    def __init__(self, hints: Iterable[Hint]) -> None:
+        self._coming = iter(hints)
+        self._read: list[Hint] = []
+
+    def __iter__(self) -> Iterator[Hint]:
+        yield from self._read
+        for hint in self._coming:
+            self._read.append(hint)
+            yield hint
 
 
 def _words(strings: Iterable[str]) -> frozenset[str]:

@@ -1,0 +1,83 @@
+"""Robots whose links and joints bear a prefix, as in a cell where several arms stand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+from tracerisk.twin.robot import Robot
+from tracerisk.twin.robot_index import RobotNames
+
+_FEWEST = 4  # joints, which a prefix must stand before
+_ENDS = ("_", "/", "-")
+
+
+def prefix_in(words: Iterable[str], robots: Iterable[RobotNames]) -> str:
+    """Return what stands before all joints of an arm of one of the robots; empty for nothing.
+
+    Of several prefixes none is taken: they are of several arms.
+    """
+    known = frozenset(words)
+    found = set()
+    for group in {joints for robot in robots for joints in robot.groups.values()}:
+        if len(group) < _FEWEST:
+            continue
+        for word in known:
+            prefix = word.removesuffix(group[0])
+            if prefix.endswith(_ENDS) and all(f"{prefix}{name}" in known for name in group):
+                found.add(prefix)
+    return found.pop() if len(found) == 1 else ""
+
+
+def with_prefix(robot: Robot, prefix: str) -> Robot:
+    """Return the robot with `prefix` before the names of its links and joints.
+
+    Groups and controllers keep their names; those that a controller asks for are assumed.
+    """
+
+    def named(name: str) -> str:
+        return f"{prefix}{name}"
+
+    def all_named(names: Iterable[str]) -> tuple[str, ...]:
+        return tuple(named(name) for name in names)
+
+    def state(values: Mapping[str, float]) -> Mapping[str, float]:
+        return MappingProxyType({named(name): value for name, value in values.items()})
+
+    return replace(
+        robot,
+        base_link=named(robot.base_link),
+        links=tuple(replace(link, name=named(link.name)) for link in robot.links),
+        attachments=tuple(
+            replace(one, name=named(one.name), parent=named(one.parent), child=named(one.child))
+            for one in robot.attachments
+        ),
+        joints=tuple(replace(joint, name=named(joint.name)) for joint in robot.joints),
+        groups=MappingProxyType(
+            {
+                name: replace(
+                    group,
+                    joints=all_named(group.joints),
+                    tip_link=named(group.tip_link) if group.tip_link else None,
+                )
+                for name, group in robot.groups.items()
+            }
+        ),
+        named_states=MappingProxyType(
+            {
+                group: MappingProxyType({name: state(values) for name, values in states.items()})
+                for group, states in robot.named_states.items()
+            }
+        ),
+        initial_state=state(robot.initial_state),
+        grippers=tuple(
+            replace(one, joints=all_named(one.joints), pads=all_named(one.pads))
+            for one in robot.grippers
+        ),
+        controllers=tuple(replace(one, joints=all_named(one.joints)) for one in robot.controllers),
+        disabled_collisions=frozenset(
+            (named(one), named(other)) for one, other in robot.disabled_collisions
+        ),
+        assumes_names=True,
+    )
