@@ -379,3 +379,26 @@ def test_parameters_come_from_the_settings_and_the_command_line(example):
     assert outcome.code == 0, outcome.err
     assert len(outcome.json["trace"]["visits"]) == 1
     assert example.run("trace", "c.py", "--params", "gone.yaml").code == 2
+
+
+def test_what_nobody_made_use_of_is_a_finding(example):
+    example.write("c.py", LISTENER + POLL)
+    example.write(
+        "s.yaml",
+        "publish:\n"
+        "  - {topic: /angle, type: std_msgs/Float64, message: 0.1}\n"
+        "  - {topic: /angel, type: std_msgs/Float64, rate: 5}\n"
+        "services:\n  - {name: /detect, type: std_srvs/Trigger}\n"
+        "actions:\n  - {name: /drive, type: move_base_msgs/MoveBase}\n",
+    )
+    trace = example.run("trace", "c.py", "--json", "--scenario", "s.yaml").json["trace"]
+    told = {
+        (each["message"], each["location"]["line"])
+        for each in trace["findings"]
+        if each["kind"] == "unused"
+    }
+    assert told == {
+        ("in the scenario, but nobody subscribed to topic /angel", 3),
+        ("in the scenario, but nobody called service /detect", 5),
+        ("in the scenario, but nobody sent a goal to action server /drive", 7),
+    }

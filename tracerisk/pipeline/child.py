@@ -160,8 +160,11 @@ def _run_recorded(
     TwinTopics(runtime, interfaces)
     TwinInterfaces(runtime, interfaces)
     TwinFrames(runtime, interfaces)
-    schedule = watch.schedule = ScenarioWorld(runtime, interfaces, scenario).schedule
-    needs = UnmetNeeds(runtime, interfaces, root, lambda: watch.has_commanded)
+    scenario_world = ScenarioWorld(runtime, interfaces, scenario)
+    schedule = watch.schedule = scenario_world.schedule
+    needs = UnmetNeeds(
+        runtime, interfaces, root, lambda: watch.has_commanded, scenario_world.unused
+    )
     stall = StallWatch(scheduler, watch, needs, lambda: schedule.is_pending)
     world.time_passed = [watch.time_passed, stall.time_passed]
     end = ControllerEnd(recorder, twin, root, request.memory_limit_mb, watch.run_over, needs.judge)

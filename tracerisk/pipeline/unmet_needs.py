@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -36,12 +36,20 @@ class JudgedEnd:
 class UnmetNeeds:
     """The needs of one run; `has_commanded` tells whether anything was commanded.
 
+    `unused` tells what of the scenario nobody made use of, which becomes a finding at the end.
+
     `interfaces` makes the message classes whose fields the scenario lines show.
     """
 
     def __init__(
-        self, runtime: Runtime, interfaces: Any, root: Path, has_commanded: Callable[[], bool]
+        self,
+        runtime: Runtime,
+        interfaces: Any,
+        root: Path,
+        has_commanded: Callable[[], bool],
+        unused: Callable[[], Iterable[tuple[str, Location]]],
     ) -> None:
+        self._unused = unused
         self._runtime = runtime
         self._interfaces = interfaces
         self._root = root
@@ -58,6 +66,9 @@ class UnmetNeeds:
 
     def judge(self, cause: EndCause, message: str, location: Location | None) -> JudgedEnd:
         """Return the end of a run with what it lacked, where that may be why it ended."""
+        for told, place in self._unused():
+            here = replace(place, file=Path(place.file).name)
+            self._runtime.recorder.finding("unused", f"in the scenario, but {told}", here)
         plain = JudgedEnd(cause, message, location)
         if cause in GOOD_ENDS and self._has_commanded():
             if cause in _LISTENING:

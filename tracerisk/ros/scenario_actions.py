@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from tracerisk.errors import InputError, ScenarioError
+from tracerisk.errors import InputError, Location, ScenarioError
 from tracerisk.ros.action_graph import ActionGoal, Actions
 from tracerisk.ros.runtime import Runtime
 from tracerisk.ros.scenario import GoalScript, ServedAction
@@ -37,6 +37,7 @@ class ScenarioAction:
             result, feedback = action_parts(interfaces, entry.type_name)
         except InputError as error:
             raise ScenarioError(error.message, entry.location) from error
+        self._entry = entry
         self._schedule = schedule
         self._goals = 0
         self._outcomes = [
@@ -56,6 +57,13 @@ class ScenarioAction:
             by_controller=False,
             is_scenario=True,
         )
+
+    @property
+    def unused(self) -> tuple[str, Location] | None:
+        """What nobody made use of, in words, and its place; None where somebody did."""
+        if self._goals:
+            return None
+        return f"nobody sent a goal to action server {self._entry.name}", self._entry.location
 
     def _on_goal(self, goal: ActionGoal) -> None:
         outcome = self._outcomes[min(self._goals, len(self._outcomes) - 1)]

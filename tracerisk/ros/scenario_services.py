@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from tracerisk.errors import InputError, ScenarioError
+from tracerisk.errors import InputError, Location, ScenarioError
 from tracerisk.ros.graph import ServiceFailedError
 from tracerisk.ros.names import ANY_TYPE
 from tracerisk.ros.runtime import Runtime
@@ -33,6 +33,13 @@ class ScenarioService:
         runtime.graph.serve(
             entry.name, entry.type_name or ANY_TYPE, self._answer, node=NODE, is_callback=False
         )
+
+    @property
+    def unused(self) -> tuple[str, Location] | None:
+        """What nobody made use of, in words, and its place; None where somebody did."""
+        if self._calls:
+            return None
+        return f"nobody called service {self._entry.name}", self._entry.location
 
     def _templates(self, type_name: str) -> list[MessageTemplate]:
         try:

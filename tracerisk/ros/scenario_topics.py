@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from tracerisk.errors import InputError, ScenarioError
+from tracerisk.errors import InputError, Location, ScenarioError
 from tracerisk.ros.graph import Publication, Subscription
 from tracerisk.ros.runtime import Runtime
 from tracerisk.ros.scenario import Published
@@ -32,6 +32,7 @@ class ScenarioTopic:
         self._schedule = schedule
         self._messages = [MessageTemplate(message_class, each) for each in entry.messages]
         self._sent = 0
+        self._is_heard = False
         self._publication: Publication = runtime.graph.advertise(
             entry.topic,
             entry.type_name,
@@ -44,6 +45,16 @@ class ScenarioTopic:
         else:
             for seconds in entry.at:
                 schedule.at(round(seconds * 1e9), self._publish)
+
+    @property
+    def unused(self) -> tuple[str, Location] | None:
+        """What nobody made use of, in words, and its place; None where somebody did."""
+        if self._is_heard or self._has_listener():
+            return None
+        return f"nobody subscribed to topic {self._entry.topic}", self._entry.type_location
+
+    def _has_listener(self) -> bool:
+        return any(each.by_controller for each in self._publication.subscriptions)
 
     def _on_subscriber(self, subscription: Subscription) -> None:
         # What the twin itself listens to asks for nothing.
@@ -80,6 +91,7 @@ class ScenarioTopic:
         template = self._messages[min(self._sent, len(self._messages) - 1)]
         self._sent += 1
         message = template.make(self._schedule.now_ns)
+        self._is_heard |= self._has_listener()
         if only is None:
             self._publication.publish(message)
         elif only in self._publication.subscriptions:

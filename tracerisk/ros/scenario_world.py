@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from tracerisk.errors import Location
 from tracerisk.ros.runtime import Runtime
 from tracerisk.ros.scenario import Scenario
 from tracerisk.ros.scenario_actions import ScenarioAction
@@ -30,10 +31,20 @@ class ScenarioWorld:
     def __init__(self, runtime: Runtime, interfaces: Any, scenario: Scenario) -> None:
         self.schedule = Schedule(runtime.scheduler)
         into_tree(runtime.parameters, runtime.graph.parameters)
-        for service in scenario.services:
-            ScenarioService(runtime, interfaces, service)
-        for action in scenario.actions:
-            ScenarioAction(runtime, interfaces, self.schedule, action)
+        self._services = [ScenarioService(runtime, interfaces, each) for each in scenario.services]
+        self._actions = [
+            ScenarioAction(runtime, interfaces, self.schedule, each) for each in scenario.actions
+        ]
         ScenarioFrames(runtime, interfaces, self.schedule, scenario.frames)
-        for topic in scenario.published:
-            ScenarioTopic(runtime, interfaces, self.schedule, topic)
+        self._topics = [
+            ScenarioTopic(runtime, interfaces, self.schedule, each) for each in scenario.published
+        ]
+
+    def unused(self) -> tuple[tuple[str, Location], ...]:
+        """Return what nobody made use of, in words and with its place: a name may be mistaken."""
+        found = [
+            *(each.unused for each in self._services),
+            *(each.unused for each in self._actions),
+            *(each.unused for each in self._topics),
+        ]
+        return tuple(each for each in found if each is not None)
