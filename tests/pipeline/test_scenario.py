@@ -298,7 +298,8 @@ def test_a_mistake_in_a_scenario_is_bad_input(example, quick):
     example.write("s.yaml", "servces: []\n")
     outcome = example.run("run", "c.py", "--scenario", "s.yaml")
     assert outcome.code == 2
-    assert "s.yaml:1:1: unknown key 'servces'; did you mean 'services'?" in outcome.err
+    told = "tracerisk: s.yaml:1:1: unknown key 'servces'; did you mean 'services'?"
+    assert outcome.err.startswith(told)
 
 
 def test_what_the_scenario_holds_is_part_of_what_the_lock_keeps_of_a_run(example, quick):
