@@ -12,6 +12,7 @@ from tracerisk.adder.insert import insert_blocks
 from tracerisk.adder.lock import ControllerLock, Lock, WrittenBlock, written_block
 from tracerisk.adder.merge import MergePolicy, PersonEdit, edits_error, merge
 from tracerisk.adder.read import read_blocks
+from tracerisk.adder.renames import base_with_names, renamed_blocks, with_names
 from tracerisk.adder.values import DONE, computed_count
 from tracerisk.adder.write import FileWrite
 from tracerisk.errors import EditInTheWayError
@@ -24,6 +25,8 @@ class SourceBlocks:
 
     `file` is relative to the lock's folder, with slashes; messages say `shown_as`.
     `lines` gives the `def` line of a function, needed where its name is defined twice.
+    `original` is what the file holds where functions were renamed since it was annotated: in
+    `source` their blocks have the new names, which `renamed` maps to the old ones.
     """
 
     file: str
@@ -31,11 +34,18 @@ class SourceBlocks:
     computed: Mapping[QualifiedName, RiskBlock]
     lines: Mapping[QualifiedName, int] = field(default_factory=dict)
     shown_as: str | None = None
+    original: bytes | None = None
+    renamed: Mapping[QualifiedName, QualifiedName] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
         """The name of the file in messages."""
         return self.file if self.shown_as is None else self.shown_as
+
+    @property
+    def before(self) -> bytes:
+        """What the file holds."""
+        return self.source if self.original is None else self.original
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +129,7 @@ def annotate_sources(
         UnsafeRewriteError: if a source cannot be rewritten safely.
     """
     entry = lock.controllers.get(controller)
+    sources = [_with_renames(source, entry) for source in sources]
     merged = {source.file: _merge_source(source, entry, policy) for source in sources}
     edits = tuple(edit for one in merged.values() for edit in one.edits)
     if edits and policy.edits == "stop":
@@ -127,8 +138,8 @@ def annotate_sources(
     changed = []
     for source in sources:
         after = insert_blocks(source.source, merged[source.file].blocks, source.name, source.lines)
-        if after != source.source:
-            changed.append(AnnotatedSource(source.file, source.source, after))
+        if after != source.before:
+            changed.append(AnnotatedSource(source.file, source.before, after))
     final = ControllerLock(
         fingerprint=fingerprint,
         blocks={file: _written(one.blocks) for file, one in merged.items()},
@@ -142,6 +153,29 @@ def annotate_sources(
     return Changed(tuple(changed), new_lock, lock.with_controller(controller, pending))
 
 
+def _with_renames(source: SourceBlocks, entry: ControllerLock | None) -> SourceBlocks:
+    known = {QualifiedName(name) for base in bases_of(source.file, entry) for name in base}
+    renamed = renamed_blocks(source.source, source.name, known)
+    if not renamed:
+        return source
+    return replace(
+        source,
+        source=with_names(source.source, renamed),
+        original=source.source,
+        renamed={new: old for old, new in renamed.items()},
+    )
+
+
+def bases_of(file: str, entry: ControllerLock | None) -> list[Mapping[str, WrittenBlock]]:
+    """Return what was last written into a source, and what before where a write was cut short."""
+    if entry is None:
+        return [{}]
+    bases: list[Mapping[str, WrittenBlock]] = [entry.blocks.get(file, {})]
+    if entry.previous is not None:
+        bases.append(entry.previous.get(file, {}))
+    return bases
+
+
 def _merge_source(
     source: SourceBlocks, entry: ControllerLock | None, policy: MergePolicy
 ) -> _MergedSource:
@@ -152,11 +186,10 @@ def _merge_source(
     edits of a person tell it apart.
     """
     current = {placed.function: placed.block for placed in read_blocks(source.source, source.name)}
-    bases: list[Mapping[str, WrittenBlock]] = [{}]
-    if entry is not None:
-        bases = [entry.blocks.get(source.file, {})]
-        if entry.previous is not None:
-            bases.append(entry.previous.get(source.file, {}))
+    bases = [
+        base_with_names(base, {old: new for new, old in source.renamed.items()})
+        for base in bases_of(source.file, entry)
+    ]
     return min(
         (_merge_with(base, current, source.computed, policy) for base in bases),
         key=lambda merged: len(merged.edits),

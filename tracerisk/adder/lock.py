@@ -90,6 +90,32 @@ def _tool_values(fields: Iterable[tuple[FieldKind, Field[Any] | None]]) -> dict[
     return values
 
 
+def as_written(name: str, written: WrittenBlock) -> RiskBlock:
+    """Return the block that states the tool's values as they were last written."""
+    values = {kind.key: _field(kind, written.values) for kind in _FUNCTION_KEYS.values()}
+    return RiskBlock(
+        name=name,
+        call_sequence=values[CALL_SEQUENCE.key] or Field(1, "1"),
+        next=values[NEXT.key],
+        components=tuple(
+            _component_as_written(each, component) for each, component in written.components.items()
+        ),
+    )
+
+
+def _component_as_written(name: str, written: WrittenComponent) -> ComponentEntry:
+    unstated: Field[Any] = Field(None, "")
+    probability, quantity, redundancy = (
+        _field(kind, written.values) or unstated for kind in COMPONENT_KINDS
+    )
+    return ComponentEntry(name, probability, quantity, redundancy, omitted=written.omitted)
+
+
+def _field(kind: FieldKind, values: Mapping[str, str]) -> Field[Any] | None:
+    text = values.get(kind.key)
+    return None if text is None else Field(kind.read(text), text)
+
+
 @dataclass(frozen=True, slots=True)
 class ControllerLock:
     """What the lock knows of one controller.

@@ -35,6 +35,21 @@ _HEADER = re.compile(rb"[ \t\f]*#[ \t]?\|[ \t]+RiskAnnotation[ \t]*")
 _ANY_BLOCK = re.compile(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component)")
 
 
+class MisplacedBlockError(BlockError):
+    """A block stands at another function than its `name` says: `owners` are what it may tell of."""
+
+    def __init__(
+        self,
+        message: str,
+        location: Location,
+        name: QualifiedName,
+        owners: tuple[QualifiedName, ...],
+    ) -> None:
+        super().__init__(message, location)
+        self.name = name
+        self.owners = owners
+
+
 @dataclass(frozen=True, slots=True)
 class PlacedBlock:
     """A block in a source: the function it tells of and the lines it takes, from 1 on.
@@ -204,10 +219,12 @@ def _placed(source: PythonSource, run: _Run, owners: tuple[_Owner, ...]) -> Iter
         named = [owner for owner in owners if owner.name == normal_name(block.name)]
         if not named:
             names = " or ".join(dict.fromkeys(owner.name for owner in owners))
-            raise BlockError(
+            raise MisplacedBlockError(
                 f"the risk block of `{block.name}` stands at `{names}`; write `name = {names}`, "
                 "or move or delete the block",
                 Location(source.file, start),
+                QualifiedName(normal_name(block.name)),
+                tuple(dict.fromkeys(owner.name for owner in owners)),
             )
         owner = named[0]
         yield PlacedBlock(block, owner.name, owner.line, owner.place, start, after - 1)

@@ -18,14 +18,16 @@ VERBS = {
     "annotate": "write risk blocks into a controller from a trace or a log",
     "build": "build the risk model from the blocks in sources, and from nothing else",
     "solve": "solve a model, or the blocks in sources, exactly",
+    "check": "tell whether blocks can be trusted as they stand, without a simulation",
+    "refresh": "bring blocks up to date, simulating only what is stale",
     "strip": "remove the risk blocks from sources, every other byte kept",
     "robots": "list the robots that are shipped, or show what one of them has",
     "doctor": "tell whether everything that tracerisk needs works here",
 }
 
 _EPILOG = """\
-exit codes: 0 fine; 1 would change, or over --max-risk; 2 usage or bad input; 3 a person's edit
-in the way; 4 the controller failed; 5 a fault of tracerisk; 130 interrupted
+exit codes: 0 fine; 1 would change, stale, or over --max-risk; 2 usage or bad input; 3 a person's
+edit in the way; 4 the controller failed; 5 a fault of tracerisk; 130 interrupted
 """
 
 

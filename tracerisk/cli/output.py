@@ -72,7 +72,7 @@ def terminal_width() -> int:
 
 @contextlib.contextmanager
 def progress_bar(
-    duration_s: float, *, quiet: bool
+    duration_s: float | None = None, *, quiet: bool
 ) -> Iterator[Callable[[str, float], None] | None]:
     """Yield what draws the progress on a terminal, `None` where there is none."""
     if quiet or not sys.stderr.isatty():

@@ -5,6 +5,7 @@ This is the public Python API; `tracerisk` re-exports it.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -20,6 +21,7 @@ from tracerisk.adder.merge import MergePolicy
 from tracerisk.adder.model_names import model_names
 from tracerisk.adder.published import is_c_like, read_c_blocks, read_plain_blocks
 from tracerisk.adder.read import read_blocks
+from tracerisk.adder.renames import renamed_blocks
 from tracerisk.config import Settings, read_settings
 from tracerisk.errors import HardwareError, InputError, Location
 from tracerisk.hardware.model import Hardware
@@ -52,6 +54,8 @@ class Annotated:
     change: Changed | None
     lock_path: Path
     computed: ComputedBlocks
+    trace: Trace
+    fingerprint: str
 
     @property
     def source(self) -> bytes:
@@ -72,10 +76,18 @@ class Annotated:
         from tracerisk.adder.write import write_all
         from tracerisk.pipeline.one_writer import one_writer
 
+        self._keep_trace()
         if self.change is None:
             return
         with one_writer(self.lock_path.parent):
             write_all(self._as_things_stand(self.change).writes(self.lock_path))
+
+    def _keep_trace(self) -> None:
+        """Keep the trace for a refresh; a folder that cannot be written costs that a run."""
+        from tracerisk.pipeline.trace_cache import TraceCache
+
+        with contextlib.suppress(OSError, InputError):
+            TraceCache(self.controller.root).write(self.fingerprint, self.trace)
 
     def _as_things_stand(self, change: Changed) -> Changed:
         """Put the change on top of what the lock and the source hold by now."""
@@ -139,12 +151,13 @@ def check_blocks(controller: Controller) -> None:
 
     Raises BlockError, SourceError or InputError at what is malformed.
     """
-    read_blocks(controller.source, str(controller.path))
     lock = read_lock(controller.root / LOCK_NAME)
     entry = lock.controllers.get(lock_key(controller.path, controller.root))
-    for file in sorted(entry.blocks if entry is not None else ()):
-        if file != controller.file and controller.path_of(file).is_file():
-            read_blocks(controller.source_of(file), str(controller.path_of(file)))
+    written = {} if entry is None else dict(entry.blocks)
+    for file in (controller.file, *sorted(set(written) - {controller.file})):
+        if file == controller.file or controller.path_of(file).is_file():
+            known = {QualifiedName(name) for name in written.get(file, ())}
+            renamed_blocks(controller.source_of(file), str(controller.path_of(file)), known)
 
 
 def trace_controller(
@@ -209,7 +222,10 @@ def annotate(
         raise outcome.error()
     change = outcome if isinstance(outcome, Changed) else None
     after = {each.file: each.after for each in change.sources} if change is not None else {}
-    return Annotated(controller, {**before, **after}, before, change, lock_path, computed)
+    sources = {**before, **after}
+    return Annotated(
+        controller, sources, before, change, lock_path, computed, trace, inputs.fingerprint
+    )
 
 
 def _annotated_files(controller: Controller, trace: Trace, lock: Lock) -> tuple[str, ...]:

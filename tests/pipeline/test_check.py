@@ -1,0 +1,262 @@
+"""Freshness: what `check` tells without a run, and what `refresh` does about it."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+
+import pytest
+
+HEAD = """\
+import moveit_commander, rospy
+from helper import REACH
+
+rospy.init_node("quick")
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+arm.set_max_velocity_scaling_factor(1.0)
+
+
+def reach():
+    arm.go([REACH, -0.785, 0, -2.356, 0, 1.571, 0.785], wait=True)
+
+
+def home():
+    arm.go([0, -0.785, 0, -2.356, 0, 1.571, 0.785], wait=True)
+
+
+reach()
+home()
+"""
+SETTINGS = "[tool.tracerisk]\nseed = 0\n"
+
+
+@pytest.fixture(scope="module")
+def run_once(tmp_path_factory, example_in):
+    """The files of a controller that was run once."""
+    example = example_in(tmp_path_factory.mktemp("run"))
+    example.write("pyproject.toml", SETTINGS)
+    example.write("helper.py", "REACH = 0.2\n")
+    example.write("c.py", HEAD)
+    outcome = example.run("run", "c.py")
+    assert outcome.code == 0, outcome.err
+    names = ("pyproject.toml", "helper.py", "c.py", "tracerisk.lock")
+    cache = {
+        path.name: path.read_bytes() for path in (example.folder / ".tracerisk_cache").iterdir()
+    }
+    return {name: example.read(name) for name in names}, cache
+
+
+@pytest.fixture
+def project(run_once, example):
+    files, cache = run_once
+    for name, data in files.items():
+        (example.folder / name).write_bytes(data)
+    (example.folder / ".tracerisk_cache").mkdir()
+    for name, data in cache.items():
+        (example.folder / ".tracerisk_cache" / name).write_bytes(data)
+    return example
+
+
+def change(project, name: str, before: str, after: str) -> None:
+    data = project.read(name).decode()
+    assert before in data
+    (project.folder / name).write_text(data.replace(before, after, 1))
+
+
+def check(project, *files: str) -> tuple[int, list[tuple[str, str, int | None]], str]:
+    outcome = project.run("check", *files, "--json")
+    found = json.loads(outcome.out)
+    kinds = [(each["kind"], each["file"], each["line"]) for each in found["findings"]]
+    return outcome.code, kinds, " ".join(each["message"] for each in found["findings"])
+
+
+def line_of(project, text: str) -> int:
+    return project.read("c.py").decode().splitlines().index(text) + 1
+
+
+def test_what_was_just_run_is_fresh(project):
+    assert check(project)[:2] == (0, [])
+    assert check(project, "c.py")[:2] == (0, [])
+
+
+def test_comments_and_blank_lines_make_nothing_stale(project):
+    change(project, "c.py", "rospy.init_node", "# The node.\n\nrospy.init_node")
+    change(project, "helper.py", "REACH", "# How far.\nREACH")
+    assert check(project)[:2] == (0, [])
+    outcome = project.run("run", "c.py", "--check", "-q")
+    assert outcome.code == 0
+
+
+@pytest.mark.parametrize(
+    ("file", "before", "after", "told"),
+    [
+        ("c.py", "factor(1.0)", "factor(0.5)", "c.py has changed since the last run"),
+        ("helper.py", "0.2", "0.3", "helper.py has changed since the last run"),
+        ("pyproject.toml", "seed = 0", "seed = 1", "setting seed was the default, is 1"),
+        ("tracerisk.lock", '"tracerisk": "', '"tracerisk": "0.', "version of tracerisk was 0."),
+    ],
+)
+def test_what_a_run_depends_on_makes_it_stale(project, file, before, after, told):
+    change(project, file, before, after)
+    code, kinds, message = check(project)
+    assert (code, kinds) == (1, [("stale", "c.py", 1)])
+    assert told in message
+
+
+def test_a_file_that_a_controller_imports_leads_to_the_controller(project):
+    change(project, "helper.py", "0.2", "0.3")
+    assert check(project, "helper.py")[1] == [("stale", "c.py", 1)]
+    project.write("unrelated.py", "x = 1\n")
+    assert check(project, "unrelated.py")[:2] == (0, [])
+    (project.folder / "helper.py").unlink()
+    assert "helper.py is gone" in check(project)[2]
+
+
+def test_an_edit_without_a_pin_is_told_with_its_field_and_a_pinned_one_passes(project):
+    text = project.read("c.py").decode()
+    value = re.search(r"probability = (\S+)", text)[1]
+    change(project, "c.py", f"probability = {value}", "probability = 2e-07")
+    code, kinds, message = check(project)
+    assert (code, kinds) == (
+        3,
+        [("edited", "c.py", line_of(project, "    # |   probability = 2e-07"))],
+    )
+    assert f"is 2e-07, was written as {value}" in message
+    change(project, "c.py", "probability = 2e-07", "probability := 2e-07  ! ; FMEA-112")
+    assert check(project)[:2] == (0, [])
+
+
+def test_a_reason_may_be_demanded_and_a_threshold_set(project):
+    text = project.read("c.py").decode()
+    value = re.search(r"probability = (\S+)", text)[1]
+    change(project, "c.py", f"probability = {value}", "probability := 0.5")
+    change(project, "pyproject.toml", "seed = 0", "require_reason = true\nmax_risk = 0.1")
+    code, kinds, message = check(project)
+    assert (code, [kind for kind, _, _ in kinds]) == (1, ["unjustified"])
+    assert "is set by hand without a reason" in message
+    change(project, "c.py", "probability := 0.5", "probability := 0.5  ! ; FMEA-112")
+    code, kinds, message = check(project)
+    assert (code, [kind for kind, _, _ in kinds]) == (1, ["over_threshold"])
+    assert "above the max_risk of 0.1" in message
+
+
+def test_a_block_that_is_gone_is_missing_and_comes_back(project):
+    text = project.read("c.py").decode()
+    block = re.search(r"(?:    # \|.*\n)+", text)[0]
+    change(project, "c.py", block, "")
+    code, kinds, _ = check(project)
+    assert (code, kinds) == (1, [("missing", "c.py", line_of(project, "def reach():"))])
+    outcome = project.run("refresh")
+    assert outcome.code == 0, outcome.err
+    assert "values made anew of the kept trace" in outcome.err
+    assert project.read("c.py").decode() == text
+
+
+def test_a_renamed_function_keeps_its_block_and_the_pins_in_it(project):
+    text = project.read("c.py").decode()
+    value = re.search(r"probability = (\S+)", text)[1]
+    change(project, "c.py", f"probability = {value}", "probability := 2e-07  ! ; FMEA-112")
+    change(project, "c.py", "def reach():", "def stretch():")
+    change(project, "c.py", "\nreach()\n", "\nstretch()\n")
+    code, kinds, message = check(project)
+    assert code == 1
+    assert {kind for kind, _, _ in kinds} == {"stale", "orphaned"}
+    assert "the function of the block `reach` is called `stretch` now" in message
+    outcome = project.run("refresh")
+    assert outcome.code == 0, outcome.err
+    after = project.read("c.py").decode()
+    assert "name = stretch" in after
+    assert "name = reach" not in after
+    assert f"probability := 2e-07  ! computed {value}; FMEA-112" in after
+    assert check(project)[:2] == (0, [])
+    assert project.run("refresh").err.startswith("c.py: unchanged")
+
+
+def test_other_hardware_data_change_values_without_a_run(project):
+    shipped = "components:\n  motor: {quantity: 7, probability: {value: 1e-7, per: minute}, twin: {joints: '*'}}\n"
+    project.write("arm.yaml", shipped)
+    assert project.run("run", "c.py", "--hardware", "arm.yaml", "-q", "--discard-edits").code == 0
+    assert check(project)[:2] == (0, [])
+    change(project, "arm.yaml", "1e-7", "1e-6")
+    code, kinds, message = check(project)
+    assert (code, kinds) == (1, [("stale", "c.py", 1)])
+    assert "arm.yaml has changed" in message
+    outcome = project.run("refresh")
+    assert outcome.code == 0, outcome.err
+    assert "values made anew of the kept trace" in outcome.err
+    assert check(project)[:2] == (0, [])
+
+
+def test_a_refresh_uses_the_options_of_the_last_run_again(project):
+    assert project.run("run", "c.py", "--seed", "7", "-q").code == 0
+    change(project, "helper.py", "0.2", "0.25")
+    assert project.run("refresh", "-q").code == 0
+    assert json.loads(project.read("tracerisk.lock"))["controllers"]["c.py"]["inputs"]["given"] == {
+        "seed": 7
+    }
+    assert check(project)[:2] == (0, [])
+
+
+def test_a_second_refresh_does_nothing_and_one_without_a_kept_trace_runs(project):
+    change(project, "c.py", "factor(1.0)", "factor(0.5)")
+    first = project.run("refresh")
+    assert "c.py: changed (c.py has changed)" in first.err
+    before = project.read("c.py"), project.read("tracerisk.lock")
+    assert (
+        project.run("refresh").err == "c.py: unchanged (nothing that it depends on has changed)\n"
+    )
+    for path in (project.folder / ".tracerisk_cache").glob("*.json"):
+        path.unlink()
+    assert "its trace is not kept here" in project.run("refresh", "--fresh").err
+    assert (project.read("c.py"), project.read("tracerisk.lock")) == before
+
+
+def test_a_hand_edit_stops_a_refresh_until_it_is_accepted(project):
+    value = re.search(r"probability = (\S+)", project.read("c.py").decode())[1]
+    change(project, "c.py", f"probability = {value}", "probability = 2e-07")
+    before = project.read("c.py")
+    outcome = project.run("refresh")
+    assert outcome.code == 3
+    assert project.read("c.py") == before
+    assert project.run("refresh", "--accept-edits").code == 0
+    assert f"probability := 2e-07  ! computed {value}".encode() in project.read("c.py")
+
+
+def test_check_tells_what_would_be_refreshed_and_writes_nothing(project):
+    change(project, "c.py", "factor(1.0)", "factor(0.5)")
+    before = project.read("c.py"), project.read("tracerisk.lock")
+    assert project.run("refresh", "--check", "-q").code == 1
+    assert (project.read("c.py"), project.read("tracerisk.lock")) == before
+
+
+def test_blocks_that_the_lock_does_not_know_are_unknown(project):
+    (project.folder / "tracerisk.lock").unlink()
+    assert check(project, "c.py")[:2] == (1, [("unknown", "c.py", 1)])
+    outcome = project.run("check")
+    assert outcome.code == 2
+    assert "no tracerisk.lock in this folder knows a controller" in outcome.err
+
+
+def test_a_malformed_block_is_an_error_beside_what_is_found_of_others(project):
+    project.write("d.py", "def f():\n    # | RiskAnnotation\n    # | @Function {\n    pass\n")
+    outcome = project.run("check", "c.py", "d.py")
+    assert outcome.code == 2
+    assert "d.py:3: the `@Function {` of this line has no `}`" in outcome.out
+    assert "2 controllers checked, 1 to mend" in outcome.err
+
+
+def test_no_simulator_is_imported(project):
+    script = (
+        "import sys\nfrom tracerisk.cli import main\nassert main(['check', 'c.py']) == 0\n"
+        "print(sorted({'mujoco', 'libcst', 'numpy', 'dm_control'} & set(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        cwd=project.folder,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout == "[]\n"

@@ -1,0 +1,93 @@
+"""Follow functions that were renamed since their blocks were written.
+
+A block stands in its function's body, so it moves with it; only the names in it stay behind. The
+lock knows the name under which a block was written: where no function has it any more, and the
+function that holds the block has another, that one was renamed.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+
+from tracerisk.adder.definitions import definitions, parse_python
+from tracerisk.adder.lock import WrittenBlock
+from tracerisk.adder.read import MisplacedBlockError, read_blocks
+from tracerisk.adder.values import NEXT
+from tracerisk.trace import QualifiedName
+
+_NAME = re.compile(rb"([ \t\f]*#[ \t]?\|[ \t]+name = )(\S+)([ \t\r\n]*)")
+_NEXT = re.compile(rb"([ \t\f]*#[ \t]?\|[ \t]+next :?= )(\S+)([ \t].*)", re.DOTALL)
+
+
+def renamed_blocks(
+    source: bytes, file: str, known: Collection[QualifiedName]
+) -> dict[QualifiedName, QualifiedName]:
+    """Return the new name of each function whose block still has its old one.
+
+    `known` are the names under which blocks of this file were written.
+
+    Raises:
+        BlockError, SourceError: as `read_blocks`; a block that merely stands under another
+            function than it says is such an error, and no renaming.
+    """
+    found: dict[QualifiedName, QualifiedName] = {}
+    while True:
+        try:
+            blocks = read_blocks(with_names(source, found), file)
+        except MisplacedBlockError as error:
+            new = _new_name(source, file, error, known)
+            if new is None or error.name in found or new in found.values():
+                raise
+            found[error.name] = new
+        else:
+            # Two blocks of one name would have been an error by now.
+            assert len({block.function for block in blocks}) == len(blocks)
+            return found
+
+
+def _new_name(
+    source: bytes, file: str, error: MisplacedBlockError, known: Collection[QualifiedName]
+) -> QualifiedName | None:
+    defined = {each.name for each in definitions(parse_python(source, file).tree)}
+    if error.name not in known or error.name in defined or len(error.owners) != 1:
+        return None
+    return error.owners[0]
+
+
+def with_names(source: bytes, renamed: Mapping[QualifiedName, QualifiedName]) -> bytes:
+    """Return the source with new names in its blocks, in `name` and in `next` lines."""
+    if not renamed:
+        return source
+    names = {old.encode(): new.encode() for old, new in renamed.items()}
+    lines = []
+    for line in source.splitlines(keepends=True):
+        found = _NAME.fullmatch(line) or _NEXT.fullmatch(line)
+        if found is not None and found[2] in names:
+            line = found[1] + names[found[2]] + found[3]
+        lines.append(line)
+    return b"".join(lines)
+
+
+def base_with_names(
+    base: Mapping[str, WrittenBlock], renamed: Mapping[QualifiedName, QualifiedName]
+) -> Mapping[str, WrittenBlock]:
+    """Return what was last written as it would have been under the new names."""
+    if not renamed:
+        return base
+    return {
+        str(renamed.get(QualifiedName(name), name)): replace(
+            block, values={key: _value(key, text, renamed) for key, text in block.values.items()}
+        )
+        for name, block in base.items()
+    }
+
+
+def _value(key: str, text: str, renamed: Mapping[QualifiedName, QualifiedName]) -> str:
+    if key != NEXT.key:
+        return text
+    steps = (step.rpartition(" ") for step in text.split(", "))
+    return ", ".join(
+        f"{renamed.get(QualifiedName(target), target)} {share}" for target, _, share in steps
+    )

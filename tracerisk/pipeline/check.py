@@ -1,0 +1,344 @@
+"""Whether the blocks of controllers can be trusted as they stand, told without a simulation."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import lru_cache
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Literal
+
+from tracerisk.adder.annotate import bases_of
+from tracerisk.adder.block import RiskBlock
+from tracerisk.adder.definitions import definitions, parse_python
+from tracerisk.adder.lock import (
+    LOCK_NAME,
+    ControllerLock,
+    Lock,
+    WrittenBlock,
+    as_written,
+    lock_key,
+    read_lock,
+)
+from tracerisk.adder.merge import MergePolicy, merge
+from tracerisk.adder.read import PlacedBlock, read_blocks
+from tracerisk.adder.renames import base_with_names, renamed_blocks, with_names
+from tracerisk.adder.values import component_fields
+from tracerisk.config import Settings, controller_root, read_settings
+from tracerisk.errors import ExitCode, InputError, Location, TraceRiskError
+from tracerisk.pipeline.controller import Controller, load_controller
+from tracerisk.pipeline.freshness import RunInputs, stale_reasons, values_reasons
+from tracerisk.trace import QualifiedName
+
+_WORTH_A_PROCESS = 20  # files that take as long to check as a process takes to start
+
+FindingKind = Literal[
+    "stale", "edited", "missing", "orphaned", "over_threshold", "unjustified", "unknown"
+]
+"""Why blocks are not to be trusted: what they depend on has changed; a person changed a value
+that is the tool's; a block is gone; its function is gone or renamed; the mission's failure
+probability is above `max_risk`; a value is set by hand without a reason; the lock knows nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class CheckFinding:
+    """One thing that `check` does not let pass, with its place."""
+
+    kind: FindingKind
+    message: str
+    location: Location
+
+    @property
+    def exit_code(self) -> ExitCode:
+        """What the finding makes of the command's exit code."""
+        return ExitCode.EDIT_IN_THE_WAY if self.kind == "edited" else ExitCode.WOULD_CHANGE
+
+    def __str__(self) -> str:
+        return f"{self.location}: {self.kind.replace('_', ' ')}: {self.message}"
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """A controller, by its path, and what was found; nothing if it may be trusted."""
+
+    path: Path
+    findings: tuple[CheckFinding, ...]
+
+
+def controllers_of(files: Sequence[Path | str]) -> tuple[Path, ...]:
+    """Return the controllers whose blocks or traces depend on any of the files, sorted.
+
+    That are the files themselves where the lock knows them or they have blocks, and the
+    controllers that import them. A file that has to do with no controller adds none.
+    Raises InputError for a file that is not there, or a lock that cannot be read.
+    """
+    found: dict[Path, Path] = {}
+    users_of: dict[Path, Mapping[str, Sequence[str]]] = {}
+    for each in files:
+        path = Path(each)
+        if not path.is_file():
+            raise InputError("there is no such file; name a controller", Location(str(path)))
+        root = controller_root(path)
+        if root not in users_of:
+            users_of[root] = _users(_lock_of(root))
+        key = lock_key(path, root)
+        users = users_of[root].get(key, ())
+        for name in users:
+            controller = path if name == key else _shown(root / name, path)
+            if controller.is_file():
+                found.setdefault(controller.resolve(), controller)
+        if not users and path.suffix == ".py" and b"RiskAnnotation" in path.read_bytes():
+            found.setdefault(path.resolve(), path)
+    return tuple(found[each] for each in sorted(found))
+
+
+def controllers_in(root: Path) -> tuple[Path, ...]:
+    """Return every controller that the lock in a folder knows and that is there, sorted."""
+    keys = sorted(_lock_of(root).controllers)
+    return tuple(root / key for key in keys if (root / key).is_file())
+
+
+def _users(lock: Lock) -> dict[str, list[str]]:
+    """Return, for each file, the controllers that it is, or that depend on it."""
+    users: dict[str, list[str]] = {}
+    for name, entry in lock.controllers.items():
+        inputs = RunInputs.from_data(entry.inputs)
+        for file in {name, *entry.blocks, *inputs.sources, *inputs.files}:
+            users.setdefault(file, []).append(name)
+    return users
+
+
+def _lock_of(root: Path) -> Lock:
+    path = root / LOCK_NAME
+    try:
+        status = path.stat()
+    except FileNotFoundError:
+        return Lock()
+    return _read_once(path, status.st_mtime_ns, status.st_size)
+
+
+@lru_cache(maxsize=8)
+def _read_once(path: Path, mtime_ns: int, size: int) -> Lock:  # noqa: ARG001 - they tell versions
+    return read_lock(path)
+
+
+def _shown(path: Path, like: Path) -> Path:
+    return path if like.is_absolute() else Path(os.path.relpath(path))
+
+
+def check_controller(path: Path | str) -> Checked:
+    """Return what keeps the blocks of the controller at `path` from being trusted.
+
+    Raises BlockError, SourceError or InputError where a block, a source or the lock is malformed.
+    """
+    controller = load_controller(path)
+    lock = _lock_of(controller.root)
+    entry = lock.controllers.get(lock_key(controller.path, controller.root))
+    if entry is None:
+        place = Location(str(controller.path), 1)
+        blocks = read_blocks(controller.source, str(controller.path))
+        what = f"{LOCK_NAME} knows nothing of its {len(blocks)} risk blocks"
+        message = f"{what}; `tracerisk run {controller.path}`"
+        return Checked(controller.path, (CheckFinding("unknown", message, place),))
+    recorded = RunInputs.from_data(entry.inputs)
+    settings = read_settings(controller.root, controller.file)
+    effective = settings.with_options(given_options(recorded, controller))
+    sources = _sources(controller, entry)
+    findings = [
+        *_stale(controller, recorded, effective),
+        *_of_blocks(controller, entry, sources),
+        *_unjustified(settings, sources),
+    ]
+    if settings.max_risk is not None and not findings:
+        findings += _over_threshold(controller, sources, settings.max_risk)
+    return Checked(controller.path, tuple(sorted(findings, key=_order)))
+
+
+def check_controllers(
+    paths: Sequence[Path], *, jobs: int | None = None
+) -> tuple[Checked | TraceRiskError, ...]:
+    """Return for each controller what `check_controller` returns or raises, in their order.
+
+    Many are shared out among as many processes as there are cores, or `jobs`.
+    """
+    count = min(jobs or os.cpu_count() or 1, len(paths) // _WORTH_A_PROCESS)
+    if count < 2:
+        return tuple(map(_checked, paths))
+    with ProcessPoolExecutor(count, mp_context=get_context("fork")) as pool:
+        return tuple(pool.map(_checked, paths, chunksize=_WORTH_A_PROCESS // 2))
+
+
+def _checked(path: Path) -> Checked | TraceRiskError:
+    try:
+        return check_controller(path)
+    except TraceRiskError as error:
+        return error
+
+
+def given_options(recorded: RunInputs, controller: Controller) -> dict[str, object]:
+    """Return the options with which a controller was last run, for `Settings.with_options`."""
+    root = controller.root.resolve()
+    options: dict[str, object] = {}
+    for name, value in recorded.given.items():
+        if name == "params":
+            options[name] = tuple(str(root / file) for file in value)
+        elif isinstance(value, list):
+            options[name] = tuple(value)
+        elif isinstance(value, str) and Path(value).suffix and name != "active":
+            options[name] = str(root / value)
+        else:
+            options[name] = value
+    return options
+
+
+@dataclass(frozen=True, slots=True)
+class _Source:
+    """A file with blocks: the name it has in messages and the lock, and what it holds."""
+
+    file: str
+    shown: str
+    source: bytes
+    placed: tuple[PlacedBlock, ...]
+    renamed: Mapping[QualifiedName, QualifiedName]
+
+
+def _sources(controller: Controller, entry: ControllerLock) -> list[_Source]:
+    found = []
+    for file in (controller.file, *sorted(set(entry.blocks) - {controller.file})):
+        if file != controller.file and not controller.path_of(file).is_file():
+            continue
+        source, shown = controller.source_of(file), str(controller.path_of(file))
+        known = {QualifiedName(name) for base in bases_of(file, entry) for name in base}
+        renamed = renamed_blocks(source, shown, known)
+        placed = read_blocks(with_names(source, renamed), shown)
+        found.append(_Source(file, shown, source, placed, renamed))
+    return found
+
+
+def _stale(
+    controller: Controller, recorded: RunInputs, settings: Settings
+) -> Iterable[CheckFinding]:
+    reasons = (
+        *stale_reasons(recorded, controller, settings),
+        *values_reasons(recorded, settings),
+    )
+    place = Location(str(controller.path), 1)
+    if reasons:
+        yield CheckFinding("stale", f"{'; '.join(reasons)} since the last run", place)
+
+
+def _of_blocks(
+    controller: Controller, entry: ControllerLock, sources: Sequence[_Source]
+) -> Iterable[CheckFinding]:
+    for each in sources:
+        for old, new in each.renamed.items():
+            line = next(b.first_line for b in each.placed if b.function == new)
+            yield CheckFinding(
+                "orphaned",
+                f"the function of the block `{old}` is called `{new}` now",
+                Location(each.shown, line),
+            )
+        current = {block.function: block for block in each.placed}
+        candidates = [
+            list(_edits(base, each, current)) for base in bases_of(each.file, entry) or [{}]
+        ]
+        yield from min(candidates, key=len)
+        yield from _missing(entry, each, current)
+    gone = set(entry.blocks) - {each.file for each in sources}
+    for file in sorted(file for file in gone if entry.blocks[file]):
+        shown = str(controller.path_of(file))
+        names = ", ".join(sorted(entry.blocks[file]))
+        yield CheckFinding(
+            "missing", f"the file is gone, and with it the blocks of {names}", Location(shown)
+        )
+
+
+def _edits(
+    base: Mapping[str, WrittenBlock],
+    source: _Source,
+    current: Mapping[QualifiedName, PlacedBlock],
+) -> Iterable[CheckFinding]:
+    base = base_with_names(base, source.renamed)
+    for name, placed in current.items():
+        written = base.get(name)
+        computed = None if written is None else as_written(name, written)
+        outcome = merge(written, placed.block, computed, policy=MergePolicy())
+        for edit in outcome.edits:
+            place = edit.location or Location(source.shown, placed.first_line)
+            what = (
+                f"{edit.field} is {edit.found}, was written as {edit.written or 'nothing'}"
+                if edit.kind == "changed"
+                else f"{edit.field} was {edit.kind} by hand"
+            )
+            advice = "write `:=` to keep it, or refresh with --accept-edits or --discard-edits"
+            yield CheckFinding("edited", f"{what}; {advice}", place)
+
+
+def _missing(
+    entry: ControllerLock, source: _Source, current: Mapping[QualifiedName, PlacedBlock]
+) -> Iterable[CheckFinding]:
+    written = set(entry.blocks.get(source.file, {})) - set(source.renamed)
+    lost = sorted(written - set(current))
+    if not lost:
+        return
+    tree = parse_python(source.source, source.shown).tree
+    lines = {each.name: each.line for each in definitions(tree)}
+    for name in lost:
+        if name in lines or name == "<module>":
+            place = Location(source.shown, lines.get(QualifiedName(name), 1))
+            yield CheckFinding("missing", f"the risk block of {name} is gone", place)
+
+
+def _unjustified(settings: Settings, sources: Sequence[_Source]) -> Iterable[CheckFinding]:
+    if not settings.require_reason:
+        return
+    for each in sources:
+        for placed in each.placed:
+            for path, place in _without_reason(placed.block):
+                message = f"{path} is set by hand without a reason; write `; why` behind it"
+                yield CheckFinding("unjustified", message, place or Location(each.shown))
+
+
+def _without_reason(block: RiskBlock) -> Iterable[tuple[str, Location | None]]:
+    if block.added and block.reason is None:
+        yield block.name, block.location
+    for key, value in (("callSequence", block.call_sequence), ("next", block.next)):
+        if value is not None and value.pinned and value.reason is None:
+            yield f"{block.name}.{key}", value.location
+    for component in block.components:
+        path = f"{block.name}.{component.name}"
+        if (component.added or component.omitted) and component.reason is None:
+            yield path, component.location
+        for kind, value in component_fields(component):
+            if value.pinned and value.reason is None:
+                yield f"{path}.{kind.key}", value.location
+
+
+def _over_threshold(
+    controller: Controller, sources: Sequence[_Source], max_risk: float
+) -> Iterable[CheckFinding]:
+    from tracerisk.pipeline.stages import build, solve
+
+    held = {each.shown: each.source for each in sources if each.placed}
+    if not held:
+        return
+    mission = solve(build(held, name=controller.path.name)).mission
+    if mission.failure_probability > max_risk:
+        yield CheckFinding(
+            "over_threshold",
+            f"the mission fails with probability {mission.failure_probability:.4g}, above the "
+            f"max_risk of {max_risk:g}",
+            Location(str(controller.path), 1),
+        )
+
+
+def _order(finding: CheckFinding) -> tuple[str, int, str, str]:
+    return (
+        finding.location.file,
+        finding.location.line or 0,
+        finding.kind,
+        finding.message,
+    )

@@ -1,0 +1,101 @@
+"""Bring a controller's blocks up to date, simulating only where its trace is stale."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from tracerisk.adder.lock import LOCK_NAME, lock_key, read_lock
+from tracerisk.adder.merge import MergePolicy
+from tracerisk.config import read_settings
+from tracerisk.errors import ControllerFailedError, Location
+from tracerisk.pipeline.check import check_controller, given_options
+from tracerisk.pipeline.controller import load_controller
+from tracerisk.pipeline.freshness import RunInputs, stale_reasons
+from tracerisk.pipeline.stages import (
+    Annotated,
+    annotate,
+    check_blocks,
+    load_hardware,
+    trace_controller,
+)
+from tracerisk.pipeline.trace_cache import TraceCache
+from tracerisk.trace import Trace
+
+# What a refresh mends; the rest is for a person to mend.
+_MENDED = frozenset({"stale", "edited", "missing", "orphaned", "unknown"})
+
+How = Literal["fresh", "recomputed", "simulated"]
+"""Nothing was to do; values were made anew of a kept trace; the controller was run."""
+
+
+@dataclass(frozen=True, slots=True)
+class Refreshed:
+    """What a refresh came to: how, why, and what there is to write; nothing is written yet."""
+
+    how: How
+    reason: str
+    annotated: Annotated | None = None
+
+    @property
+    def is_changed(self) -> bool:
+        """Whether there is something to write."""
+        return self.annotated is not None and self.annotated.is_changed
+
+
+def refresh_controller(
+    path: Path | str,
+    *,
+    policy: MergePolicy | None = None,
+    progress: Callable[[str, float], None] | None = None,
+) -> Refreshed:
+    """Return what brings the blocks of a controller up to date.
+
+    It is run as it was run last, with the options of then, where its trace is stale or not kept.
+    Raises EditInTheWayError where a person edited a computed value and the policy says to stop,
+    ControllerFailedError where the run fails, and what `run` raises else.
+    """
+    controller = load_controller(path)
+    check_blocks(controller)
+    lock = read_lock(controller.root / LOCK_NAME)
+    entry = lock.controllers.get(lock_key(controller.path, controller.root))
+    recorded = RunInputs.from_data(entry.inputs) if entry is not None else RunInputs()
+    settings = read_settings(controller.root, controller.file)
+    given = given_options(recorded, controller)
+    settings = settings.with_options(given)
+    cache = TraceCache(controller.root)
+    trace: Trace | None = None
+    reasons: tuple[str, ...] = ("it was never run",)
+    if entry is not None:
+        wants_fresh = policy is not None and policy.fresh
+        is_settled = entry.previous is None and not wants_fresh
+        found = {finding.kind for finding in check_controller(controller.path).findings}
+        if is_settled and not found & _MENDED:
+            return Refreshed("fresh", "nothing that it depends on has changed")
+        reasons = stale_reasons(recorded, controller, settings)
+        if not reasons:
+            trace = cache.read(recorded.fingerprint, controller.file)
+            reasons = () if trace is not None else ("its trace is not kept here",)
+    how: How = "recomputed" if trace is not None else "simulated"
+    if trace is None:
+        trace = trace_controller(controller, settings, progress=progress)
+        _check_end(trace, str(controller.path))
+    annotated = annotate(
+        controller,
+        trace,
+        load_hardware(settings, trace.robot),
+        settings,
+        policy=policy,
+        given=given,
+    )
+    return Refreshed(how, "; ".join(reasons) or "values made anew of the kept trace", annotated)
+
+
+def _check_end(trace: Trace, path: str) -> None:
+    place = trace.end.location or Location(path, 1)
+    if not trace.end.is_good:
+        raise ControllerFailedError(trace.end.message, place)
+    if not trace.functions:
+        raise ControllerFailedError(f"{trace.end.message}, and it commanded no hardware", place)
