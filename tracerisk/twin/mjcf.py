@@ -26,7 +26,7 @@ from tracerisk.twin.robot_assembly import (
     LIGHTEST,
     RobotParts,
     assembled_robot,
-    attachment_of,
+    hanging,
 )
 from tracerisk.twin.shapes import Shape
 from tracerisk.twin.srdf import Srdf
@@ -203,7 +203,7 @@ class _Reader:
 
     def _links(self, tree: Tree, kept: Iterable[int]) -> tuple[tuple[Link, ...], bool]:
         moved = {joint.child for joint in tree.moving}
-        attachments = [attachment_of(joint, {}) for joint in tree.joints]
+        attachments = hanging(tree)
         bodies = {self._bodies[index]: index for index in kept}
         assumed = False
         links = []

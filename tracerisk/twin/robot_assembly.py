@@ -128,6 +128,14 @@ def attachment_of(joint: UrdfJoint, moving: Mapping[str, Joint]) -> Attachment:
     return Attachment(joint.name, kind, joint.parent, joint.child, joint.xyz, joint.rpy, joint.axis)
 
 
+def hanging(tree: Tree) -> list[Attachment]:
+    """Return how each link of a tree hangs on its parent, by the joint that the file gives it."""
+    return [
+        replace(attachment_of(joint, {}), type=joint.type if joint.moves else "fixed")
+        for joint in tree.joints
+    ]
+
+
 def _joint(
     each: UrdfJoint, tree: Tree, links: Iterable[Link], servo: Servo | None
 ) -> tuple[Joint, bool]:

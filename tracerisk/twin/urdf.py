@@ -21,7 +21,7 @@ from tracerisk.twin.robot_assembly import (
     LIGHTEST,
     RobotParts,
     assembled_robot,
-    attachment_of,
+    hanging,
 )
 from tracerisk.twin.shapes import Shape
 from tracerisk.twin.srdf import Srdf
@@ -67,7 +67,7 @@ def read_urdf(
 
 
 def _links(root: XmlElement, tree: Tree, mesh_shape: MeshShape) -> _Read:
-    attachments = [attachment_of(joint, {}) for joint in tree.joints]
+    attachments = hanging(tree)
     moved = {joint.child for joint in tree.moving}
     assumed = False
     links = []
