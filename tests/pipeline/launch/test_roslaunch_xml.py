@@ -70,6 +70,17 @@ def test_rosparam_merges_trees_and_reads_angles(read):
     )
 
 
+def test_the_server_holds_lists_of_dictionaries_and_no_long_integers(read):
+    reading = read(
+        "<rosparam>{tools: [{id: 1, at: [0.5]}], none: null, long: 4294967296}</rosparam>"
+    )
+    assert parameters(reading) == {"/tools": [{"id": 1, "at": [0.5]}]}
+    assert dict(reading.left_out) == {
+        "/none": "the parameter server holds no None",
+        "/long": "the parameter server holds no 4294967296",
+    }
+
+
 def test_arguments_conditions_and_expressions(read, monkeypatch):
     monkeypatch.setenv("SIDE", "left")
     reading = read(

@@ -11,8 +11,6 @@ from typing import Any
 from tracerisk.errors import RobotError
 from tracerisk.pipeline.launch.parameter_text import (
     ParameterTextError,
-    flat,
-    is_storable,
     read_text,
     with_angles,
     yaml_value,
@@ -248,13 +246,11 @@ class _Reader:
         return names.canonical(names.join(space, name)) if name else names.canonical(space)
 
     def _set(self, name: str, value: Any) -> None:
-        if isinstance(value, dict):
-            for key, inner in flat(value, f"{name.rstrip('/')}/", "/"):
-                self._set(names.canonical(key), inner)
-        elif not is_storable(value):
-            self.left_out[name] = f"{type(value).__name__} is no type of a parameter"
-        elif type(value) is int and not -_WIRE_LIMIT <= value < _WIRE_LIMIT:
-            self.left_out[name] = f"{value} has more than 32 bits"
+        if isinstance(value, dict) and value:
+            for key, inner in value.items():
+                self._set(names.canonical(f"{name.rstrip('/')}/{key}"), inner)
+        elif not _is_storable(value):
+            self.left_out[name] = f"the parameter server holds no {value!r}"
         else:
             # What is set later stands behind, as it would be sent.
             self.parameters.pop(name, None)
@@ -264,6 +260,17 @@ class _Reader:
         for each in list(self.parameters):
             if each == name or each.startswith(f"{name.rstrip('/')}/"):
                 del self.parameters[each]
+
+
+def _is_storable(value: Any) -> bool:
+    """Tell whether the parameter server holds a value: no `None`, no integer over 32 bits."""
+    if isinstance(value, dict):
+        return all(isinstance(key, str) and _is_storable(each) for key, each in value.items())
+    if isinstance(value, list):
+        return all(_is_storable(each) for each in value)
+    if type(value) is int:
+        return -_WIRE_LIMIT <= value < _WIRE_LIMIT
+    return isinstance(value, bool | float | str)
 
 
 def _words(text: str) -> list[str]:
