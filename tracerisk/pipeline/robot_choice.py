@@ -73,7 +73,8 @@ def choose_robot(
         robot = replace(read.robot, chosen_by="as the settings say")
         return RobotChoice(robot, files=read.files)
     if settings.robot is not None:
-        return RobotChoice(replace(load_robot(settings.robot), chosen_by="as the settings say"))
+        robot = replace(load_robot(settings.robot), chosen_by="as the settings say")
+        return RobotChoice(_equipped(robot, controller))
     strings = (*string_literals(controller), *also_named)
     packages = _own_packages(controller.root)
     roots = (controller.root, *packages.values())
@@ -93,7 +94,17 @@ def choose_robot(
             generic_arm(asked),
             chosen_by="a stand-in for the robot, which is not known: name it with --robot",
         )
-    return RobotChoice(robot, found.skipped)
+    return RobotChoice(_equipped(robot, controller), found.skipped)
+
+
+def _equipped(robot: Robot, controller: Controller) -> Robot:
+    """Return a shipped robot, with an assumed gripper if it has none and the controller does."""
+    from tracerisk.twin.assumed_gripper import commands_gripper, with_assumed_gripper
+    from tracerisk.twin.generic import names_asked
+
+    if robot.grippers or not commands_gripper(controller.source):
+        return robot
+    return with_assumed_gripper(robot, names_asked(controller.source).joints)
 
 
 def read_model(root: Path, name: str) -> ModelFile:

@@ -1,0 +1,115 @@
+"""An arm that is sold without a gripper gets one, assumed, where the controller commands one."""
+
+from __future__ import annotations
+
+import pytest
+
+from tracerisk import pipeline, trace_json
+from tracerisk.config import Settings
+from tracerisk.pipeline.robot_choice import choose_robot
+from tracerisk.trace import Trace
+from tracerisk.twin.assumed_gripper import commands_gripper, with_assumed_gripper
+from tracerisk.twin.robot import load_robot, robot_names
+
+CONTROLLER = """\
+import actionlib
+import rospy
+from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryGoal
+from control_msgs.msg import GripperCommandAction, GripperCommandGoal
+from trajectory_msgs.msg import JointTrajectoryPoint
+
+UR5E = [
+    "shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint",
+    "wrist_1_joint", "wrist_2_joint", "wrist_3_joint",
+]
+
+
+def turn():
+    arm = actionlib.SimpleActionClient(
+        "/scaled_pos_joint_traj_controller/follow_joint_trajectory", FollowJointTrajectoryAction
+    )
+    arm.wait_for_server()
+    goal = FollowJointTrajectoryGoal()
+    goal.trajectory.joint_names = UR5E
+    place = [0.3, -1.57, 0.0, -1.57, 0.0, 0.0]
+    goal.trajectory.points = [
+        JointTrajectoryPoint(positions=place, time_from_start=rospy.Duration(1.0))
+    ]
+    arm.send_goal_and_wait(goal)
+
+
+def grip():
+    hand = actionlib.SimpleActionClient("/gripper_controller/gripper_cmd", GripperCommandAction)
+    hand.wait_for_server()
+    goal = GripperCommandGoal()
+    goal.command.position = 0.0
+    hand.send_goal_and_wait(goal)
+
+
+rospy.init_node("pick")
+turn()
+grip()
+"""
+
+
+@pytest.fixture(scope="module")
+def trace(tmp_path_factory, example_in) -> Trace:
+    example = example_in(tmp_path_factory.mktemp("ur"))
+    example.write("pick.py", CONTROLLER)
+    outcome = example.run("run", "pick.py", "--json", "--trace", "trace.json")
+    assert outcome.code == 0, outcome.err
+    assert "name = gripper" in example.read("pick.py").decode()
+    return trace_json.loads(example.read("trace.json").decode(), "trace.json")
+
+
+def test_the_gripper_moves_and_is_told_to_be_assumed(trace):
+    moved = {
+        visit.function.name: {
+            name for name, each in visit.exposures.items() if each and each.moving_s > 0.0
+        }
+        for visit in trace.visits
+    }
+    assert moved["grip"] == {"gripper"}
+    told = " ".join(trace.assumptions)
+    assert "the gripper that the controller speaks of is assumed, on 'tool0'" in told
+    assert "ur5e are approximate" in told
+
+
+@pytest.mark.parametrize(
+    ("source", "asks"),
+    [
+        (b"from control_msgs.action import GripperCommand", True),
+        (b"NAME = '/robotiq_gripper_controller/gripper_cmd'", True),
+        (b"GROUP = 'gripper'", True),
+        (b"NAME = '/hand/over'", False),
+        (b"SAY = 'the gripper is not here'", False),
+        (b"handler = 'handle'", False),
+        (b"print 'gripper'", False),
+    ],
+)
+def test_a_gripper_is_asked_for_by_its_names_and_not_in_prose(source: bytes, asks: bool):
+    assert commands_gripper(source) == asks
+
+
+def test_a_controller_without_a_gripper_gets_the_arm_as_it_is_sold(tmp_path):
+    (tmp_path / "turn.py").write_text(CONTROLLER.partition("def grip")[0].replace("Gripper", ""))
+    robot = choose_robot(pipeline.load_controller(tmp_path / "turn.py"), Settings()).robot
+    assert robot.name == "ur5e"
+    assert robot.grippers == ()
+    assert not robot.approximate
+
+
+@pytest.mark.parametrize("name", [name for name in robot_names() if not load_robot(name).grippers])
+def test_every_arm_without_one_takes_it_and_its_hardware_counts_it(name: str):
+    from tracerisk.hardware.binding import bind
+    from tracerisk.hardware.shipped import shipped_hardware
+    from tracerisk.twin.builder import compile_model
+
+    robot = with_assumed_gripper(load_robot(name), ["robotiq_85_left_knuckle_joint"])
+    compile_model(robot)
+    assert robot.grippers[0].joints[0] == "robotiq_85_left_knuckle_joint"
+    bound = {each.component.name for each in bind(shipped_hardware(name), robot.elements)}
+    assert "gripper" in bound
+    assert "gripper" not in {
+        each.component.name for each in bind(shipped_hardware(name), load_robot(name).elements)
+    }
