@@ -50,10 +50,10 @@ class TwinInterfaces:
             SceneInterfaces(runtime, messages)
             self._types[MOVE_GROUP] = (moveit.move_group, moveit.on_cancel)
             self._types[EXECUTE_TRAJECTORY] = (moveit.execute_trajectory, moveit.on_cancel)
-        self._types |= serve_vendors(runtime, messages, commands)
+        set_points = SetPoints(runtime, commands)
+        self._types |= serve_vendors(runtime, messages, commands, set_points)
         self._served: set[tuple[str, str]] = set()
         self._actions.watch(self._on_action)
-        SetPoints(runtime, commands)
         if not hasattr(interfaces, "action"):
             ActionTopics(runtime, messages)
         ControllerManager(runtime, messages)

@@ -103,7 +103,7 @@ class SetPoints:
             self._refuse(topic, str(error))
             return
         if len(message.points) == 1 and _asked_s(message.points[0]) <= _SHORT_S:
-            self._set(topic, trajectory.joints, trajectory.position[-1], "joint_trajectory")
+            self.set_point(topic, trajectory.joints, trajectory.position[-1], "joint_trajectory")
             return
         try:
             motion = self._twin.follow(trajectory)
@@ -125,7 +125,7 @@ class SetPoints:
                 f"'{self._twin.robot.name}'",
             )
             return
-        self._set(topic, joints, np.array(values), "joint_group_command")
+        self.set_point(topic, joints, np.array(values), "joint_group_command")
 
     def _take_single(self, topic: str, message: Any) -> None:
         if self._is_no_position(topic):
@@ -135,7 +135,7 @@ class SetPoints:
             names = ", ".join(each.name for each in self._twin.robot.joints)
             self._refuse(topic, f"no joint of the robot is meant; it has {names}")
             return
-        self._set(topic, (joint,), np.array([float(message.data)]), "joint_command")
+        self.set_point(topic, (joint,), np.array([float(message.data)]), "joint_command")
 
     def _is_no_position(self, topic: str) -> bool:
         found = _NO_POSITIONS.search(topic)
@@ -150,8 +150,19 @@ class SetPoints:
             self._commands.stack(),
         )
 
-    def _set(self, topic: str, joints: tuple[str, ...], target: Array, kind: str) -> None:
-        """Bring joints to positions as fast as they may, or along a stream as it comes."""
+    def set_point(
+        self,
+        topic: str,
+        joints: tuple[str, ...],
+        target: Array,
+        kind: str,
+        *,
+        speed: float = 1.0,
+    ) -> None:
+        """Bring joints to positions as fast as they may, or along a stream as it comes.
+
+        `speed` is the fraction of what they may that a single set-point is gone to with.
+        """
         if not np.isfinite(target).all():
             self._refuse(topic, "a position is not finite")
             return
@@ -167,7 +178,7 @@ class SetPoints:
             # The same again: what goes on goes on.
             self._keep(stream, now_ns)
             return
-        trajectory = self._towards(joints, target, stream, now_ns)
+        trajectory = self._towards(joints, target, stream, now_ns, speed)
         if stream is not None and stream.place == place:
             # In the place of the one before, whose end is not the command's.
             stream.command.motion = self._twin.follow(trajectory)
@@ -187,7 +198,12 @@ class SetPoints:
         self._commands.scheduler.call_at(due_ns, lambda: None)
 
     def _towards(
-        self, joints: tuple[str, ...], target: Array, stream: _Stream | None, now_ns: int
+        self,
+        joints: tuple[str, ...],
+        target: Array,
+        stream: _Stream | None,
+        now_ns: int,
+        speed: float,
     ) -> JointTrajectory:
         state = self._twin.joint_state()
         here = dict(zip(state.names, state.position, strict=True))
@@ -200,7 +216,7 @@ class SetPoints:
             if period_s <= DWELL_NS * 1e-9 and (np.abs(rate) <= rated).all():
                 # The next one comes as this one did: pass it at the stream's own speed.
                 return JointTrajectory(joints, np.array([period_s]), target[None, :], rate[None, :])
-        least_s = fastest_s(joints, start, target, self._twin)
+        least_s = fastest_s(joints, start, target, self._twin) / speed
         return JointTrajectory(joints, np.array([least_s]), target[None, :], rest)
 
 

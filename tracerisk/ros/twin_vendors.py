@@ -6,11 +6,13 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from tracerisk.ros.action_graph import ActionGoal
+from tracerisk.ros.twin_baxter import BaxterDriver
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_franka import RECOVERIES, FrankaSettings
 from tracerisk.ros.twin_gazebo import GazeboServices
 from tracerisk.ros.twin_interbotix import InterbotixDriver
 from tracerisk.ros.twin_messages import TwinMessages
+from tracerisk.ros.twin_set_points import SetPoints
 from tracerisk.ros.twin_xarm import XarmDriver
 
 if TYPE_CHECKING:
@@ -20,7 +22,7 @@ Handler = Callable[[ActionGoal], None]
 
 
 def serve_vendors(
-    runtime: Runtime, messages: TwinMessages, commands: TwinCommands
+    runtime: Runtime, messages: TwinMessages, commands: TwinCommands, set_points: SetPoints
 ) -> dict[str, tuple[Handler, Handler]]:
     """Offer each vendor's services and listen to its command topics.
 
@@ -30,5 +32,6 @@ def serve_vendors(
     XarmDriver(runtime, messages, commands)
     if runtime.recorder is not None:
         GazeboServices(runtime, messages, commands)
+    BaxterDriver(runtime, messages, commands, set_points)
     franka = FrankaSettings(runtime, messages, commands)
     return dict.fromkeys(RECOVERIES, (franka.recover, franka.on_cancel))

@@ -17,9 +17,14 @@ _LONGEST_S = 1000.0
 
 
 def at_velocities(
-    twin: Twin, asked: Mapping[str, float], for_s: float | None = None
+    twin: Twin,
+    asked: Mapping[str, float],
+    for_s: float | None = None,
+    start: Mapping[str, float] | None = None,
 ) -> JointTrajectory | None:
     """Return the way of joints at velocities [rad/s], None where they are at rest.
+
+    It begins at `start`, by default where they are.
 
     It ends when the first of them is at its limit, or after `for_s` where that is less: they come
     to rest then, as those of a driver that hears no more commands.
@@ -27,7 +32,7 @@ def at_velocities(
     names = tuple(asked)
     joints = [twin.robot.joint(name) for name in names]
     state = twin.joint_state()
-    at = dict(zip(state.names, state.position, strict=True))
+    at = {**dict(zip(state.names, state.position, strict=True)), **(start or {})}
     here = np.array([at[name] for name in names])
     speed = np.array(
         [
@@ -53,3 +58,29 @@ def at_velocities(
         np.vstack([here + speed * way for way in ways]),
         np.vstack((speed, speed, np.zeros(len(names)))),
     )
+
+
+class VelocityStream:
+    """Velocities that come again and again: each goes on from where the one before has led."""
+
+    def __init__(self, twin: Twin) -> None:
+        self._twin = twin
+        self._last: dict[tuple[str, ...], tuple[int, dict[str, float], dict[str, float]]] = {}
+
+    def next(self, asked: Mapping[str, float], now_ns: int, for_s: float) -> JointTrajectory | None:
+        """Return the way of joints at velocities, which ends after `for_s` without another."""
+        names = tuple(asked)
+        known = self._last.get(names)
+        start: dict[str, float] = {}
+        if known is not None and 0 < now_ns - known[0] <= for_s * 1e9:
+            passed = (now_ns - known[0]) * 1e-9
+            for name in names:
+                joint = self._twin.robot.joint(name)
+                led = known[1][name] + passed * known[2][name]
+                start[name] = min(max(led, joint.lower), joint.upper)
+        else:
+            state = self._twin.joint_state()
+            at = dict(zip(state.names, state.position, strict=True))
+            start = {name: at[name] for name in names}
+        self._last[names] = (now_ns, start, dict(asked))
+        return at_velocities(self._twin, asked, for_s, start)

@@ -14,6 +14,8 @@ from importlib.machinery import PathFinder
 
 VENDOR_LIBRARIES = frozenset(
     {
+        "baxter_dataflow",
+        "baxter_interface",
         "interbotix_common_modules",
         "interbotix_perception_modules",
         "interbotix_xs_modules",

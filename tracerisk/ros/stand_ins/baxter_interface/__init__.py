@@ -1,0 +1,29 @@
+"""Stand-in for baxter_interface: Baxter's limbs, grippers, head and state, over the graph."""
+
+from . import settings
+from .gripper import Gripper
+from .head import Head
+from .limb import Limb
+from .robot_enable import RobotEnable
+from .settings import (
+    CHECK_VERSION,
+    HEAD_PAN_ANGLE_TOLERANCE,
+    JOINT_ANGLE_TOLERANCE,
+    SDK_VERSION,
+    VERSIONS_SDK2GRIPPER,
+    VERSIONS_SDK2ROBOT,
+)
+
+__all__ = [
+    "CHECK_VERSION",
+    "HEAD_PAN_ANGLE_TOLERANCE",
+    "JOINT_ANGLE_TOLERANCE",
+    "SDK_VERSION",
+    "VERSIONS_SDK2GRIPPER",
+    "VERSIONS_SDK2ROBOT",
+    "Gripper",
+    "Head",
+    "Limb",
+    "RobotEnable",
+    "settings",
+]
