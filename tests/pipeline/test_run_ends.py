@@ -201,3 +201,70 @@ def test_a_timer_of_ros_2_that_only_beats_after_the_work_is_idle(example):
     assert outcome.code == 0, outcome.err
     assert outcome.json["trace"]["end"]["cause"] == "idle"
     assert outcome.json["trace"]["end"]["simulated_s"] < 80.0
+
+
+BACKGROUND = """\
+import threading, time
+import rclpy.executors
+executor = rclpy.executors.{kind}
+executor.add_node(node)
+thread = threading.Thread(target=executor.spin, daemon=True)
+thread.start()
+"""
+LEFT_TO_CALLBACKS = {
+    "join": "thread.join()\n",
+    "sleep": "while rclpy.ok():\n    time.sleep(1.0)\n",
+    "rate": "rate = node.create_rate(1)\nwhile rclpy.ok():\n    rate.sleep()\n",
+}
+
+
+@pytest.mark.parametrize(
+    ("how", "kind"),
+    [
+        ("join", "SingleThreadedExecutor()"),
+        pytest.param("join", "MultiThreadedExecutor(2)", marks=pytest.mark.slow),
+        pytest.param("sleep", "MultiThreadedExecutor(2)", marks=pytest.mark.slow),
+        ("rate", "SingleThreadedExecutor()"),
+    ],
+)
+def test_callbacks_that_repeat_in_the_background_end_a_run(example, how, kind):
+    program = ROS2_TIMER.replace("LAST", "1000") + BACKGROUND.format(kind=kind)
+    example.write("c.py", program + LEFT_TO_CALLBACKS[how])
+    outcome = example.run("run", "c.py", "--json")
+    assert outcome.code == 0, outcome.err
+    assert outcome.json["trace"]["end"]["cause"] == "cycles"
+    assert [state["name"] for state in outcome.json["model"]["states"]] == ["there", "back"]
+
+
+def test_timers_that_repeat_beside_a_loop_that_only_sleeps_end_a_run(run):
+    data = run(
+        "def tick(event):\n    there()\n    back()\nrospy.Timer(rospy.Duration(5), tick)\n"
+        "rate = rospy.Rate(10)\nwhile not rospy.is_shutdown():\n    rate.sleep()\n"
+    )
+    assert data["trace"]["end"]["cause"] == "cycles"
+    assert len(data["trace"]["visits"]) == 6
+
+
+def test_a_run_that_waits_for_its_last_motion_when_the_time_is_over_is_no_deadlock(example):
+    motions = (
+        "from control_msgs.action import FollowJointTrajectory\n"
+        "from rclpy.action import ActionClient\n"
+        "arm = ActionClient(node, FollowJointTrajectory, '/panda_arm_controller/follow')\n"
+        "arm.wait_for_server()\n"
+        "shift = 0.0\n"
+        "while rclpy.ok():\n"
+        "    shift += 0.01\n"
+        "    goal = FollowJointTrajectory.Goal()\n"
+        "    goal.trajectory.joint_names = JOINTS\n"
+        "    point = JointTrajectoryPoint(time_from_start=Duration(sec=3))\n"
+        "    point.positions = [shift, *STARTS[0][1:]]\n"
+        "    goal.trajectory.points = [point]\n"
+        "    sent = arm.send_goal_async(goal)\n"
+        "    rclpy.spin_until_future_complete(node, sent)\n"
+        "    result = sent.result().get_result_async()\n"
+        "    rclpy.spin_until_future_complete(node, result)\n"
+    )
+    example.write("c.py", ROS2_TIMER.replace("node.create_timer(2.0, tick)\n", "") + motions)
+    outcome = example.run("trace", "c.py", "--json", "--duration", "8")
+    assert outcome.code == 0, outcome.err
+    assert outcome.json["trace"]["end"]["cause"] == "duration"

@@ -86,7 +86,9 @@ class RunWatch:
     def before_command(self, stack: Sequence[Frame]) -> None:
         """Note that a command is about to be issued, while callbacks may have repeated."""
         root = stack[0]
-        if root.root in (None, "main", "thread") or not self._main_spins():
+        if root.root in (None, "main", "thread"):
+            return
+        if not self._main_spins() and not self._main_leaves_it_to_callbacks():
             return
         now_ns = self._scheduler.now_ns
         loop = self._callbacks
@@ -195,8 +197,20 @@ class RunWatch:
     def _main(self) -> ControllerThread | None:
         return next((each for each in self._scheduler.threads if each.is_main), None)
 
+    def _main_leaves_it_to_callbacks(self) -> bool:
+        """Tell whether the main thread loops without an end, and has never commanded anything."""
+        loop = self._innermost_of_main()
+        if loop is None or loop.thread == get_ident():
+            return False
+        return not loop.past and not loop.current.ways
+
     def _main_spins(self) -> bool:
         main = self._main()
+        # A main thread that waits for the end of the one that spins spins as well.
+        while main is not None and main.wait is not None and main.wait.deadline_ns is None:
+            if not isinstance(main.wait.on, ControllerThread):
+                break
+            main = main.wait.on
         wait = main.wait if main is not None else None
         is_idle = wait is not None and wait.kind == "idle" and wait.deadline_ns is None
         if main is not None and main.spins_since_ns is not None and (wait is None or is_idle):

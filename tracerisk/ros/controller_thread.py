@@ -54,9 +54,10 @@ class HoldsLock(Protocol):
 
 @dataclass(slots=True, eq=False)
 class Wait:
-    """What a thread waits for, and since when (a sequence number)."""
+    """What a thread waits for, and since when (a sequence number, and simulated time [ns])."""
 
     since: int
+    since_ns: int
     predicate: Callable[[], bool] | None
     deadline_ns: int | None
     reason: str

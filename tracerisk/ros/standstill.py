@@ -8,6 +8,9 @@ from tracerisk.ros.controller_frames import controller_stack, library_call
 from tracerisk.ros.controller_thread import ControllerThread, RunOver
 from tracerisk.trace import EndCause
 
+_LONG_NS = 60_000_000_000
+"""For how long a thread must have waited before that is a hang [ns]."""
+
 
 def end_of_standstill(threads: Iterable[ControllerThread], *, listens: bool) -> RunOver:
     """Judge a standstill: no thread can go on, no event is due and nothing moves.
@@ -39,13 +42,14 @@ def end_of_standstill(threads: Iterable[ControllerThread], *, listens: bool) -> 
 def end_of_duration(main: ControllerThread | None, duration_ns: int) -> RunOver:
     """Tell that the simulated time is over, and where the main thread stands.
 
-    A main thread that still waits without a limit for what nothing provided is a deadlock:
-    other threads only hid the standstill.
+    A main thread that has long waited, without a limit, for what nothing provided is a deadlock:
+    other threads only hid the standstill. One that waits for the result of its last goal is none.
     """
     seconds = f"{duration_ns / 1e9:g} s"
     if main is None or main.wait is None:
         return RunOver("duration", f"the {seconds} of simulated time are over")
-    if _kind(main) == "unmet" and main.wait.deadline_ns is None:
+    is_endless = _kind(main) == "unmet" and main.wait.deadline_ns is None
+    if is_endless and duration_ns - main.wait.since_ns >= min(_LONG_NS, 0.9 * duration_ns):
         return _over("deadlock", main, f"{_tell(main)}, which nothing provided within {seconds}")
     return _over("duration", main, f"the {seconds} of simulated time are over: {_tell(main)}")
 

@@ -338,7 +338,8 @@ class Scheduler:
         kind: WaitKind,
         on: HoldsLock | ControllerThread | None,
     ) -> Wait:
-        return Wait(next(self._sequence), predicate, deadline_ns, reason, kind, on)
+        since = next(self._sequence)
+        return Wait(since, self._now_ns, predicate, deadline_ns, reason, kind, on)
 
     def _require_current(self) -> ControllerThread:
         thread = self.current
