@@ -217,6 +217,11 @@ def test_a_launch_file_that_is_named_is_taken(workspace, given):
     ("text", "told"),
     [
         (None, "the launch file cannot be read: No such file or directory"),
+        (
+            '<launch><node pkg="arm_task" exec="pick.py"/></launch>',
+            "is a launch file of ROS 2, but the controller is of ROS 1; name one of ROS 1, or none "
+            "with --no-launch",
+        ),
         ("<robot/>", "is no launch file; allowed: one of XML, YAML or Python, of ROS 1 or ROS 2"),
         (
             NODE1.replace("pick.py", "place.py").format("p", ""),

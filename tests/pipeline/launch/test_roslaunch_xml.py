@@ -157,6 +157,25 @@ def test_a_file_that_includes_itself_comes_to_an_end(read):
     assert any("without end" in each for each in reading.problems)
 
 
+def test_files_that_include_each_other_twice_come_to_an_end_soon(read):
+    inner = '<include file="$(dirname)/arm.launch"/>'
+    reading = read(inner * 2)
+    assert any("more than 500 files" in each for each in reading.problems)
+
+
+def test_parameters_that_refer_to_each_other_do_not_grow_without_bound(read):
+    rows = "".join(f"k{i}: &k{i} [{', '.join([f'*k{i - 1}'] * 10)}]\n" for i in range(1, 9))
+    reading = read('<rosparam file="$(dirname)/bomb.yaml"/>', bomb__yaml=f"k0: &k0 [1]\n{rows}")
+    assert any("holds more than 50000 values" in each for each in reading.problems)
+    reading = read('<rosparam file="$(dirname)/big.yaml"/>', big__yaml="a: 1\n" * 200_000)
+    assert any("has more than 524288 characters" in each for each in reading.problems)
+
+
+def test_what_the_host_has_sourced_decides_nothing(read, monkeypatch):
+    monkeypatch.setenv("ROS_DISTRO", "noetic")
+    assert parameters(read('<param name="d" value="$(optenv ROS_DISTRO none)"/>')) == {"/d": "none"}
+
+
 @pytest.mark.parametrize("text", ["<launch>", "<robot/>", "<!DOCTYPE a><launch/>"])
 def test_what_is_no_launch_file_is_a_problem(tmp_path, text):
     (tmp_path / "bad.launch").write_text(text)

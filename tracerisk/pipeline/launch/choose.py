@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, one_of
@@ -128,7 +128,7 @@ def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
     asked = asked_by(script, controller.source, workspace.python_packages)
     ros = ros_version(script, root)
     if isinstance(settings.launch, str):
-        return _named(Path(settings.launch), program, workspace, asked, root)
+        return _named(Path(settings.launch), ros, program, workspace, asked, root)
     files = find_launch_files(program, root, workspace, ros)
     direct = [file for file in files if file.is_direct][: _MOST_READ[ros]]
     problems: list[str] = []
@@ -150,7 +150,12 @@ def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
 
 
 def _named(
-    path: Path, program: Program, workspace: Workspace, asked: Asked, root: Path
+    path: Path,
+    wanted_ros: Literal[1, 2],
+    program: Program,
+    workspace: Workspace,
+    asked: Asked,
+    root: Path,
 ) -> LaunchChoice:
     """Return what the launch file gives that the user has named."""
     place = Location(str(path))
@@ -161,6 +166,12 @@ def _named(
     if ros is None:
         raise InputError(
             "is no launch file; allowed: one of XML, YAML or Python, of ROS 1 or ROS 2", place
+        )
+    if ros != wanted_ros:
+        raise InputError(
+            f"is a launch file of ROS {ros}, but the controller is of ROS {wanted_ros}; name one "
+            f"of ROS {wanted_ros}, or none with --no-launch",
+            place,
         )
     file = LaunchFile(path.resolve(), ros, True)
     problems: list[str] = []

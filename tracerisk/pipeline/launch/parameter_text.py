@@ -13,6 +13,8 @@ from tracerisk.ros.yaml_text import load_yaml
 
 OF_NODE = "ros__parameters"
 _MOST_BYTES = 4 * 1024 * 1024
+_MOST_YAML = 512 * 1024  # characters; a second or two
+_MOST_VALUES = 50_000  # aliases make many of few
 _EVERY = frozenset({"/**", "/*", "**", "*", ""})
 _ANGLE = re.compile(r"(deg|rad)\(([^()]*)\)")
 
@@ -28,11 +30,29 @@ def yaml_value(text: str) -> Any:
     """
     from ruamel.yaml.error import YAMLError
 
+    if len(text) > _MOST_YAML:
+        raise ParameterTextError(f"has more than {_MOST_YAML} characters")
     try:
-        return load_yaml(text)
+        value = load_yaml(text)
     except (YAMLError, ValueError, RecursionError) as error:
         reason = getattr(error, "problem", None) or str(error).splitlines()[0]
         raise ParameterTextError(f"is not YAML: {reason}") from error
+    _forbid_many(value)
+    return value
+
+
+def _forbid_many(value: Any) -> None:
+    """Raise ParameterTextError where a value holds too many others, or itself."""
+    waiting, count = [value], 0
+    while waiting:
+        each = waiting.pop()
+        count += 1
+        if count > _MOST_VALUES:
+            raise ParameterTextError(f"holds more than {_MOST_VALUES} values")
+        if isinstance(each, dict):
+            waiting += each.values()
+        elif isinstance(each, list):
+            waiting += each
 
 
 def read_text(path: Path) -> str:

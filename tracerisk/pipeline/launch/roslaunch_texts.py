@@ -12,6 +12,8 @@ from typing import Any
 from tracerisk.pipeline.launch.expressions import evaluate
 
 _ONE = re.compile(r"\$\(([^()$]*)\)")
+# What the host has sourced must not decide what a controller is given.
+_OF_ROS = ("ROS_", "CATKIN_", "CMAKE_")
 _TRUE, _FALSE = frozenset({"true", "1"}), frozenset({"false", "0"})
 
 
@@ -69,7 +71,7 @@ class Texts:
 
     def env(self, name: str, default: str | None = None) -> str:
         """Return an environment variable."""
-        value = os.environ.get(name, default)
+        value = default if name.startswith(_OF_ROS) else os.environ.get(name, default)
         if value is None:
             raise RoslaunchError(f"environment variable '{name}' is not set")
         return value

@@ -22,6 +22,7 @@ from tracerisk.twin.xml_reader import XmlElement, read_xml
 
 _DEEPEST = 30
 _MOST_ELEMENTS = 20_000
+_MOST_FILES = 500
 _WIRE_LIMIT = 2**31
 
 
@@ -71,6 +72,7 @@ class _Reader:
         self.problems: list[str] = []
         self._packages = packages
         self._seen = 0
+        self._files = 0
         self._tags: dict[str, Callable[[XmlElement, _Scope], None]] = {
             "arg": self._arg,
             "env": self._env,
@@ -86,6 +88,9 @@ class _Reader:
         """Read a file within a scope."""
         if scope.depth > _DEEPEST:
             raise RoslaunchError("launch files include each other without end")
+        self._files += 1
+        if self._files > _MOST_FILES:
+            raise RoslaunchError(f"more than {_MOST_FILES} files are included")
         if not path.is_file():
             raise RoslaunchError(f"launch file '{path.name}' is not here")
         top = read_xml(read_text(path), path.name)
