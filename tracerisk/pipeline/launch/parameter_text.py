@@ -13,7 +13,7 @@ from tracerisk.ros.yaml_text import load_yaml
 
 OF_NODE = "ros__parameters"
 _MOST_BYTES = 4 * 1024 * 1024
-_MOST_YAML = 512 * 1024  # characters; a second or two
+_MOST_YAML = 256 * 1024  # characters; seconds
 _MOST_VALUES = 50_000  # aliases make many of few
 _EVERY = frozenset({"/**", "/*", "**", "*", ""})
 _ANGLE = re.compile(r"(deg|rad)\(([^()]*)\)")
