@@ -254,6 +254,31 @@ def test_classes_of_libraries_that_are_not_here_can_be_derived_from(described):
     assert dict(node.left_out) == {"side": "launch_pal.arg_utils.TiagoArgs is not here"}
 
 
+def test_names_are_found_where_the_library_has_them(described):
+    reading = described(
+        "pick(name=PathJoinSubstitution(['a']))",
+        before="from launch import LaunchIntrospector, LaunchService\n"
+        "from launch.actions.timer_action import TimerAction\n"
+        "from launch.event_handler import EventHandler\n"
+        "from launch.events.process import ProcessExited\n"
+        "from launch.launch_context import LaunchContext\n"
+        "from launch.launch_description_entity import LaunchDescriptionEntity\n"
+        "from launch.some_substitutions_type import SomeSubstitutionsType\n"
+        "from launch.substitutions.path_join_substitution import PathJoinSubstitution\n"
+        "from launch.utilities import perform_substitutions\n"
+        "from launch_ros.actions.node import Node as RosNode\n"
+        "from launch_ros.events.lifecycle import ChangeState\n"
+        "from launch_ros.event_handlers import OnStateTransition\n"
+        "from launch_ros.descriptions import ComposableNode\n"
+        "from launch_xml.launch_description_sources import XMLLaunchDescriptionSource\n"
+        "import launch, launch_ros\n"
+        "assert launch.actions.TimerAction is TimerAction and RosNode is Node\n"
+        "LaunchService().include_launch_description(LaunchDescription([]))\n",
+    )
+    assert reading.problems == ()
+    assert [node.name for node in reading.nodes] == ["a"]
+
+
 def test_what_is_not_here_leaves_only_itself_out(described):
     (node, other) = described(
         "pick(parameters=[moveit.to_dict(), {'robot_description': Command(['xacro ', 'a.xacro']),"

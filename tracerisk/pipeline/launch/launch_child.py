@@ -27,6 +27,11 @@ CPU_S = 10
 FILE_BYTES = 16 * 1024**2
 _STAND_INS = ("launch", "launch_ros")
 _ALSO = {
+    "launch.event": "launch.events",
+    "launch.event_handler": "launch.event_handlers",
+    "launch.invalid_launch_file_error": "launch.launch_description_sources",
+    "launch.launch_description_entity": "launch.launch_description",
+    "launch.launch_introspector": "launch.launch_service",
     "launch_xml": "launch",
     "launch_yaml": "launch",
     "launch_xml.launch_description_sources": "launch.launch_description_sources",
@@ -112,6 +117,8 @@ def _serve(packages: dict[str, Path], read: list[Path]) -> None:
         for each in pkgutil.walk_packages(package.__path__, f"{home}.{top}."):
             module = importlib.import_module(each.name)
             sys.modules[each.name.removeprefix(f"{home}.")] = module
+            # The library has a package where one module serves it here.
+            vars(module).setdefault("__path__", [])
     for name, served in _ALSO.items():
         sys.modules[name] = sys.modules[served]
     # What is installed here may differ from what is installed where the file is launched.

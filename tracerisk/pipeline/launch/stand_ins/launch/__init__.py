@@ -22,7 +22,10 @@ from tracerisk.pipeline.launch.stand_ins.launch.launch_description import (
 from tracerisk.pipeline.launch.stand_ins.launch.launch_description_source import (
     LaunchDescriptionSource,
 )
-from tracerisk.pipeline.launch.stand_ins.launch.launch_service import LaunchService
+from tracerisk.pipeline.launch.stand_ins.launch.launch_service import (
+    LaunchIntrospector,
+    LaunchService,
+)
 from tracerisk.pipeline.launch.stand_ins.launch.some_substitutions_type import (
     SomeSubstitutionsType,
     SomeSubstitutionsType_types_tuple,
@@ -38,6 +41,7 @@ __all__ = [
     "LaunchDescription",
     "LaunchDescriptionEntity",
     "LaunchDescriptionSource",
+    "LaunchIntrospector",
     "LaunchService",
     "SomeSubstitutionsType",
     "SomeSubstitutionsType_types_tuple",

@@ -6,6 +6,14 @@ from collections.abc import Iterable
 from typing import Any
 
 
+class LaunchIntrospector:
+    """Tells what a description holds."""
+
+    def format_launch_description(self, launch_description: Any) -> str:
+        """Return a line for each entity."""
+        return "\n".join(each.describe() for each in launch_description.entities)
+
+
 class LaunchService:
     """Takes descriptions; to run them is refused."""
 
