@@ -254,7 +254,10 @@ def test_a_controller_that_cannot_be_read_is_bad_input(name, reason, example):
 IMPORTS = {
     "a module": ("import nothere", "No module named 'nothere': put it beside the controller"),
     "a module of a package": ("from nothere.deep import thing", "No module named 'nothere'"),
-    "a ROS package": ("import nav2_msgs", "which is neither in the controller's workspace nor served"),
+    "a ROS package": (
+        "import nav2_msgs",
+        "which is neither in the controller's workspace nor served",
+    ),
     "a name of a ROS package": ("from rospy import nope", "rospy has no 'nope'"),
 }
 

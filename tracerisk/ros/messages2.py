@@ -158,7 +158,9 @@ class Interfaces2:
         else:
             folders = [_ROS1_INTERFACES / package] if package in _UNCHANGED else []
             folders.append(INTERFACES / package)
-        return {path.stem: path for folder in folders for path in (folder / kind).rglob(f"*.{kind}")}
+        return {
+            path.stem: path for folder in folders for path in (folder / kind).rglob(f"*.{kind}")
+        }
 
     def _composite(self, name: str, kind: str, base: type[Any]) -> Any:
         package, short = name.split("/")

@@ -1,6 +1,6 @@
 """Where programs find the classes of services that are public as `rospy.Service`."""
 
-from ..service import (  # noqa: TID252 - a stand-in is loaded under the library's own name
+from ..service import (
     Service,
     ServiceImpl,
     ServiceProxy,
