@@ -171,7 +171,10 @@ class BaxterDriver:
             moving = self._velocities.next(
                 asked, self._scheduler.now_ns, self._timeout_s.get(_side(topic), _TIMEOUT_S)
             )
-            if moving is not None:
+            if not any(asked.values()):
+                self._twin.stop(list(asked))
+                self._commands.poll()
+            elif moving is not None:
                 kind = "joint_velocity_command"
                 self._streams.follow(topic, kind, moving, is_set_point=True)
         else:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
-from tracerisk.errors import InputError
 from tracerisk.ros.message_dialect import set_time
 from tracerisk.ros.virtual_clock import EPOCH_NS
 
@@ -33,11 +33,13 @@ class TwinMessages:
 
     def has_service(self, service: str) -> bool:
         """Tell whether the controller's ROS has the service `package/Name`."""
-        try:
-            self._interfaces.service(service)
-        except InputError:
-            return False
-        return True
+        # By the names alone: a class is made when it is first needed.
+        package, _, name = service.partition("/")
+        return name in self._service_names(package)
+
+    @cache  # noqa: B019 - it lives as long as the run
+    def _service_names(self, package: str) -> tuple[str, ...]:
+        return tuple(self._interfaces.service_names(package))
 
     def stamp(self, header: Any, now_ns: int) -> None:
         """Set a header's time to the present."""

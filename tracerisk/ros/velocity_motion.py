@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 _RISE_S = 0.02
 _LONGEST_S = 1000.0
+_SAME = 0.005  # of the rated velocity: no other command
+_OFTEN_S = 0.05  # the same command is renewed no more often
 
 
 def at_velocities(
@@ -68,9 +70,16 @@ class VelocityStream:
         self._last: dict[tuple[str, ...], tuple[int, dict[str, float], dict[str, float]]] = {}
 
     def next(self, asked: Mapping[str, float], now_ns: int, for_s: float) -> JointTrajectory | None:
-        """Return the way of joints at velocities, which ends after `for_s` without another."""
+        """Return the way of joints at velocities, which ends after `for_s` without another.
+
+        None where they are at rest, or go on as they do.
+        """
         names = tuple(asked)
         known = self._last.get(names)
+        if known is not None and now_ns - known[0] < min(_OFTEN_S, for_s / 4) * 1e9:
+            rated = {name: self._twin.robot.joint(name).velocity_limit for name in names}
+            if all(abs(asked[n] - known[2][n]) < _SAME * rated[n] for n in names):
+                return None
         start: dict[str, float] = {}
         if known is not None and 0 < now_ns - known[0] <= for_s * 1e9:
             passed = (now_ns - known[0]) * 1e-9

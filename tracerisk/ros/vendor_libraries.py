@@ -20,6 +20,8 @@ VENDOR_LIBRARIES = frozenset(
         "interbotix_perception_modules",
         "interbotix_xs_modules",
         "pymoveit2",
+        "ros2_numpy",
+        "ros_numpy",
     }
 )
 """The stand-ins that give way to a module of the same name, by their top names."""

@@ -1,0 +1,3 @@
+"""As `ros2_numpy.geometry`."""
+
+from ros2_numpy.geometry import *  # noqa: F403

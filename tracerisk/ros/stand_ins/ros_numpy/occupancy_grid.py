@@ -1,0 +1,3 @@
+"""As `ros2_numpy.occupancy_grid`."""
+
+from ros2_numpy.occupancy_grid import *  # noqa: F403

@@ -1,0 +1,3 @@
+"""As `ros2_numpy.point_cloud2`."""
+
+from ros2_numpy.point_cloud2 import *  # noqa: F403

@@ -1,0 +1,3 @@
+"""As `ros2_numpy.registry`."""
+
+from ros2_numpy.registry import *  # noqa: F403
