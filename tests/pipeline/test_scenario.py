@@ -403,3 +403,25 @@ def test_what_nobody_made_use_of_is_a_finding(example):
         ("in the scenario, but nobody called service /detect", 5),
         ("in the scenario, but nobody sent a goal to action server /drive", 7),
     }
+
+
+def test_a_controller_that_waits_to_be_called_is_told_how(example):
+    body = "rospy.Service('/turn', Trigger, listener.on_call)\nrospy.spin()\n"
+    source = LISTENER.replace(
+        'rospy.Subscriber("angle", Float64, self.on_angle)', "self.angle = 0.1"
+    )
+    source = source.replace(
+        "listener = ",
+        "    def on_call(self, _):\n        self.turn()\n        return TriggerResponse(True, '')\n\nlistener = ",
+    )
+    example.write("c.py", "from std_srvs.srv import Trigger, TriggerResponse\n" + source + body)
+    outcome = example.run("run", "c.py", "--json")
+    assert outcome.code == 4
+    error = outcome.json["error"]
+    assert "nothing provides calls of service /turn (std_srvs/Trigger)" in error["message"]
+    assert error["scenario"] == (
+        "calls:\n  - service: /turn\n    type: std_srvs/Trigger\n    request: {}\n"
+    )
+    example.write("s.yaml", error["scenario"])
+    trace = example.run("trace", "c.py", "--json", "--scenario", "s.yaml").json["trace"]
+    assert [each["function"]["name"] for each in trace["visits"]] == ["Listener.turn"]

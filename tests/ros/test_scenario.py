@@ -508,3 +508,96 @@ def test_a_spin_goes_on_while_the_scenario_has_more_to_give(run_in):
         run_in(text, main)
     assert over.value.cause == "quiescent"
     assert came == [100.0]
+
+
+# What the controller serves
+
+CALLS = """
+calls:
+  - {service: /pick, type: std_srvs/SetBool, request: {data: true}}
+  - {service: /pick, type: std_srvs/SetBool, request: {data: false}, at: [2, 3]}
+"""
+
+
+def test_what_a_controller_of_ros_1_serves_is_called(run_in):
+    def main(scheduler):
+        import rospy
+        from std_srvs.srv import SetBool, SetBoolResponse
+
+        rospy.init_node("picker")
+        came = []
+
+        def pick(request):
+            came.append((round(seconds(scheduler), 2), request.data))
+            return SetBoolResponse(True, "")
+
+        rospy.sleep(0.5)
+        rospy.Service("/pick", SetBool, pick)
+        rospy.sleep(5.0)
+        return came
+
+    assert run_in(CALLS, main) == [(0.5, True), (2.0, False), (3.0, False)]
+
+
+def test_what_a_controller_of_ros_2_serves_is_called(run2_in):
+    def main(scheduler, node):
+        import rclpy
+        from std_srvs.srv import SetBool
+
+        came = []
+
+        def pick(request, response):
+            came.append(request.data)
+            return response
+
+        node.create_service(SetBool, "/pick", pick)
+        while len(came) < 3:
+            rclpy.spin_once(node, timeout_sec=1.0)
+        return came
+
+    assert run2_in(CALLS, main) == [True, False, False]
+
+
+GOALS = "calls:\n  - {action: /grasp, type: TYPE, goal: {command: {position: 0.02}}}\n"
+
+
+def test_goals_are_sent_to_a_server_of_ros_1(run_in):
+    def main(scheduler):
+        import actionlib
+        import rospy
+        from control_msgs.msg import GripperCommandAction
+
+        rospy.init_node("gripper")
+        came = []
+
+        def execute(goal):
+            came.append(goal.command.position)
+            server.set_succeeded()
+
+        server = actionlib.SimpleActionServer("/grasp", GripperCommandAction, execute, False)
+        server.start()
+        rospy.sleep(2.0)
+        return came
+
+    assert run_in(GOALS.replace("TYPE", "control_msgs/GripperCommand"), main) == [0.02]
+
+
+def test_goals_are_sent_to_a_server_of_ros_2(run2_in):
+    def main(scheduler, node):
+        import rclpy
+        from control_msgs.action import GripperCommand
+        from rclpy.action import ActionServer
+
+        came = []
+
+        def execute(handle):
+            came.append(handle.request.command.position)
+            handle.succeed()
+            return GripperCommand.Result()
+
+        ActionServer(node, GripperCommand, "/grasp", execute)
+        for _ in range(5):
+            rclpy.spin_once(node, timeout_sec=0.5)
+        return came
+
+    assert run2_in(GOALS.replace("TYPE", "control_msgs/action/GripperCommand"), main) == [0.02]

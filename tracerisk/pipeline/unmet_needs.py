@@ -127,14 +127,20 @@ class UnmetNeeds:
         return ()
 
     def _all(self) -> tuple[Missed, ...]:
-        """Return what was asked for in vain, then the topics on which nobody publishes."""
+        """Return what was asked for in vain, then the topics on which nobody publishes.
+
+        Where there is neither, what the controller serves and nobody calls.
+        """
         missed = self._missed()
         names = {(each.need.kind, each.need.name) for each in missed}
         topics: dict[str, Missed] = {}
         for each in self._runtime.graph.unpublished():
             if ("topic", each.need.name) not in names:
                 topics.setdefault(each.need.name, each)
-        return (*missed, *topics.values())
+        lacking = (*missed, *topics.values())
+        # Who lacks nothing and serves something waits to be asked.
+        graph, actions = self._runtime.graph, self._runtime.client(Actions)
+        return lacking or (*graph.uncalled(), *actions.uncalled())
 
     def _missed(self) -> tuple[Missed, ...]:
         graph, actions = self._runtime.graph, self._runtime.client(Actions)

@@ -16,7 +16,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from tracerisk.ros.needs import Need
+from tracerisk.errors import Location
+from tracerisk.ros.needs import Missed, Need, asking_place
 from tracerisk.ros.runtime import Runtime
 
 ActionChange = Literal["client", "client_gone", "served", "unserved"]
@@ -263,6 +264,8 @@ class ActionServerEnd:
     copy: Callable[[Any], Any]
     by_controller: bool
     is_scenario: bool = False
+    place: Location | None = None
+    is_called: bool = False
     on_told: Callable[[ActionGoal, str, Any], None] = _ignore
     goals: list[ActionGoal] = field(default_factory=list)
     closed: bool = False
@@ -360,6 +363,7 @@ class ActionClientEnd:
             data=data,
         )
         if server is not None:
+            server.is_called = True
             server.goals.append(goal)
             server.on_goal(goal)
         return goal
@@ -436,6 +440,7 @@ class Actions:
         server = ActionServerEnd(
             self, name, type_name, node, on_goal, on_cancel, copy, by_controller, is_scenario
         )
+        server.place = asking_place() if by_controller else None
         self._servers.setdefault(name, []).append(server)
         self._tell("served", name, type_name)
         return server
@@ -460,6 +465,15 @@ class Actions:
         own = [each for each in fitting if each.by_controller]
         candidates = own or [each for each in fitting if each.is_scenario] or fitting
         return candidates[-1] if candidates else None
+
+    def uncalled(self) -> tuple[Missed, ...]:
+        """Return the controller's own servers to which nobody has sent a goal."""
+        return tuple(
+            Missed(Need("goal", each.name, each.type_name), 0, 0, each.place)
+            for known in self._servers.values()
+            for each in known
+            if each.by_controller and not each.is_called
+        )
 
     def names_and_types(self) -> tuple[tuple[str, str], ...]:
         """Return name and type of every action that has a client or a server, sorted."""

@@ -15,11 +15,12 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from tracerisk.errors import Location
-from tracerisk.ros.controller_frames import controller_frame
 from tracerisk.ros.names import ANY_TYPE
-from tracerisk.ros.needs import Missed, Need
+from tracerisk.ros.needs import Missed, Need, asking_place
 from tracerisk.ros.parameters import ParameterTree
 from tracerisk.ros.virtual_time import CallTracer, Scheduler
+
+_OF_TF2 = "tf2_msgs/FrameGraph"  # served by every buffer, for tools
 
 Change = Literal["advertised", "unadvertised", "subscribed", "unsubscribed", "served", "unserved"]
 
@@ -127,6 +128,8 @@ class ServiceServer:
     node: str
     handle: Callable[[Any], Any]
     is_callback: bool
+    place: Location | None = None
+    is_called: bool = False
 
     def close(self) -> None:
         """Stop serving; calls that run go on."""
@@ -233,8 +236,7 @@ class Graph:
 
         `by_controller` is False for the twin's own: they make no controller listen.
         """
-        frame = controller_frame() if by_controller else None
-        place = None if frame is None else Location(frame.f_code.co_filename, frame.f_lineno)
+        place = asking_place() if by_controller else None
         subscription = Subscription(
             self, topic, type_name, node, deliver, on_disconnect, by_controller, place
         )
@@ -295,7 +297,8 @@ class Graph:
         With `is_callback` the handler runs as a root on a thread of its own; without, on the
         caller's thread: the twin's services.
         """
-        server = ServiceServer(self, name, type_name, node, handle, is_callback)
+        place = asking_place() if is_callback else None
+        server = ServiceServer(self, name, type_name, node, handle, is_callback, place)
         self._services[name] = server
         self._tell("served", name, type_name)
         return server
@@ -329,6 +332,14 @@ class Graph:
             return known
         handle, node = offered[kind]
         return self.serve(name, kind, handle, node=node, is_callback=False)
+
+    def uncalled(self) -> tuple[Missed, ...]:
+        """Return the controller's own services that nobody has called."""
+        return tuple(
+            Missed(Need("call", each.name, each.type_name), 0, 0, each.place)
+            for each in self._services.values()
+            if each.is_callback and not each.is_called and each.type_name != _OF_TF2
+        )
 
     def services(self) -> tuple[ServiceServer, ...]:
         """Return all servers, sorted by name."""
@@ -369,6 +380,7 @@ class Graph:
             BaseException: what the handler raised.
         """
         self.scheduler.raise_if_over()
+        server.is_called = True
         if not server.is_callback:
             return server.handle(request)
         answer = _Answer()

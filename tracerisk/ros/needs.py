@@ -12,7 +12,7 @@ from typing import Literal
 from tracerisk.errors import Location
 from tracerisk.ros.controller_frames import controller_frame
 
-NeedKind = Literal["topic", "service", "action", "parameter", "frame", "input"]
+NeedKind = Literal["topic", "service", "action", "parameter", "frame", "input", "call", "goal"]
 
 _ASKED_IN_VAIN = 10
 
@@ -40,6 +40,8 @@ class Need:
             "parameter": "parameter",
             "frame": "frame",
             "input": "an answer to",
+            "call": "calls of service",
+            "goal": "goals for action server",
         }[self.kind]
         return f"{what} {self.name}" + (f" ({self.type_name})" if self.type_name else "")
 
@@ -75,7 +77,7 @@ class NeedLedger:
         first_ns = now_ns if known is None else known.first_ns
         if known is not None and not type_name:
             type_name = known.need.type_name
-        place = location or _place()
+        place = location or asking_place()
         self._missed[key] = Missed(replace(need, type_name=type_name), first_ns, now_ns, place)
 
     def ask(self, need: Need, now_ns: int) -> None:
@@ -97,6 +99,7 @@ class NeedLedger:
             self._missed[kind, name] = replace(known, need=replace(known.need, type_name=type_name))
 
 
-def _place() -> Location | None:
+def asking_place() -> Location | None:
+    """Return where the controller's code stands that runs, None where none does."""
     frame = controller_frame()
     return None if frame is None else Location(frame.f_code.co_filename, frame.f_lineno)

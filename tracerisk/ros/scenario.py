@@ -102,7 +102,7 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """All that one scenario file holds; `objects` are read by `scenario_objects`."""
+    """All that one scenario file holds; `calls` and `objects` are read by modules of their own."""
 
     file: str = ""
     parameters: tuple[Parameter, ...] = ()
@@ -110,6 +110,7 @@ class Scenario:
     services: tuple[Served, ...] = ()
     actions: tuple[ServedAction, ...] = ()
     frames: tuple[Frame, ...] = ()
+    calls: tuple[YamlMap, ...] = ()
     objects: tuple[YamlMap, ...] = ()
     answers: tuple[str, ...] = ()
 
@@ -122,7 +123,10 @@ def read_scenario(path: Path) -> Scenario:
     """
     top = read_yaml(path, ScenarioError)
     top.forbid_unknown(
-        {"parameters", "publish", "services", "actions", "frames", "objects", "answers"}
+        {
+            *("parameters", "publish", "services", "actions"),
+            *("calls", "frames", "objects", "answers"),
+        }
     )
     parameters = top.optional_map("parameters") if top.get("parameters") is not None else None
     scenario = Scenario(
@@ -132,6 +136,7 @@ def read_scenario(path: Path) -> Scenario:
         services=_entries(top, "services", _service),
         actions=_entries(top, "actions", _action),
         frames=_entries(top, "frames", _frame),
+        calls=tuple(top.maps("calls")) if top.get("calls") is not None else (),
         objects=tuple(top.maps("objects")) if top.get("objects") is not None else (),
         answers=_answers(top),
     )
@@ -170,8 +175,8 @@ def _published(entry: YamlMap) -> Published:
     if "after" in entry and (at or rate is not None):
         entry.fail("after", "counts from when a subscriber appears; leave out at and rate")
     return Published(
-        _name(entry, "topic"),
-        _type(entry, "type"),
+        full_name(entry, "topic"),
+        interface_type(entry, "type"),
         _messages(entry, "message", "messages"),
         at,
         rate,
@@ -187,8 +192,8 @@ def _service(entry: YamlMap) -> Served:
     if "fails" in entry and ("reply" in entry or "replies" in entry):
         entry.fail("fails", "a service that fails gives no reply; keep one of the two")
     return Served(
-        _name(entry, "name"),
-        _type(entry, "type") if "type" in entry else None,
+        full_name(entry, "name"),
+        interface_type(entry, "type") if "type" in entry else None,
         _messages(entry, "reply", "replies"),
         _seconds(entry, "after"),
         entry.optional_string("fails"),
@@ -211,8 +216,8 @@ def _action(entry: YamlMap) -> ServedAction:
         for goal in goals:
             goal.forbid_unknown(_GOAL_KEYS)
     return ServedAction(
-        _name(entry, "name"),
-        _type(entry, "type"),
+        full_name(entry, "name"),
+        interface_type(entry, "type"),
         tuple(_goal(goal) for goal in goals),
         entry.key_location("type"),
     )
@@ -225,12 +230,12 @@ def _goal(entry: YamlMap) -> GoalScript:
     feedback: tuple[Written, ...] = ()
     if entry.get("feedback") is not None:
         entry.maps("feedback")
-        listed = _written(entry, "feedback")
+        listed = written_at(entry, "feedback")
         feedback = tuple(listed.item(index) for index in range(len(listed.value)))
     return GoalScript(
         status,  # type: ignore[arg-type]  # checked above
         _seconds(entry, "after"),
-        _written(entry, "result") if "result" in entry else None,
+        written_at(entry, "result") if "result" in entry else None,
         feedback,
         entry.string("text", default=""),
     )
@@ -292,14 +297,16 @@ def _seconds(entry: YamlMap, key: str) -> float:
     return entry.number(key, default=0.0, minimum=0.0, maximum=1e6)
 
 
-def _name(entry: YamlMap, key: str) -> str:
+def full_name(entry: YamlMap, key: str) -> str:
+    """Return the name of a topic, a service or an action, with its leading slash."""
     name = entry.string(key)
     if not name or name.startswith("~"):
         entry.fail(key, "expected the full name, such as /camera/detections")
     return name if name.startswith("/") else f"/{name}"
 
 
-def _type(entry: YamlMap, key: str) -> str:
+def interface_type(entry: YamlMap, key: str) -> str:
+    """Return a type without its kind: `std_srvs/Trigger` of `std_srvs/srv/Trigger`."""
     parts = entry.string(key).split("/")
     if len(parts) == 3 and parts[1] in _TYPE_KINDS:
         del parts[1]
@@ -312,16 +319,17 @@ def _messages(entry: YamlMap, one: str, many: str) -> tuple[Written | None, ...]
     if one in entry and many in entry:
         entry.fail(many, f"stands beside '{one}'; keep one of the two")
     if one in entry:
-        return (_written(entry, one),)
+        return (written_at(entry, one),)
     if many not in entry:
         return (None,)
-    listed = _written(entry, many)
+    listed = written_at(entry, many)
     if not isinstance(listed.value, list) or not listed.value:
         entry.fail(many, "expected a list of one or more")
     return tuple(listed.item(index) for index in range(len(listed.value)))
 
 
-def _written(entry: YamlMap, key: str) -> Written:
+def written_at(entry: YamlMap, key: str) -> Written:
+    """Return what is written at a key, with its place."""
     place = entry.key_location(key)
     return Written(entry.get(key), place.file, entry.name_of(key), place)
 

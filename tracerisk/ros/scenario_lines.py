@@ -22,6 +22,8 @@ _SECTIONS = {
     "topic": "publish",
     "service": "services",
     "action": "actions",
+    "call": "calls",
+    "goal": "calls",
     "frame": "frames",
     "input": "answers",
 }
@@ -55,7 +57,8 @@ def scenario_lines(needs: Iterable[Need], interfaces: Any) -> str:
             sections.setdefault(section, {})[need.name] = _PARAMETERS.get(need.type_name, 0.0)
         else:
             sections.setdefault(section, []).append(_entry(need, interfaces))
-    ordered = {name: sections[name] for name in _SECTIONS.values() if name in sections}
+    names = dict.fromkeys(_SECTIONS.values())
+    ordered = {name: sections[name] for name in names if name in sections}
     return "".join(f"{line}\n" for line in _block(ordered, 0))
 
 
@@ -91,6 +94,16 @@ def _action(need: Need, interfaces: Any) -> Any:
     }
 
 
+def _call(need: Need, interfaces: Any) -> Any:
+    request = default_fields(service_parts(interfaces, need.type_name)[0])
+    return {"service": need.name, "type": need.type_name, "request": request}
+
+
+def _sent_goal(need: Need, interfaces: Any) -> Any:
+    goal = default_fields(goal_class(interfaces, need.type_name))
+    return {"action": need.name, "type": need.type_name, "goal": goal}
+
+
 def _frame(need: Need, interfaces: Any) -> Any:
     del interfaces
     return {
@@ -110,10 +123,12 @@ _ENTRIES = {
     "topic": _topic,
     "service": _service,
     "action": _action,
+    "call": _call,
+    "goal": _sent_goal,
     "frame": _frame,
     "input": _answer,
 }
-_NAME_KEYS = {"topic": "topic", "frame": "frame"}
+_NAME_KEYS = {"topic": "topic", "frame": "frame", "call": "service", "goal": "action"}
 
 
 def service_parts(interfaces: Any, type_name: str) -> tuple[Any, Any]:
@@ -138,6 +153,17 @@ def action_parts(interfaces: Any, type_name: str) -> tuple[Any, Any]:
         found = interfaces.action(type_name)
         return found.Result, found.Feedback
     return interfaces.message(f"{type_name}Result"), interfaces.message(f"{type_name}Feedback")
+
+
+def goal_class(interfaces: Any, type_name: str) -> Any:
+    """Return the class of an action's goal, of either ROS.
+
+    Raises:
+        InputError: no such action is known.
+    """
+    if hasattr(interfaces, "action"):
+        return interfaces.action(type_name).Goal
+    return interfaces.message(f"{type_name}Goal")
 
 
 def default_fields(message_class: Any, depth: int = 1) -> dict[str, Any]:

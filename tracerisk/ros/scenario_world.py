@@ -11,6 +11,7 @@ from tracerisk.errors import Location
 from tracerisk.ros.runtime import Runtime
 from tracerisk.ros.scenario import Scenario
 from tracerisk.ros.scenario_actions import ScenarioAction
+from tracerisk.ros.scenario_calls import ScenarioCall
 from tracerisk.ros.scenario_frames import ScenarioFrames
 from tracerisk.ros.scenario_parameters import into_tree
 from tracerisk.ros.scenario_schedule import Schedule
@@ -36,6 +37,9 @@ class ScenarioWorld:
             ScenarioAction(runtime, interfaces, self.schedule, each) for each in scenario.actions
         ]
         ScenarioFrames(runtime, interfaces, self.schedule, scenario.frames)
+        self._calls = [
+            ScenarioCall(runtime, interfaces, self.schedule, each) for each in scenario.calls
+        ]
         self._topics = [
             ScenarioTopic(runtime, interfaces, self.schedule, each) for each in scenario.published
         ]
@@ -45,6 +49,7 @@ class ScenarioWorld:
         found = [
             *(each.unused for each in self._services),
             *(each.unused for each in self._actions),
+            *(each.unused for each in self._calls),
             *(each.unused for each in self._topics),
         ]
         return tuple(each for each in found if each is not None)

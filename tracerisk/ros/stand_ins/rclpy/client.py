@@ -84,6 +84,7 @@ class Client(Entity):
             return future
         service = getattr(server.handle, "__self__", None)
         if isinstance(service, Service):
+            server.is_called = True
             service._enqueue(sent, lambda response: self._responses.append((future, response)))
         else:
             # The twin's: it acts on behalf of the code that calls here.
