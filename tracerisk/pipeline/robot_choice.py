@@ -12,6 +12,7 @@ from tracerisk.errors import Location, RobotError
 from tracerisk.pipeline.controller import Controller, string_literals
 from tracerisk.pipeline.launch.records import LaunchSetup
 from tracerisk.pipeline.launch.spoken import with_parameters
+from tracerisk.pipeline.own_modules import with_own_modules
 from tracerisk.pipeline.workspace import find_workspace
 from tracerisk.twin.robot import is_model_file
 
@@ -65,8 +66,9 @@ def choose_robot(
     from tracerisk.twin.robot import load_robot
     from tracerisk.twin.workspace import find_workspace_robot
 
+    whole = with_own_modules(controller)
     if settings.robot == "generic":
-        arm = generic_arm(names_asked(controller.source))
+        arm = generic_arm(names_asked(whole.source))
         return RobotChoice(replace(arm, chosen_by="as the settings say"))
     if settings.robot is not None and is_model_file(settings.robot):
         read = read_model(controller.root, settings.robot)
@@ -74,14 +76,14 @@ def choose_robot(
         return RobotChoice(robot, files=read.files)
     if settings.robot is not None:
         robot = replace(load_robot(settings.robot), chosen_by="as the settings say")
-        return RobotChoice(_equipped(robot, controller))
-    strings = (*string_literals(controller), *also_named)
+        return RobotChoice(_equipped(robot, whole))
+    strings = (*string_literals(controller), *string_literals(whole), *also_named)
     packages = _own_packages(controller.root)
     roots = (controller.root, *packages.values())
     found = find_workspace_robot(roots, packages, strings, controller.path)
     if found.robot is not None and found.is_named:
         return RobotChoice(replace(found.robot, chosen_by=found.reason), found.skipped)
-    asked = names_asked(controller.source)
+    asked = names_asked(whole.source)
     asked = replace(asked, joints=tuple(dict.fromkeys((*also_named, *asked.joints))))
     try:
         robot = detect_robot(strings, robot_hints(controller), asked.joints)
@@ -94,7 +96,7 @@ def choose_robot(
             generic_arm(asked),
             chosen_by="a stand-in for the robot, which is not known: name it with --robot",
         )
-    return RobotChoice(_equipped(robot, controller), found.skipped)
+    return RobotChoice(_equipped(robot, whole), found.skipped)
 
 
 def _equipped(robot: Robot, controller: Controller) -> Robot:

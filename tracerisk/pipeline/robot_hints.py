@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from tracerisk.pipeline.controller import Controller
+from tracerisk.pipeline.own_modules import own_modules
 from tracerisk.pipeline.workspace import PACKAGE_FILE, project_top
 from tracerisk.twin.mentions import Hint
 
@@ -32,7 +33,14 @@ def robot_hints(controller: Controller) -> Iterator[Hint]:
     name = controller.path.name
     spoken, said = _read(controller.source)
     yield Hint("its source", {name: spoken}, is_telling=True)
+    top = project_top(controller.root)
+    modules = {
+        path.relative_to(top).as_posix(): _read(path.read_bytes())
+        for path in own_modules(controller)
+    }
+    yield Hint("a module of its own", {file: read[0] for file, read in modules.items()}, True)
     yield Hint("its comments", {name: said})
+    yield Hint("a module's comments", {file: read[1] for file, read in modules.items()})
     yield from _paths(controller)
     yield from _project(controller)
 
