@@ -167,6 +167,22 @@ BODY = "objects:\n  - name: cube\n    box: [0.1, 0.1, 0.1]\n"
             "frames:\n  - {frame: a, parent: world, until: 3}\n",
             "a static frame stays; give it a rate, or leave it out",
         ),
+        (
+            "calls:\n  - {service: /a, action: /b, type: a/B}\n",
+            "s.yaml:2:5: expected exactly one of service and action",
+        ),
+        (
+            "calls:\n  - {service: /a, type: std_srvs/SetBool, goal: {}}\n",
+            "unknown key 'goal' in calls[0]; allowed: at, request, service, type",
+        ),
+        (
+            "calls:\n  - {service: /a, type: std_srvs/SetBool, request: {dat: true}}\n",
+            "calls[0].request.dat: std_srvs/SetBoolRequest has no field 'dat'; did you mean 'data'?",
+        ),
+        (
+            "calls:\n  - {action: /a, type: move_base_msgs/MoveBas}\n",
+            "move_base_msgs has no message 'MoveBasGoal'; did you mean 'MoveBaseGoal'?",
+        ),
         ("answers: yes\n", "expected a list, one answer for each input()"),
         ("answers: [true]\n", "expected strings or numbers, found True; put it in quotes"),
         ("parameters: {a: }\n", "s.yaml:1:14: parameters.a: has no value; give it one"),
