@@ -19,6 +19,7 @@ VENDOR_LIBRARIES = frozenset(
         "interbotix_common_modules",
         "interbotix_perception_modules",
         "interbotix_xs_modules",
+        "moveit_python",
         "pymoveit2",
         "ros2_numpy",
         "ros_numpy",
