@@ -449,10 +449,10 @@ def test_later_parameter_files_take_precedence(run_in):
         import rospy
 
         rospy.init_node("picker")
-        return rospy.get_param("/a"), rospy.get_param("/b/x"), rospy.get_param("/b/y")
+        return [rospy.get_param(name) for name in ("/a", "/b/x", "/b/y", "~c")]
 
-    text = "parameters: {a: 1, b: {x: 1, y: 1}}\n"
-    assert run_in(text, main, params=["a: 2\nb: {x: 2}\n"]) == (2, 2, 1)
+    text = "parameters: {a: 1, b: {x: 1, y: 1}, ~c: 1}\n"
+    assert run_in(text, main, params=["a: 2\nb: {x: 2}\n~c: 2\n"]) == [2, 2, 1, 2]
 
 
 # The command line

@@ -112,12 +112,16 @@ def into_tree(parameters: tuple[Parameter, ...], tree: ParameterTree) -> None:
 
 
 def private_of(parameters: tuple[Parameter, ...]) -> tuple[tuple[str, Any], ...]:
-    """Return the parameters that a node of ROS 1 finds under its own name, whatever that is."""
-    return tuple(
-        (each.name.lstrip("~").lstrip("/").replace(".", "/"), each.value)
+    """Return the parameters that a node of ROS 1 finds under its own name, whatever that is.
+
+    Of two with one name the later counts.
+    """
+    found = {
+        each.name.lstrip("~").lstrip("/").replace(".", "/"): each.value
         for each in parameters
         if each.node == EVERY_NODE or (each.node is None and each.name.startswith("~"))
-    )
+    }
+    return tuple(found.items())
 
 
 def overrides_of(parameters: tuple[Parameter, ...]) -> tuple[tuple[str | None, str, Any], ...]:
