@@ -70,6 +70,9 @@ def test_the_gripper_moves_and_is_told_to_be_assumed(trace):
         for visit in trace.visits
     }
     assert moved["grip"] == {"gripper"}
+    (turn,) = [visit for visit in trace.visits if visit.function.name == "turn"]
+    idle = turn.exposures.get("gripper")
+    assert idle is None or idle.active_s == 0.0
     told = " ".join(trace.assumptions)
     assert "the gripper that the controller speaks of is assumed, on 'tool0'" in told
     assert "ur5e are approximate" in told

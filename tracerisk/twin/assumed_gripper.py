@@ -23,7 +23,7 @@ _OPENING = 0.04  # of each finger [m]
 _EFFORT, _RATED, _SPEED = 20.0, 0.2, 0.05  # [N], [m/s], [m/s]
 _REACH = 0.12  # of the pads before the flange, along its z axis [m]
 _PAD = (0.012, 0.004, 0.015)  # half lengths [m]
-_MASS = 0.1  # of a finger [kg]
+_MASS = 0.01  # of a finger: an idle gripper does not count as one that holds [kg]
 
 
 def commands_gripper(source: bytes) -> bool:
