@@ -20,13 +20,14 @@ VERBS = {
     "solve": "solve a model, or the blocks in sources, exactly",
     "check": "tell whether blocks can be trusted as they stand, without a simulation",
     "refresh": "bring blocks up to date, simulating only what is stale",
+    "overrides": "list what was set by hand in blocks, its reason, and how far it has drifted",
     "strip": "remove the risk blocks from sources, every other byte kept",
     "robots": "list the robots that are shipped, or show what one of them has",
     "doctor": "tell whether everything that tracerisk needs works here",
 }
 
 _EPILOG = """\
-exit codes: 0 fine; 1 would change, stale, or over --max-risk; 2 usage or bad input; 3 a person's
+exit codes: 0 fine; 1 would change, stale, or over a limit; 2 usage or bad input; 3 a person's
 edit in the way; 4 the controller failed; 5 a fault of tracerisk; 130 interrupted
 """
 

@@ -226,6 +226,14 @@ def probability(text: str) -> float:
     return value
 
 
+def percentage(text: str) -> float:
+    """Read a percentage of the command line, which may be above 100."""
+    value = _number(text)
+    if not 0.0 <= value < 1e9:
+        raise argparse.ArgumentTypeError(f"{text} is not a percentage from 0 up")
+    return value
+
+
 def _positive(text: str) -> float:
     value = _number(text)
     if not 0.0 < value < 1e9:

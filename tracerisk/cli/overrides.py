@@ -1,0 +1,156 @@
+"""`tracerisk overrides`: what persons set in risk blocks, why, and how far it has drifted."""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import math
+import textwrap
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.cli import options as shared
+from tracerisk.cli.output import note, print_json
+from tracerisk.errors import ExitCode, InputError
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline.overrides import Override
+
+_WIDTH = 80
+_HEADINGS = ("line", "field", "set by hand", "computed", "drift")
+_GAP = "  "
+_WIDEST_VALUE = 14
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    parser.add_argument(
+        "files",
+        metavar="FILE",
+        nargs="*",
+        help="an annotated source; else all of the lock in this folder",
+    )
+    parser.add_argument(
+        "--max-drift",
+        metavar="PERCENT",
+        type=shared.percentage,
+        help="exit 1 if a value lies further than this from the computed one",
+    )
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    from tracerisk.pipeline.overrides import overrides_in
+
+    found = overrides_in(options.files or _files_of_lock())
+    limit = options.max_drift
+    beyond = [each for each in found if limit is not None and each.exceeds(limit)]
+    code = ExitCode.WOULD_CHANGE if beyond else ExitCode.FINE
+    if options.json:
+        print_json(
+            "overrides",
+            exit_code=int(code),
+            overrides=[_data(each, is_beyond=each in beyond) for each in found],
+        )
+        return int(code)
+    for line in _table(found):
+        print(line)
+    for each in beyond:
+        note(f"{each.location}: {each.field} has drifted by {_drift(each)}, above {limit:g} %")
+    without = sum(1 for each in found if each.reason is None)
+    note(f"{len(found)} set by hand, {without} of them without a reason", quiet=options.quiet)
+    return int(code)
+
+
+def _files_of_lock() -> list[Path]:
+    from tracerisk.pipeline.overrides import files_of_lock
+
+    files = files_of_lock(Path())
+    if not files:
+        raise InputError("no tracerisk.lock in this folder knows a controller; name a FILE")
+    return list(files)
+
+
+def _data(override: Override, *, is_beyond: bool) -> dict[str, object]:
+    return {
+        "kind": override.kind,
+        "file": override.location.file,
+        "line": override.location.line,
+        "field": override.field,
+        "value": override.value,
+        "computed": override.computed,
+        # JSON has no infinity; it is that of a value where zero is computed.
+        "drift_percent": override.drift if override.drift != math.inf else None,
+        "reason": override.reason,
+        "exceeds": is_beyond,
+    }
+
+
+def _drift(override: Override) -> str:
+    if override.drift is None:
+        return "-"
+    if override.drift == math.inf:
+        return "infinite"
+    size = abs(override.drift)
+    digits = 0 if size >= 99.95 else 1 if size >= 0.05 or size == 0 else 3
+    text = f"{override.drift:+.{digits}f}" if size < 1e6 else f"{override.drift:+.2g}"
+    return f"{text} %"
+
+
+def _table(overrides: Sequence[Override]) -> Iterator[str]:
+    """Yield the lines of the table: a heading for each file, reasons below their row."""
+    rows = {
+        each: (
+            str(each.location.line or "-"),
+            each.field,
+            each.value,
+            each.computed or "-",
+            _drift(each),
+        )
+        for each in overrides
+    }
+    if not rows:
+        return
+    widths = [
+        max(map(len, (heading, *column)))
+        for heading, column in zip(_HEADINGS, zip(*rows.values(), strict=True), strict=True)
+    ]
+    widths[2], widths[3] = min(widths[2], _WIDEST_VALUE), min(widths[3], _WIDEST_VALUE)
+    taken = sum(widths) - widths[1] + len(_GAP) * len(widths)
+    widths[1] = min(widths[1], _WIDTH - taken)
+    for file, group in itertools.groupby(overrides, key=lambda each: each.location.file):
+        yield file
+        yield from _row(_HEADINGS, widths)
+        for each in group:
+            yield from _row(rows[each], widths)
+            if each.reason is not None:
+                indent = " " * (len(_GAP) * 2 + widths[0] + 2)
+                yield from textwrap.wrap(
+                    each.reason, _WIDTH, initial_indent=indent, subsequent_indent=indent
+                )
+
+
+def _row(cells: Sequence[str], widths: Sequence[int]) -> Iterator[str]:
+    """Yield a row, cells that are too long for their column folded onto further lines."""
+    folded = [list(_folded(cell, width)) for cell, width in zip(cells, widths, strict=True)]
+    for parts in itertools.zip_longest(*folded, fillvalue=""):
+        line, *rest, drift = (
+            part.rjust(width) if place in (0, 4) else part.ljust(width)
+            for place, (part, width) in enumerate(zip(parts, widths, strict=True))
+        )
+        yield (_GAP + _GAP.join((line, *rest, drift))).rstrip()
+
+
+def _folded(cell: str, width: int) -> Iterator[str]:
+    """Yield a cell in lines of its column's width, parted at blanks or behind dots."""
+    if len(cell) <= width:
+        yield cell
+        return
+    for part in textwrap.wrap(cell, width, break_long_words=False):
+        while len(part) > width:
+            end = part.rfind(".", 0, width) + 1 or width
+            yield part[:end]
+            part = part[end:]
+        yield part
