@@ -254,6 +254,13 @@ def test_classes_of_libraries_that_are_not_here_can_be_derived_from(described):
     assert dict(node.left_out) == {"side": "launch_pal.arg_utils.TiagoArgs is not here"}
 
 
+def test_a_package_is_found_without_a_context_too(described, workspace):
+    (node,) = described(
+        "pick(arguments=[FindPackageShare('arm_task').find('arm_task') + '/config'])"
+    ).nodes
+    assert node.arguments == (f"{workspace.package}/config",)
+
+
 def test_names_are_found_where_the_library_has_them(described):
     reading = described(
         "pick(name=PathJoinSubstitution(['a']))",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import Any
 
 from tracerisk.pipeline.launch.absent import AbsentError
@@ -20,6 +21,11 @@ class FindPackage(PathSubstitution):
         super().__init__("")
         self.package = package
         self._parts = [_Folder(package)]
+
+    def find(self, package_name: str) -> str:
+        """Return the folder of a package, where no context is at hand."""
+        index = importlib.import_module("ament_index_python.packages")
+        return str(index.get_package_share_directory(package_name))
 
     def perform(self, context: Any) -> str:
         """Return the folder; raise AbsentError where the workspace has no such package."""
