@@ -77,10 +77,11 @@ class Example:
         return (self.folder / name).read_bytes()
 
     def files(self) -> dict[str, bytes]:
+        """All files but those of caches, which are the machine's and no part of a project."""
         return {
             path.relative_to(self.folder).as_posix(): path.read_bytes()
             for path in sorted(self.folder.rglob("*"))
-            if path.is_file() and "__pycache__" not in path.parts
+            if path.is_file() and not {"__pycache__", ".tracerisk_cache"} & set(path.parts)
         }
 
     def run(self, *arguments: str, environment: dict[str, str] | None = None) -> Outcome:
