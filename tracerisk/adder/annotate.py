@@ -12,7 +12,7 @@ from tracerisk.adder.insert import insert_blocks
 from tracerisk.adder.lock import ControllerLock, Lock, WrittenBlock, written_block
 from tracerisk.adder.merge import MergePolicy, PersonEdit, edits_error, merge
 from tracerisk.adder.read import read_blocks
-from tracerisk.adder.renames import base_with_names, renamed_blocks, with_names
+from tracerisk.adder.renames import base_with_names, follow_renames
 from tracerisk.adder.values import DONE, computed_count
 from tracerisk.adder.write import FileWrite
 from tracerisk.errors import EditInTheWayError
@@ -26,7 +26,7 @@ class SourceBlocks:
     `file` is relative to the lock's folder, with slashes; messages say `shown_as`.
     `lines` gives the `def` line of a function, needed where its name is defined twice.
     `original` is what the file holds where functions were renamed since it was annotated: in
-    `source` their blocks have the new names, which `renamed` maps to the old ones.
+    `source` their blocks have the new names, to which `renamed` maps the old ones.
     """
 
     file: str
@@ -155,15 +155,10 @@ def annotate_sources(
 
 def _with_renames(source: SourceBlocks, entry: ControllerLock | None) -> SourceBlocks:
     known = {QualifiedName(name) for base in bases_of(source.file, entry) for name in base}
-    renamed = renamed_blocks(source.source, source.name, known)
-    if not renamed:
+    followed = follow_renames(source.source, source.name, known)
+    if not followed.renamed:
         return source
-    return replace(
-        source,
-        source=with_names(source.source, renamed),
-        original=source.source,
-        renamed={new: old for old, new in renamed.items()},
-    )
+    return replace(source, source=followed.source, original=source.source, renamed=followed.renamed)
 
 
 def bases_of(file: str, entry: ControllerLock | None) -> list[Mapping[str, WrittenBlock]]:
@@ -186,10 +181,7 @@ def _merge_source(
     edits of a person tell it apart.
     """
     current = {placed.function: placed.block for placed in read_blocks(source.source, source.name)}
-    bases = [
-        base_with_names(base, {old: new for new, old in source.renamed.items()})
-        for base in bases_of(source.file, entry)
-    ]
+    bases = [base_with_names(base, source.renamed) for base in bases_of(source.file, entry)]
     return min(
         (_merge_with(base, current, source.computed, policy) for base in bases),
         key=lambda merged: len(merged.edits),

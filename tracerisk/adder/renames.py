@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from tracerisk.adder.definitions import definitions, parse_python
 from tracerisk.adder.lock import WrittenBlock
-from tracerisk.adder.read import MisplacedBlockError, read_blocks
+from tracerisk.adder.read import MisplacedBlockError, PlacedBlock, read_blocks
 from tracerisk.adder.values import NEXT
 from tracerisk.trace import QualifiedName
 
@@ -21,10 +21,21 @@ _NAME = re.compile(rb"([ \t\f]*#[ \t]?\|[ \t]+name = )(\S+)([ \t\r\n]*)")
 _NEXT = re.compile(rb"([ \t\f]*#[ \t]?\|[ \t]+next :?= )(\S+)([ \t].*)", re.DOTALL)
 
 
-def renamed_blocks(
-    source: bytes, file: str, known: Collection[QualifiedName]
-) -> dict[QualifiedName, QualifiedName]:
-    """Return the new name of each function whose block still has its old one.
+@dataclass(frozen=True, slots=True)
+class FollowedBlocks:
+    """The blocks of a source under their functions' names, and the renamings that took.
+
+    `renamed` maps the old name, which a block still has, to that of its function; `source` has the
+    new names in the blocks.
+    """
+
+    source: bytes
+    placed: tuple[PlacedBlock, ...]
+    renamed: Mapping[QualifiedName, QualifiedName]
+
+
+def follow_renames(source: bytes, file: str, known: Collection[QualifiedName]) -> FollowedBlocks:
+    """Read the blocks of a source, those of renamed functions among them.
 
     `known` are the names under which blocks of this file were written.
 
@@ -34,17 +45,14 @@ def renamed_blocks(
     """
     found: dict[QualifiedName, QualifiedName] = {}
     while True:
+        named = _with_names(source, found)
         try:
-            blocks = read_blocks(with_names(source, found), file)
+            return FollowedBlocks(named, read_blocks(named, file), found)
         except MisplacedBlockError as error:
             new = _new_name(source, file, error, known)
             if new is None or error.name in found or new in found.values():
                 raise
             found[error.name] = new
-        else:
-            # Two blocks of one name would have been an error by now.
-            assert len({block.function for block in blocks}) == len(blocks)
-            return found
 
 
 def _new_name(
@@ -56,7 +64,7 @@ def _new_name(
     return error.owners[0]
 
 
-def with_names(source: bytes, renamed: Mapping[QualifiedName, QualifiedName]) -> bytes:
+def _with_names(source: bytes, renamed: Mapping[QualifiedName, QualifiedName]) -> bytes:
     """Return the source with new names in its blocks, in `name` and in `next` lines."""
     if not renamed:
         return source

@@ -25,7 +25,7 @@ from tracerisk.adder.lock import (
 )
 from tracerisk.adder.merge import MergePolicy, merge
 from tracerisk.adder.read import PlacedBlock, read_blocks
-from tracerisk.adder.renames import base_with_names, renamed_blocks, with_names
+from tracerisk.adder.renames import base_with_names, follow_renames
 from tracerisk.adder.values import component_fields
 from tracerisk.config import Settings, controller_root, read_settings
 from tracerisk.errors import ExitCode, InputError, Location, TraceRiskError
@@ -212,9 +212,8 @@ def _sources(controller: Controller, entry: ControllerLock) -> list[_Source]:
             continue
         source, shown = controller.source_of(file), str(controller.path_of(file))
         known = {QualifiedName(name) for base in bases_of(file, entry) for name in base}
-        renamed = renamed_blocks(source, shown, known)
-        placed = read_blocks(with_names(source, renamed), shown)
-        found.append(_Source(file, shown, source, placed, renamed))
+        followed = follow_renames(source, shown, known)
+        found.append(_Source(file, shown, source, followed.placed, followed.renamed))
     return found
 
 

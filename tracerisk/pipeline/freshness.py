@@ -7,17 +7,16 @@ on: of its sources without comments and blank lines, of other files byte for byt
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 import os
-import tokenize
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 from tracerisk.config import Settings
-from tracerisk.errors import InputError, Location, SourceError
+from tracerisk.errors import InputError, Location
+from tracerisk.pipeline.code_digest import code_digest
 from tracerisk.pipeline.controller import Controller
 from tracerisk.pipeline.robot_choice import robot_files
 from tracerisk.trace import Trace
@@ -94,7 +93,7 @@ def run_inputs(
     """Return what a trace depended on, as it stands now.
 
     `given` are those of the settings that came from the command line.
-    Raises SourceError for a source that is not Python, InputError for a file that cannot be read.
+    Raises InputError for a file that cannot be read.
     """
     root = controller.root.resolve()
     named = (settings.scenario, *settings.params, *map(str, robot_files(controller, settings)))
@@ -103,7 +102,7 @@ def run_inputs(
     return RunInputs(
         settings=settings_data(settings, root),
         given=_given_data(given or {}, root),
-        sources={file: code_digest(controller.source_of(file), file) for file in sorted(sources)},
+        sources={file: code_digest(controller.source_of(file)) for file in sorted(sources)},
         files={file: file_digest(root / file) for file in sorted(listed - sources)},
         hardware=hardware_digest(settings),
     )
@@ -135,22 +134,6 @@ def file_digest(path: Path) -> str:
         return GONE
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", Location(str(path))) from error
-
-
-def code_digest(source: bytes, file: str) -> str:
-    """Return a digest of what a source says: its tokens without comments and blank lines.
-
-    Raises SourceError where it is not Python.
-    """
-    left_out = {tokenize.COMMENT, tokenize.NL}
-    digest = hashlib.sha256()
-    try:
-        for token in tokenize.tokenize(io.BytesIO(source).readline):
-            if token.type not in left_out:
-                digest.update(f"{token.type}:{token.string}\0".encode(errors="surrogatepass"))
-    except (tokenize.TokenError, SyntaxError) as error:
-        raise SourceError(f"is not Python 3: {error}", Location(file)) from error
-    return digest.hexdigest()
 
 
 def stale_reasons(
@@ -197,7 +180,7 @@ def _changed(recorded: Mapping[str, str], now: Callable[[str], str]) -> Iterable
 def _code_now(controller: Controller, file: str) -> str:
     if file != controller.file and not controller.path_of(file).is_file():
         return GONE
-    return code_digest(controller.source_of(file), str(controller.path_of(file)))
+    return code_digest(controller.source_of(file))
 
 
 def _given_data(given: Mapping[str, Any], root: Path) -> dict[str, Any]:

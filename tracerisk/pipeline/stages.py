@@ -21,7 +21,7 @@ from tracerisk.adder.merge import MergePolicy
 from tracerisk.adder.model_names import model_names
 from tracerisk.adder.published import is_c_like, read_c_blocks, read_plain_blocks
 from tracerisk.adder.read import read_blocks
-from tracerisk.adder.renames import renamed_blocks
+from tracerisk.adder.renames import follow_renames
 from tracerisk.config import Settings, read_settings
 from tracerisk.errors import HardwareError, InputError, Location
 from tracerisk.hardware.model import Hardware
@@ -157,7 +157,7 @@ def check_blocks(controller: Controller) -> None:
     for file in (controller.file, *sorted(set(written) - {controller.file})):
         if file == controller.file or controller.path_of(file).is_file():
             known = {QualifiedName(name) for name in written.get(file, ())}
-            renamed_blocks(controller.source_of(file), str(controller.path_of(file)), known)
+            follow_renames(controller.source_of(file), str(controller.path_of(file)), known)
 
 
 def trace_controller(

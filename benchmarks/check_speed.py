@@ -1,0 +1,113 @@
+"""How long `tracerisk check` takes, beside an empty Python and ruff on the same files.
+
+    python benchmarks/check_speed.py [--files N] [--repeat N]
+
+One annotated controller, then N of them (1,000) below one lock. Each figure is the median of a few
+runs of the whole command in its own process, all made in this run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from tracerisk.adder.annotate import Changed, SourceBlocks, annotate_sources
+from tracerisk.adder.block import ComponentEntry, RiskBlock
+from tracerisk.adder.lock import LOCK_NAME, Lock
+from tracerisk.adder.merge import MergePolicy
+from tracerisk.adder.values import (
+    computed_count,
+    computed_flag,
+    computed_next,
+    computed_probability,
+)
+from tracerisk.config import Settings
+from tracerisk.pipeline.code_digest import code_digest
+from tracerisk.pipeline.freshness import RunInputs, settings_data
+from tracerisk.trace import QualifiedName
+
+SAMPLE = Path(__file__).parents[1] / "sample_controllers" / "pick_and_place.py"
+STEPS = ("init", "pick_position", "pick", "place_position", "place")
+
+
+def make(folder: Path, names: Sequence[str]) -> None:
+    """Write copies of the sample with a block in each of its five steps, and their lock."""
+    source = SAMPLE.read_bytes()
+    (folder / "pyproject.toml").write_text("[tool.tracerisk]\n", encoding="utf-8")
+    blocks = {}
+    for number, (step, following) in enumerate(zip(STEPS, (*STEPS[1:], "done"), strict=True), 1):
+        parts = tuple(
+            ComponentEntry(
+                name, computed_probability(9.5e-08), computed_count(quantity), computed_flag(False)
+            )
+            for name, quantity in (("electric_motor", 7), ("gripper", 1))
+        )
+        next_step = computed_next({following: 1})
+        blocks[QualifiedName(step)] = RiskBlock(step, computed_count(number), next_step, parts)
+    inputs = RunInputs(settings=settings_data(Settings(), folder))
+    lock = Lock()
+    for name in names:
+        digest = {name: code_digest(source)}
+        recorded = RunInputs(settings=inputs.settings, sources=digest)
+        outcome = annotate_sources(
+            name,
+            [SourceBlocks(name, source, blocks)],
+            lock,
+            fingerprint=recorded.fingerprint,
+            trace={},
+            inputs=recorded.data(),
+            policy=MergePolicy(),
+        )
+        assert isinstance(outcome, Changed)
+        (folder / name).write_bytes(outcome.sources[0].after)
+        lock = outcome.lock
+    (folder / LOCK_NAME).write_bytes(lock.dumps())
+
+
+def median(command: Sequence[str], folder: Path, repeat: int) -> float:
+    """Return the median wall time of a command [s]; it must succeed."""
+    times = []
+    for _ in range(repeat):
+        began = time.perf_counter()
+        subprocess.run(command, cwd=folder, check=True, capture_output=True)
+        times.append(time.perf_counter() - began)
+    return statistics.median(times)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--files", type=int, default=1000)
+    parser.add_argument("--repeat", type=int, default=5)
+    options = parser.parse_args()
+    python = [sys.executable, "-c", "pass"]
+    check = [sys.executable, "-m", "tracerisk", "check", "-q"]
+    ruff = shutil.which("ruff", path=str(Path(sys.executable).parent)) or shutil.which("ruff")
+    print(f"{'files':>6} {'check':>9} {'python -c pass':>15} {'ruff check':>11}  [s, medians]")
+    for count in (1, options.files):
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            make(folder, [f"controller_{i:04d}.py" for i in range(count)])
+            ours = median(check, folder, options.repeat)
+            empty = median(python, folder, options.repeat)
+            theirs = "none"
+            if ruff is not None:
+                command = [ruff, "check", "--no-cache", "--exit-zero", "-q", "."]
+                theirs = f"{median(command, folder, options.repeat):.3f}"
+            ratio = f"check takes {ours / empty:.1f} times an empty Python"
+            print(f"{count:6d} {ours:9.3f} {empty:15.3f} {theirs:>11}  {ratio}")
+            done = subprocess.run(
+                [*check[:-1], "--json"], cwd=folder, check=True, capture_output=True
+            )
+            assert len(json.loads(done.stdout)["fresh"]) == count
+
+
+if __name__ == "__main__":
+    main()

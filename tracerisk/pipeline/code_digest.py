@@ -1,0 +1,49 @@
+"""A digest of what a Python source says: comments, blank lines and spaces between words left out.
+
+It is made of the text and not of Python's own tokens or syntax tree, which differ from one
+version of Python to the next: a team's lock must say the same on each of their machines.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+
+# A comment behind an f-string is kept: since Python 3.12 quotes may nest in one, and what looks
+# like a comment there may be text.
+_PART = re.compile(
+    rb"(?P<string>[rRbBuUfF]{0,2}(?:"
+    rb'"""(?:\\.|[^\\])*?"""|'
+    rb"'''(?:\\.|[^\\])*?'''|"
+    rb'"(?:\\.|[^"\\\n])*"|'
+    rb"'(?:\\.|[^'\\\n])*'))"
+    rb"|(?P<comment>\#[^\n]*)",
+    re.DOTALL,
+)
+_SPACES = re.compile(rb"(?<=[^ \t\f\n])[ \t\f]+")
+_BLANK = re.compile(rb"(?:[ \t\f]*\n)+")
+_F_STRING = re.compile(rb"[rR]?[fF][rR]?['\"]")
+
+
+def code_digest(source: bytes) -> str:
+    """Return the digest of a source; the same for line ends of any kind."""
+    text = source.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    digest = hashlib.sha256()
+    # A line begins here too, so that blank ones above the first say nothing.
+    plain = [b"\n"]
+    at = 0
+    for found in _PART.finditer(text):
+        plain.append(text[at : found.start()])
+        at = found.end()
+        if found["string"] is not None:
+            digest.update(_squeezed(b"".join(plain)))
+            digest.update(found["string"])
+            plain = []
+        elif _F_STRING.search(text, text.rfind(b"\n", 0, found.start()) + 1, found.start()):
+            plain.append(found["comment"])
+    digest.update(_squeezed(b"".join([*plain, text[at:], b"\n"])))
+    return digest.hexdigest()
+
+
+def _squeezed(text: bytes) -> bytes:
+    return _SPACES.sub(b" ", _BLANK.sub(b"\n", text))
