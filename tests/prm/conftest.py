@@ -37,7 +37,8 @@ def block() -> MakeBlock:
     def make(name, call_sequence, components: Sequence[ComponentEntry] = (), after=None, **marks):
         following = None
         if after is not None:
-            following = _field(tuple(Transition(t, Fraction(w)) for t, w in after.items()))
+            steps = tuple(Transition(t, Fraction(w)) for t, w in after.items())
+            following = Field(steps, ", ".join(f"{t} {w}" for t, w in after.items()))
         return RiskBlock(name, _field(call_sequence), following, tuple(components), **marks)
 
     return make

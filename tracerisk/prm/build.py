@@ -52,8 +52,30 @@ def build_model(
         else:
             steps[block.name] = (NextStep(following, Fraction(1)),)
     _check_end(ordered, steps)
-    states = tuple(_state(block, steps[block.name]) for block in ordered)
-    return HybridModel(name, names[0], states, _parameters(states))
+    for block in ordered:
+        _check_components(block)
+    states = [function_state(block, block.components, steps[block.name]) for block in ordered]
+    return model_of_states(name, names[0], states)
+
+
+def model_of_states(name: str, entry: str, states: Sequence[FunctionState]) -> HybridModel:
+    """Return the model of the states; the parameters are what their trees name."""
+    return HybridModel(name, entry, tuple(states), _parameters(states))
+
+
+def function_state(
+    block: RiskBlock, components: Sequence[ComponentEntry], steps: tuple[NextStep, ...]
+) -> FunctionState:
+    """Return the state of a block with these components and this `next`."""
+    return FunctionState(
+        name=block.name,
+        call_sequence=block.call_sequence.value,
+        tree=component_tree(block.name, components),
+        probabilities={
+            entry.name: entry.probability.value for entry in components if not entry.omitted
+        },
+        next=steps,
+    )
 
 
 def component_tree(function: str, components: Sequence[ComponentEntry]) -> FaultTree:
@@ -79,19 +101,6 @@ def component_tree(function: str, components: Sequence[ComponentEntry]) -> Fault
     # A blank keeps the top's name apart from that of any component.
     top = Gate(f"{function} fails", GateKind.OR, tuple(inputs))
     return FaultTree(top.name, (top, *gates), tuple(events))
-
-
-def _state(block: RiskBlock, steps: tuple[NextStep, ...]) -> FunctionState:
-    _check_components(block)
-    return FunctionState(
-        name=block.name,
-        call_sequence=block.call_sequence.value,
-        tree=component_tree(block.name, block.components),
-        probabilities={
-            entry.name: entry.probability.value for entry in block.components if not entry.omitted
-        },
-        next=steps,
-    )
 
 
 def _parameters(states: Sequence[FunctionState]) -> tuple[Parameter, ...]:

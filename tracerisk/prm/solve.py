@@ -14,6 +14,7 @@ from tracerisk.prm.assessment import (
     ComponentContribution,
     ComponentImportance,
     ImportanceShare,
+    MissionFigures,
     StateAssessment,
 )
 from tracerisk.prm.fault_tree import FaultTree
@@ -67,6 +68,40 @@ def solve(model: HybridModel) -> Assessment:
             if state.name not in reached
         ),
     )
+
+
+@dataclass(frozen=True, slots=True)
+class ModelFigures:
+    """The mission's figures, and each function's top event and expected visits."""
+
+    mission: MissionFigures
+    top_events: Mapping[str, float]
+    expected_visits: Mapping[str, float]
+
+
+def solve_figures(model: HybridModel) -> ModelFigures:
+    """Solve the model for its figures alone, without the importances.
+
+    Raises ModelError as `solve` does.
+    """
+    tops = {state.name: _top(state, state.probabilities) for state in model.states}
+    live = {name: tops[name] for name in model.reachable}
+    solved = solve_mission(model, live)
+    return ModelFigures(
+        mission=mission_figures(model, live, solved),
+        top_events={name: top.p for name, top in tops.items()},
+        expected_visits={name: solved.visits.get(name, 0.0) for name in tops},
+    )
+
+
+def mission_failure(model: HybridModel) -> float:
+    """Return the mission's failure probability by the chain.
+
+    Raises ModelError as `solve` does.
+    """
+    reached = set(model.reachable)
+    tops = {s.name: _top(s, s.probabilities) for s in model.states if s.name in reached}
+    return solve_mission(model, tops).failure.p
 
 
 def _state_assessment(

@@ -1,0 +1,185 @@
+"""Changes of components: their figures, and whether they count in a function at all."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from tracerisk.adder.block import ComponentEntry, Field, RiskBlock
+from tracerisk.adder.values import PROBABILITY, QUANTITY, FieldKind, component_fields
+from tracerisk.prm.flow_changes import Edit
+from tracerisk.prm.model_parts import ModelParts, RiskVersion, counted_components
+from tracerisk.prm.risk_change import NOISE, ChangedField, ChangeKind, is_noise, ratio_of
+
+
+@dataclass(frozen=True, slots=True)
+class ComponentItem:
+    """One change of one component in one function.
+
+    `ratio` is the later probability over the earlier, where that is what changed; infinite for
+    one that was zero.
+    """
+
+    kind: ChangeKind
+    field: ChangedField
+    ratio: float | None
+    edit: Edit
+
+
+def component_items(before: RiskVersion, after: RiskVersion) -> tuple[list[ComponentItem], int]:
+    """Return what changed in functions that both versions have, and how much was only noise."""
+    items: list[ComponentItem] = []
+    noisy = 0
+    for name in after.states:
+        if name in before.blocks:
+            found, quiet = _in_function(before.blocks[name], after.blocks[name])
+            items += found
+            noisy += quiet
+    return items, noisy
+
+
+def alike(items: Sequence[ComponentItem]) -> list[list[ComponentItem]]:
+    """Return the items in groups that are one change made in several functions.
+
+    They are of one component, kind and cause; probabilities by one ratio, noise left aside,
+    other fields from one value to one other.
+    """
+    groups: dict[tuple[object, ...], list[ComponentItem]] = {}
+    for item in items:
+        key: tuple[object, ...] = (item.kind, item.field.component, item.field.causes)
+        if item.kind in ("quantity", "redundancy"):
+            key = (*key, item.field.key, item.field.before, item.field.after)
+        groups.setdefault(key, []).append(item)
+    return [part for group in groups.values() for part in _by_ratio(group)]
+
+
+def _by_ratio(group: Sequence[ComponentItem]) -> Iterator[list[ComponentItem]]:
+    ordered = sorted(group, key=lambda item: item.ratio or 0.0)
+    part: list[ComponentItem] = []
+    for item in ordered:
+        if part and not _near(part[0].ratio, item.ratio):
+            yield part
+            part = []
+        part.append(item)
+    if part:
+        yield part
+
+
+def _near(one: float | None, other: float | None) -> bool:
+    if one is None or other is None:
+        return one is other
+    if math.inf in (one, other):
+        return one == other
+    return abs(other - one) <= NOISE * one
+
+
+def _in_function(before: RiskBlock, after: RiskBlock) -> tuple[list[ComponentItem], int]:
+    old, new = counted_components(before), counted_components(after)
+    omitted_before = {entry.name for entry in before.components if entry.omitted}
+    omitted_after = {entry.name: entry for entry in after.components if entry.omitted}
+    items: list[ComponentItem] = []
+    noisy = 0
+    for name in dict.fromkeys([*new, *old]):
+        if name not in old:
+            kind: ChangeKind = "component_restored" if name in omitted_before else "component_added"
+            items.append(_put(kind, after.name, new[name]))
+        elif name not in new:
+            kind = "component_omitted" if name in omitted_after else "component_removed"
+            items.append(_drop(kind, after.name, old[name], omitted_after.get(name)))
+        else:
+            found, quiet = _fields(after.name, old[name], new[name])
+            items += found
+            noisy += quiet
+    return items, noisy
+
+
+def _fields(
+    function: str, old: ComponentEntry, new: ComponentEntry
+) -> tuple[list[ComponentItem], int]:
+    earlier = dict(component_fields(old))
+    later = dict(component_fields(new))
+    items = []
+    noisy = 0
+    for kind in dict.fromkeys([*earlier, *later]):
+        before, after = earlier.get(kind), later.get(kind)
+        if before is not None and after is not None:
+            if kind.same(before.value, after.value):
+                continue
+            if kind.is_noisy and is_noise(before.value, after.value):
+                noisy += 1
+                continue
+        items.append(_changed(function, new, kind, before, after))
+    return items, noisy
+
+
+def _changed(
+    function: str,
+    entry: ComponentEntry,
+    kind: FieldKind,
+    before: Field[Any] | None,
+    after: Field[Any] | None,
+) -> ComponentItem:
+    component, key = entry.name, kind.key
+    values: dict[str, Any] = {key: after}
+    ratio = None
+    if kind is PROBABILITY and before is not None and after is not None:
+        ratio = ratio_of(before.value, after.value) or math.inf
+        if after.value == 0.0:
+            ratio = 0.0
+
+    def edit(parts: ModelParts) -> None:
+        held = parts.components[function]
+        held[component] = replace(held[component], **values)
+
+    changed = ChangedField(
+        path=f"{function}.{component}.{key}",
+        function=function,
+        component=component,
+        key=key,
+        before=None if before is None else before.text,
+        after=None if after is None else after.text,
+        location=entry.location if after is None else after.location,
+        is_gone=False,
+    )
+    named: ChangeKind = (
+        "probability" if kind is PROBABILITY else "quantity" if kind is QUANTITY else "redundancy"
+    )
+    return ComponentItem(named, changed, ratio, edit)
+
+
+def _put(kind: ChangeKind, function: str, entry: ComponentEntry) -> ComponentItem:
+    def edit(parts: ModelParts) -> None:
+        parts.components[function][entry.name] = entry
+
+    changed = ChangedField(
+        f"{function}.{entry.name}",
+        function,
+        entry.name,
+        None,
+        None,
+        entry.probability.text,
+        entry.location,
+        is_gone=False,
+    )
+    return ComponentItem(kind, changed, None, edit)
+
+
+def _drop(
+    kind: ChangeKind, function: str, entry: ComponentEntry, omitted: ComponentEntry | None
+) -> ComponentItem:
+    def edit(parts: ModelParts) -> None:
+        del parts.components[function][entry.name]
+
+    changed = ChangedField(
+        f"{function}.{entry.name}",
+        function,
+        entry.name,
+        None,
+        entry.probability.text,
+        None if omitted is None else "omit",
+        entry.location if omitted is None else omitted.location,
+        is_gone=omitted is None,
+    )
+    return ComponentItem(kind, changed, None, edit)

@@ -1,0 +1,220 @@
+"""What a change of the blocks does to the risk: the difference of two models, as data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from tracerisk.errors import Location
+from tracerisk.prm.assessment import FIGURE_STATEMENT, MissionFigures
+
+ChangeKind = Literal[
+    "structure",
+    "probability",
+    "quantity",
+    "redundancy",
+    "component_added",
+    "component_removed",
+    "component_omitted",
+    "component_restored",
+]
+"""What changed: states and their `next`; a figure of a component; whether it counts at all."""
+
+Cause = Literal["pin", "edit", "code", "hardware", "settings", "files"]
+"""Why a value changed: a person's `:=`; a person's change of a `=` value; the controller's own
+sources; the hardware description; settings or the version of tracerisk; other files of the run
+(a robot, a scene, parameters)."""
+
+Mark = Literal["new_state", "lost_state", "new_next", "lost_redundancy", "single_point_of_failure"]
+"""What a reviewer should see of a change, whatever it does to the figure."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChangedField:
+    """One value of one block that differs between the versions.
+
+    `path` is dotted: `place.gripper.probability`, `place.next`, `place` for a whole block.
+    `before` and `after` are the texts, `None` where the version has no such value.
+    `location` is where it stands in the later version; in the earlier one if `is_gone`.
+    """
+
+    path: str
+    function: str
+    component: str | None
+    key: str | None
+    before: str | None
+    after: str | None
+    location: Location | None
+    is_gone: bool
+    causes: tuple[Cause, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class RiskChange:
+    """One change of the model, and what the mission's figure does when only it is made.
+
+    `contribution` is that figure less the earlier version's; `None` where the change alone gives
+    a model without a solution.
+    """
+
+    kind: ChangeKind
+    summary: str
+    component: str | None
+    functions: tuple[str, ...]
+    fields: tuple[ChangedField, ...]
+    marks: tuple[Mark, ...]
+    contribution: float | None = None
+
+    @property
+    def causes(self) -> tuple[Cause, ...]:
+        """The causes of its fields, each once, sorted."""
+        return tuple(sorted({cause for field in self.fields for cause in field.causes}))
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionFigures:
+    """A function in one version: its top event's probability a visit, its expected visits."""
+
+    top_event: float
+    expected_visits: float
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionChange:
+    """A function in both versions; `None` for the figures of a version that lacks it.
+
+    `was` is its earlier name where it was renamed.
+    """
+
+    name: str
+    was: str | None
+    before: FunctionFigures | None
+    after: FunctionFigures | None
+
+    @property
+    def status(self) -> Literal["added", "removed", "renamed", "changed", "unchanged"]:
+        """What became of it; figures within the noise are unchanged."""
+        if self.before is None:
+            return "added"
+        if self.after is None:
+            return "removed"
+        if self.was is not None:
+            return "renamed"
+        same = is_noise(self.before.top_event, self.after.top_event) and is_noise(
+            self.before.expected_visits, self.after.expected_visits
+        )
+        return "unchanged" if same else "changed"
+
+
+@dataclass(frozen=True, slots=True)
+class PinChange:
+    """What became of a value, a component or a block that a person set.
+
+    "drifted": the person's value stands, and what tracerisk computes beside it has changed.
+    """
+
+    kind: Literal["new", "removed", "changed", "drifted"]
+    path: str
+    before: str | None
+    after: str | None
+    computed_before: str | None
+    computed_after: str | None
+    reason: str | None
+    location: Location | None
+
+
+@dataclass(frozen=True, slots=True)
+class SinglePoint:
+    """A component that fails the mission alone, and did not before; the functions where."""
+
+    component: str
+    functions: tuple[str, ...]
+    is_new: bool
+
+
+@dataclass(frozen=True, slots=True)
+class RiskDiff:
+    """The difference in risk between two versions of one controller.
+
+    `before` or `after` is `None` where that version has no risk blocks.
+    `changes` come by the size of their contribution; `interaction` is what the mission's figure
+    changes by beyond the sum of contributions, noise included.
+    `within_noise` counts the values that changed by less than 1 %: they are told as unchanged.
+    """
+
+    name: str
+    was: str | None
+    before: MissionFigures | None
+    after: MissionFigures | None
+    changes: tuple[RiskChange, ...]
+    interaction: float | None
+    functions: tuple[FunctionChange, ...]
+    pins: tuple[PinChange, ...]
+    single_points: tuple[SinglePoint, ...]
+    within_noise: int
+
+    @property
+    def increase(self) -> float:
+        """How much the mission's figure rose; a version without blocks counts as none."""
+        return _figure(self.after) - _figure(self.before)
+
+    @property
+    def ratio(self) -> float | None:
+        """The later figure over the earlier; `None` where there is none to compare with."""
+        if self.before is None or self.after is None:
+            return None
+        return ratio_of(self.before.failure_probability, self.after.failure_probability)
+
+    @property
+    def is_unchanged(self) -> bool:
+        """Whether the mission's figure is the same, noise left aside."""
+        if self.before is None or self.after is None:
+            return False
+        return is_noise(self.before.failure_probability, self.after.failure_probability)
+
+
+@dataclass(frozen=True, slots=True)
+class Review:
+    """What changed in risk between two versions, by controller, the greatest change first.
+
+    `before` and `after` name the versions as the user called them; `prefixes` is what stands
+    before the files of each version in places (`HEAD:` as git writes it).
+    """
+
+    before: str
+    after: str
+    controllers: tuple[RiskDiff, ...]
+    notes: tuple[str, ...] = ()
+    prefixes: tuple[str, str] = ("", "")
+    statement: str = FIGURE_STATEMENT
+
+    def place(self, field: ChangedField) -> str:
+        """Return where a changed field stands: `place.py:12`, `HEAD:place.py:12` if it is gone."""
+        if field.location is None:
+            return ""
+        return f"{self.prefixes[0 if field.is_gone else 1]}{field.location}"
+
+
+NOISE = 0.01
+"""The relative change of a figure that is told as no change."""
+
+
+def is_noise(before: float, after: float) -> bool:
+    """Return whether two figures differ by no more than the noise."""
+    return abs(after - before) <= NOISE * abs(before)
+
+
+def ratio_of(before: float, after: float) -> float | None:
+    """Return `after / before`: 1 for two zeros, `None` where only the first is zero."""
+    if before > 0.0:
+        return after / before
+    return 1.0 if after == 0.0 else None
+
+
+def _figure(mission: MissionFigures | None) -> float:
+    return 0.0 if mission is None else mission.failure_probability
+
+
+Renamed = Mapping[str, str]
+"""The later name of each function that was renamed, by its earlier one."""
