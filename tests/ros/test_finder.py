@@ -216,3 +216,11 @@ def test_installing_brings_no_simulator():
         "sys.exit(bool({'mujoco', 'dm_control', 'libcst', 'numpy'} & set(sys.modules)))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_modules_of_a_message_package_are_there_when_they_are_read(finder):
+    import trajectory_msgs
+
+    assert trajectory_msgs.msg.JointTrajectory.__name__ == "JointTrajectory"
+    with pytest.raises(AttributeError, match="trajectory_msgs has no 'srv'"):
+        trajectory_msgs.srv  # noqa: B018

@@ -11,7 +11,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
-from functools import cached_property
+from functools import cached_property, partial
+from importlib import import_module
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec, SourceFileLoader
 from importlib.util import spec_from_file_location
@@ -141,7 +142,9 @@ class StandInFinder(MetaPathFinder):
     def _interface_spec(self, fullname: str, package: str, rest: str) -> ModuleSpec | None:
         kind, _, leaf = rest.partition(".")
         if not rest:
-            return ModuleSpec(fullname, _InterfaceLoader(_empty_package), is_package=True)
+            kinds = self.interfaces.kinds
+            make = partial(_package, kinds=[each for each in kinds if self._has(package, each)])
+            return ModuleSpec(fullname, _InterfaceLoader(make), is_package=True)
         if kind not in self.interfaces.kinds:
             return None
         # Generated packages hold `msg/_Pose.py`, and editors write imports of it.
@@ -149,6 +152,9 @@ class StandInFinder(MetaPathFinder):
             return None
         make = _InterfaceModule.maker(self.interfaces, package, kind)
         return ModuleSpec(fullname, _InterfaceLoader(make), is_package=True)
+
+    def _has(self, package: str, kind: str) -> bool:
+        return bool(self.interfaces.module_names(package, kind))
 
     def _no_such_name(self, fullname: str) -> ModuleNotFoundError:
         # `from rospy import nope` comes here as a module `rospy.nope`. An error that carries
@@ -244,9 +250,19 @@ class _InterfaceModule(ModuleType):
         return self._interfaces.interface(self._package, self._kind, name)
 
 
-def _empty_package(spec: ModuleSpec) -> ModuleType:
+def _package(spec: ModuleSpec, *, kinds: Sequence[str]) -> ModuleType:
+    """Make a package whose modules are there when they are read.
+
+    In a real ROS `import sensor_msgs` is enough where anything else has imported
+    `sensor_msgs.msg`, as the code of most other messages has.
+    """
     module = ModuleType(spec.name, f"The ROS package {spec.name}.")
-    vars(module)["__getattr__"] = _no_attribute(module)
+    missing = _no_attribute(module)
+
+    def attribute(name: str) -> Any:
+        return import_module(f"{spec.name}.{name}") if name in kinds else missing(name)
+
+    vars(module)["__getattr__"] = attribute
     return module
 
 
