@@ -143,8 +143,9 @@ class StandInFinder(MetaPathFinder):
         kind, _, leaf = rest.partition(".")
         if not rest:
             kinds = self.interfaces.kinds
-            make = partial(_package, kinds=[each for each in kinds if self._has(package, each)])
-            return ModuleSpec(fullname, _InterfaceLoader(make), is_package=True)
+            served = [each for each in kinds if self._has(package, each)]
+            loader = _InterfaceLoader(partial(_package, kinds=served))
+            return ModuleSpec(fullname, loader, is_package=True)
         if kind not in self.interfaces.kinds:
             return None
         # Generated packages hold `msg/_Pose.py`, and editors write imports of it.
