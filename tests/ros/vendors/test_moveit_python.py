@@ -79,3 +79,22 @@ except NotImplementedError as error:
     assert ran["done"] is False
     assert ran["result"].error_code.val != 1
     assert "PickPlaceInterface.pickup with wait=False" in ran["told"]
+
+
+def test_poses_are_moved_and_turned(run_on):
+    ran = run_on(
+        "panda",
+        """
+from math import pi
+from geometry_msgs.msg import Point, Pose, Quaternion
+from moveit_python.geometry import (
+    rotate_pose_msg_about_origin, rotate_pose_msg_by_euler_angles, translate_pose_msg)
+pose = Pose(Point(1, 0, 0), Quaternion(0, 0, 0, 1))
+turned = rotate_pose_msg_by_euler_angles(pose, 0, 0, pi / 2)
+about = rotate_pose_msg_about_origin(pose, 0, 0, pi / 2).position
+ahead = translate_pose_msg(turned, 1, 0, 0).position
+""",
+    )
+    assert ran["turned"].orientation.z == pytest.approx(0.7071, abs=1e-4)
+    assert (ran["about"].x, ran["about"].y) == pytest.approx((0.0, 1.0))
+    assert (ran["ahead"].x, ran["ahead"].y) == pytest.approx((1.0, 1.0))
