@@ -279,18 +279,27 @@ def build(
     """
     from tracerisk.prm.build import build_model
 
+    blocks = [block for _, block in blocks_of(sources)]
+    if not blocks:
+        raise InputError(
+            f"no risk block in {', '.join(sources)}; `tracerisk run` or `annotate` writes them"
+        )
+    return build_model(blocks, profile=profile, name=name)
+
+
+def blocks_of(sources: Mapping[str, bytes]) -> list[tuple[FunctionRef, RiskBlock]]:
+    """Return the blocks in the sources, each under the name that its function has in the model.
+
+    Beside each stands its function: the file and the qualified name within it.
+    Raises BlockError or SourceError where a block or a source is malformed.
+    """
     found = [
         (FunctionRef(file, name), block)
         for file, source in sources.items()
         for name, block in _blocks_in(source, file)
     ]
     names = model_names([ref for ref, _ in found])
-    blocks = [replace(block, name=QualifiedName(names[ref])) for ref, block in found]
-    if not blocks:
-        raise InputError(
-            f"no risk block in {', '.join(sources)}; `tracerisk run` or `annotate` writes them"
-        )
-    return build_model(blocks, profile=profile, name=name)
+    return [(ref, replace(block, name=QualifiedName(names[ref]))) for ref, block in found]
 
 
 def _blocks_in(source: bytes, file: str) -> Iterator[tuple[QualifiedName, RiskBlock]]:

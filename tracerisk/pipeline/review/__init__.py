@@ -1,0 +1,1 @@
+"""Review: what a change of sources, told by git, does to the risk."""

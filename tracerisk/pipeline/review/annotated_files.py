@@ -1,0 +1,130 @@
+"""Which files a review looks at: those with risk blocks that differ between two versions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+
+from tracerisk.adder.published import is_c_like
+from tracerisk.pipeline.review.git_versions import Compared, GitVersion
+from tracerisk.pipeline.review.repository import SUBMODULE, SYMLINK, ChangedFile, Repository
+
+
+@dataclass(frozen=True, slots=True)
+class AnnotatedFiles:
+    """The annotated files that a review is about.
+
+    `pairs` are their paths from the top in both versions, `None` where a version lacks the file;
+    `renames` the later path of each that moved, by its earlier one.
+    `notes` tell what was left out.
+    """
+
+    pairs: tuple[tuple[str | None, str | None], ...]
+    renames: Mapping[str, str]
+    notes: tuple[str, ...]
+
+
+def annotated_files(repository: Repository, what: Compared) -> AnnotatedFiles:
+    """Return the annotated sources that changed, or are named; of named folders, those in them.
+
+    Raises InputError where git or a file cannot be read.
+    """
+    later = what.after.commit
+    changed = repository.changed(str(what.before.commit), later)
+    notes = tuple(
+        f"{file.after or file.before} is a submodule; run tracerisk diff in it"
+        for file in changed
+        if file.mode == SUBMODULE and _is_within(file, what.paths)
+    )
+    plain = [file for file in changed if _may_hold_blocks(file)]
+    held = [file for file in plain if _is_annotated_somewhere(file, what)]
+    renames = _renames(repository, what, held)
+    pairs = [(file.before, file.after) for file in held if _is_within(file, what.paths)]
+    pairs += _named(what, {path for pair in pairs for path in pair if path is not None})
+    return AnnotatedFiles(tuple(_joined(pairs, renames)), renames, notes)
+
+
+def is_annotated(path: str, content: bytes | None) -> bool:
+    """Return whether a file holds risk blocks, as far as its bytes and its name tell."""
+    if content is None or (b"RiskAnnotation" not in content and b"@Function" not in content):
+        return False
+    return bool(PurePosixPath(path).suffix) or content.startswith(b"#!")
+
+
+def _is_source(path: str) -> bool:
+    # Nodes of ROS 1 are often scripts without an ending.
+    return PurePosixPath(path).suffix in ("", ".py") or is_c_like(path)
+
+
+def _may_hold_blocks(file: ChangedFile) -> bool:
+    if file.mode in (SYMLINK, SUBMODULE):
+        return False
+    return any(_is_source(path) for path in (file.before, file.after) if path is not None)
+
+
+def _is_annotated_somewhere(file: ChangedFile, what: Compared) -> bool:
+    for version, path, blob in (
+        (what.before, file.before, file.before_blob),
+        (what.after, file.after, file.after_blob),
+    ):
+        if path is not None and is_annotated(path, _content(version, path, blob)):
+            return True
+    return False
+
+
+def _content(version: GitVersion, path: str, blob: str | None) -> bytes | None:
+    if blob is None or version.commit is None:
+        return version.file(path)
+    return version.repository.blob(blob)
+
+
+def _renames(repository: Repository, what: Compared, held: list[ChangedFile]) -> dict[str, str]:
+    gone = [file.before for file in held if file.after is None and file.before is not None]
+    new = [file.after for file in held if file.before is None and file.after is not None]
+    if not gone or not new:
+        return {}
+    found = repository.renamed(str(what.before.commit), what.after.commit, [*gone, *new])
+    return {
+        file.before: file.after
+        for file in found
+        if file.before in gone and file.after in new and file.before is not None and file.after
+    }
+
+
+def _is_within(file: ChangedFile, paths: tuple[str, ...] | None) -> bool:
+    if paths is None:
+        return True
+    return any(
+        path is not None and (base == "." or path == base or path.startswith(f"{base}/"))
+        for path in (file.before, file.after)
+        for base in paths
+    )
+
+
+def _named(what: Compared, known: set[str]) -> Iterator[tuple[str | None, str | None]]:
+    """Yield the named files that git does not tell as changed: untracked or unchanged ones."""
+    for path in what.paths or ():
+        contents = [version.file(path) for version in (what.before, what.after)]
+        if path in known or not any(is_annotated(path, content) for content in contents):
+            continue
+        before, after = (path if content is not None else None for content in contents)
+        yield before, after
+
+
+def _joined(
+    pairs: list[tuple[str | None, str | None]], renames: Mapping[str, str]
+) -> Iterator[tuple[str | None, str | None]]:
+    """Yield the pairs, the two halves of each renamed file as one."""
+    targets = set(renames.values())
+    seen = set()
+    was = {new: old for old, new in renames.items()}
+    for before, after in pairs:
+        pair = before, after
+        if after is None and before is not None and before in renames:
+            pair = before, renames[before]
+        elif before is None and after in targets:
+            pair = was[str(after)], after
+        if pair not in seen:
+            seen.add(pair)
+            yield pair

@@ -1,0 +1,87 @@
+"""Why a value of a block changed, told from the lock and the sources of both versions."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from typing import get_args
+
+from tracerisk.adder.lock import WrittenBlock
+from tracerisk.adder.published import is_c_like
+from tracerisk.pipeline.code_digest import code_digest
+from tracerisk.pipeline.freshness import RunInputs
+from tracerisk.pipeline.review.controllers import ControllerVersion
+from tracerisk.prm.risk_change import Cause, ChangedField
+from tracerisk.trace import FunctionRef
+
+_OF_HARDWARE = frozenset({"hardware", "active"})
+
+
+def cause_finder(
+    before: ControllerVersion, after: ControllerVersion, refs: Mapping[str, FunctionRef]
+) -> Callable[[ChangedField], tuple[Cause, ...]]:
+    """Return what tells the cause of a change that no pin explains.
+
+    A value that is not what the later lock says was last written is a person's edit. Else it is
+    what the run depended on that differs: the controller's code, the hardware description,
+    settings, other files. Where a version has no lock, its code tells.
+    `refs` are the functions of the later version by their names in the model.
+    """
+    of_run = _run_causes(before, after)
+
+    def cause_of(field: ChangedField) -> tuple[Cause, ...]:
+        if _is_edited(field, after, refs):
+            return ("edit",)
+        return of_run or ("edit",)
+
+    return cause_of
+
+
+def _run_causes(before: ControllerVersion, after: ControllerVersion) -> tuple[Cause, ...]:
+    if before.entry is None or after.entry is None:
+        return ("code",) if _codes(before) != _codes(after) else ()
+    old, new = RunInputs.from_data(before.entry.inputs), RunInputs.from_data(after.entry.inputs)
+    found: set[Cause] = set()
+    if old.sources != new.sources:
+        found.add("code")
+    if old.files != new.files:
+        found.add("files")
+    if old.hardware != new.hardware:
+        found.add("hardware")
+    for name in {*old.settings, *new.settings}:
+        if old.settings.get(name) != new.settings.get(name):
+            found.add("hardware" if name in _OF_HARDWARE else "settings")
+    return tuple(cause for cause in get_args(Cause) if cause in found)
+
+
+def _codes(version: ControllerVersion) -> set[str]:
+    """Return digests of what the sources say; where they stand does not matter."""
+    return {
+        repr(source) if is_c_like(file) else code_digest(source)
+        for file, source in version.sources.items()
+    }
+
+
+def _is_edited(
+    field: ChangedField, after: ControllerVersion, refs: Mapping[str, FunctionRef]
+) -> bool:
+    """Return whether the later lock knows that the tool wrote something else there."""
+    ref = refs.get(field.function)
+    if after.entry is None or ref is None or field.is_gone:
+        return False
+    file = os.path.relpath(ref.file, after.folder)
+    candidates = [
+        written[file][ref.name]
+        for written in (after.entry.blocks, after.entry.previous or {})
+        if ref.name in written.get(file, {})
+    ]
+    return bool(candidates) and all(_differs(field, each) for each in candidates)
+
+
+def _differs(field: ChangedField, written: WrittenBlock) -> bool:
+    if field.component is None:
+        return field.key is not None and written.values.get(field.key) not in (None, field.after)
+    component = written.components.get(field.component)
+    if component is None:
+        return True
+    return field.key is not None and component.values.get(field.key) != field.after

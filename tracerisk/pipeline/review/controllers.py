@@ -1,0 +1,156 @@
+"""Which controllers the annotated files belong to, by the lock of each version."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import PurePosixPath
+
+from tracerisk.adder.lock import LOCK_NAME, ControllerLock, Lock, loads
+from tracerisk.errors import InputError, Location, TraceRiskError
+from tracerisk.pipeline.review.annotated_files import AnnotatedFiles, is_annotated
+from tracerisk.pipeline.review.git_versions import GitVersion
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerVersion:
+    """A controller in one version: its annotated sources by path from the top, and its entry.
+
+    `folder` is that of its lock, from which the entry names files.
+    """
+
+    sources: Mapping[str, bytes]
+    entry: ControllerLock | None
+    folder: str
+
+
+@dataclass(frozen=True, slots=True)
+class ReviewedController:
+    """A controller in both versions; `was` is its earlier path where it moved."""
+
+    name: str
+    was: str | None
+    before: ControllerVersion
+    after: ControllerVersion
+
+
+@dataclass(frozen=True, slots=True)
+class _Known:
+    """What a lock knows of a controller: its files by path from the top, itself among them."""
+
+    entry: ControllerLock
+    folder: str
+    files: tuple[str, ...]
+
+
+@dataclass
+class _Locks:
+    """The locks of one version, each read once."""
+
+    version: GitVersion
+    _read: dict[str, dict[str, _Known]] = field(default_factory=dict)
+
+    def controllers_of(self, path: str) -> list[str]:
+        """Return the controllers that a file belongs to, by the nearest lock that knows it."""
+        for folder in PurePosixPath(path).parents:
+            names = [name for name, each in self._in(str(folder)).items() if path in each.files]
+            if names:
+                return names
+        return []
+
+    def known(self, controller: str) -> _Known | None:
+        for folder in PurePosixPath(controller).parents:
+            if controller in (known := self._in(str(folder))):
+                return known[controller]
+        return None
+
+    def _in(self, folder: str) -> dict[str, _Known]:
+        if folder not in self._read:
+            self._read[folder] = dict(self._load(folder))
+        return self._read[folder]
+
+    def _load(self, folder: str) -> Iterator[tuple[str, _Known]]:
+        path = _below(folder, LOCK_NAME)
+        content = self.version.file(path)
+        if content is None:
+            return
+        try:
+            lock: Lock = loads(content, path)
+        except TraceRiskError as error:
+            raise in_version(error, self.version) from error
+        for name, entry in lock.controllers.items():
+            listed = dict.fromkeys([name, *(file for file, held in entry.blocks.items() if held)])
+            files = tuple(_below(folder, file) for file in listed)
+            yield _below(folder, name), _Known(entry, folder, files)
+
+
+def reviewed_controllers(
+    files: AnnotatedFiles, before: GitVersion, after: GitVersion
+) -> list[ReviewedController]:
+    """Return the controllers that the files belong to, with all of their annotated sources.
+
+    A file that no lock knows is a controller of its own.
+    Raises InputError, telling the version, where a lock cannot be read.
+    """
+    locks = _Locks(before), _Locks(after)
+    was = {new: old for old, new in files.renames.items()}
+    names: dict[str, None] = {}
+    for old, new in files.pairs:
+        found = [] if new is None else locks[1].controllers_of(new)
+        if old is not None:
+            found += [files.renames.get(name, name) for name in locks[0].controllers_of(old)]
+        own = new if new is not None else old
+        names.update(dict.fromkeys(found or [str(own)]))
+    return [_reviewed(name, was.get(name), locks, files.renames) for name in sorted(names)]
+
+
+def _reviewed(
+    name: str, was: str | None, locks: tuple[_Locks, _Locks], renames: Mapping[str, str]
+) -> ReviewedController:
+    backwards = {new: old for old, new in renames.items()}
+    earlier = was or name
+    known = locks[0].known(earlier), locks[1].known(name)
+    guesses = (
+        [backwards.get(file, file) for file in known[1].files] if known[1] else [earlier],
+        [renames.get(file, file) for file in known[0].files] if known[0] else [name],
+    )
+    before = _version(locks[0], known[0], guesses[0], earlier)
+    after = _version(locks[1], known[1], guesses[1], name)
+    return ReviewedController(name, was, before, after)
+
+
+def _version(
+    locks: _Locks, known: _Known | None, guesses: list[str], controller: str
+) -> ControllerVersion:
+    """Return a controller as one version has it.
+
+    Where that version's lock does not know it, it is taken to have the files it has in the other,
+    those left out that this version's lock gives to another controller.
+    """
+    files: list[str] = []
+    if known is not None:
+        files = list(known.files)
+    else:
+        for file in dict.fromkeys([controller, *guesses]):
+            if locks.controllers_of(file) in ([], [controller]):
+                files.append(file)
+    contents = {file: locks.version.file(file) for file in sorted(files)}
+    sources = {
+        file: content
+        for file, content in contents.items()
+        if content is not None and is_annotated(file, content)
+    }
+    folder = known.folder if known is not None else "."
+    return ControllerVersion(sources, known.entry if known is not None else None, folder)
+
+
+def in_version(error: TraceRiskError, version: GitVersion) -> InputError:
+    """Return the error with the version that it is about."""
+    place = error.location
+    if place is not None and version.prefix:
+        place = Location(f"{version.prefix}{place.file}", place.line, place.column)
+    return InputError(f"in {version.name}: {error.message}", place)
+
+
+def _below(folder: str, path: str) -> str:
+    return path if folder == "." else f"{folder}/{path}"

@@ -1,0 +1,101 @@
+"""Functions that only bear another name in the later version of a controller.
+
+A function that is gone and one that is new are the same one if they do the same: if their code is
+the same but for the name, or, where it is not, if their blocks say the same.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Hashable, Iterable, Mapping
+from dataclasses import dataclass
+
+from tracerisk.adder.block import RiskBlock
+from tracerisk.adder.definitions import definitions, parse_python
+from tracerisk.adder.published import is_c_like
+from tracerisk.adder.values import component_fields
+from tracerisk.prm.risk_change import is_noise
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionSource:
+    """A function's block, and where it stands: file and qualified name there."""
+
+    block: RiskBlock
+    file: str
+    name: str
+
+
+def renamed_functions(
+    before: Mapping[str, FunctionSource],
+    after: Mapping[str, FunctionSource],
+    sources: tuple[Mapping[str, bytes], Mapping[str, bytes]],
+) -> dict[str, str]:
+    """Return the later name of each function that was renamed, by its earlier one.
+
+    `sources` are the two versions' files, which can be read as what they are.
+    """
+    gone = {name: each for name, each in before.items() if name not in after}
+    new = {name: each for name, each in after.items() if name not in before}
+    if not gone or not new:
+        return {}
+    codes = _codes(gone.values(), sources[0]), _codes(new.values(), sources[1])
+    found = _pairs(
+        {name: codes[0].get((each.file, each.name)) for name, each in gone.items()},
+        {name: codes[1].get((each.file, each.name)) for name, each in new.items()},
+        lambda one, other: one == other,
+    )
+    left = (
+        {name: each.block for name, each in gone.items() if name not in found},
+        {name: each.block for name, each in new.items() if name not in found.values()},
+    )
+    return {**found, **_pairs(left[0], left[1], _say_the_same)}
+
+
+def _pairs(
+    gone: Mapping[str, Hashable | None],
+    new: Mapping[str, Hashable | None],
+    same: Callable[..., bool],
+) -> dict[str, str]:
+    """Return what belongs together where each has one other only."""
+    fits = {
+        old: [name for name, other in new.items() if other is not None and same(one, other)]
+        for old, one in gone.items()
+        if one is not None
+    }
+    chosen = [names[0] for names in fits.values() if len(names) == 1]
+    return {
+        old: names[0]
+        for old, names in fits.items()
+        if len(names) == 1 and chosen.count(names[0]) == 1
+    }
+
+
+def _codes(
+    functions: Iterable[FunctionSource], sources: Mapping[str, bytes]
+) -> dict[tuple[str, str], str]:
+    """Return what each function does, as text without its name, by file and qualified name."""
+    files = {each.file for each in functions if not is_c_like(each.file)}
+    found = {}
+    for file in sorted(files):
+        tree = parse_python(sources[file], file).tree
+        lines = {definition.line: definition.name for definition in definitions(tree)}
+        for node in ast.walk(tree):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.lineno in lines:
+                parts = [node.args, *node.body]
+                found[(file, str(lines[node.lineno]))] = "\n".join(map(ast.dump, parts))
+    return found
+
+
+def _say_the_same(one: RiskBlock, other: RiskBlock) -> bool:
+    if one.call_sequence.value != other.call_sequence.value or not one.components:
+        return False
+    earlier = {entry.name: entry for entry in one.components}
+    later = {entry.name: entry for entry in other.components}
+    return earlier.keys() == later.keys() and all(
+        kind.same(value.value, new.value) or (kind.is_noisy and is_noise(value.value, new.value))
+        for name, entry in earlier.items()
+        for (kind, value), (_, new) in zip(
+            component_fields(entry), component_fields(later[name]), strict=False
+        )
+    )

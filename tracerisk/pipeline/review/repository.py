@@ -1,0 +1,193 @@
+"""A git repository, read through git itself; nothing is ever written, not even its index."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from tracerisk.errors import InputError, Location
+
+SYMLINK, SUBMODULE = "120000", "160000"
+_ABSENT = "000000"
+_COMMAND = ("git", "--no-pager", "--literal-pathspecs")
+_MOST_PATHS = 60_000  # characters of paths on a command line, well below what Linux takes
+
+
+@dataclass(frozen=True, slots=True)
+class ChangedFile:
+    """A file that differs between two versions, by its paths from the repository's top.
+
+    A path is `None` where the version lacks the file; so is the blob's name where its content is
+    that of the working tree.
+    """
+
+    before: str | None
+    after: str | None
+    before_blob: str | None
+    after_blob: str | None
+    mode: str
+
+
+class Repository:
+    """The repository of a folder: `top` is that of its working tree.
+
+    Its blobs are read by one git process, which `opened` ends.
+    """
+
+    def __init__(self, top: Path, *, is_shallow: bool, process: subprocess.Popen[bytes]) -> None:
+        self.top = top
+        self.is_shallow = is_shallow
+        self._process = process
+
+    @classmethod
+    @contextmanager
+    def opened(cls, folder: Path) -> Iterator[Repository]:
+        """Yield the repository that the folder is in.
+
+        Raises InputError where there is none, where it has no working tree, or without git.
+        """
+        found = _run(folder, "rev-parse", "--is-shallow-repository", "--show-toplevel")
+        if found.returncode:
+            raise InputError(_no_repository(found.stderr), Location(str(folder)))
+        shallow, _, top = found.stdout.decode(errors="surrogateescape").partition("\n")
+        path = Path(top.removesuffix("\n"))
+        with subprocess.Popen(
+            [*_COMMAND, "cat-file", "--batch"],
+            cwd=path,
+            env=_environment(),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+        ) as process:
+            try:
+                yield cls(path, is_shallow=shallow == "true", process=process)
+            finally:
+                assert process.stdin is not None
+                process.stdin.close()
+
+    def read(self, name: str) -> tuple[str, str, bytes] | None:
+        """Return the hash, the type and the content of an object; `None` where there is none.
+
+        `name` is what git calls it: a hash, `HEAD^{commit}`, `HEAD:place.py`.
+        """
+        if "\n" in name or "\0" in name:
+            return None
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._process.stdin.write(name.encode(errors="surrogateescape") + b"\n")
+        self._process.stdin.flush()
+        head = self._process.stdout.readline().decode(errors="surrogateescape").rstrip("\n")
+        parts = head.rsplit(" ", 2)
+        if len(parts) != 3 or not parts[2].isdigit():
+            # "... missing", "... ambiguous", or a git that has died.
+            return None
+        content = self._process.stdout.read(int(parts[2]))
+        self._process.stdout.read(1)
+        return parts[0], parts[1], content
+
+    def file(self, commit: str, path: str) -> bytes | None:
+        """Return the content of a file in a commit or tree; `None` where it is no file there."""
+        return self.blob(f"{commit}:{path}")
+
+    def blob(self, name: str) -> bytes | None:
+        """Return the content of a blob; `None` where there is none of this name."""
+        found = self.read(name)
+        return found[2] if found is not None and found[1] == "blob" else None
+
+    def merge_base(self, one: str, other: str) -> str | None:
+        """Return the best common ancestor of two commits; `None` where they have none."""
+        found = _run(self.top, "merge-base", one, other)
+        return found.stdout.decode().strip() or None if not found.returncode else None
+
+    def empty_tree(self) -> str:
+        """Return the name of the tree without files, for a repository without a commit."""
+        return self._output("hash-object", "-t", "tree", "--stdin").decode().strip()
+
+    def changed(self, before: str, after: str | None) -> list[ChangedFile]:
+        """Return the tracked files that differ, renames not yet told.
+
+        `after` is a commit, `None` for the working tree.
+        """
+        return _files(self._output(*_difference(before, after)))
+
+    def renamed(self, before: str, after: str | None, paths: list[str]) -> list[ChangedFile]:
+        """Return the files that differ among the paths, renames told."""
+        short = paths if sum(map(len, paths)) + len(paths) < _MOST_PATHS else []
+        return _files(self._output(*_difference(before, after), "-M", "--", *short))
+
+    def _output(self, *arguments: str) -> bytes:
+        found = _run(self.top, *arguments)
+        if found.returncode:
+            told = found.stderr.decode(errors="replace").strip()
+            raise InputError(f"git {arguments[0]} failed: {told}", Location(str(self.top)))
+        return found.stdout
+
+
+def _difference(before: str, after: str | None) -> tuple[str, ...]:
+    shared = ("--raw", "-z", "--no-abbrev")
+    if after is None:
+        return ("diff-index", *shared, before)
+    return ("diff-tree", "-r", *shared, before, after)
+
+
+def _files(raw: bytes) -> list[ChangedFile]:
+    """Read what `--raw -z` tells: `:mode mode blob blob status`, then one path or two."""
+    parts = iter(raw.decode(errors="surrogateescape").split("\0"))
+    found: dict[tuple[str | None, str | None], ChangedFile] = {}
+    for head in parts:
+        if not head.startswith(":"):
+            continue
+        before_mode, after_mode, before_blob, after_blob, status = head[1:].split(" ")
+        old = new = next(parts)
+        if status[0] in "RC":
+            new = next(parts)
+        if status == "U":
+            # An unmerged file is told a second time, as what the working tree holds.
+            continue
+        before = None if before_mode == _ABSENT or status[0] == "C" else old
+        after = None if after_mode == _ABSENT else new
+        mode = before_mode if after is None else after_mode
+        file = ChangedFile(before, after, _blob(before_blob), _blob(after_blob), mode)
+        found[(before, after)] = file
+    return list(found.values())
+
+
+def _blob(name: str) -> str | None:
+    return name if name.strip("0") else None
+
+
+def _run(folder: Path, *arguments: str) -> subprocess.CompletedProcess[bytes]:
+    try:
+        return subprocess.run(
+            [*_COMMAND, *arguments],
+            cwd=folder,
+            env=_environment(),
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            check=False,
+        )
+    except FileNotFoundError as error:
+        raise InputError(
+            "git is not installed; install it: versions are read through it"
+        ) from error
+
+
+def _environment() -> dict[str, str]:
+    # Without the lock git does not refresh its index; its words are matched in English.
+    return {**os.environ, "GIT_OPTIONAL_LOCKS": "0", "LC_ALL": "C", "LANGUAGE": "C"}
+
+
+def _no_repository(told: bytes) -> str:
+    text = told.decode(errors="replace").strip()
+    if "not a git repository" in text:
+        return (
+            "is in no git repository; tracerisk diff compares two versions that git knows: run "
+            "it in a clone"
+        )
+    if "work tree" in text:
+        return "is in a repository without a working tree; run tracerisk diff in a clone with one"
+    return f"git cannot read the repository: {text}"

@@ -1,0 +1,134 @@
+"""Review a change: build and solve both versions of each controller from their blocks alone."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from tracerisk.errors import InputError, TraceRiskError
+from tracerisk.pipeline.review.annotated_files import annotated_files
+from tracerisk.pipeline.review.causes import cause_finder
+from tracerisk.pipeline.review.controllers import (
+    ControllerVersion,
+    ReviewedController,
+    in_version,
+    reviewed_controllers,
+)
+from tracerisk.pipeline.review.git_versions import GitVersion, compared
+from tracerisk.pipeline.review.renamed_functions import FunctionSource, renamed_functions
+from tracerisk.pipeline.review.repository import Repository
+from tracerisk.pipeline.stages import blocks_of
+from tracerisk.prm.compare import compare
+from tracerisk.prm.model_parts import RiskVersion
+from tracerisk.prm.risk_change import Review, RiskDiff
+from tracerisk.trace import FunctionRef
+
+
+def review(words: Sequence[str] = (), folder: Path | None = None) -> Review:
+    """Return what changed in risk between two versions that git knows.
+
+    `words` are `[REV[..REV]] [FILE...]`, as `tracerisk diff` takes them; without a revision HEAD
+    is compared with the working tree. `folder` is where they are meant, else the current one.
+    Nothing is written.
+    Raises InputError for what git does not know, and, telling the version, where blocks are
+    malformed or make no model.
+    """
+    here = Path.cwd() if folder is None else folder
+    with Repository.opened(here) as repository:
+        what = compared(repository, here, words)
+        files = annotated_files(repository, what)
+        controllers = reviewed_controllers(files, what.before, what.after)
+        shown = _Shown(repository.top, here)
+        diffs = [_reviewed(each, (what.before, what.after), shown) for each in controllers]
+    return Review(
+        before=what.before.name,
+        after=what.after.name,
+        controllers=tuple(sorted(diffs, key=lambda diff: (-abs(diff.increase), diff.name))),
+        notes=files.notes,
+        prefixes=(what.before.prefix, what.after.prefix),
+    )
+
+
+def diff(
+    before_sources: Mapping[str, bytes], after_sources: Mapping[str, bytes], *, name: str = ""
+) -> RiskDiff:
+    """Return the difference in risk between two versions of one controller's annotated sources.
+
+    Both map the names of files to their bytes, as `build` takes them; a version without blocks
+    has no risk to tell.
+    Raises BlockError, SourceError or ModelError where the blocks are malformed or make no model.
+    """
+    before = ControllerVersion(before_sources, None, ".")
+    after = ControllerVersion(after_sources, None, ".")
+    first = next(iter([*after_sources, *before_sources]), "")
+    return _difference(ReviewedController(name or first, None, before, after), None)
+
+
+class _Shown:
+    """How messages call files: by the path from where the user stands."""
+
+    def __init__(self, top: Path, folder: Path) -> None:
+        self._lead = os.path.relpath(top.resolve(), folder.resolve())
+
+    def name(self, path: str) -> str:
+        return os.path.normpath(f"{self._lead}/{path}")
+
+    def version(self, version: ControllerVersion) -> ControllerVersion:
+        sources = {self.name(file): source for file, source in version.sources.items()}
+        return ControllerVersion(sources, version.entry, self.name(version.folder))
+
+
+def _reviewed(
+    controller: ReviewedController, versions: tuple[GitVersion, GitVersion], shown: _Shown
+) -> RiskDiff:
+    named = ReviewedController(
+        shown.name(controller.name),
+        None if controller.was is None else shown.name(controller.was),
+        shown.version(controller.before),
+        shown.version(controller.after),
+    )
+    return _difference(named, versions)
+
+
+def _difference(
+    controller: ReviewedController, versions: tuple[GitVersion, GitVersion] | None
+) -> RiskDiff:
+    before, old = _built(controller.before, controller.name, versions and versions[0])
+    after, new = _built(controller.after, controller.name, versions and versions[1])
+    renamed = {}
+    if before is not None and after is not None:
+        renamed = renamed_functions(
+            _functions(before, old),
+            _functions(after, new),
+            (controller.before.sources, controller.after.sources),
+        )
+    return compare(
+        before,
+        after,
+        name=controller.name,
+        was=controller.was,
+        renamed=renamed,
+        cause_of=cause_finder(controller.before, controller.after, new),
+    )
+
+
+def _built(
+    version: ControllerVersion, name: str, of: GitVersion | None
+) -> tuple[RiskVersion | None, dict[str, FunctionRef]]:
+    """Return a version's model, `None` without blocks, and its functions by their names in it."""
+    try:
+        found = blocks_of(version.sources)
+        model = RiskVersion.of_blocks([block for _, block in found], name) if found else None
+    except TraceRiskError as error:
+        if of is None or not isinstance(error, InputError):
+            raise
+        raise in_version(error, of) from error
+    return model, {block.name: ref for ref, block in found}
+
+
+def _functions(version: RiskVersion, refs: Mapping[str, FunctionRef]) -> dict[str, FunctionSource]:
+    return {
+        name: FunctionSource(block, refs[name].file, refs[name].name)
+        for name, block in version.blocks.items()
+    }
