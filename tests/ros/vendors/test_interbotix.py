@@ -282,6 +282,12 @@ good, clusters = InterbotixPointCloudInterface().get_cluster_positions(
     assert ran["clusters"][0]["position"] == pytest.approx([0.3, 0.0, 0.4])
 
 
+@pytest.mark.parametrize("ros", [1, 2])
+def test_a_model_that_is_not_the_simulated_robot_is_told_of(run_on, ros):
+    with pytest.raises(RuntimeError, match=r"has 6 joints, and arm model 'wx200' has 5: the robot"):
+        run_on("wx250s", program(ros, "\ndef work(bot): pass\n", model="wx200"), ros=ros)
+
+
 def test_a_global_node_is_made_once(run_on):
     ran = run_on(
         "wx250s",

@@ -43,8 +43,15 @@ class ArmInterface(ABC):
     accel_time: Any = None
     iterative_update_fk = True
 
-    def _begin(self) -> None:
+    def _begin(self, robot_model: str) -> None:
         count = self.group_info.num_joints
+        expected = self.robot_des.Slist.shape[1]
+        if count != expected:
+            raise RuntimeError(
+                f"group '{self.group_name}' has {count} joints, and arm model '{robot_model}' has "
+                f"{expected}: the robot that is simulated is another one; name the right one "
+                "with --robot"
+            )
         self.initial_guesses = [[0.0] * count for _ in range(3)]
         self.initial_guesses[1][0] = np.deg2rad(-120)
         self.initial_guesses[2][0] = np.deg2rad(120)

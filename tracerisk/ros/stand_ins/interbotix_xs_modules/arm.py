@@ -63,7 +63,7 @@ class InterbotixArmXSInterface(ArmInterface):
             rospy.logerr("Please set the group's 'operating mode' to 'position'.")
         self.robot_des = description(robot_model)
         self.group_name = group_name
-        self._begin()
+        self._begin(robot_model)
         self.set_trajectory_time(moving_time, accel_time)
         print(  # noqa: T201
             f"Arm Group Name: {group_name}\nMoving Time: {moving_time:.2f} seconds\n"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any
 
 from interbotix_common_modules.common_robot.robot import InterbotixRobotNode
@@ -81,18 +80,11 @@ class InterbotixArmXSInterface(ArmInterface):
         node = core.get_node()
         request = RobotInfo.Request(cmd_type="group", name=group_name)
         self.group_info = core._call(core.srv_get_info, request)
-        if self.group_info.num_joints != self.robot_des.Slist.shape[1]:
-            node.logfatal(
-                f"Number of joints in group '{group_name}' does not match Modern Robotics "
-                f"description for arm model '{robot_model}' ({self.group_info.num_joints} != "
-                f"{self.robot_des.Slist.shape[1]})."
-            )
-            sys.exit(1)
         if self.group_info.profile_type != "time":
             node.logwarn(f"Group '{group_name}' profile_type not set to 'time'.")
         if self.group_info.mode != "position":
             node.logwarn(f"Group '{group_name}' operating mode not set to 'position'.")
-        self._begin()
+        self._begin(robot_model)
         node.loginfo(
             f"\n\tArm Group Name: {group_name}\n\tMoving Time: {moving_time:.2f} seconds\n"
             f"\tAcceleration Time: {accel_time:.2f} seconds\n\tDrive Mode: Time-Based-Profile"
