@@ -17,7 +17,7 @@ from tracerisk.adder.lock import LOCK_NAME, Lock, read_lock
 from tracerisk.adder.merge import MergePolicy
 from tracerisk.adder.read import read_blocks
 from tracerisk.adder.write import write_all
-from tracerisk.errors import EditInTheWayError, ExitCode
+from tracerisk.errors import BlockError, EditInTheWayError, ExitCode
 
 PICK = b"def pick():\n    grasp()\n\ndef place():\n    release()\n"
 MOVE = b"def move():\n    go()\n"
@@ -135,6 +135,9 @@ def test_blocks_of_functions_no_longer_relevant_go_and_pinned_ones_stay(computed
     kept = annotate({"pick.py": (pinned, {})}, first.lock)
     assert [b.function for b in read_blocks(kept.sources[0].after, "pick.py")] == ["place"]
     by_hand = source.replace(b"@Function {", b"@Function := {", 1)
+    with pytest.raises(BlockError, match="next of `pick` leads to 'place'.* allowed: done, pick"):
+        annotate({"pick.py": (by_hand, {})}, first.lock)
+    by_hand = by_hand.replace(b"next = place 1", b"next = done 1")
     kept = annotate({"pick.py": (by_hand, {})}, first.lock)
     assert [b.function for b in read_blocks(kept.sources[0].after, "pick.py")] == ["pick"]
 

@@ -30,3 +30,9 @@ def test_it_does_not_matter_from_where_paths_are_told():
 
 def test_what_is_no_identifier_is_made_one_and_a_package_is_its_folder():
     assert names(("left-arm.py", "go"), ("right/__init__.py", "go")) == ["left_arm.go", "right.go"]
+
+
+def test_a_function_called_as_the_missions_end_gets_its_module():
+    assert names(("a.py", "done"), ("a.py", "go")) == ["a.done", "go"]
+    assert names(("p/a.py", "done"), ("q/a.py", "done")) == ["p.a.done", "q.a.done"]
+    assert names(("a.py", "Arm.done")) == ["Arm.done"]

@@ -11,12 +11,14 @@ from tracerisk.adder.block import RiskBlock
 from tracerisk.adder.insert import insert_blocks
 from tracerisk.adder.lock import ControllerLock, Lock, WrittenBlock, written_block
 from tracerisk.adder.merge import MergePolicy, PersonEdit, edits_error, merge
+from tracerisk.adder.model_names import model_names
+from tracerisk.adder.person_words import check_targets, give_way, is_next_by_hand, ranks_by_hand
 from tracerisk.adder.read import read_blocks
 from tracerisk.adder.renames import base_with_names, follow_renames
 from tracerisk.adder.values import DONE, computed_count
 from tracerisk.adder.write import FileWrite
 from tracerisk.errors import EditInTheWayError
-from tracerisk.trace import QualifiedName
+from tracerisk.trace import FunctionRef, QualifiedName
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,12 +131,22 @@ def annotate_sources(
         UnsafeRewriteError: if a source cannot be rewritten safely.
     """
     entry = lock.controllers.get(controller)
-    sources = [_with_renames(source, entry) for source in sources]
+    sources = _with_free_ranks([_with_renames(source, entry) for source in sources])
     merged = {source.file: _merge_source(source, entry, policy) for source in sources}
+    if policy.edits == "accept":
+        # An edited rank is a person's by now, as one that was set by hand before.
+        sources = _with_free_ranks(sources, _by_function(merged))
+        merged = {source.file: _merge_source(source, entry, policy) for source in sources}
     edits = tuple(edit for one in merged.values() for edit in one.edits)
     if edits and policy.edits == "stop":
         return EditsInTheWay(edits)
     merged = _left_blocks_last(sources, merged)
+    names = model_names(_by_function(merged)).values()
+    for one in merged.values():
+        check_targets(
+            (block for block in one.blocks.values() if block and is_next_by_hand(block, None)),
+            names,
+        )
     changed = []
     for source in sources:
         after = insert_blocks(source.source, merged[source.file].blocks, source.name, source.lines)
@@ -159,6 +171,44 @@ def _with_renames(source: SourceBlocks, entry: ControllerLock | None) -> SourceB
     if not followed.renamed:
         return source
     return replace(source, source=followed.source, original=source.source, renamed=followed.renamed)
+
+
+def _by_function(merged: Mapping[str, _MergedSource]) -> dict[FunctionRef, RiskBlock]:
+    return {
+        FunctionRef(file, name): block
+        for file, one in merged.items()
+        for name, block in one.blocks.items()
+        if block is not None
+    }
+
+
+def _with_free_ranks(
+    sources: Sequence[SourceBlocks], found: Mapping[FunctionRef, RiskBlock] | None = None
+) -> list[SourceBlocks]:
+    """Let the computed ranks give way to those that a person set in the blocks `found`.
+
+    Those are what the sources hold where nothing else is given.
+    """
+    if found is None:
+        found = {
+            FunctionRef(source.file, placed.function): placed.block
+            for source in sources
+            for placed in read_blocks(source.source, source.name)
+        }
+    by_hand = ranks_by_hand(found)
+    computed = {
+        FunctionRef(source.file, name): block
+        for source in sources
+        for name, block in source.computed.items()
+    }
+    free = give_way(computed, by_hand)
+    return [
+        replace(
+            source,
+            computed={name: free[FunctionRef(source.file, name)] for name in source.computed},
+        )
+        for source in sources
+    ]
 
 
 def bases_of(file: str, entry: ControllerLock | None) -> list[Mapping[str, WrittenBlock]]:

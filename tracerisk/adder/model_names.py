@@ -1,7 +1,8 @@
 """The names of functions in a model that several files make.
 
 A block's `name` is the qualified name within its module. Where blocks of two files have one name,
-the model and every `next` put the module before it: `left_arm.open`, `right_arm.open`.
+the model and every `next` put the module before it: `left_arm.open`, `right_arm.open`. So they
+do where a function has the name of the mission's end: `arm.done`.
 """
 
 from __future__ import annotations
@@ -11,13 +12,14 @@ from collections.abc import Collection, Sequence
 from os.path import commonpath
 from pathlib import Path
 
+from tracerisk.adder.values import DONE
 from tracerisk.trace import FunctionRef
 
 _INIT = "__init__"
 
 
 def model_names(functions: Collection[FunctionRef]) -> dict[FunctionRef, str]:
-    """Return each function's name in the model: its own, or with its module where two share it.
+    """Return each function's name in the model: its own, or with its module where that is taken.
 
     The module is the file's stem; where that is shared as well, as many folders are put before
     it as tell the files apart.
@@ -28,7 +30,8 @@ def model_names(functions: Collection[FunctionRef]) -> dict[FunctionRef, str]:
     names = {}
     for ref in functions:
         files = files_of[ref.name]
-        names[ref] = ref.name if len(files) == 1 else f"{_modules(files)[ref.file]}.{ref.name}"
+        is_free = len(files) == 1 and ref.name != DONE
+        names[ref] = ref.name if is_free else f"{_modules(files)[ref.file]}.{ref.name}"
     return names
 
 
