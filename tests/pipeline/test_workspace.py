@@ -64,3 +64,12 @@ def test_a_readme_above_src_counts_as_the_projects(tmp_path):
     own = package(tmp_path / "ws" / "src" / "pick_demo")
     (tmp_path / "ws" / "README.md").write_text("\n")
     assert project_top(own) == tmp_path / "ws"
+
+
+def test_packages_beside_the_controllers_that_its_modules_import_are_its_own(tmp_path):
+    own = package(tmp_path / "pick_demo")
+    package(tmp_path / "other_arm")
+    arm = package(tmp_path / "arm_interfaces")
+    (own / "scripts").mkdir()
+    (own / "scripts" / "pick.py").write_text("import os\nfrom arm_interfaces.srv import Move\n")
+    assert find_workspace(own).packages == {"arm_interfaces": arm, "pick_demo": own}

@@ -22,6 +22,8 @@ _TOP_MARKS = frozenset(
     {".catkin_workspace", ".catkin_tools", ".github", ".gitignore", ".gitlab-ci.yml", ".gitmodules",
      ".rosinstall", ".travis.yml", "colcon.meta"}
 )  # fmt: skip
+_MOST_MODULES = 300
+_IMPORT = re.compile(r"^[ \t]*(?:from|import)[ \t]+(\w+)", re.MULTILINE)
 _MOST_FOLDERS = 5000
 _BESIDE = 2
 _NEED = re.compile(r"<(?:\w+_)?depend\b[^>]*>\s*([\w.-]+)\s*<")
@@ -155,7 +157,16 @@ def _needed_beside(root: Path) -> dict[str, Path]:
 
 
 def _needs_of(folder: Path) -> list[str]:
-    return _NEED.findall((folder / PACKAGE_FILE).read_text(encoding="utf-8", errors="replace"))
+    """Return what a package says it needs, and what its modules import without saying so."""
+    text = (folder / PACKAGE_FILE).read_text(encoding="utf-8", errors="replace")
+    modules = itertools.islice(sorted(folder.rglob("*.py")), _MOST_MODULES)
+    imported = {
+        name
+        for module in modules
+        if module.is_file()
+        for name in _IMPORT.findall(module.read_text(encoding="utf-8", errors="replace"))
+    }
+    return [*_NEED.findall(text), *sorted(imported)]
 
 
 def _packages_below(top: Path, deepest: int = _DEEPEST) -> Iterator[Path]:
