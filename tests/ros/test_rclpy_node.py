@@ -337,7 +337,7 @@ def test_a_name_that_the_stand_in_lacks_is_an_error_that_names_it(run_ros2):
 
 
 def test_who_imports_nodes_has_the_executors_too(run_ros2):
-    # As abhinavj98/ur_moveitpy_server_ros2 does: `rclpy.executors` with no import of its own.
+    # rclpy/node.py imports rclpy.executors itself, so controllers use it with no import of theirs.
     def main():
         import rclpy
         from rclpy.node import Node
