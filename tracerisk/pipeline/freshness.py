@@ -204,9 +204,5 @@ def _from(root: Path, path: Path) -> str:
     return Path(os.path.relpath(path.resolve(), root)).as_posix()
 
 
-def _file_or_none(name: str | None) -> str | None:
-    return name if name is not None and Path(name).suffix else None
-
-
 def _digest(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()

@@ -87,10 +87,6 @@ def _twin_pose(values: Sequence[float]) -> motion.Pose:
     return motion.Pose((x, y, z), whole)
 
 
-def _pose_list(pose: motion.Pose) -> list[float]:
-    return [*pose.position, *pose.orientation]
-
-
 def _trajectory_message(trajectory: motion.JointTrajectory, frame: str) -> Any:
     """Return the twin's trajectory as a RobotTrajectory."""
     message = RobotTrajectory()
