@@ -17,12 +17,14 @@ if TYPE_CHECKING:
     from tracerisk.pipeline import solve as solve
     from tracerisk.pipeline import strip as strip
     from tracerisk.pipeline import trace_controller as trace_controller
+    from tracerisk.pipeline.review.review import diff as diff
 
 __version__ = "0.1.0"
 
 __all__ = [
     "annotate",
     "build",
+    "diff",
     "load_controller",
     "load_hardware",
     "load_settings",
@@ -35,7 +37,8 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module 'tracerisk' has no attribute '{name}'")
-    return getattr(import_module("tracerisk.pipeline"), name)
+    home = "tracerisk.pipeline.review.review" if name == "diff" else "tracerisk.pipeline"
+    return getattr(import_module(home), name)
 
 
 def __dir__() -> list[str]:

@@ -189,11 +189,11 @@ class Review:
     prefixes: tuple[str, str] = ("", "")
     statement: str = FIGURE_STATEMENT
 
-    def place(self, field: ChangedField) -> str:
-        """Return where a changed field stands: `place.py:12`, `HEAD:place.py:12` if it is gone."""
-        if field.location is None:
+    def place(self, location: Location | None, *, is_gone: bool = False) -> str:
+        """Return a place as the user finds it: `place.py:12`, `HEAD:place.py:12` if it is gone."""
+        if location is None:
             return ""
-        return f"{self.prefixes[0 if field.is_gone else 1]}{field.location}"
+        return f"{self.prefixes[0 if is_gone else 1]}{location}"
 
 
 NOISE = 0.01

@@ -1,0 +1,137 @@
+"""`tracerisk diff`: what a change does to the risk, told from the blocks of two git versions."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from typing import TYPE_CHECKING
+
+from tracerisk.cli import options as shared
+from tracerisk.cli.output import print_json, terminal_width
+from tracerisk.errors import ExitCode, InputError
+
+if TYPE_CHECKING:
+    from tracerisk.prm.risk_change import Review, RiskDiff
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    parser.add_argument(
+        "words",
+        metavar="[REV[..REV]] [FILE...]",
+        nargs="*",
+        help="what to compare as git does, HEAD with the working tree by default; which files",
+    )
+    parser.add_argument(
+        "--format",
+        choices=("text", "markdown", "json"),
+        default="text",
+        help="text, Markdown for a pull request, or JSON (text)",
+    )
+    parser.add_argument(
+        "--max-increase",
+        metavar="R",
+        type=_increase,
+        help="exit 1 if a mission's failure probability rises by more than R of it: 0.1 is 10 %%",
+    )
+    parser.add_argument(
+        "--max-risk",
+        metavar="P",
+        type=shared.probability,
+        help="exit 1 if a mission's failure probability is above P after the change",
+    )
+    parser.add_argument(
+        "--textconv",
+        metavar="FILE",
+        help="print a source with its risk model below it, for `git diff`: docs/review.md",
+    )
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    if options.textconv is not None:
+        return _textconv(options)
+    # An error is JSON too, where JSON was asked for.
+    options.json = options.json or options.format == "json"
+    from tracerisk.pipeline.review.review import review
+
+    found = review(options.words)
+    exceeded = [
+        line
+        for each in found.controllers
+        for line in _exceeded(each, options.max_increase, options.max_risk)
+    ]
+    code = ExitCode.WOULD_CHANGE if exceeded else ExitCode.FINE
+    if options.json:
+        _print_json(found, code, exceeded)
+    else:
+        sys.stdout.write(_rendered(found, options.format))
+        sys.stdout.flush()
+    for line in exceeded:
+        print(f"tracerisk: {line}", file=sys.stderr)
+    return int(code)
+
+
+def _print_json(review: Review, code: ExitCode, exceeded: list[str]) -> None:
+    from tracerisk.prm.formats.diff_json import review_to_json
+    from tracerisk.report.diff_words import headline
+
+    print_json(
+        "diff",
+        exit_code=int(code),
+        headline=headline(review),
+        exceeded=exceeded,
+        **review_to_json(review),
+    )
+
+
+def _rendered(review: Review, form: str) -> str:
+    if form == "markdown":
+        from tracerisk.report.diff_markdown import render_diff_markdown
+
+        return render_diff_markdown(review)
+    from tracerisk.report.diff_text import render_diff
+
+    return render_diff(review, width=terminal_width())
+
+
+def _textconv(options: argparse.Namespace) -> int:
+    if options.words:
+        raise InputError("--textconv takes one file and no revision")
+    from tracerisk.cli.sources import read_file
+    from tracerisk.pipeline.review.textconv import textconv
+
+    sys.stdout.buffer.write(textconv(read_file(options.textconv), options.textconv))
+    sys.stdout.flush()
+    return int(ExitCode.FINE)
+
+
+def _exceeded(diff: RiskDiff, max_increase: float | None, max_risk: float | None) -> list[str]:
+    """Return which limits a controller exceeds; a rise within the noise is none."""
+    if diff.after is None:
+        return []
+    found = []
+    risk = diff.after.failure_probability
+    if max_increase is not None and diff.before is not None and not diff.is_unchanged:
+        before = diff.before.failure_probability
+        if risk > before * (1.0 + max_increase):
+            rise = f"{100.0 * (risk / before - 1.0):.3g} %" if before > 0.0 else "from zero"
+            found.append(
+                f"{diff.name}: mission failure rises by {rise}, over --max-increase "
+                f"{max_increase:g}"
+            )
+    if max_risk is not None and risk > max_risk:
+        found.append(f"{diff.name}: mission failure {risk:.4g} is over --max-risk {max_risk:g}")
+    return found
+
+
+def _increase(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0.0 <= value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is no share from 0 up, such as 0.1 for 10 %")
+    return value

@@ -1,0 +1,34 @@
+"""A change of risk as plain data for `--json`."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from tracerisk.prm.risk_change import Review, RiskDiff
+
+
+def review_to_json(review: Review) -> dict[str, Any]:
+    """Return the review as data that `json.dumps` takes, keys as the fields are named.
+
+    Added are what follows from the fields: the ratio of the mission's figures (`None` without a
+    figure to compare with), each function's status, each change's causes.
+    """
+    plain = asdict(review)
+    plain.pop("prefixes")
+    plain["controllers"] = [_diff_to_json(each) for each in review.controllers]
+    return plain
+
+
+def _diff_to_json(diff: RiskDiff) -> dict[str, Any]:
+    plain = asdict(diff)
+    functions = zip(plain["functions"], diff.functions, strict=True)
+    changes = zip(plain["changes"], diff.changes, strict=True)
+    return {
+        **plain,
+        "increase": diff.increase,
+        "ratio": diff.ratio,
+        "is_unchanged": diff.is_unchanged,
+        "functions": [{**data, "status": each.status} for data, each in functions],
+        "changes": [{**data, "causes": list(each.causes)} for data, each in changes],
+    }

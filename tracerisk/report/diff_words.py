@@ -1,0 +1,152 @@
+"""The words in which a change of risk is told, the same in every format."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tracerisk.prm.risk_change import (
+    Mark,
+    PinChange,
+    Review,
+    RiskChange,
+    RiskDiff,
+    is_noise,
+    ratio_of,
+)
+
+_MARKS: dict[Mark, str] = {
+    "new_state": "new state",
+    "lost_state": "lost state",
+    "new_next": "new next",
+    "lost_redundancy": "lost redundancy",
+    "single_point_of_failure": "single point of failure",
+}
+
+_CAUSES = {
+    "pin": "pin",
+    "edit": "edited by hand",
+    "code": "code",
+    "hardware": "hardware",
+    "settings": "settings",
+    "files": "files of the run",
+}
+
+
+def headline(review: Review) -> str:
+    """Return the one sentence that says what the change did to the risk."""
+    changed = [each for each in review.controllers if not each.is_unchanged]
+    if not review.controllers:
+        return f"No risk block differs between {review.before} and {review.after}."
+    if len(review.controllers) == 1:
+        return f"{_sentence(review.controllers[0])}."
+    if not changed:
+        return f"The risk of {len(review.controllers)} controllers is unchanged."
+    lead = f"The risk of {len(changed)} of {len(review.controllers)} controllers changed"
+    return f"{lead}, most of all {_sentence(changed[0])}."
+
+
+def _sentence(diff: RiskDiff) -> str:
+    if diff.before is None and diff.after is None:
+        return f"{diff.name} has no risk blocks in either version"
+    if diff.before is None and diff.after is not None:
+        figure = probability(diff.after.failure_probability)
+        return f"{diff.name} is assessed for the first time: its mission fails with {figure}"
+    if diff.after is None and diff.before is not None:
+        figure = probability(diff.before.failure_probability)
+        return f"{diff.name} has no risk blocks any more; its mission failed with {figure}"
+    assert diff.before is not None
+    assert diff.after is not None
+    old, new = diff.before.failure_probability, diff.after.failure_probability
+    if diff.is_unchanged:
+        told = f"{diff.name}: mission failure is unchanged at {probability(new)}"
+        return f"{told}, yet {_structural(diff)}" if _structural(diff) else told
+    verb = "rises" if new > old else "falls"
+    told = (
+        f"{diff.name}: mission failure {verb} from {probability(old)} to {probability(new)} "
+        f"({ratio(old, new)})"
+    )
+    if diff.changes and diff.changes[0].contribution:
+        told += f", by most through {diff.changes[0].summary}{_because(diff.changes[0])}"
+    return told
+
+
+def _because(change: RiskChange) -> str:
+    return f" [{causes(change)}]" if change.causes else ""
+
+
+def _structural(diff: RiskDiff) -> str:
+    """Return what a reviewer must see although the figure stays."""
+    told = []
+    if any("lost_redundancy" in change.marks for change in diff.changes):
+        told.append("redundancy is lost")
+    old = [point.component for point in diff.single_points if not point.is_new]
+    if old:
+        verb = "are single points" if len(old) > 1 else "is a single point"
+        told.append(f"{', '.join(old)} {verb} of failure now")
+    return " and ".join(told)
+
+
+def probability(value: float) -> str:
+    """Return a probability as every table shows it."""
+    return f"{value:.3e}"
+
+
+def difference(value: float | None) -> str:
+    """Return how much a figure changes, with its sign."""
+    return "only with others" if value is None else f"{value:+.2e}"
+
+
+def ratio(before: float, after: float) -> str:
+    """Return `x2.00`; `unchanged` within the noise, `from 0` where there was none."""
+    if is_noise(before, after):
+        return "unchanged"
+    found = ratio_of(before, after)
+    return "from 0" if found is None else f"x{found:.3g}"
+
+
+def count(value: float) -> str:
+    """Return an expected number of visits or cycles."""
+    return f"{value:.4g}"
+
+
+def causes(change: RiskChange) -> str:
+    """Return the causes of a change in words."""
+    return ", ".join(_CAUSES[cause] for cause in change.causes)
+
+
+def marks(change: RiskChange) -> str:
+    """Return what stands out of a change in words."""
+    return ", ".join(_MARKS[mark] for mark in change.marks)
+
+
+def places(review: Review, change: RiskChange) -> str:
+    """Return where the fields of a change stand, at most three of them."""
+    found = [review.place(field.location, is_gone=field.is_gone) for field in change.fields]
+    return some([place for place in found if place])
+
+
+def some(names: Sequence[str], most: int = 3) -> str:
+    """Return the first of the names, and how many more there are."""
+    shown = ", ".join(names[:most])
+    return shown if len(names) <= most else f"{shown} and {len(names) - most} more"
+
+
+def pin(change: PinChange) -> str:
+    """Return what became of a pin."""
+    match change.kind:
+        case "new":
+            told = f"new pin {change.path} := {change.after}"
+        case "removed":
+            return f"pin {change.path} := {change.before} is gone"
+        case "changed":
+            told = f"pin {change.path} := {change.before} -> {change.after}"
+        case "drifted":
+            told = f"pin {change.path} := {change.after} stays, computed {change.computed_before}"
+            return f"{told} -> {change.computed_after}{_reason(change)}"
+    if change.computed_after is not None:
+        told += f" (computed {change.computed_after})"
+    return told + _reason(change)
+
+
+def _reason(change: PinChange) -> str:
+    return f"; {change.reason}" if change.reason else "; without a reason"
