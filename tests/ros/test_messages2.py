@@ -100,12 +100,15 @@ def test_sequences_of_numbers_are_arrays_of_python(point):
     assert point.positions == array.array("d", [1.0, 2.0])
     point.positions.append(3)
     assert list(point.positions) == [1.0, 2.0, 3.0]
-    told = refused(lambda: setattr(point, "positions", [1]))
+    told = refused(lambda: setattr(point, "positions", ["1"]))
     assert told.startswith(
         "The 'positions' field must be a set or sequence and each value of type 'float' and each "
         "double in [-1797693134862315"
     )
-    assert refused(lambda: setattr(point, "positions", np.zeros(2))).startswith("The 'positions'")
+    for several in ([1, 2.0], np.array([1.0, 2.0]), np.array([1, 2])):
+        point.positions = several
+        assert point.positions == array.array("d", [1.0, 2.0])
+    assert refused(lambda: setattr(point, "positions", np.zeros((2, 2)))).startswith("The 'pos")
     assert (
         refused(lambda: setattr(point, "positions", array.array("f")))
         == "The 'positions' array.array() must have the type code of 'd'"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tracerisk.ros.twin_set_points import group_joints, single_joint
+from tracerisk.twin.generic import NamesAsked, generic_arm
 from tracerisk.twin.robot import load_robot
 
 PREAMBLE = """\
@@ -173,6 +174,9 @@ def test_which_joints_a_topic_is_for():
     assert group_joints(panda, "/x/command", 7) == arm
     assert group_joints(panda, "/my_gripper/commands", 2) == fingers
     assert group_joints(panda, "/x/command", 3) is None
+    unknown = generic_arm(NamesAsked((), ()))
+    assert group_joints(unknown, "/x/commands", 2) == ("joint1", "joint2")
+    assert group_joints(unknown, "/x/commands", 9) is None
     assert single_joint(panda, "/panda_joint3/command") == "panda_joint3"
     assert single_joint(panda, "/panda/joint_2_controller/command") == "panda_joint2"
     assert single_joint(panda, "/gripper_controller/command") == "panda_finger_joint1"

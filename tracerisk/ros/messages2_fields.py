@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import array
 import math
+import numbers
 from collections import UserList, UserString
 from collections.abc import Callable, Sequence, Set
 from dataclasses import dataclass
@@ -169,11 +170,19 @@ class Field2:
                 raise AssertionError(f"{field} {self._range_text()}")
 
     def _check_many(self, value: Any) -> None:
+        is_vector = isinstance(value, np.ndarray) and value.ndim == 1
         is_sequence = isinstance(value, Sequence | Set | UserList) and not isinstance(
             value, str | UserString
         )
         kind, longest = self._python_type, self.longest
-        fits = is_sequence and all(isinstance(item, kind) for item in value)
+        if self.base in FLOAT_LIMITS:
+            # Jazzy packs any numbers, Humble asserts on whole ones: what runs on one is let pass.
+            kind = numbers.Real
+        elif self.base in TYPE_CODES and is_vector:
+            kind = numbers.Integral
+        fits = (is_sequence or (is_vector and self.base in TYPE_CODES)) and all(
+            isinstance(item, kind) for item in value
+        )
         if fits and self.size is not None:
             exactly = self.arrangement == "array"
             fits = len(value) == self.size if exactly else len(value) <= self.size

@@ -224,7 +224,8 @@ def group_joints(robot: Robot, topic: str, count: int) -> tuple[str, ...] | None
     """Return the joints that `count` values on a topic are for, None where nothing fits.
 
     They are those of the controller that the topic names, of a gripper where it speaks of one,
-    of the first planning group with as many joints, or all.
+    of the first planning group with as many joints, or all. On a robot that stands in for one
+    that is not known they are the first joints of its arm.
     """
     parts = topic.strip("/").split("/")
     for controller in robot.controllers:
@@ -240,7 +241,10 @@ def group_joints(robot: Robot, topic: str, count: int) -> tuple[str, ...] | None
         if len(joints) == count:
             return joints
     everything = tuple(joint.name for joint in robot.joints)
-    return everything if len(everything) == count else None
+    if len(everything) == count:
+        return everything
+    in_order = tuple(joint.name for joint in robot.arm_joints)
+    return in_order[:count] if robot.assumes_names and 0 < count <= len(in_order) else None
 
 
 def single_joint(robot: Robot, topic: str) -> str | None:
