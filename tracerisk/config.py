@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal, NoReturn, get_args
@@ -97,6 +97,32 @@ def read_settings(root: Path, file: str | None = None) -> Settings:
     return _Reader(path, text).settings(table, root, file)
 
 
+@dataclass(frozen=True, slots=True)
+class SettingOrigin:
+    """Where a setting comes from: `location` is `None` for a default.
+
+    `is_own`: it stands in the controller's own table, and not in that of all.
+    """
+
+    location: Location | None = None
+    is_own: bool = False
+
+
+def setting_origins(root: Path, file: str | None = None) -> dict[str, SettingOrigin]:
+    """Return where each setting of `read_settings(root, file)` comes from.
+
+    Raises as `read_settings`.
+    """
+    read_settings(root, file)
+    names = [field.name for field in fields(Settings)]
+    path = root / "pyproject.toml"
+    if not path.is_file():
+        return dict.fromkeys(names, SettingOrigin())
+    text = path.read_text(encoding="utf-8")
+    table = tomllib.loads(text).get("tool", {}).get("tracerisk", {})
+    return _Reader(path, text).origins(table, names, file)
+
+
 class _Reader:
     def __init__(self, path: Path, text: str) -> None:
         self._path = path
@@ -137,6 +163,21 @@ class _Reader:
             files["launch"] = str(root / settings.launch)
         files["params"] = tuple(str(root / name) for name in settings.params)
         return replace(settings, **files)
+
+    def origins(
+        self, table: Mapping[str, Any], names: Sequence[str], file: str | None
+    ) -> dict[str, SettingOrigin]:
+        found = dict.fromkeys(names, SettingOrigin())
+        tables: list[tuple[tuple[str, ...], Mapping[str, Any], bool]] = [(_TABLE, table, False)]
+        for name, own in table.get(_CONTROLLERS, {}).items():
+            if file is not None and PurePosixPath(name) == PurePosixPath(file):
+                tables.append(((*_TABLE, _CONTROLLERS, name), own, True))
+        for place, values, is_own in tables:
+            for name in values:
+                if name in found:
+                    line = self._line(name, place)
+                    found[name] = SettingOrigin(Location(str(self._path), line), is_own)
+        return found
 
     def _values(self, table: Mapping[str, Any], place: tuple[str, ...]) -> dict[str, Any]:
         self._place = place

@@ -275,7 +275,7 @@ def _left_blocks_last(
         and not each[2].added
         and not each[2].call_sequence.pinned
     ]
-    names = {block.name for _, _, block in placed} | {DONE}
+    names = {*model_names(_by_function(merged)).values(), DONE}
     ranks = [each[2].call_sequence.value for each in placed if each not in left]
     result = dict(merged)
     left.sort(key=lambda each: (each[2].call_sequence.value, each[0], each[1]))

@@ -31,6 +31,7 @@ from tracerisk.config import Settings, controller_root, read_settings
 from tracerisk.errors import ExitCode, InputError, Location, TraceRiskError
 from tracerisk.pipeline.controller import Controller, load_controller
 from tracerisk.pipeline.freshness import RunInputs, stale_reasons, values_reasons
+from tracerisk.pipeline.known_functions import check_steps
 from tracerisk.trace import QualifiedName
 
 _WORTH_A_PROCESS = 20  # files that take as long to check as a process takes to start
@@ -140,6 +141,7 @@ def check_controller(path: Path | str) -> Checked:
     if entry is None:
         place = Location(str(controller.path), 1)
         blocks = read_blocks(controller.source, str(controller.path))
+        check_steps(controller, [(placed.block, {}) for placed in blocks], (), before_run=False)
         what = f"{LOCK_NAME} knows nothing of its {len(blocks)} risk blocks"
         message = f"{what}; `tracerisk run {controller.path}`"
         return Checked(controller.path, (CheckFinding("unknown", message, place),))
@@ -147,6 +149,7 @@ def check_controller(path: Path | str) -> Checked:
     settings = read_settings(controller.root, controller.file)
     effective = settings.with_options(given_options(recorded, controller))
     sources = _sources(controller, entry)
+    _check_steps(controller, entry, sources)
     findings = [
         *_stale(controller, recorded, effective),
         *_of_blocks(controller, entry, sources),
@@ -215,6 +218,16 @@ def _sources(controller: Controller, entry: ControllerLock) -> list[_Source]:
         followed = follow_renames(source, shown, known)
         found.append(_Source(file, shown, source, followed.placed, followed.renamed))
     return found
+
+
+def _check_steps(controller: Controller, entry: ControllerLock, sources: Sequence[_Source]) -> None:
+    placed = [
+        (block.block, base_with_names(entry.blocks.get(each.file, {}), each.renamed))
+        for each in sources
+        for block in each.placed
+    ]
+    others = {name for base in entry.blocks.values() for name in base}
+    check_steps(controller, placed, others, before_run=False)
 
 
 def _stale(

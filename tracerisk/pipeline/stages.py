@@ -21,12 +21,13 @@ from tracerisk.adder.merge import MergePolicy
 from tracerisk.adder.model_names import model_names
 from tracerisk.adder.published import is_c_like, read_c_blocks, read_plain_blocks
 from tracerisk.adder.read import read_blocks
-from tracerisk.adder.renames import follow_renames
+from tracerisk.adder.renames import base_with_names, follow_renames
 from tracerisk.config import Settings, read_settings
 from tracerisk.errors import HardwareError, InputError, Location
 from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.controller import Controller
 from tracerisk.pipeline.freshness import run_inputs
+from tracerisk.pipeline.known_functions import check_named_functions, check_steps
 from tracerisk.pipeline.trace_summary import trace_summary
 from tracerisk.trace import FunctionRef, QualifiedName, Trace
 
@@ -154,10 +155,18 @@ def check_blocks(controller: Controller) -> None:
     lock = read_lock(controller.root / LOCK_NAME)
     entry = lock.controllers.get(lock_key(controller.path, controller.root))
     written = {} if entry is None else dict(entry.blocks)
+    found = []
     for file in (controller.file, *sorted(set(written) - {controller.file})):
         if file == controller.file or controller.path_of(file).is_file():
-            known = {QualifiedName(name) for name in written.get(file, ())}
-            follow_renames(controller.source_of(file), str(controller.path_of(file)), known)
+            base = written.get(file, {})
+            known = {QualifiedName(name) for name in base}
+            shown = str(controller.path_of(file))
+            followed = follow_renames(controller.source_of(file), shown, known)
+            base = base_with_names(base, followed.renamed)
+            found += [(placed.block, base) for placed in followed.placed]
+    others = {name for base in written.values() for name in base}
+    check_steps(controller, found, others, before_run=True)
+    check_named_functions(controller, read_settings(controller.root, controller.file))
 
 
 def trace_controller(
@@ -196,11 +205,13 @@ def annotate(
 
     `given` are those of the settings that came from the command line: a refresh uses them again.
     Raises EditInTheWayError when a person edited a computed value and the policy says to stop,
-    HardwareError when the description does not fit, BlockError or UnsafeRewriteError when the
+    HardwareError when the description does not fit, SettingsError when `states` or `helpers` name
+    what is no function, BlockError or UnsafeRewriteError when the
     source cannot be annotated.
     """
     from tracerisk.adder.annotate import annotate_sources
 
+    check_named_functions(controller, settings, trace)
     computed = compute_blocks(trace, hardware, active=settings.active, profile=profile)
     lock_path = controller.root / LOCK_NAME
     key = lock_key(controller.path, controller.root)
