@@ -355,7 +355,7 @@ class _Reader:
             fingerprint=fingerprint,
             blocks=self._sources(entry.get("blocks"), f"{path}: blocks"),
             trace=self._mapping(entry.get("trace"), f"{path}: trace"),
-            inputs=self._mapping(entry.get("inputs"), f"{path}: inputs"),
+            inputs=self._mapping(entry.get("inputs", {}), f"{path}: inputs"),
             previous=None if previous is None else self._sources(previous, f"{path}: previous"),
         )
 
