@@ -120,3 +120,86 @@ def pick_and_place() -> bytes:
 
     path = SAMPLES / "pick_and_place.py"
     return strip_blocks(path.read_bytes(), path.name)
+
+
+class RepositoryExample(Example):
+    """A folder that git keeps, without the settings of whoever runs the tests."""
+
+    def git(self, *arguments: str) -> str:
+        identity = {
+            f"GIT_{role}_{what}": value
+            for role in ("AUTHOR", "COMMITTER")
+            for what, value in (("NAME", "a"), ("EMAIL", "a@example.org"))
+        }
+        bare = {key: value for key, value in os.environ.items() if not key.startswith("GIT_")}
+        settings = {"GIT_CONFIG_GLOBAL": os.devnull, "GIT_CONFIG_NOSYSTEM": "1"}
+        done = subprocess.run(
+            ["git", *arguments],
+            cwd=self.folder,
+            capture_output=True,
+            env={**bare, **identity, **settings},
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr.decode()
+        return done.stdout.decode().strip()
+
+    def commit(self) -> str:
+        """Commit everything that is there; return the commit."""
+        self.git("add", "--all")
+        self.git("commit", "--quiet", "--allow-empty", "--message", "change")
+        return self.git("rev-parse", "HEAD")
+
+
+@pytest.fixture
+def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RepositoryExample:
+    """An empty repository; the tests may run in a hook of another one."""
+    for name in [name for name in os.environ if name.startswith("GIT_")]:
+        monkeypatch.delenv(name)
+    monkeypatch.setenv("GIT_CONFIG_GLOBAL", os.devnull)
+    folder = tmp_path / "repository"
+    folder.mkdir()
+    example = RepositoryExample(folder)
+    example.git("init", "--quiet", "--initial-branch=main")
+    return example
+
+
+@pytest.fixture(scope="session")
+def annotated_source() -> Callable[..., str]:
+    """Makes an annotated source from functions told as `name: (next lines, component lines)`.
+
+    A component is told as `gripper = 1e-7`, `motor = 2e-7 x7` (all needed) or `power = 1e-5 of2`
+    (one suffices); `:=` pins its probability.
+    """
+
+    def component(text: str) -> str:
+        name, operator, figure, *units = text.split(" ", 3)
+        units = units[0].split() if units else []
+        comment = ""
+        if "!" in units:
+            comment = "  " + " ".join(units[units.index("!") :])
+            units = units[: units.index("!")]
+        count = next((unit for unit in units if unit[0] in "xo"), "x1")
+        quantity = count.removeprefix("x").removeprefix("of")
+        redundancy = "true" if count.startswith("of") else "false"
+        return f"""\
+    # | @Component {{
+    # |   name = {name}
+    # |   probability {operator} {figure}{comment}
+    # |   quantity = {quantity}
+    # |   redundancy = {redundancy}
+    # | }}
+"""
+
+    def make(**functions: tuple[str, str]) -> str:
+        found = []
+        for rank, (name, (following, components)) in enumerate(functions.items(), start=1):
+            steps = "".join(f"    # |   next = {step}\n" for step in following.split(", "))
+            entries = "".join(component(each) for each in components.split("; ") if each)
+            found.append(
+                f"def {name}(arm):\n    # | RiskAnnotation\n    # | @Function {{\n"
+                f"    # |   name = {name}\n    # |   callSequence = {rank}\n{steps}    # | }}\n"
+                f'{entries}    arm.go("{name}")\n'
+            )
+        return "\n\n".join(found)
+
+    return make

@@ -46,16 +46,13 @@ def headline(review: Review) -> str:
 
 
 def _sentence(diff: RiskDiff) -> str:
-    if diff.before is None and diff.after is None:
-        return f"{diff.name} has no risk blocks in either version"
-    if diff.before is None and diff.after is not None:
+    if diff.before is None:
+        assert diff.after is not None, "one version at least has blocks"
         figure = probability(diff.after.failure_probability)
         return f"{diff.name} is assessed for the first time: its mission fails with {figure}"
-    if diff.after is None and diff.before is not None:
+    if diff.after is None:
         figure = probability(diff.before.failure_probability)
         return f"{diff.name} has no risk blocks any more; its mission failed with {figure}"
-    assert diff.before is not None
-    assert diff.after is not None
     old, new = diff.before.failure_probability, diff.after.failure_probability
     if diff.is_unchanged:
         told = f"{diff.name}: mission failure is unchanged at {probability(new)}"

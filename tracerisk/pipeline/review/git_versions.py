@@ -72,10 +72,12 @@ def _split(repository: Repository, folder: Path, words: list[str]) -> tuple[str 
     if not words:
         return None, []
     first = words[0]
+    if first in (".", "..") or first.startswith(("./", "../", "/")):
+        return None, words
     is_file = os.path.lexists(folder / first)
     parts = [part for part in _parts(first) if part is not None]
     is_revision = all(_commit(repository, part) is not None for part in parts)
-    if is_file and is_revision and not first.startswith(("./", "../")) and first not in (".", ".."):
+    if is_file and is_revision:
         raise InputError(
             f"'{first}' is both a revision and a file; write ./{first} for the file, or "
             f"{first}^0 for the revision"

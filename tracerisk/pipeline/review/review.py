@@ -40,7 +40,9 @@ def review(words: Sequence[str] = (), folder: Path | None = None) -> Review:
         files = annotated_files(repository, what)
         controllers = reviewed_controllers(files, what.before, what.after)
         shown = _Shown(repository.top, here)
-        diffs = [_reviewed(each, (what.before, what.after), shown) for each in controllers]
+        found = [_reviewed(each, (what.before, what.after), shown) for each in controllers]
+    # A source may speak of blocks and have none.
+    diffs = [each for each in found if each.before is not None or each.after is not None]
     return Review(
         before=what.before.name,
         after=what.after.name,
@@ -69,10 +71,11 @@ class _Shown:
     """How messages call files: by the path from where the user stands."""
 
     def __init__(self, top: Path, folder: Path) -> None:
-        self._lead = os.path.relpath(top.resolve(), folder.resolve())
+        self._top = top.resolve()
+        self._folder = folder.resolve()
 
     def name(self, path: str) -> str:
-        return os.path.normpath(f"{self._lead}/{path}")
+        return os.path.relpath(self._top / path, self._folder)
 
     def version(self, version: ControllerVersion) -> ControllerVersion:
         sources = {self.name(file): source for file, source in version.sources.items()}

@@ -1,0 +1,234 @@
+"""What a review tells: controllers of several files, causes, renames, and the library's `diff`."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+import tracerisk
+from tracerisk.adder.lock import ControllerLock, Lock, written_block
+from tracerisk.adder.read import read_blocks
+from tracerisk.errors import BlockError, InputError
+from tracerisk.pipeline.review.review import review
+
+
+def lock_of(texts: dict[str, str], controller: str, /, **inputs) -> ControllerLock:
+    """The entry that a run would have written: its blocks, and what it depended on."""
+    blocks = {
+        file: {
+            each.function: written_block(each.block) for each in read_blocks(text.encode(), file)
+        }
+        for file, text in texts.items()
+    }
+    plain = {"sources": {}, "files": {}, "settings": {}, "given": {}, "hardware": "", **inputs}
+    return ControllerLock("f", blocks, inputs=plain)
+
+
+def write(repository, files, *entries, folder=""):
+    """Write sources and the lock with the entries `(controller, entry)`."""
+    lock = Lock()
+    for controller, entry in entries:
+        lock = lock.with_controller(controller, entry)
+    for name, text in files.items():
+        repository.write(f"{folder}{name}", text)
+    repository.write(f"{folder}tracerisk.lock", lock.dumps())
+
+
+@pytest.fixture
+def parts(annotated_source):
+    """The two files of one controller; `next` leads from one to the other."""
+
+    def make(gripper="= 2e-07", motor="1e-7"):
+        text = annotated_source(pick=("place 1", f"motor = {motor} x7"))
+        other = annotated_source(place=("done 1", f"gripper {gripper}"))
+        return {"main.py": text, "hand.py": other.replace("callSequence = 1", "callSequence = 2")}
+
+    return make
+
+
+def only(found):
+    (diff,) = found.controllers
+    return diff
+
+
+def test_a_controller_of_several_files_is_one_model_by_its_lock(repository, parts):
+    write(repository, parts(), ("main.py", lock_of(parts(), "main.py")))
+    repository.commit()
+    repository.write("hand.py", parts(gripper="= 4e-07")["hand.py"])
+    diff = only(review([], repository.folder))
+    assert diff.name == "main.py"
+    assert diff.before.failure_probability == pytest.approx(9e-7, rel=1e-5)
+    assert diff.after.failure_probability == pytest.approx(11e-7, rel=1e-5)
+    assert only(review(["hand.py"], repository.folder)) == diff
+    assert [str(change.fields[0].location) for change in diff.changes] == ["hand.py:10"]
+
+
+def test_a_lock_in_a_folder_names_files_from_there(repository, parts):
+    write(repository, parts(), ("main.py", lock_of(parts(), "main.py")), folder="cell/")
+    repository.commit()
+    changed = parts(gripper="= 4e-07")
+    write(repository, changed, ("main.py", lock_of(changed, "main.py")), folder="cell/")
+    diff = only(review([], repository.folder))
+    assert (diff.name, len(diff.functions)) == ("cell/main.py", 2)
+    assert diff == only(review([], repository.folder))
+    assert only(review([], repository.folder / "cell")).name == "main.py"
+
+
+def test_a_lock_that_only_one_version_has_tells_for_both(repository, parts):
+    for name, text in parts().items():
+        repository.write(name, text)
+    repository.commit()
+    changed = parts(gripper="= 4e-07")
+    write(repository, changed, ("main.py", lock_of(changed, "main.py")))
+    diff = only(review([], repository.folder))
+    assert diff.before.failure_probability == pytest.approx(9e-7, rel=1e-5)
+    assert diff.ratio == pytest.approx(11 / 9, rel=1e-4)
+
+
+def test_a_lock_in_conflict_is_read_and_a_broken_one_names_its_version(repository, parts):
+    write(repository, parts(), ("main.py", lock_of(parts(), "main.py")))
+    repository.commit()
+    whole = repository.read("tracerisk.lock").decode()
+    ours = '"fingerprint": "f"'
+    sides = f'<<<<<<< HEAD\n   {ours},\n=======\n   "fingerprint": "g",\n>>>>>>> side\n'
+    assert whole.count(f"   {ours},\n") == 1
+    repository.write("tracerisk.lock", whole.replace(f"   {ours},\n", sides))
+    repository.write("hand.py", parts(gripper="= 4e-07")["hand.py"])
+    assert only(review([], repository.folder)).name == "main.py"
+    repository.write("tracerisk.lock", whole[:40])
+    with pytest.raises(InputError, match=r"^tracerisk\.lock.*: in working tree: is not JSON"):
+        review([], repository.folder)
+    repository.commit()
+    repository.write("hand.py", parts()["hand.py"])
+    with pytest.raises(InputError, match=r"^HEAD:tracerisk\.lock.*: in HEAD: is not JSON"):
+        review([], repository.folder)
+
+
+@pytest.mark.parametrize(
+    ("inputs", "causes"),
+    [
+        ({"sources": {"main.py": "b"}}, ("code",)),
+        ({"hardware": "b"}, ("hardware",)),
+        ({"settings": {"hardware": "b.yaml"}}, ("hardware",)),
+        ({"settings": {"seed": 1}}, ("settings",)),
+        ({"files": {"arm.yaml": "b"}}, ("files",)),
+        ({"sources": {"main.py": "b"}, "hardware": "b"}, ("code", "hardware")),
+        ({}, ("edit",)),
+    ],
+)
+def test_the_lock_tells_the_cause(repository, parts, inputs, causes):
+    write(repository, parts(), ("main.py", lock_of(parts(), "main.py")))
+    repository.commit()
+    after = parts(gripper="= 4e-07")
+    write(repository, after, ("main.py", lock_of(after, "main.py", **inputs)))
+    (change,) = only(review([], repository.folder)).changes
+    assert change.causes == causes
+
+
+def test_a_value_that_the_lock_did_not_write_is_an_edit_and_a_pin_is_a_pin(repository, parts):
+    write(repository, parts(), ("main.py", lock_of(parts(), "main.py")))
+    repository.commit()
+    entry = lock_of(parts(), "main.py", sources={"main.py": "b"})
+    write(repository, parts(motor="2e-7", gripper=":= 4e-07 ! computed"), ("main.py", entry))
+    changed = {
+        change.component: change.causes for change in only(review([], repository.folder)).changes
+    }
+    assert changed == {"motor": ("edit",), "gripper": ("pin",)}
+    (pin,) = only(review([], repository.folder)).pins
+    assert (pin.kind, pin.path, pin.after) == ("new", "place.gripper.probability", "4e-07")
+
+
+def test_without_a_lock_the_code_tells_the_cause(repository, two_steps):
+    repository.write("pick.py", two_steps())
+    repository.commit()
+    repository.write("pick.py", two_steps(gripper="= 4e-07").replace('arm.go("', 'arm.run("'))
+    assert only(review([], repository.folder)).changes[0].causes == ("code",)
+    repository.write("pick.py", "# A comment.\n" + two_steps(gripper="= 4e-07"))
+    assert only(review([], repository.folder)).changes[0].causes == ("edit",)
+
+
+def test_a_renamed_function_is_told_as_renamed_and_changes_nothing(repository, two_steps):
+    repository.write("pick.py", two_steps())
+    repository.commit()
+    renamed = two_steps().replace("def pick(", "def grab(").replace("name = pick", "name = grab")
+    renamed = renamed.replace("next = pick", "next = grab")
+    repository.write("pick.py", renamed)
+    diff = only(review([], repository.folder))
+    first = diff.functions[0]
+    assert (first.name, first.was, first.status) == ("grab", "pick", "renamed")
+    assert (diff.changes, diff.increase) == ((), 0.0)
+    # Its code may change as well, if its block stays.
+    repository.write("pick.py", renamed.replace('arm.go("pick")', 'arm.run("grab")'))
+    assert only(review([], repository.folder)).functions[0].was == "pick"
+
+
+def test_two_renamed_functions_with_one_body_are_not_mixed_up(annotated_source):
+    before = (
+        annotated_source(a=("b 1", "motor = 1e-7"), b=("done 1", "motor = 3e-7"))
+        .replace('arm.go("a")', "arm.go()")
+        .replace('arm.go("b")', "arm.go()")
+    )
+    after = before.replace("def a(", "def c(").replace("name = a\n", "name = c\n")
+    after = after.replace("def b(", "def d(").replace("name = b\n", "name = d\n")
+    after = after.replace("next = b 1", "next = d 1")
+    diff = tracerisk.diff({"x.py": before.encode()}, {"x.py": after.encode()})
+    assert {each.name: each.was for each in diff.functions} == {"c": "a", "d": "b"}
+    assert diff.changes == ()
+
+
+def test_the_library_compares_sources(two_steps):
+    before, after = two_steps().encode(), two_steps(power="1e-5 x2").encode()
+    diff = tracerisk.diff({"pick.py": before}, {"pick.py": after}, name="cell")
+    assert diff.name == "cell"
+    assert [change.marks for change in diff.changes] == [
+        ("lost_redundancy", "single_point_of_failure")
+    ]
+    assert tracerisk.diff({}, {"pick.py": after}).before is None
+    assert tracerisk.diff({"pick.py": before}, {"pick.py": b"x = 1\n"}).after is None
+    with pytest.raises(BlockError, match=r"pick\.py:\d+: .*next leads to 'x'"):
+        tracerisk.diff(
+            {"pick.py": before}, {"pick.py": after.replace(b"next = place", b"next = x")}
+        )
+
+
+def test_of_two_controllers_only_the_one_that_changed_is_told(repository, annotated_source):
+    def files(gripper):
+        return {
+            "a.py": annotated_source(reach=("done 1", "motor = 1e-7")),
+            "b.py": annotated_source(lift=("done 1", f"gripper = {gripper}")),
+        }
+
+    old, new = files("1e-7"), files("5e-7")
+    both = [
+        ("a.py", lock_of({"a.py": old["a.py"]}, "a.py")),
+        ("b.py", lock_of({"b.py": old["b.py"]}, "b.py")),
+    ]
+    write(repository, old, *both)
+    repository.commit()
+    write(repository, new, *both)
+    found = review([], repository.folder)
+    assert [each.name for each in found.controllers] == ["b.py"]
+
+
+def test_the_greatest_change_comes_first(repository, two_steps):
+    for name in ("a.py", "b.py", "c.py"):
+        repository.write(name, two_steps())
+    repository.commit()
+    for name, gripper in (("a.py", "3e-07"), ("b.py", "9e-07"), ("c.py", "3e-07")):
+        repository.write(name, two_steps(gripper=f"= {gripper}"))
+    found = review([], repository.folder)
+    assert [each.name for each in found.controllers] == ["b.py", "a.py", "c.py"]
+
+
+def test_a_review_is_plain_json(repository, two_steps):
+    from tracerisk.prm.formats.diff_json import review_to_json
+
+    repository.write("pick.py", two_steps(gripper="= 0"))
+    repository.commit()
+    repository.write("pick.py", two_steps(gripper=":= 4e-07 ! computed 2e-07"))
+    data = review_to_json(review([], repository.folder))
+    assert json.loads(json.dumps(data, allow_nan=False)) == json.loads(json.dumps(data))
+    (controller,) = data["controllers"]
+    assert controller["functions"][1]["status"] == "changed"
+    assert controller["changes"][0]["fields"][0]["location"]["file"] == "pick.py"
