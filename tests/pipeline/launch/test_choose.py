@@ -95,6 +95,15 @@ def test_of_several_that_differ_the_one_that_gives_most_is_taken(workspace, give
     )
 
 
+def test_one_of_a_test_comes_last_wherever_the_workspace_stands(workspace, tmp_path):
+    workspace = type(workspace)(tmp_path / "tests")
+    workspace.write("scripts/pick.py", ROS1)
+    workspace.write("a/test/pick.launch", NODE1.format("p", SPEED1.format(0.5)))
+    workspace.write("launch/pick.launch", NODE1.format("p", SPEED1.format(0.7)))
+    choice = workspace.choose("scripts/pick.py")
+    assert choice.setup.file == "launch/pick.launch"
+
+
 def test_a_file_that_includes_it_is_taken_where_that_alone_lacks_what_is_required(workspace, given):
     workspace.write("scripts/pick.py", ROS1)
     workspace.write("launch/include/pick.xml", NODE1.format("p", ""))

@@ -25,16 +25,12 @@ _ROS1_XML = re.compile(r"<node\b[^>]*\btype\s*=|\$\(arg\s|\$\(find\s|<rosparam\b
 
 @dataclass(frozen=True, slots=True)
 class LaunchFile:
-    """A launch file: `is_direct` says that it speaks of the program itself."""
+    """A launch file: `is_direct` says that it speaks of the program itself, `is_test` of a test."""
 
     path: Path
     ros: Literal[1, 2]
     is_direct: bool
-
-    @property
-    def is_test(self) -> bool:
-        """Whether it is one of a test."""
-        return bool(_TESTS.intersection(self.path.parts)) or self.path.name.startswith("test_")
+    is_test: bool = False
 
 
 def find_launch_files(
@@ -45,7 +41,8 @@ def find_launch_files(
     Those that speak of it come first, then those that include one of these; within each, those of
     tests last, else sorted by their paths.
     """
-    texts = {path: _text(path) for path in _launch_files(root, workspace)}
+    tops = _tops([root.resolve(), *workspace.packages.values()])
+    texts = {path: _text(path) for path in _launch_files(tops)}
     texts = {path: text for path, text in texts.items() if text and ros_of(path, text) == ros}
     direct = [path for path, text in texts.items() if program.is_named_in(text)]
     rest: list[Path] = []
@@ -60,8 +57,8 @@ def find_launch_files(
             break
         rest += more
         reached = {path.name for path in more}
-    found = [LaunchFile(path, ros, True) for path in direct]
-    found += [LaunchFile(path, ros, False) for path in rest]
+    found = [LaunchFile(path, ros, True, _is_test(path, tops)) for path in direct]
+    found += [LaunchFile(path, ros, False, _is_test(path, tops)) for path in rest]
     return tuple(sorted(found, key=lambda each: (not each.is_direct, each.is_test, each.path)))
 
 
@@ -79,6 +76,12 @@ def ros_of(path: Path, text: str) -> Literal[1, 2] | None:
     return 1 if _ROS1_XML.search(text) or path.suffix == ".launch" else 2
 
 
+def _is_test(path: Path, tops: Sequence[Path]) -> bool:
+    """Tell whether a file is one of a test, wherever the workspace itself stands."""
+    within = next(path.relative_to(top) for top in tops if path.is_relative_to(top))
+    return bool(_TESTS.intersection(within.parts)) or path.name.startswith("test_")
+
+
 def _names_any(text: str, names: set[str]) -> bool:
     return any(re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w-])", text) for name in names)
 
@@ -92,9 +95,9 @@ def _text(path: Path) -> str:
         return ""
 
 
-def _launch_files(root: Path, workspace: Workspace) -> list[Path]:
+def _launch_files(tops: Sequence[Path]) -> list[Path]:
     found: dict[Path, None] = {}
-    for folder in _tops([root.resolve(), *workspace.packages.values()]):
+    for folder in tops:
         for path in _below(folder):
             found.setdefault(path)
             if len(found) >= _MOST_FILES:
