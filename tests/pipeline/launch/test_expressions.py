@@ -37,6 +37,7 @@ def test_simple_expressions_have_their_value(text, value):
         ("'a' * 10 ** 12", "grows over"),
         ("unknown", "nothing is called 'unknown'"),
         ("1 / 0", "cannot be evaluated"),
+        ("math.tau_half", "cannot be evaluated"),
         ("1 +", "cannot be evaluated"),
         ("[i for i in 'ab']", "is no simple expression"),
         ("a" * 20000, "more than"),

@@ -63,7 +63,14 @@ def evaluate(text: str, names: Mapping[str, Any]) -> Any:
     try:
         tree = ast.parse(text.strip(), mode="eval")
         return _Evaluation(names).of(tree.body)
-    except (SyntaxError, TypeError, ArithmeticError, LookupError, RecursionError) as error:
+    except (
+        SyntaxError,
+        TypeError,
+        ArithmeticError,
+        AttributeError,
+        LookupError,
+        RecursionError,
+    ) as error:
         raise ValueError(f"'{text}' cannot be evaluated: {error}") from error
 
 
