@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 import json
+import re
+import tomllib
+from pathlib import Path
 
 import pytest
+
+from tracerisk.cli.doctor import PACKAGES
+
+REPOSITORY = Path(__file__).resolve().parents[2]
 
 
 def edit(example, old: str, new: str) -> int:
@@ -305,6 +312,12 @@ def test_doctor_tells_what_a_controller_gets(annotated):
     assert found["robot"] == "panda (told by the names in the controller's strings)"
     assert found["physics"].endswith("built and stepped")
     assert found["scene"] == "tube_racks"
+
+
+def test_doctor_looks_at_every_dependency():
+    declared = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]
+    names = [re.split(r"[<>=\[]", each)[0] for each in declared["dependencies"]]
+    assert sorted(names) == sorted(PACKAGES)
 
 
 # usage

@@ -18,7 +18,11 @@ from tracerisk.errors import ExitCode, TraceRiskError
 if TYPE_CHECKING:
     from tracerisk.twin.robot import Robot
 
-_PACKAGES = ("dm-control", "libcst", "mink", "mujoco", "numpy", "rich", "rosbags", "ruamel.yaml")
+PACKAGES = (
+    *("daqp", "dm-control", "libcst", "mink", "mujoco", "numpy", "rich", "rosbags"),
+    *("ruamel.yaml", "xacrodoc"),
+)
+"""What tracerisk depends on, as `pyproject.toml` lists it."""
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -64,7 +68,7 @@ def _look(
 
 
 def _packages() -> str:
-    return ", ".join(f"{name} {metadata.version(name)}" for name in _PACKAGES)
+    return ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES)
 
 
 def _physics() -> str:
