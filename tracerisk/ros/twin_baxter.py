@@ -40,6 +40,7 @@ _TIMEOUT_S = 0.2  # of velocities, before joint_command_timeout
 _ELECTRIC = 2
 _SIDE = re.compile(r"/(left|right)(?:_gripper)?/")
 _LOOK_S = 1e-3
+_NUMBERS = ("position", "moving_force")
 
 
 class BaxterDriver:
@@ -201,12 +202,12 @@ class BaxterDriver:
             return
         self._grips[side] = received
         try:
-            asked = json.loads(message.args) if message.args else {}
-        except ValueError:
-            self._streams.refuse(topic, f"args '{message.args}' are no JSON")
+            asked = _numbers(message.args)
+        except (TypeError, ValueError):
+            self._streams.refuse(topic, f"args '{message.args}' are no numbers by name, as JSON")
             return
         if message.command == "configure":
-            self._forces[side] = float(asked.get("moving_force", 40.0))
+            self._forces[side] = asked.get("moving_force", 40.0)
         elif message.command in ("calibrate", "clear_calibration", "reboot", "reset"):
             self._calibrated[side] = message.command in ("calibrate", "reset")
         elif message.command == "stop":
@@ -214,7 +215,7 @@ class BaxterDriver:
             self._commands.poll()
         elif message.command in ("go", "grip", "release"):
             by_name = 0.0 if message.command == "grip" else 100.0
-            self._grip(topic, gripper, float(asked.get("position", by_name)))
+            self._grip(topic, gripper, asked.get("position", by_name))
 
     def _grip(self, topic: str, gripper: Gripper, percent: float) -> None:
         part = min(max(percent, 0.0), 100.0) / 100
@@ -342,6 +343,14 @@ class BaxterDriver:
         answer.joints, answer.isValid = joints, valid
         answer.result_type = bytes(int(each) for each in valid)
         return answer
+
+
+def _numbers(text: str) -> dict[str, float]:
+    """Return the numbers in the arguments of a gripper's command; raise ValueError or TypeError."""
+    asked = json.loads(text) if text else {}
+    if not isinstance(asked, dict):
+        raise ValueError("no mapping")
+    return {name: float(value) for name, value in asked.items() if name in _NUMBERS}
 
 
 def _side(topic: str) -> str:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.ros.graph import Change, Publication
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.ros.xarm_motion import READY, STOPPED, Waiting, XarmMotion, pose_of
+from tracerisk.ros.xarm_motion import READY, STOPPED, PoseError, Waiting, XarmMotion, pose_of
 from tracerisk.twin.motion import PlanningError
 
 if TYPE_CHECKING:
@@ -93,7 +93,10 @@ class XarmDriver:
     def _answering(self, kind: str, handle: Callable[[Any, Any], int]) -> Callable[[Any], Any]:
         def answer(request: Any) -> Any:
             response = self._messages.response(kind)
-            response.ret = handle(request, response)
+            try:
+                response.ret = handle(request, response)
+            except PoseError as error:
+                response.ret, response.message = -1, str(error)
             if not response.message:
                 response.message = f"ret={response.ret}"
             return response
@@ -190,7 +193,7 @@ class XarmDriver:
             return code
         self._scheduler.wait_until(
             lambda: not self._motion.is_busy,
-            timeout_ns=None if timeout_s < 0 else round(timeout_s * 1e9),
+            timeout_ns=round(timeout_s * 1e9) if timeout_s >= 0 else None,
             reason="the arm to finish",
         )
         return self._motion.refused()
@@ -223,9 +226,6 @@ class XarmDriver:
         return self._ask(waiting, wait=request.wait if is_ros2 else self._waits())
 
     def _move_line(self, request: Any, answer: Any) -> int:
-        if len(request.pose) < 6:
-            answer.message = f"a pose has 6 values, not {len(request.pose)}"
-            return -1
         pose = pose_of(request.pose)
         if request.is_tool_coord or request.relative:
             pose = self._motion.relative(pose, in_tool=request.is_tool_coord)

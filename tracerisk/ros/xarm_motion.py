@@ -37,6 +37,10 @@ _LINE_SPEED = 100.0
 _FLANGES = ("link_eef", "link_tcp")
 
 
+class PoseError(ValueError):
+    """A pose that is not one: x, y, z, roll, pitch and yaw are expected."""
+
+
 @dataclass(frozen=True, slots=True)
 class Waiting:
     """A motion that was asked for, by the stack that asked."""
@@ -214,6 +218,8 @@ class XarmMotion:
 
 
 def pose_of(values: Sequence[float]) -> Pose:
-    """Return the pose of x, y, z [mm], roll, pitch, yaw [rad]."""
+    """Return the pose of x, y, z [mm], roll, pitch, yaw [rad]; raise PoseError for fewer."""
+    if len(values) < 6:
+        raise PoseError(f"a pose has 6 values, not {len(values)}")
     x, y, z, roll, pitch, yaw = (float(value) for value in values[:6])
     return Pose((x / 1000, y / 1000, z / 1000), quaternion_from_rpy(roll, pitch, yaw))

@@ -131,6 +131,23 @@ answer = solve(request)
     assert set(ran["answer"].joints[0].name) == set(ran["limb"].joint_names())
 
 
+@pytest.mark.parametrize("args", ["[1]", '{"position": "x"}', '{"position": null}', "{"])
+def test_a_gripper_command_that_is_no_command_is_refused(run_on, args):
+    ran = run_on(
+        "baxter",
+        f"""
+import rospy
+from baxter_core_msgs.msg import EndEffectorCommand
+rospy.init_node('gripping')
+commands = rospy.Publisher(
+    '/robot/end_effector/left_gripper/command', EndEffectorCommand, queue_size=1)
+commands.publish(EndEffectorCommand(command='go', args={args!r}, sender='gripping', sequence=1))
+rospy.sleep(0.1)
+""",
+    )
+    assert any(f"args '{args}' are no numbers by name" in each for each in ran.findings)
+
+
 def test_what_the_twin_lacks_says_so(run_on):
     with pytest.raises(ImportError, match="baxter_interface has no 'CameraController' in trac"):
         run_on("baxter", "from baxter_interface import CameraController\n")

@@ -56,6 +56,7 @@ call(MoveJoint, 'set_servo_angle', angles=[0.0, 0.3, 1.2, 0.0, 0.9, 0.0], wait=T
 here = list(call(GetFloat32List, 'get_position').datas)
 line = call(MoveCartesian, 'set_position', pose=[here[0], 60.0, *here[2:]], speed=50.0, wait=True)
 there = list(call(GetFloat32List, 'get_position').datas)
+short = call(MoveCartesian, 'set_tool_position', pose=[10.0, 0.0], wait=True)
 far = call(MoveCartesian, 'set_position', pose=[2000.0, 0.0, 200.0, 3.14, 0.0, 0.0], wait=True)
 errors = list(call(GetInt16List, 'get_err_warn_code').datas)
 refused = call(MoveHome, 'move_gohome', wait=True)
@@ -68,6 +69,7 @@ home = call(MoveHome, 'move_gohome', wait=True)
     assert ran["line"].ret == 0
     assert ran["there"][1] == pytest.approx(60.0, abs=2.0)
     assert ran["there"][2] == pytest.approx(ran["here"][2], abs=2.0)
+    assert (ran["short"].ret, ran["short"].message) == (-1, "a pose has 6 values, not 2")
     assert ran["far"].ret == 1
     assert ran["errors"][0] == 21
     assert ran["refused"].ret == 1
