@@ -34,6 +34,7 @@ from tracerisk.pipeline.freshness import RunInputs, stale_reasons, values_reason
 from tracerisk.pipeline.known_functions import check_steps
 from tracerisk.trace import QualifiedName
 
+_OF_ALL = ("pyproject.toml", LOCK_NAME)  # what every controller of a root depends on
 _WORTH_A_PROCESS = 20  # files that take as long to check as a process takes to start
 
 FindingKind = Literal[
@@ -73,7 +74,8 @@ def controllers_of(files: Sequence[Path | str]) -> tuple[Path, ...]:
     """Return the controllers whose blocks or traces depend on any of the files, sorted.
 
     That are the files themselves where the lock knows them or they have blocks, and the
-    controllers that import them. A file that has to do with no controller adds none.
+    controllers that import them; all of the lock for the settings and the lock itself. A file
+    that has to do with no controller adds none.
     Raises InputError for a file that is not there, or a lock that cannot be read.
     """
     found: dict[Path, Path] = {}
@@ -87,6 +89,8 @@ def controllers_of(files: Sequence[Path | str]) -> tuple[Path, ...]:
             users_of[root] = _users(_lock_of(root))
         key = lock_key(path, root)
         users = users_of[root].get(key, ())
+        if key in _OF_ALL:
+            users = sorted(_lock_of(root).controllers)
         for name in users:
             controller = path if name == key else _shown(root / name, path)
             if controller.is_file():
@@ -107,7 +111,8 @@ def _users(lock: Lock) -> dict[str, list[str]]:
     users: dict[str, list[str]] = {}
     for name, entry in lock.controllers.items():
         inputs = RunInputs.from_data(entry.inputs)
-        for file in {name, *entry.blocks, *inputs.sources, *inputs.files}:
+        hardware = inputs.settings.get("hardware", name)
+        for file in {name, hardware, *entry.blocks, *inputs.sources, *inputs.files}:
             users.setdefault(file, []).append(name)
     return users
 
