@@ -99,8 +99,11 @@ def test_a_lock_in_conflict_is_read_and_a_broken_one_names_its_version(repositor
     repository.write("tracerisk.lock", whole[:40])
     with pytest.raises(InputError, match=r"^tracerisk\.lock.*: in working tree: is not JSON"):
         review([], repository.folder)
+    (repository.folder / "sub").mkdir()
+    with pytest.raises(InputError, match=r"^\.\./tracerisk\.lock"):
+        review([], repository.folder / "sub")
     repository.commit()
-    repository.write("hand.py", parts()["hand.py"])
+    write(repository, parts(), ("main.py", lock_of(parts(), "main.py")))
     with pytest.raises(InputError, match=r"^HEAD:tracerisk\.lock.*: in HEAD: is not JSON"):
         review([], repository.folder)
 

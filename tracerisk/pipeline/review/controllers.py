@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import PurePosixPath
 
@@ -48,6 +48,7 @@ class _Locks:
     """The locks of one version, each read once."""
 
     version: GitVersion
+    shown: Callable[[str], str]
     _read: dict[str, dict[str, _Known]] = field(default_factory=dict)
 
     def controllers_of(self, path: str) -> list[str]:
@@ -75,7 +76,7 @@ class _Locks:
         if content is None:
             return
         try:
-            lock: Lock = loads(content, path)
+            lock: Lock = loads(content, self.shown(path))
         except TraceRiskError as error:
             raise in_version(error, self.version) from error
         for name, entry in lock.controllers.items():
@@ -85,14 +86,14 @@ class _Locks:
 
 
 def reviewed_controllers(
-    files: AnnotatedFiles, before: GitVersion, after: GitVersion
+    files: AnnotatedFiles, before: GitVersion, after: GitVersion, shown: Callable[[str], str]
 ) -> list[ReviewedController]:
     """Return the controllers that the files belong to, with all of their annotated sources.
 
-    A file that no lock knows is a controller of its own.
+    A file that no lock knows is a controller of its own. `shown` tells what messages call a path.
     Raises InputError, telling the version, where a lock cannot be read.
     """
-    locks = _Locks(before), _Locks(after)
+    locks = _Locks(before, shown), _Locks(after, shown)
     was = {new: old for old, new in files.renames.items()}
     names: dict[str, None] = {}
     for old, new in files.pairs:

@@ -38,8 +38,8 @@ def review(words: Sequence[str] = (), folder: Path | None = None) -> Review:
     with Repository.opened(here) as repository:
         what = compared(repository, here, words)
         files = annotated_files(repository, what)
-        controllers = reviewed_controllers(files, what.before, what.after)
         shown = _Shown(repository.top, here)
+        controllers = reviewed_controllers(files, what.before, what.after, shown.name)
         found = [_reviewed(each, (what.before, what.after), shown) for each in controllers]
     # A source may speak of blocks and have none.
     diffs = [each for each in found if each.before is not None or each.after is not None]

@@ -1,0 +1,159 @@
+"""`tracerisk diff` as a user calls it: formats, limits, exit codes, and `git diff` with it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+
+@pytest.fixture
+def steps(annotated_source):
+    def make(gripper="= 2e-07", power="1e-5 of2"):
+        return annotated_source(
+            pick=("place 1", f"motor = 2e-8 x7; power = {power}"),
+            place=("pick 9/10, done 1/10", f"gripper {gripper}"),
+        )
+
+    return make
+
+
+@pytest.fixture
+def changed(repository, steps):
+    """A repository in which the mission's failure probability is 1.59 times what it was."""
+    repository.write("pick.py", steps())
+    repository.commit()
+    repository.write("pick.py", steps(gripper="= 4e-07"))
+    return repository
+
+
+def test_the_text_begins_with_one_sentence(changed):
+    outcome = changed.run("diff")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert outcome.out.startswith(
+        "pick.py: mission failure rises from 3.401e-06 to 5.401e-06 (x1.59), by most\n"
+        "through gripper in place: probability 2e-07 -> 4e-07 (x2) [edited by hand].\n\n"
+    )
+
+
+@pytest.mark.parametrize("asked", [["--json"], ["--format", "json"]])
+def test_the_json_is_versioned_and_has_every_figure(changed, asked):
+    outcome = changed.run("diff", *asked, "HEAD", "pick.py")
+    data = outcome.json
+    assert (data["schema"], data["version"], data["verb"]) == ("tracerisk", 1, "diff")
+    assert (data["exit_code"], outcome.code) == (0, 0)
+    assert (data["before"], data["after"]) == ("HEAD", "working tree")
+    assert list(data) == sorted(data)
+    (controller,) = data["controllers"]
+    assert controller["ratio"] == pytest.approx(1.588, rel=1e-3)
+    assert controller["after"]["cycle_failure_probability"] == pytest.approx(5.4e-7, rel=1e-3)
+    (change,) = controller["changes"]
+    assert change["contribution"] == pytest.approx(2e-6, rel=1e-3)
+    assert data["headline"].startswith("pick.py: mission failure rises")
+
+
+def test_the_markdown_has_its_tag(changed):
+    outcome = changed.run("diff", "--format", "markdown")
+    assert outcome.out.startswith("<!-- tracerisk-diff -->\n**pick.py: mission failure rises")
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "told"),
+    [
+        (["--max-increase", "0.6"], 0, ""),
+        (["--max-increase", "0.5"], 1, "mission failure rises by 58.8 %, over --max-increase 0.5"),
+        (["--max-risk", "1e-5"], 0, ""),
+        (["--max-risk", "5e-6"], 1, "mission failure 5.401e-06 is over --max-risk 5e-06"),
+    ],
+)
+def test_limits_make_the_exit_code(changed, options, code, told):
+    outcome = changed.run("diff", *options)
+    assert outcome.code == code
+    assert told in outcome.err
+    assert (outcome.err == "") == (code == 0)
+    data = changed.run("diff", *options, "--json").json
+    assert (data["exit_code"], len(data["exceeded"])) == (code, code)
+
+
+def test_a_rise_within_the_noise_exceeds_no_increase(changed, steps):
+    changed.write("pick.py", steps(gripper="= 2.001e-07"))
+    assert changed.run("diff", "--max-increase", "0").code == 0
+    assert changed.run("diff", "--max-increase", "0", "--max-risk", "1e-9").code == 1
+
+
+def test_errors_exit_with_2_and_tell_the_version(changed, steps, tmp_path):
+    outcome = changed.run("diff", "nope")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "'nope' is no revision here" in outcome.err
+    changed.write("pick.py", steps().replace("quantity = 7", "quantity = 0"))
+    outcome = changed.run("diff", "--format", "json")
+    assert outcome.code == 2
+    assert "in working tree: quantity = 0 is not allowed" in outcome.json["error"]["message"]
+    outside = type(changed)(tmp_path)
+    outcome = outside.run("diff", environment={"GIT_CEILING_DIRECTORIES": str(tmp_path.parent)})
+    assert outcome.code == 2
+    assert "is in no git repository" in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["--max-increase", "-1"], "'-1' is no share from 0 up, such as 0.1 for 10 %"),
+        (["--max-increase", "x"], "'x' is no share from 0 up"),
+        (["--format", "html"], "invalid choice: 'html'"),
+        (["--textconv", "pick.py", "HEAD"], "--textconv takes one file and no revision"),
+        (["--textconv", "gone.py"], "gone.py: cannot be read"),
+    ],
+)
+def test_bad_options_exit_with_2(changed, options, told):
+    outcome = changed.run("diff", *options)
+    assert outcome.code == 2
+    assert told in outcome.err
+
+
+def test_it_imports_no_simulator_and_no_libcst(changed):
+    code = (
+        "import sys; from tracerisk.cli import main; code = main(['diff']); "
+        "heavy = {'mujoco', 'dm_control', 'libcst', 'numpy', 'rich'} & set(sys.modules); "
+        "sys.exit(f'imported {heavy}' if heavy else code)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=changed.folder, capture_output=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_plain_git_diff_shows_the_model_by_textconv(changed):
+    changed.write(".gitattributes", "*.py diff=tracerisk\n")
+    command = f"'{sys.executable}' -m tracerisk diff --textconv"
+    changed.git("config", "diff.tracerisk.textconv", command)
+    shown = changed.git("diff").splitlines()
+    assert "-    # |   probability = 2e-07" in shown
+    assert "-risk model: mission failure 3.401e-06, per cycle 3.401e-07" in shown
+    assert "+risk model: mission failure 5.401e-06, per cycle 5.401e-07" in shown
+    assert "+  place: 4e-07 a visit, next pick 9/10, done 1/10" in shown
+    assert not [line for line in shown if "pick: " in line and line[0] in "+-"]
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (("quantity = 7", "quantity = 0"), "risk model: line 11: quantity = 0 is not allowed"),
+        (("next = place 1", "next = elsewhere 1"), "no mission of these blocks alone: function"),
+        (("quantity = 7", "quantity = 1000000000"), "  pick: no figure, next place 1"),
+        (("callSequence = 2", "callSequence = 1"), "(the other stands at line 2)"),
+    ],
+)
+def test_textconv_tells_what_is_wrong_and_never_fails(changed, steps, change, told):
+    changed.write("bad.py", steps().replace(*change))
+    outcome = changed.run("diff", "--textconv", "bad.py")
+    assert outcome.code == 0, outcome.err
+    assert told in outcome.out
+    assert "bad.py" not in outcome.out
+    assert outcome.out.startswith(steps().replace(*change))
+
+
+def test_textconv_leaves_a_source_without_blocks_as_it_is(changed):
+    source = "x = 'grün'\r\n# RiskAnnotation"
+    changed.write("plain.py", source)
+    outcome = changed.run("diff", "--textconv", "plain.py")
+    assert (outcome.code, outcome.out) == (0, source)

@@ -1,0 +1,46 @@
+from __future__ import annotations
+
+import re
+
+from tracerisk.report.diff_markdown import TAG, render_diff_markdown
+
+
+def test_a_comment_is_a_tag_a_sentence_a_table_and_folded_details(eventful, review_of):
+    text = render_diff_markdown(review_of(eventful))
+    lines = text.splitlines()
+    assert lines[0] == TAG == "<!-- tracerisk-diff -->"
+    assert lines[1].startswith("**cell.py: mission failure rises from ")
+    assert lines[3] == "| controller | HEAD | working tree | ratio | per cycle |"
+    assert lines[5].startswith("| cell.py | ")
+    assert text.count("<details>") == text.count("</details>") == 1
+    assert text.index("| alone | change | cause | where |") > text.index("<details>")
+
+
+def test_every_row_has_as_many_cells_as_its_table(eventful, review_of):
+    text = render_diff_markdown(review_of(eventful))
+    tables = re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE)
+    assert len(tables) == 3
+    for table in tables:
+        counts = {len(re.findall(r"(?<!\\)\|", row)) for row in table.splitlines()}
+        assert len(counts) == 1
+
+
+def test_names_and_reasons_are_not_read_as_markup(eventful, review_of):
+    text = render_diff_markdown(review_of(eventful, notes=("a <script> | b",)))
+    assert r"FMEA\|112 \<b\>" in text
+    assert r"- a \<script\> \| b" in text
+    assert r"approach\_the\_rack\_from\_above" in text
+
+
+def test_a_review_without_controllers_has_no_table(review_of):
+    assert render_diff_markdown(review_of()) == (
+        f"{TAG}\n**No risk block differs between HEAD and working tree.**\n\n"
+        "*Probability of mission failure by hardware; not harm, software faults or people.*\n"
+    )
+
+
+def test_a_controller_that_is_new_or_gone_has_no_ratio(difference, review_of):
+    step = {"reach": ("done 1", "motor = 1e-7")}
+    text = render_diff_markdown(review_of(difference(None, step), difference(step, None)))
+    assert "| cell.py | none | 1.000e-07 |  |  |" in text
+    assert "| cell.py | 1.000e-07 | none |  |  |" in text

@@ -1,0 +1,113 @@
+from __future__ import annotations
+
+import pytest
+
+from tracerisk.prm import FIGURE_STATEMENT
+from tracerisk.report.diff_text import render_diff
+
+
+def one_step(component):
+    return {"reach": ("done 1", component)}
+
+
+def first_sentence(text):
+    return " ".join(text.split("\n\n")[0].split())
+
+
+def test_the_text_in_full(difference, review_of):
+    before = {"pick": ("place 1", "motor = 2e-8 x7"), "place": ("done 1", "power = 1e-5 of2")}
+    after = {"pick": ("place 1", "motor = 4e-8 x7"), "place": ("done 1", "power = 1e-5 x2")}
+    text = render_diff(review_of(difference(before, after), notes=("arm is a submodule",)))
+    assert (
+        text
+        == """\
+cell.py: mission failure rises from 1.401e-07 to 2.028e-05 (x145), by most
+through power in place: redundancy true -> false [edited by hand].
+
+before: HEAD; after: working tree
+
+cell.py                                              before      after     ratio
+  mission failure                                 1.401e-07  2.028e-05      x145
+  per cycle                                       1.401e-07  2.028e-05      x145
+
+  What changed, by what each alone does to mission failure
+   +2.00e-05  power in place: redundancy true -> false
+              lost redundancy, single point of failure; edited by hand;
+              cell.py:28
+   +1.40e-07  motor in pick: probability 2e-8 -> 4e-8 (x2)
+              edited by hand; cell.py:10
+   -2.80e-12  what they do only together, and noise
+
+  Functions, a visit                                 before      after     ratio
+    pick                                          1.400e-07  2.800e-07        x2
+      1 visit
+    place                                         1.000e-10  2.000e-05    x2e+05
+      1 visit
+
+  Single points of failure that were none
+  - power, in place
+
+- arm is a submodule
+
+Probability of mission failure by hardware; not harm, software faults or people.
+"""
+    )
+
+
+@pytest.mark.parametrize("width", [60, 80, 120])
+def test_nothing_is_wider_than_the_terminal(eventful, review_of, width):
+    lines = render_diff(review_of(eventful), width=width).splitlines()
+    assert max(map(len, lines)) <= width
+    assert " ".join(lines).count("FMEA|112 <b>") == 1
+
+
+def test_everything_that_changed_is_told(eventful, review_of):
+    text = " ".join(render_diff(review_of(eventful)).split())
+    for told in (
+        "new state check; grasp: next place 1 -> check 1",
+        "check (added)",
+        "lost redundancy, single point of failure",
+        "camera, in check",
+        "pin place.gripper.probability := 2e-7 stays, computed 1e-7 -> 1.5e-7",
+        "what they do only together, and noise",
+        FIGURE_STATEMENT,
+    ):
+        assert told in text
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "told"),
+    [
+        ("motor = 1e-7", "motor = 1.005e-7", "unchanged at 1.005e-07."),
+        ("motor = 1e-7", "motor = 5e-8", "falls from 1.000e-07 to 5.000e-08 (x0.5), by most"),
+        ("motor = 0", "motor = 1e-7", "rises from 0.000e+00 to 1.000e-07 (from 0)"),
+        ("motor = 1e-7; power = 0 of2", "motor = 1e-7; power = 0 x2", "yet redundancy is lost and"),
+        (None, "motor = 1e-7", "is assessed for the first time: its mission fails with 1.000e-07"),
+        ("motor = 1e-7", None, "has no risk blocks any more; its mission failed with 1.000e-07."),
+    ],
+)
+def test_the_first_sentence_says_what_happened(difference, review_of, before, after, told):
+    versions = [None if each is None else one_step(each) for each in (before, after)]
+    sentence = first_sentence(render_diff(review_of(difference(*versions))))
+    assert told in sentence
+    assert sentence.startswith("cell.py")
+    assert sentence.endswith(".")
+
+
+def test_the_first_sentence_of_several_controllers_tells_of_the_greatest(difference, review_of):
+    big = difference(one_step("motor = 1e-7"), one_step("motor = 9e-7"), name="big.py")
+    small = difference(one_step("motor = 1e-7"), one_step("motor = 2e-7"), name="small.py")
+    same = difference(one_step("motor = 1e-7"), one_step("motor = 1e-7"), name="same.py")
+    sentence = first_sentence(render_diff(review_of(big, small, same)))
+    assert sentence.startswith("The risk of 2 of 3 controllers changed, most of all big.py: ")
+    both = first_sentence(render_diff(review_of(same, same)))
+    assert both == "The risk of 2 controllers is unchanged."
+    none = first_sentence(render_diff(review_of()))
+    assert none == "No risk block differs between HEAD and working tree."
+
+
+def test_noise_is_counted_and_not_listed(difference, review_of):
+    diff = difference(one_step("motor = 1e-7"), one_step("motor = 1.005e-7"))
+    text = render_diff(review_of(diff))
+    assert "1 value changes by less than 1 %: told as unchanged" in text
+    assert "What changed" not in text
