@@ -17,6 +17,9 @@ from tracerisk.twin.shapes import Shape
 from tracerisk.twin.xml_reader import XmlElement, read_xml
 
 
+_LONGEST_M = 1000.0
+
+
 class ModelRefusedError(Exception):
     """A model that is no body of the twin, and why."""
 
@@ -133,6 +136,10 @@ def _unknown(kind: XmlElement | None) -> ModelRefusedError:
 def _shape(kind: str, sizes: list[float], place: Pose) -> Shape:
     if min(sizes) <= 0.0:
         raise ModelRefusedError(f"a {kind} has a length that is not above 0")
+    if max(sizes) > _LONGEST_M:
+        raise ModelRefusedError(
+            f"a {kind} is {max(sizes):g} m long; at most {_LONGEST_M:g} m are simulated"
+        )
     rpy = rpy_from_quaternion(place.orientation)
     if kind == "box":
         return Shape("box", tuple(size / 2 for size in sizes), place.position, rpy)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["GazeboWorld", "ModelRefusedError"]
 
+_FARTHEST_M = 1000.0
 _WORLD = ("", "world", "map")
 
 
@@ -98,12 +99,12 @@ class GazeboWorld:
         """Put a model into the world.
 
         Raises:
-            ModelRefusedError: the name is taken, or the model is no body of the twin.
+            ModelRefusedError: the name is taken, the model is no body of the twin, or the pose is
+                nowhere near it.
         """
         if name in self.names:
             raise ModelRefusedError("entity already exists")
-        placed = compose(inverse(self._base), compose(self.frame(frame), pose))
-        self._put(model_body(name, text, placed))
+        self._put(model_body(name, text, self._placed(pose, frame)))
 
     def delete(self, name: str) -> None:
         """Take a spawned model away.
@@ -120,11 +121,10 @@ class GazeboWorld:
         """Put a spawned model elsewhere.
 
         Raises:
-            ModelRefusedError: there is none, or it was not spawned.
+            ModelRefusedError: there is none, it was not spawned, or the pose is nowhere near.
         """
         body = self._spawned(name)
-        placed = compose(inverse(self._base), compose(self.frame(frame), pose))
-        self._put(replace(body, pose=placed, link=None))
+        self._put(replace(body, pose=self._placed(pose, frame), link=None))
 
     def attach(self, key: tuple[str, str, str, str]) -> None:
         """Weld two models, by model and link of each; one of them is the robot.
@@ -178,6 +178,14 @@ class GazeboWorld:
             return
         placed = compose(inverse(self._base), self.pose(held))
         self._put(replace(self._server.models[held], pose=placed, link=None))
+
+    def _placed(self, pose: Pose, frame: str) -> Pose:
+        """Return a pose that is given in a frame as one in the robot's base frame."""
+        placed = compose(inverse(self._base), compose(self.frame(frame), pose))
+        if not all(abs(each) <= _FARTHEST_M for each in placed.position):
+            told = ", ".join(f"{each:g}" for each in pose.position)
+            raise ModelRefusedError(f"({told}) m is not within {_FARTHEST_M:g} m of the robot")
+        return placed
 
     def _put(self, body: SceneBody) -> None:
         self._server.models[body.name] = body

@@ -54,6 +54,7 @@ def test_links_of_urdf_that_are_fixed_make_one_body():
         ("<robot><link name='a'/></robot>", "the model has no collision shape"),
         (CUBE.replace("0.05 0.05", "0.05"), "size '0.05 0.05' is not 3 finite number(s)"),
         (CUBE.replace("0.05 0.05 0.05", "0 1 1"), "a box has a length that is not above 0"),
+        (CUBE.replace("0.05 0.05 0.05", "1e9 1 1"), "a box is 1e+09 m long; at most 1000 m are si"),
     ],
 )
 def test_what_is_no_body_is_refused(text, told):
@@ -177,6 +178,21 @@ wrong = call(AttachLink, '/ATTACHLINK', **{**weld, 'link1_name': 'panda_hnd'})
     assert ran["off"].success
     assert not ran["wrong"].success
     assert "did you mean 'panda_hand'" in ran["wrong"].message
+
+
+def test_a_place_that_is_nowhere_is_refused(run_on):
+    ran = run_on(
+        "panda",
+        HEAD1
+        + """
+nowhere = [spawn('cube', CUBE, '', place(x, 0, 0), 'world') for x in (float('nan'), 1e30)]
+rospy.sleep(0.1)
+""",
+    )
+    assert [each.success for each in ran["nowhere"]] == [False, False]
+    assert ran["nowhere"][0].status_message.endswith(
+        "(nan, 0, 0) m is not within 1000 m of the robot"
+    )
 
 
 def test_what_is_not_simulated_is_refused(run_on):
