@@ -16,7 +16,6 @@ from tracerisk.twin.scene_body import HalfSpace, SceneBody
 from tracerisk.twin.shapes import Shape
 from tracerisk.twin.xml_reader import XmlElement, read_xml
 
-
 _LONGEST_M = 1000.0
 
 
