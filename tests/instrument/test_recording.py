@@ -92,3 +92,12 @@ def test_a_damaged_line_before_the_last_is_an_error(tmp_path: Path, line: str) -
 def test_a_missing_recording_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(LogError, match="cannot be read: No such file"):
         read_recording(tmp_path / "none.jsonl")
+
+
+def test_what_runs_after_the_end_is_not_recorded(tmp_path: Path) -> None:
+    path = tmp_path / "events.jsonl"
+    with path.open("wb") as stream:
+        recorder = Recorder(stream, clock=lambda: 0)
+        recorder.function_ran(MODULE, 1)
+    recorder.function_ran(PICK, 4)
+    assert read_recording(path).functions_ran == (FunctionSite(MODULE, 1),)

@@ -91,14 +91,14 @@ class CommandWatch(Protocol):
 
 
 class Recorder:
-    """Writes the events of one run to `stream`, each line at once.
+    """Writes the events of one run to `stream`, each line at once, until it is closed.
 
     `stream` is a file open for writing; only its descriptor is used. `clock` tells the simulated
     time [ns]. `watch` (an attribute) is told of each command.
     """
 
     def __init__(self, stream: BinaryIO, *, clock: Callable[[], int]) -> None:
-        self._descriptor = stream.fileno()
+        self._stream = stream
         self._clock = clock
         self.watch: CommandWatch | None = None
         self._next_command = itertools.count(1).__next__
@@ -165,10 +165,12 @@ class Recorder:
         return number
 
     def _write(self, event: str, **data: Any) -> None:
+        if self._stream.closed:
+            return  # a controller's `__del__` runs when the interpreter ends, after the run
         text = json.dumps({"event": event, "ns": self._clock(), **data}, separators=(",", ":"))
         line = memoryview(f"{text}\n".encode())
         while line:
-            line = line[os.write(self._descriptor, line) :]
+            line = line[os.write(self._stream.fileno(), line) :]
 
 
 def _location_data(location: Location | None) -> list[Any] | None:
