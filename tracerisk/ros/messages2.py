@@ -28,12 +28,14 @@ INTERFACES = Path(__file__).parent / "interfaces2"
 _ROS1_INTERFACES = Path(__file__).parent / "interfaces"
 _UNCHANGED = (
     "diagnostic_msgs",
+    "gazebo_ros_link_attacher",
     "nav_msgs",
     "object_recognition_msgs",
     "octomap_msgs",
     "sensor_msgs",
     "std_srvs",
     "tf2_msgs",
+    "ur_msgs",
 )
 _SEPARATOR = "---"
 _PLACEHOLDER = "structure_needs_at_least_one_member"

@@ -13,6 +13,7 @@ from tracerisk.ros.twin_gazebo import GazeboServices
 from tracerisk.ros.twin_interbotix import InterbotixDriver
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.ros.twin_set_points import SetPoints
+from tracerisk.ros.twin_universal_robots import UniversalRobotsBox
 from tracerisk.ros.twin_xarm import XarmDriver
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ def serve_vendors(
     """
     InterbotixDriver(runtime, messages, commands)
     XarmDriver(runtime, messages, commands)
+    UniversalRobotsBox(runtime, messages, commands)
     if runtime.recorder is not None:
         GazeboServices(runtime, messages, commands)
     BaxterDriver(runtime, messages, commands, set_points)

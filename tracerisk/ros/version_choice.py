@@ -20,7 +20,7 @@ _ROS2 = re.compile(
 _ROS1 = re.compile(
     r"(rospy|roslib|rospkg|roscpp|actionlib|actionlib_msgs|moveit_commander|tf|tf_conversions"
     r"|dynamic_reconfigure|genpy|rosbag|roslaunch|smach|smach_ros|ros_numpy"
-    r"|baxter_interface|baxter_dataflow|intera_interface|gazebo_ros_link_attacher"
+    r"|baxter_interface|baxter_dataflow|intera_interface"
     r"|interbotix_xs_modules\.(arm|core|gripper|turret|mr_descriptions|locobot))(\..*)?"
 )
 # `from control_msgs.action import ...`: ROS 1 has actions in `msg`. A folder of a ROS 1 program

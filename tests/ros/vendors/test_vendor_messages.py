@@ -18,13 +18,16 @@ ROS1 = [
     "interbotix_xs_msgs",
     "intera_core_msgs",
     "intera_motion_msgs",
+    "ur_msgs",
     "xarm_msgs",
 ]
 ROS2 = [
     "gazebo_msgs",
+    "gazebo_ros_link_attacher",
     "interbotix_perception_msgs",
     "interbotix_xs_msgs",
     "linkattacher_msgs",
+    "ur_msgs",
     "xarm_msgs",
 ]
 
