@@ -44,3 +44,22 @@ def test_a_controller_that_is_new_or_gone_has_no_ratio(difference, review_of):
     text = render_diff_markdown(review_of(difference(None, step), difference(step, None)))
     assert "| cell.py | none | 1.000e-07 |  |  |" in text
     assert "| cell.py | 1.000e-07 | none |  |  |" in text
+
+
+def test_a_long_review_is_cut_to_what_a_comment_holds(difference, review_of):
+    step = {"reach": ("done 1", "motor = 1e-7")}
+    many = "; ".join(f"c{number} = {number + 1}e-9" for number in range(40))
+    more = "; ".join(f"c{number} = {(number + 1) * (2 + number)}e-9" for number in range(40))
+    big = difference({"reach": ("done 1", many)}, {"reach": ("done 1", more)})
+    text = render_diff_markdown(review_of(big, *[difference(step, step)] * 60))
+    assert "| and 10 more changes |" in text
+    assert "- and 11 more controllers" in text
+    assert len(text) < 65_536
+
+
+def test_a_reason_mentions_nobody(difference, review_of):
+    before = {"reach": ("done 1", "motor = 1e-7")}
+    after = {"reach": ("done 1", "motor := 1e-7 ! ;asked_by @alice")}
+    text = render_diff_markdown(review_of(difference(before, after)))
+    assert "alice" in text
+    assert "@alice" not in text

@@ -111,3 +111,13 @@ def test_noise_is_counted_and_not_listed(difference, review_of):
     text = render_diff(review_of(diff))
     assert "1 value changes by less than 1 %: told as unchanged" in text
     assert "What changed" not in text
+
+
+def test_the_first_sentence_names_what_made_the_change_and_not_what_worked_against_it(
+    difference, review_of
+):
+    before = one_step("a = 9e-7; b = 1e-7; c = 1e-7; d = 1e-7")
+    after = one_step("a = 5e-7; b = 4e-7; c = 4e-7; d = 4e-7")
+    sentence = first_sentence(render_diff(review_of(difference(before, after))))
+    assert "rises" in sentence
+    assert "by most through b in reach" in sentence

@@ -19,9 +19,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
     parser.add_argument(
         "words",
-        metavar="[REV[..REV]] [FILE...]",
+        metavar="REV|FILE",
         nargs="*",
-        help="what to compare as git does, HEAD with the working tree by default; which files",
+        help="REV, A..B or A...B as git reads them (HEAD against the working tree); then files",
     )
     parser.add_argument(
         "--format",

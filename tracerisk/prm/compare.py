@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 from tracerisk.adder.block import RiskBlock
 from tracerisk.adder.values import CALL_SEQUENCE, NEXT, component_fields
-from tracerisk.errors import ModelError
 from tracerisk.prm.component_changes import ComponentItem, alike, component_items
+from tracerisk.prm.contributions import Contributions
 from tracerisk.prm.flow_changes import Edit, FlowItem, flow_items, joined
-from tracerisk.prm.model_parts import ModelParts, RiskVersion, single_points, tolerated_failures
+from tracerisk.prm.model_parts import RiskVersion, single_points, tolerated_failures
 from tracerisk.prm.pin_changes import pin_changes
 from tracerisk.prm.risk_change import (
     Cause,
@@ -22,7 +22,6 @@ from tracerisk.prm.risk_change import (
     RiskDiff,
     SinglePoint,
 )
-from tracerisk.prm.solve import mission_failure
 
 CauseOf = Callable[[ChangedField], tuple[Cause, ...]]
 """Tells why a value that no person pinned is another one now."""
@@ -89,30 +88,30 @@ def _changes(
     flows = [replace(item, field=why.explained(item.field)) for item in flows]
     items = [replace(item, field=why.explained(item.field)) for item in items]
     marks = _Marks(before, after, points)
-    parts = [_component_part(group, marks) for group in alike(items)]
-    solved = [_solved(before, part) for part in parts]
-    structure = [_flow_part(group, marks) for group in joined(flows)]
-    solved_flows = [_solved(before, part) for part in structure]
-    if len(structure) > 1 and any(each.contribution is None for each in solved_flows):
+    contributions = Contributions(before)
+    solved = []
+    for group in alike(items):
+        part = _component_part(group, marks)
+        alone = contributions.of_components(part.edits, part.change.functions)
+        solved.append(replace(part.change, contribution=alone))
+    solved_flows = _solved_flows(
+        [_flow_part(group, marks) for group in joined(flows)], contributions
+    )
+    if any(each.contribution is None for each in solved_flows):
         # One of them alone leads nowhere: they are one change.
-        solved_flows = [_solved(before, _flow_part(flows, marks))]
+        solved_flows = _solved_flows([_flow_part(flows, marks)], contributions)
     ordered = sorted([*solved, *solved_flows], key=_order)
     return tuple(ordered), quiet + quiet_flows
 
 
-def _solved(before: RiskVersion, part: _Part) -> RiskChange:
-    parts = ModelParts(before)
-    for edit in part.edits:
-        edit(parts)
-    try:
-        alone = mission_failure(parts.model())
-    except ModelError:
-        return part.change
-    return replace(part.change, contribution=alone - _mission(before))
+def _solved_flows(parts: Sequence[_Part], contributions: Contributions) -> list[RiskChange]:
+    return [replace(part.change, contribution=contributions.of_flow(part.edits)) for part in parts]
 
 
 def _order(change: RiskChange) -> tuple[float, str, str]:
-    return (-abs(change.contribution or 0.0), change.kind, change.fields[0].path)
+    # To nine digits: what differs by rounding alone is ordered the same on every machine.
+    size = float(f"{abs(change.contribution or 0.0):.9g}")
+    return (-size, change.kind, change.fields[0].path)
 
 
 def _component_part(group: Sequence[ComponentItem], marks: _Marks) -> _Part:

@@ -66,17 +66,17 @@ class ModelParts:
         self.entry = version.model.entry
         self.blocks = dict(version.blocks)
         self.steps: dict[str, Steps] = {state.name: state.next for state in version.model.states}
-        self.components = {
-            name: counted_components(version.blocks[name]) for name in version.states
-        }
+        self.components = {name: counted_components(version.blocks[name]) for name in self.steps}
 
     def model(self) -> HybridModel:
         """Return the model that the parts make now; raise ModelError where they make none."""
-        states = [
-            function_state(self.blocks[name], tuple(self.components[name].values()), steps)
-            for name, steps in self.steps.items()
-        ]
+        states = [self.state(name) for name in self.steps]
         return model_of_states(self._name, self.entry, states)
+
+    def state(self, function: str) -> FunctionState:
+        """Return one function's state as the parts make it now."""
+        components = tuple(self.components[function].values())
+        return function_state(self.blocks[function], components, self.steps[function])
 
     def put(self, version: RiskVersion, function: str) -> None:
         """Take a whole function over from another version."""

@@ -84,7 +84,7 @@ def solve_figures(model: HybridModel) -> ModelFigures:
 
     Raises ModelError as `solve` does.
     """
-    tops = {state.name: _top(state, state.probabilities) for state in model.states}
+    tops = {state.name: top_event(state) for state in model.states}
     live = {name: tops[name] for name in model.reachable}
     solved = solve_mission(model, live)
     return ModelFigures(
@@ -94,14 +94,12 @@ def solve_figures(model: HybridModel) -> ModelFigures:
     )
 
 
-def mission_failure(model: HybridModel) -> float:
-    """Return the mission's failure probability by the chain.
+def top_event(state: FunctionState) -> Probability:
+    """Return the probability that one visit to a function fails, and its complement.
 
-    Raises ModelError as `solve` does.
+    Raises ModelError when its fault tree shares events.
     """
-    reached = set(model.reachable)
-    tops = {s.name: _top(s, s.probabilities) for s in model.states if s.name in reached}
-    return solve_mission(model, tops).failure.p
+    return _top(state, state.probabilities)
 
 
 def _state_assessment(

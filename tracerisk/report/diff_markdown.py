@@ -11,20 +11,25 @@ from tracerisk.report import diff_words as words
 TAG = "<!-- tracerisk-diff -->"
 """By it a bot finds the comment that it wrote before."""
 
+MOST_CONTROLLERS = 50
+MOST_CHANGES = 30
+"""How many controllers and changes of one are shown; GitHub takes 65,536 characters a comment."""
+
 _NONE = "none"
 _SPECIAL = re.compile(r"([\\`*_\[\]<>|~])")
 
 
 def render_diff_markdown(review: Review) -> str:
     """Return the review as Markdown: one sentence, a small table, the rest folded."""
+    shown = review.controllers[:MOST_CONTROLLERS]
     lines = [TAG, f"**{_escaped(words.headline(review))}**", ""]
     if review.controllers:
         lines += _table(
             ("controller", _escaped(review.before), _escaped(review.after), "ratio", "per cycle"),
-            [_figures(each) for each in review.controllers],
+            [_figures(each) for each in shown],
             right=(1, 2, 3, 4),
         )
-    for each in review.controllers:
+    for each in shown:
         parts = list(_parts(review, each))
         if parts:
             lines += [
@@ -35,9 +40,11 @@ def render_diff_markdown(review: Review) -> str:
                 "</details>",
                 "",
             ]
-    lines += [f"- {_escaped(note)}" for note in review.notes]
-    if review.notes:
-        lines.append("")
+    notes = [_escaped(note) for note in review.notes]
+    if len(review.controllers) > len(shown):
+        notes.insert(0, f"and {len(review.controllers) - len(shown)} more controllers")
+    if notes:
+        lines += [*(f"- {note}" for note in notes), ""]
     lines.append(f"*{_escaped(review.statement)}*")
     return "\n".join(lines) + "\n"
 
@@ -68,8 +75,10 @@ def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
                 _escaped(words.causes(change)),
                 _escaped(words.places(review, change)),
             )
-            for change in diff.changes
+            for change in diff.changes[:MOST_CHANGES]
         ]
+        if len(diff.changes) > MOST_CHANGES:
+            rows.append(("", f"and {len(diff.changes) - MOST_CHANGES} more changes", "", ""))
         if diff.interaction is not None:
             told = "what they do only together, and noise"
             rows.append((words.difference(diff.interaction), told, "", ""))
@@ -125,8 +134,8 @@ def _table(
 
 
 def _escaped(text: str) -> str:
-    """Keep names and reasons from being read as Markdown, HTML or the end of a cell."""
-    return _SPECIAL.sub(r"\\\1", " ".join(text.split()))
+    """Keep names and reasons from being read as Markdown, HTML, a mention or a cell's end."""
+    return _SPECIAL.sub(r"\\\1", " ".join(text.split())).replace("@", "@\u200b")
 
 
 def _html(text: str) -> str:

@@ -62,8 +62,10 @@ def _sentence(diff: RiskDiff) -> str:
         f"{diff.name}: mission failure {verb} from {probability(old)} to {probability(new)} "
         f"({ratio(old, new)})"
     )
-    if diff.changes and diff.changes[0].contribution:
-        told += f", by most through {diff.changes[0].summary}{_because(diff.changes[0])}"
+    # What works against the change is not what made it.
+    alike = [each for each in diff.changes if (each.contribution or 0.0) * diff.increase > 0.0]
+    if alike:
+        told += f", by most through {alike[0].summary}{_because(alike[0])}"
     return told
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 
@@ -181,6 +182,13 @@ def test_git_settings_of_the_user_do_not_matter(committed, two_steps):
     committed.write("pick.py", two_steps(gripper="= 4e-07"))
     (committed.folder / "src").mkdir()
     assert told(committed, folder=committed.folder / "src") == {"../pick.py": 1.59}
+
+
+def test_a_file_that_is_touched_or_made_executable_has_not_changed(committed):
+    (committed.folder / "pick.py").chmod(0o755)
+    os.utime(committed.folder / "other.py", (1, 1))
+    assert told(committed) == {}
+    assert told(committed, "pick.py") == {"pick.py": "same"}
 
 
 def test_a_symbolic_link_is_no_controller_of_its_own(committed):

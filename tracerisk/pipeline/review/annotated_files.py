@@ -64,13 +64,19 @@ def _may_hold_blocks(file: ChangedFile) -> bool:
 
 
 def _is_annotated_somewhere(file: ChangedFile, what: Compared) -> bool:
-    for version, path, blob in (
-        (what.before, file.before, file.before_blob),
-        (what.after, file.after, file.after_blob),
-    ):
-        if path is not None and is_annotated(path, _content(version, path, blob)):
-            return True
-    return False
+    """Return whether a file has blocks in a version, and other bytes in the other."""
+    contents = [
+        None if path is None else _content(version, path, blob)
+        for version, path, blob in (
+            (what.before, file.before, file.before_blob),
+            (what.after, file.after, file.after_blob),
+        )
+    ]
+    paths = file.before, file.after
+    return contents[0] != contents[1] and any(
+        path is not None and is_annotated(path, content)
+        for path, content in zip(paths, contents, strict=True)
+    )
 
 
 def _content(version: GitVersion, path: str, blob: str | None) -> bytes | None:
