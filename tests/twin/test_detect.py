@@ -125,6 +125,18 @@ def test_a_robot_that_is_named_alone_assumes_the_groups_it_lacks():
         detect_robot(["manipulator"], [Hint("a readme", {"README.md": "as on the UR10e"})])
 
 
+def test_names_may_be_built_of_a_prefix_and_a_joint():
+    strings = ["panda_", *(f"joint{i}" for i in range(1, 8)), "link0"]
+    assert detect_robot(strings, source("import panda")).name == "panda"
+    with pytest.raises(NoRobotNamedError):
+        detect_robot([*strings[1:], "arm_"])
+
+
+def test_groups_are_assumed_where_none_of_the_robots_own_is_named():
+    assert detect_robot(["panda_joint1", "arm"]).assumes_names
+    assert not detect_robot(["panda_joint1", "panda_arm", "arm"]).assumes_names
+
+
 def test_a_named_robot_without_the_listed_joints_is_not_taken():
     with pytest.raises(NoRobotNamedError):
         detect_robot(["arm_lift", "arm_turn"], source("ur10e"), ["arm_lift", "arm_turn"])

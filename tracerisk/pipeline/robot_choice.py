@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 class RobotChoice:
     """The robot that was taken, and files of the workspace that were not, each with its reason.
 
-    `files` are those that were read for a robot that the settings name as a model file.
+    `files` are those that the robot was read from, if it is not a shipped one.
     """
 
     robot: Robot
@@ -61,7 +61,12 @@ def choose_robot(
     Raises RobotError when the settings name none that is known, or several fit equally well.
     """
     from tracerisk.pipeline.robot_hints import robot_hints
-    from tracerisk.twin.detect import NoRobotNamedError, SeveralRobotsError, detect_robot
+    from tracerisk.twin.detect import (
+        NoRobotNamedError,
+        SeveralRobotsError,
+        assuming_groups,
+        detect_robot,
+    )
     from tracerisk.twin.generic import generic_arm, names_asked
     from tracerisk.twin.robot import load_robot
     from tracerisk.twin.workspace import find_workspace_robot
@@ -76,20 +81,23 @@ def choose_robot(
         return RobotChoice(robot, files=read.files)
     if settings.robot is not None:
         robot = replace(load_robot(settings.robot), chosen_by="as the settings say")
+        robot = assuming_groups(robot, (*string_literals(controller), *string_literals(whole)))
         return RobotChoice(_equipped(robot, whole))
     strings = (*string_literals(controller), *string_literals(whole), *also_named)
     packages = _own_packages(controller.root)
     roots = (controller.root, *packages.values())
     found = find_workspace_robot(roots, packages, strings, controller.path)
     if found.robot is not None and found.is_named:
-        return RobotChoice(replace(found.robot, chosen_by=found.reason), found.skipped)
+        return RobotChoice(replace(found.robot, chosen_by=found.reason), found.skipped, found.files)
     asked = names_asked(whole.source)
     asked = replace(asked, joints=tuple(dict.fromkeys((*also_named, *asked.joints))))
     try:
         robot = detect_robot(strings, robot_hints(controller), asked.joints)
     except (NoRobotNamedError, SeveralRobotsError) as error:
         if found.robot is not None:
-            return RobotChoice(replace(found.robot, chosen_by=found.reason), found.skipped)
+            return RobotChoice(
+                replace(found.robot, chosen_by=found.reason), found.skipped, found.files
+            )
         if isinstance(error, SeveralRobotsError):
             raise
         robot = replace(

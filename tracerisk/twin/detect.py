@@ -54,14 +54,15 @@ def detect_robot(
 ) -> Robot:
     """Return the robot whose joints, links or groups the strings name; `chosen_by` says how.
 
-    A string counts as a whole, as a part of a ROS name (`/panda_arm_controller/command`), or as
-    the stem of numbered names (`panda_joint`). Joints speak louder than links and groups, and
-    these louder than the robot's own name. Names that any arm could have (`elbow_joint`) count
-    where half of an arm's joints are named. Of several robots that fit equally the hints decide,
-    else the only one whose joints are all named. Where only numbers (`joint1`) or plain names fit,
-    or none at all, a robot is taken only if a hint names it and it has the joints that are
-    `listed` as such; groups that it lacks are then assumed. Where no robot fits, one does whose
-    joints are all named with a prefix, and has it before the names of its links and joints.
+    A string counts as a whole, as a part of a ROS name (`/panda_arm_controller/command`), as the
+    stem of numbered names (`panda_joint`), or behind another one (`panda_`, `joint1`). Joints speak
+    louder than links and groups, and these louder than the robot's own name. Names that any arm
+    could have (`elbow_joint`) count where half of an arm's joints are named. Of several robots that
+    fit equally the hints decide, else the only one whose joints are all named. Where only numbers
+    (`joint1`) or plain names fit, or none at all, a robot is taken only if a hint names it and it
+    has the joints that are `listed` as such. Where no robot fits, one does whose joints are all
+    named with a prefix, and has it before the names of its links and joints. Groups that a robot
+    lacks are assumed where none of its own is named.
 
     Raises NoRobotNamedError when no robot fits, SeveralRobotsError when several do.
     """
@@ -69,7 +70,7 @@ def detect_robot(
     robots = {each.name: each for each in shipped_names()}
     weighed = _Once(hints)
     try:
-        return _detect(given, robots, weighed, listed)
+        return assuming_groups(_detect(given, robots, weighed, listed), given)
     except NoRobotNamedError:
         prefix = prefix_in(_words(given), robots.values())
         if not prefix:
@@ -80,6 +81,16 @@ def detect_robot(
     return replace(with_prefix(robot, prefix), chosen_by=told)
 
 
+def assuming_groups(robot: Robot, strings: Iterable[str]) -> Robot:
+    """Return a robot that assumes the groups it lacks where the strings name none that it has.
+
+    Whoever wrote such a program has a configuration of MoveIt whose groups have other names.
+    """
+    if _words(strings).isdisjoint(robot.groups):
+        return replace(robot, assumes_names=True)
+    return robot
+
+
 def _detect(
     given: Collection[str],
     robots: Mapping[str, RobotNames],
@@ -87,7 +98,9 @@ def _detect(
     listed: Collection[str],
 ) -> Robot:
     words = _words(given)
-    fits = {name: _fit(robot, words, given) for name, robot in robots.items()}
+    fits = {
+        name: _fit(robot, words | _built(robot, words), given) for name, robot in robots.items()
+    }
     best = max((fit.rank for fit in fits.values()), default=(0, 0))
     fitting = [name for name, fit in fits.items() if fit.says_anything and fit.rank == best]
     certain = [name for name in fitting if fits[name].is_certain]
@@ -171,6 +184,17 @@ def _fit(robot: RobotNames, words: frozenset[str], strings: Collection[str]) -> 
         or any(not is_plain(name) for name in places)
         or _covers(robot, tellable),
         is_whole=joints.issuperset(robot.arm_joints),
+    )
+
+
+def _built(robot: RobotNames, words: frozenset[str]) -> frozenset[str]:
+    """Return the joints and links that two words make: `panda_` before `joint1`."""
+    prefixes = {word for word in words if re.fullmatch(r"[A-Za-z]\w*_", word)}
+    return frozenset(
+        name
+        for name in (*robot.joints, *robot.links)
+        for prefix in prefixes
+        if name.startswith(prefix) and name.removeprefix(prefix) in words
     )
 
 
