@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import xml.parsers.expat
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -71,12 +72,37 @@ class XmlElement:
 def read_xml(text: str | bytes, file: str) -> XmlElement:
     """Return the root element of an XML text.
 
+    A comment may hold `--`, and lasts until `-->`, as for the readers of ROS.
+
     Raises RobotError with file and line when it is no XML, too large, or declares a document type
     (with which a small text can grow without bounds, or name other files).
     """
     data = text.encode() if isinstance(text, str) else text
     if len(data) > MOST_BYTES:
         raise RobotError(f"holds {len(data)} bytes; at most {MOST_BYTES} are read", Location(file))
+    try:
+        return _parsed(data, file)
+    except RobotError:
+        bare = _without_comments(data)
+        if bare == data:
+            raise
+    return _parsed(bare, file)
+
+
+def _without_comments(data: bytes) -> bytes:
+    """Return a text with blanks for its comments, all else where it was."""
+    parts, at = [], 0
+    while (begin := data.find(b"<!--", at)) >= 0:
+        end = data.find(b"-->", begin + 4)
+        if end < 0:
+            break
+        comment = data[begin : end + 3]
+        parts += [data[at:begin], re.sub(rb"[^\r\n]", b" ", comment)]
+        at = end + 3
+    return b"".join((*parts, data[at:]))
+
+
+def _parsed(data: bytes, file: str) -> XmlElement:
     parser = xml.parsers.expat.ParserCreate()
     parser.buffer_text = True
     builder = _Builder(parser, file)
