@@ -190,13 +190,17 @@ def test_other_hardware_data_change_values_without_a_run(project):
 
 
 def test_a_refresh_uses_the_options_of_the_last_run_again(project):
-    assert project.run("run", "c.py", "--seed", "7", "-q").code == 0
+    project.write("cell.yaml", "name: cell\ntitle: A cell\n")
+    assert project.run("run", "c.py", "--seed", "7", "--scene", "cell.yaml", "-q").code == 0
     change(project, "helper.py", "0.2", "0.25")
     assert project.run("refresh", "-q").code == 0
     assert json.loads(project.read("tracerisk.lock"))["controllers"]["c.py"]["inputs"]["given"] == {
-        "seed": 7
+        "scene": "cell.yaml",
+        "seed": 7,
     }
     assert check(project)[:2] == (0, [])
+    project.write("cell.yaml", "name: cell\ntitle: Another cell\n")
+    assert "cell.yaml has changed since the last run" in check(project)[2]
 
 
 def test_a_second_refresh_does_nothing_and_one_without_a_kept_trace_runs(project):

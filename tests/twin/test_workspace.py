@@ -14,8 +14,8 @@ from tracerisk.hardware.shipped import hardware_of
 from tracerisk.pipeline.robot_choice import choose_robot
 from tracerisk.twin.builder import compile_model
 from tracerisk.twin.generic import generic_arm, names_asked, with_assumed_names
+from tracerisk.twin.known_arms import completed_as_ours
 from tracerisk.twin.robot import load_robot
-from tracerisk.twin.workspace import completed_as_ours
 from tracerisk.twin.xacro_files import expand_xacro
 
 _texts = importlib.util.spec_from_file_location("texts", Path(__file__).parent / "test_urdf.py")
@@ -45,8 +45,10 @@ def test_the_robot_beside_the_controller_is_taken_and_told(tmp_path):
     folder, script = workspace(tmp_path)
     (folder / "tiny.urdf").write_text(texts.RATED)
     (folder / "tiny.srdf").write_text(texts.SRDF)
-    robot = chosen(script).robot
+    choice = chosen(script)
+    robot = choice.robot
     assert robot.name == "tiny"
+    assert [path.name for path in choice.files] == ["tiny.srdf", "tiny.urdf"]
     assert "tiny.srdf with tiny.urdf in the workspace" in robot.chosen_by
     assert "limb" in robot.chosen_by
     assert not robot.assumes_names
@@ -72,8 +74,10 @@ def test_xacro_finds_the_packages_of_the_workspace(tmp_path):
     )
     text = expand_xacro(folder / "tiny.urdf.xacro", {"tiny_description": folder})
     assert b'name="shoulder"' in text
-    (folder / "parts.xacro").rename(folder / "parts.txt")
     (folder / "tiny.srdf").write_text(texts.SRDF)
+    read = ["tiny.srdf", "tiny.urdf.xacro", "parts.xacro"]
+    assert [path.name for path in chosen(script).files] == read
+    (folder / "parts.xacro").rename(folder / "parts.txt")
     choice = chosen(script)
     assert choice.robot.name == "generic"
     assert any("tiny.urdf.xacro: xacro cannot expand it" in each for each in choice.skipped)

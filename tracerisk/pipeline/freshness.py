@@ -96,7 +96,9 @@ def run_inputs(
     Raises InputError for a file that cannot be read.
     """
     root = controller.root.resolve()
-    named = (settings.scenario, *settings.params, *map(str, robot_files(controller, settings)))
+    scene = settings.scene if settings.scene is not None and Path(settings.scene).suffix else None
+    robot = map(str, robot_files(controller, settings))
+    named = (settings.scenario, scene, *settings.params, *robot)
     listed = {*trace.inputs, *(_from(root, Path(file)) for file in named if file is not None)}
     sources = {controller.file, *trace.files}
     return RunInputs(

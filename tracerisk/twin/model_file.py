@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tracerisk.errors import Location, RobotError, one_of
+from tracerisk.twin.known_arms import completed_as_ours, named_as_ours
 from tracerisk.twin.mjcf import mjcf_robot
 from tracerisk.twin.mjcf_document import read_mjcf_document
 from tracerisk.twin.mjcf_model import compiled_mjcf, mesh_shapes
@@ -20,7 +21,6 @@ from tracerisk.twin.robot import Robot
 from tracerisk.twin.shapes import Shape
 from tracerisk.twin.srdf import Srdf, SrdfGroup, read_srdf
 from tracerisk.twin.urdf import read_urdf
-from tracerisk.twin.workspace import completed_as_ours, named_as_ours
 from tracerisk.twin.xacro_files import expanded_xacro
 from tracerisk.twin.xml_reader import XmlElement, read_xml
 

@@ -9,18 +9,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
-import numpy as np
-
 from tracerisk.errors import RobotError, TraceRiskError
+from tracerisk.twin.known_arms import completed_as_ours, named_as_ours, shipped_like
 from tracerisk.twin.mentions import Hint, decide
-from tracerisk.twin.model_file_frames import rotation
-from tracerisk.twin.robot import Joint, Robot, load_robot
+from tracerisk.twin.robot import Robot, load_robot
 from tracerisk.twin.robot_index import shipped_names
 from tracerisk.twin.srdf import Srdf, read_srdf
 from tracerisk.twin.urdf import read_urdf
 from tracerisk.twin.urdf_groups import groups_of, states_of
 from tracerisk.twin.urdf_tree import tree_of
-from tracerisk.twin.xacro_files import expand_xacro
+from tracerisk.twin.xacro_files import expanded_xacro
 
 _MOST_FILES = 400
 _MOST_FOLDERS = 4000
@@ -30,8 +28,6 @@ _MOST_EXPANDED = 8  # xacro files a controller; each costs up to a second
 _NOT_SEARCHED = frozenset(
     {"build", "devel", "install", "log", "node_modules", "__pycache__", "venv"}
 )
-_MATCHES = 0.8  # the share of joint names that two robots of one make have in common
-_SAME_LENGTH = 0.03  # [m]
 _FITS = 0.6  # the share of an SRDF's names that its URDF must have
 _ROBOT_NAME = re.compile(r"<robot\b[^>]*\bname\s*=\s*[\"']([^\"']+)[\"']", re.DOTALL)
 _XACRO_ARGUMENT = re.compile(r"(\w+):=(\S+)")
@@ -44,13 +40,15 @@ class WorkspaceRobot:
     """What was found in a workspace: the robot and why it was taken, or `None`.
 
     `is_named` says that the controller names a part of it, or the robot itself.
-    `skipped` are files that were looked at and not taken, each with its reason.
+    `skipped` are files that were looked at and not taken, each with its reason; `files` are those
+    that the robot was read from.
     """
 
     robot: Robot | None
     reason: str
     skipped: tuple[str, ...] = ()
     is_named: bool = False
+    files: tuple[Path, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +100,7 @@ class _Search:
         self._script = script.resolve()
         self._skipped: list[str] = []
         self._expanded = 0
+        self._read_for: dict[Path, tuple[Path, ...]] = {}
         files = [_read(path, roots) for path in _found(roots)]
         self._files = [file for file in files if file is not None]
 
@@ -113,14 +112,16 @@ class _Search:
         for reader in (self._from_srdf, self._from_urdf):
             found = reader(srdf_files, urdf_files)
             if found is not None:
-                robot, reason = found
+                robot, reason, taken = found
                 parts = {joint.name for joint in robot.joints} | {robot.name, *robot.link_names}
                 for group, states in robot.named_states.items():
                     parts |= {group, *states}
                 is_named = bool((parts | set(robot.groups)) & self._words - _SAYS_NOTHING)
                 if robot.assumes_names:
                     is_named = bool((parts - set(robot.groups)) & self._words - _SAYS_NOTHING)
-                return WorkspaceRobot(robot, reason, tuple(self._skipped), is_named)
+                files = [path for file in taken for path in self._read_for.get(file.path, ())]
+                read = tuple(dict.fromkeys([*(file.path for file in taken), *files]))
+                return WorkspaceRobot(robot, reason, tuple(self._skipped), is_named, read)
         why = "no URDF or SRDF stands in the workspace"
         if self._files:
             why = "no URDF or SRDF of the workspace describes a robot that the controller speaks of"
@@ -128,7 +129,7 @@ class _Search:
 
     def _from_srdf(
         self, srdf_files: list[_File], urdf_files: list[_File]
-    ) -> tuple[Robot, str] | None:
+    ) -> tuple[Robot, str, tuple[_File, ...]] | None:
         read: list[tuple[_File, Srdf]] = []
         for file in sorted(srdf_files, key=self._rank):
             try:
@@ -147,13 +148,15 @@ class _Search:
             found = self._urdf_for(file, srdf, urdf_files)
             if found is not None:
                 robot, urdf = found
-                return robot, f"{file.shown} with {urdf.shown} in the workspace ({why})"
-            like = _shipped_like(srdf.words)
+                told = f"{file.shown} with {urdf.shown} in the workspace ({why})"
+                return robot, told, (file, urdf)
+            like = shipped_like(srdf.words)
             if len(like) > 1:
                 like = self._named_of(like, file, srdf)
             if len(like) == 1:
                 completed = _with_srdf(load_robot(like[0]), srdf)
-                return completed, f"{file.shown} in the workspace ({why}), the arm from {like[0]}"
+                told = f"{file.shown} in the workspace ({why}), the arm from {like[0]}"
+                return completed, told, (file,)
             told = f"several known robots have its joints: {', '.join(like)}"
             self._skipped.append(
                 f"{file.shown}: {told if like else 'no URDF or known robot has its joints'}"
@@ -222,7 +225,7 @@ class _Search:
 
     def _from_urdf(
         self, _srdf_files: list[_File], urdf_files: list[_File]
-    ) -> tuple[Robot, str] | None:
+    ) -> tuple[Robot, str, tuple[_File, ...]] | None:
         only = len({file.robot_name for file in urdf_files}) == 1
         for file in sorted(urdf_files, key=self._rank):
             speaks = sorted((file.words & self._words) - _SAYS_NOTHING)
@@ -238,7 +241,8 @@ class _Search:
             if not speaks and not only and not self._is_named(file):
                 continue
             why = f"names {', '.join(speaks[:4])}" if speaks else "by its name"
-            return named_as_ours(completed_as_ours(robot)), f"{file.shown} in the workspace ({why})"
+            completed = named_as_ours(completed_as_ours(robot))
+            return completed, f"{file.shown} in the workspace ({why})", (file,)
         return None
 
     def _is_named(self, file: _File) -> bool:
@@ -271,7 +275,9 @@ class _Search:
         if self._expanded >= _MOST_EXPANDED:
             raise RobotError(f"not looked at: {_MOST_EXPANDED} xacro files were expanded before it")
         self._expanded += 1
-        return expand_xacro(file.path, self._packages, arguments=arguments, shown=file.shown)
+        expanded = expanded_xacro(file.path, self._packages, arguments=arguments, shown=file.shown)
+        self._read_for[file.path] = expanded.files
+        return expanded.text
 
     def _skip(self, file: _File, error: TraceRiskError) -> None:
         self._skipped.append(f"{file.shown}: {error.message}")
@@ -341,61 +347,6 @@ def _parts(srdf: Srdf) -> set[str]:
     return names
 
 
-def _shipped_like(names: Iterable[str]) -> tuple[str, ...]:
-    """Return the shipped robots that have the greatest share of their joints among the names."""
-    shares = _shares(names)
-    return tuple(name for name in shares if shares[name] == max(shares.values()))
-
-
-def _shares(names: Iterable[str]) -> dict[str, float]:
-    """Return the shares of the shipped robots with most of their joints among the names."""
-    wanted = set(names)
-    shares = {
-        each.name: len(wanted.intersection(each.arm_joints)) / len(each.arm_joints)
-        for each in shipped_names()
-    }
-    return {name: share for name, share in sorted(shares.items()) if share >= _MATCHES}
-
-
-def _all_shipped_like(names: Iterable[str]) -> Iterator[Robot]:
-    """Yield the shipped robots with most of their joints among the names, the best ones first."""
-    shares = _shares(names)
-    for name in sorted(shares, key=lambda each: (-shares[each], each)):
-        yield load_robot(name)
-
-
-def _ours(robot: Robot) -> Robot | None:
-    """Return the shipped robot that this one is: joints of the same names at the same distances.
-
-    Names alone say little: many arms call their joints `joint1` and so on.
-    """
-    own = _distances(robot)
-    for like in _all_shipped_like(joint.name for joint in robot.arm_joints):
-        ours = _distances(like)
-        shared = own.keys() & ours.keys()
-        # The first joint stands on whatever the arm is mounted on.
-        same = [name for name in shared if abs(own[name] - ours[name]) < _SAME_LENGTH]
-        if len(same) >= _MATCHES * len(shared):
-            return like
-    return None
-
-
-def _distances(robot: Robot) -> dict[str, float]:
-    """Return how far each arm joint is from the moving one before it, or from the base [m]."""
-    hangs = {each.child: each for each in robot.attachments}
-    moving = {joint.name for joint in robot.arm_joints}
-    found: dict[str, float] = {}
-    for each in robot.attachments:
-        if each.name in moving:
-            place = np.array(each.xyz)
-            above = hangs.get(each.parent)
-            while above is not None and above.type == "fixed":
-                place = np.array(above.xyz) + rotation(above.rpy) @ place
-                above = hangs.get(above.parent)
-            found[each.name] = float(np.linalg.norm(place))
-    return found
-
-
 def _with_srdf(robot: Robot, srdf: Srdf) -> Robot:
     """Return a shipped robot with the groups and states of an SRDF beside its own."""
     joints = {joint.name: joint for joint in robot.joints}
@@ -409,60 +360,3 @@ def _with_srdf(robot: Robot, srdf: Srdf) -> Robot:
         named_states=MappingProxyType(states),
         disabled_collisions=robot.disabled_collisions | srdf.disabled_collisions,
     )
-
-
-def completed_as_ours(robot: Robot, *, knows_motors: bool = False) -> Robot:
-    """Return the robot with the rated figures of ours, where one has the same joints.
-
-    A robot that knows its motors keeps torques and servos, and lacks only rated velocities.
-    """
-    like = _ours(robot)
-    if like is None:
-        return robot
-    ours = {joint.name: joint for joint in like.arm_joints}
-    mine = {joint.name for joint in robot.arm_joints}
-    joints = tuple(
-        _rated(joint, ours[joint.name], robot.approximate, knows_motors)
-        if joint.name in ours and joint.name in mine and ours[joint.name].type == joint.type
-        else joint
-        for joint in robot.joints
-    )
-    return replace(robot, joints=joints)
-
-
-def _rated(joint: Joint, ours: Joint, assumed: bool, knows_motors: bool) -> Joint:
-    """An URDF tells no acceleration, and where figures are assumed ours are better ones."""
-    if not assumed:
-        return replace(joint, acceleration_limit=ours.acceleration_limit)
-    if knows_motors:
-        return replace(
-            joint,
-            velocity_limit=ours.velocity_limit,
-            acceleration_limit=ours.acceleration_limit,
-        )
-    return replace(
-        joint,
-        velocity_limit=ours.velocity_limit,
-        acceleration_limit=ours.acceleration_limit,
-        torque_limit=ours.torque_limit,
-        servo=ours.servo,
-    )
-
-
-def named_as_ours(robot: Robot) -> Robot:
-    """Return a robot without an SRDF with the groups of ours, else one that assumes them."""
-    like = _ours(robot)
-    if like is None:
-        return replace(robot, approximate=True, assumes_names=True)
-    joints = {joint.name: joint for joint in robot.joints}
-    groups, states = dict(robot.groups), dict(robot.named_states)
-    for name, group in like.groups.items():
-        if set(group.joints) <= joints.keys():
-            tip = group.tip_link if group.tip_link in robot.link_names else None
-            own = next((g for g in robot.groups if robot.groups[g].joints == group.joints), None)
-            own_tip = robot.groups[own].tip_link if own is not None else None
-            groups[name] = replace(group, tip_link=tip or own_tip)
-            told = robot.named_states.get(own or name, {})
-            # The file's own states go before those of ours.
-            states[name] = MappingProxyType({**like.named_states.get(name, {}), **told})
-    return replace(robot, groups=MappingProxyType(groups), named_states=MappingProxyType(states))

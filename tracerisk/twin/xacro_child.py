@@ -14,6 +14,7 @@ import json
 import os
 import resource
 import sys
+import sysconfig
 from pathlib import Path
 from typing import Any
 
@@ -64,7 +65,10 @@ class _Reading:
         self._within = None if within is None else [Path(folder) for folder in within]
         # Modules that xacro imports late.
         self._own = [Path(folder).resolve() for folder in (sys.prefix, sys.base_prefix)]
-        self._own += [Path(folder).resolve() for folder in sys.path if folder.endswith("-packages")]
+        packages = [Path(folder).resolve() for folder in sys.path if folder.endswith("-packages")]
+        self._own += packages
+        # Those of an environment that stands within the project are no part of the model.
+        self._code = [*packages, Path(sysconfig.get_path("stdlib")).resolve()]
         self._opened: dict[str, None] = {}
         self.refused: str | None = None
         self.by: str | None = None
@@ -84,6 +88,8 @@ class _Reading:
         if event != "open" or not isinstance(arguments[0], (str, bytes)):
             return
         path = Path(os.fsdecode(arguments[0])).resolve()
+        if any(map(path.is_relative_to, self._code)):
+            return
         is_inside = self._within is None or any(map(path.is_relative_to, self._within))
         if is_inside:
             if path.is_file():

@@ -1,0 +1,128 @@
+"""Tell which shipped robot another description is of, and take from it what that lacks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+
+from tracerisk.twin.model_file_frames import rotation
+from tracerisk.twin.robot import Joint, Robot, load_robot
+from tracerisk.twin.robot_index import shipped_names
+
+_MATCHES = 0.8  # the share of joint names that two robots of one make have in common
+_SAME_LENGTH = 0.03  # [m]
+
+
+def shipped_like(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the shipped robots that have the greatest share of their joints among the names."""
+    shares = _shares(names)
+    return tuple(name for name in shares if shares[name] == max(shares.values()))
+
+
+def _shares(names: Iterable[str]) -> dict[str, float]:
+    """Return the shares of the shipped robots with most of their joints among the names."""
+    wanted = set(names)
+    shares = {
+        each.name: len(wanted.intersection(each.arm_joints)) / len(each.arm_joints)
+        for each in shipped_names()
+    }
+    return {name: share for name, share in sorted(shares.items()) if share >= _MATCHES}
+
+
+def _all_shipped_like(names: Iterable[str]) -> Iterator[Robot]:
+    """Yield the shipped robots with most of their joints among the names, the best ones first."""
+    shares = _shares(names)
+    for name in sorted(shares, key=lambda each: (-shares[each], each)):
+        yield load_robot(name)
+
+
+def _ours(robot: Robot) -> Robot | None:
+    """Return the shipped robot that this one is: joints of the same names at the same distances.
+
+    Names alone say little: many arms call their joints `joint1` and so on.
+    """
+    own = _distances(robot)
+    for like in _all_shipped_like(joint.name for joint in robot.arm_joints):
+        ours = _distances(like)
+        shared = own.keys() & ours.keys()
+        # The first joint stands on whatever the arm is mounted on.
+        same = [name for name in shared if abs(own[name] - ours[name]) < _SAME_LENGTH]
+        if len(same) >= _MATCHES * len(shared):
+            return like
+    return None
+
+
+def _distances(robot: Robot) -> dict[str, float]:
+    """Return how far each arm joint is from the moving one before it, or from the base [m]."""
+    hangs = {each.child: each for each in robot.attachments}
+    moving = {joint.name for joint in robot.arm_joints}
+    found: dict[str, float] = {}
+    for each in robot.attachments:
+        if each.name in moving:
+            place = np.array(each.xyz)
+            above = hangs.get(each.parent)
+            while above is not None and above.type == "fixed":
+                place = np.array(above.xyz) + rotation(above.rpy) @ place
+                above = hangs.get(above.parent)
+            found[each.name] = float(np.linalg.norm(place))
+    return found
+
+
+def completed_as_ours(robot: Robot, *, knows_motors: bool = False) -> Robot:
+    """Return the robot with the rated figures of ours, where one has the same joints.
+
+    A robot that knows its motors keeps torques and servos, and lacks only rated velocities.
+    """
+    like = _ours(robot)
+    if like is None:
+        return robot
+    ours = {joint.name: joint for joint in like.arm_joints}
+    mine = {joint.name for joint in robot.arm_joints}
+    joints = tuple(
+        _rated(joint, ours[joint.name], robot.approximate, knows_motors)
+        if joint.name in ours and joint.name in mine and ours[joint.name].type == joint.type
+        else joint
+        for joint in robot.joints
+    )
+    return replace(robot, joints=joints)
+
+
+def _rated(joint: Joint, ours: Joint, assumed: bool, knows_motors: bool) -> Joint:
+    """An URDF tells no acceleration, and where figures are assumed ours are better ones."""
+    if not assumed:
+        return replace(joint, acceleration_limit=ours.acceleration_limit)
+    if knows_motors:
+        return replace(
+            joint,
+            velocity_limit=ours.velocity_limit,
+            acceleration_limit=ours.acceleration_limit,
+        )
+    return replace(
+        joint,
+        velocity_limit=ours.velocity_limit,
+        acceleration_limit=ours.acceleration_limit,
+        torque_limit=ours.torque_limit,
+        servo=ours.servo,
+    )
+
+
+def named_as_ours(robot: Robot) -> Robot:
+    """Return a robot without an SRDF with the groups of ours, else one that assumes them."""
+    like = _ours(robot)
+    if like is None:
+        return replace(robot, approximate=True, assumes_names=True)
+    joints = {joint.name: joint for joint in robot.joints}
+    groups, states = dict(robot.groups), dict(robot.named_states)
+    for name, group in like.groups.items():
+        if set(group.joints) <= joints.keys():
+            tip = group.tip_link if group.tip_link in robot.link_names else None
+            own = next((g for g in robot.groups if robot.groups[g].joints == group.joints), None)
+            own_tip = robot.groups[own].tip_link if own is not None else None
+            groups[name] = replace(group, tip_link=tip or own_tip)
+            told = robot.named_states.get(own or name, {})
+            # The file's own states go before those of ours.
+            states[name] = MappingProxyType({**like.named_states.get(name, {}), **told})
+    return replace(robot, groups=MappingProxyType(groups), named_states=MappingProxyType(states))
