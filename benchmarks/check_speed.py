@@ -1,9 +1,10 @@
-"""How long `tracerisk check` takes, beside an empty Python and ruff on the same files.
+"""How long `tracerisk check` and `diff` take, beside an empty Python and ruff on the same files.
 
     python benchmarks/check_speed.py [--files N] [--repeat N]
 
-One annotated controller, then N of them (1,000) below one lock. Each figure is the median of a few
-runs of the whole command in its own process, all made in this run.
+One annotated controller, then N of them (1,000) below one lock; and `diff` of one of them changed
+since the last commit. Each figure is the median of a few runs of the whole command in its own
+process, all made in this run.
 """
 
 from __future__ import annotations
@@ -107,6 +108,20 @@ def main() -> None:
                 [*check[:-1], "--json"], cwd=folder, check=True, capture_output=True
             )
             assert len(json.loads(done.stdout)["fresh"]) == count
+            print(f"{'':6} {changed_since_commit(folder, options.repeat):9.3f} diff, one changed")
+
+
+def changed_since_commit(folder: Path, repeat: int) -> float:
+    """Return the median time of `tracerisk diff` where one figure of one controller changed [s]."""
+    identity = ("-c", "user.name=a", "-c", "user.email=a@example.org")
+    for words in (("init", "-q"), ("add", "."), (*identity, "commit", "-q", "-m", "blocks")):
+        subprocess.run(["git", *words], cwd=folder, check=True, capture_output=True)
+    changed = folder / "controller_0000.py"
+    changed.write_bytes(changed.read_bytes().replace(b"9.5e-08", b"1.9e-07", 1))
+    command = [sys.executable, "-m", "tracerisk", "diff"]
+    done = subprocess.run([*command, "--json"], cwd=folder, check=True, capture_output=True)
+    assert len(json.loads(done.stdout)["controllers"][0]["changes"]) == 1
+    return median(command, folder, repeat)
 
 
 if __name__ == "__main__":
