@@ -31,11 +31,22 @@ def test_time_cannot_be_asked_for_before_the_node_is_initialized(run_node):
     def main():
         import rospy
 
-        for ask in (rospy.Time.now, rospy.get_time, lambda: rospy.sleep(1), lambda: rospy.Rate(1)):
+        for ask in (rospy.Time.now, rospy.get_time, lambda: rospy.Rate(1)):
             with pytest.raises(rospy.ROSInitException):
                 ask()
         with pytest.raises(rospy.ROSInitException):
             rospy.spin()
+
+    run_node(main)
+
+
+def test_a_program_may_sleep_before_the_node_is_initialized(run_node):
+    def main():
+        import rospy
+
+        began = time.time()
+        rospy.sleep(1.5)
+        assert time.time() - began == pytest.approx(1.5, abs=0.01)
 
     run_node(main)
 

@@ -45,13 +45,12 @@ class Rate:
 def sleep(duration: float | Duration) -> None:
     """Sleep for seconds or a Duration; a negative one returns at once.
 
+    Before the node is initialized it sleeps too, by the clock of the wall.
+
     Raises:
-        ROSInitException: the node is not initialized.
         ROSInterruptException: the node shuts down before the sleep is over.
     """
     state = node()
-    if not state.is_time_initialized:
-        get_rostime()
     length_ns = duration_ns(duration)
     if length_ns < 0:
         return
