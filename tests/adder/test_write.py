@@ -101,3 +101,21 @@ def test_a_file_is_whole_whenever_its_writer_is_killed(tmp_path: Path) -> None:
         content = path.read_bytes()
         assert len(content) == 200_000
         assert len(set(content)) == 1
+
+
+def test_what_a_killed_writer_left_goes_with_the_next_write(tmp_path: Path) -> None:
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    path = tmp_path / "c.py"
+    left = tmp_path / f".c.py.{dead.pid}-0.tmp"
+    others = [
+        tmp_path / f".c.py.{os.getpid()}-7.tmp",  # of a writer that still runs
+        tmp_path / f".d.py.{dead.pid}-0.tmp",
+        tmp_path / "c.py.1-0.tmp",
+    ]
+    for each in (left, *others):
+        each.write_bytes(b"x")
+    atomic_write(path, b"new")
+    assert path.read_bytes() == b"new"
+    assert not left.exists()
+    assert all(each.exists() for each in others)

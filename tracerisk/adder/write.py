@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import stat
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -67,6 +68,7 @@ def atomic_write(path: Path, data: bytes) -> None:
         except BaseException:
             temporary.unlink(missing_ok=True)
             raise
+        _remove_leftovers(target)
         _sync_folder(target.parent)
     except OSError as error:
         raise InputError(
@@ -99,6 +101,28 @@ def _create_beside(target: Path) -> tuple[Path, int]:
             return temporary, os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
         except FileExistsError:
             number += 1
+
+
+def _remove_leftovers(target: Path) -> None:
+    """Remove what killed writers of this file left beside it."""
+    pattern = re.compile(rf"\.{re.escape(target.name)}\.(\d+)-\d+\.tmp")
+    with os.scandir(target.parent) as entries:
+        found = [
+            (entry.path, match) for entry in entries if (match := pattern.fullmatch(entry.name))
+        ]
+    for path, match in found:
+        if not _is_running(int(match[1])):
+            Path(path).unlink(missing_ok=True)
+
+
+def _is_running(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except (OverflowError, PermissionError):
+        return True
+    return True
 
 
 def _sync_folder(folder: Path) -> None:

@@ -25,9 +25,10 @@ from tracerisk.adder.renames import base_with_names, follow_renames
 from tracerisk.config import Settings, read_settings
 from tracerisk.errors import HardwareError, InputError, Location
 from tracerisk.hardware.model import Hardware
-from tracerisk.pipeline.controller import Controller
+from tracerisk.pipeline.controller import Controller, load_controller
 from tracerisk.pipeline.freshness import run_inputs
 from tracerisk.pipeline.known_functions import check_named_functions, check_steps
+from tracerisk.pipeline.one_writer import one_writer
 from tracerisk.pipeline.trace_summary import trace_summary
 from tracerisk.trace import FunctionRef, QualifiedName, Trace
 
@@ -75,7 +76,6 @@ class Annotated:
         Raises InputError when a file cannot be written, or the source was changed meanwhile.
         """
         from tracerisk.adder.write import write_all
-        from tracerisk.pipeline.one_writer import one_writer
 
         self._keep_trace()
         if self.change is None:
@@ -88,7 +88,9 @@ class Annotated:
         from tracerisk.pipeline.trace_cache import TraceCache
 
         with contextlib.suppress(OSError, InputError):
-            TraceCache(self.controller.root).write(self.fingerprint, self.trace)
+            # With the lines that the source has from now on.
+            kept = at_annotated_lines(self.trace, self)
+            TraceCache(self.controller.root).write(self.fingerprint, kept)
 
     def _as_things_stand(self, change: Changed) -> Changed:
         """Put the change on top of what the lock and the source hold by now."""
@@ -215,10 +217,13 @@ def annotate(
     computed = compute_blocks(trace, hardware, active=settings.active, profile=profile)
     lock_path = controller.root / LOCK_NAME
     key = lock_key(controller.path, controller.root)
-    lock = read_lock(lock_path)
-    files = _annotated_files(controller, trace, lock)
+    # Another run of tracerisk writes lock and sources in turn; both are read between its writes.
+    with one_writer(controller.root):
+        lock = read_lock(lock_path)
+        files = _annotated_files(controller, trace, lock)
+        controller, trace = _as_on_disk(controller, trace)
+        before = {file: controller.source_of(file) for file in files}
     _forbid_shared(key, files, lock, controller)
-    before = {file: controller.source_of(file) for file in files}
     inputs = run_inputs(controller, trace, settings, given=given)
     outcome: Annotation = annotate_sources(
         key,
@@ -237,6 +242,30 @@ def annotate(
     return Annotated(
         controller, sources, before, change, lock_path, computed, trace, inputs.fingerprint
     )
+
+
+def _as_on_disk(controller: Controller, trace: Trace) -> tuple[Controller, Trace]:
+    """Return the controller as its file is now, and the trace with the lines that this has.
+
+    Only its blocks may have changed since it was loaded: another run may have written them.
+    Raises InputError where more has changed, for then the trace is of another program.
+    """
+    from tracerisk.adder.insert import strip_blocks
+
+    now = load_controller(controller.path)
+    if now.source == controller.source:
+        return controller, trace
+    name = str(controller.path)
+    if strip_blocks(now.source, name) != strip_blocks(controller.source, name):
+        raise InputError(
+            "was changed by someone else meanwhile; run tracerisk again", Location(name)
+        )
+    line = line_map(controller.source, now.source, name)
+    functions = (
+        replace(each, line=line(each.line)) if each.ref.file == now.file and each.line else each
+        for each in trace.functions
+    )
+    return now, replace(trace, functions=tuple(functions))
 
 
 def _annotated_files(controller: Controller, trace: Trace, lock: Lock) -> tuple[str, ...]:

@@ -1,0 +1,181 @@
+"""A refresh that is killed at any moment, and two refreshes at once."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tracerisk.cli import main
+from tracerisk.errors import InputError, TraceRiskError
+from tracerisk.pipeline.check import Checked, check_controllers, controllers_in
+
+STEPS = "def home(arm):\n    arm.go()\n\n\ndef place(arm):\n    arm.go()\n"
+LOG = """\
+Function:home()
+ActiveComponents:motor
+Function:place()
+ActiveComponents:motor
+
+CallSequence:home(),place()
+"""
+FIRST = "9.5e-08"
+
+
+def set_figure(figure: str) -> None:
+    Path("arm.yaml").write_text(
+        f"components:\n  motor: {{probability: {{value: {figure}, per: visit}}, "
+        "quantity: 7, twin: {joints: '*'}}\n"
+    )
+
+
+@pytest.fixture
+def project(request, tmp_path, monkeypatch):
+    """Annotated controllers whose traces are kept, so that a refresh needs no simulation."""
+    monkeypatch.chdir(tmp_path)
+    set_figure(FIRST)
+    Path("run.log").write_text(LOG)
+    Path("pyproject.toml").write_text("")
+    for number in range(getattr(request, "param", 5)):
+        Path(f"c{number:02}.py").write_text(f"# Controller {number}.\n{STEPS}")
+        options = ("--log", "run.log", "--hardware", "arm.yaml", "--quiet")
+        assert main(["annotate", f"c{number:02}.py", *options]) == 0
+    return tmp_path
+
+
+def sources() -> dict[str, str]:
+    return {path.name: path.read_text() for path in sorted(Path().glob("c*.py"))}
+
+
+def with_figure(texts: dict[str, str], before: str, now: str) -> dict[str, str]:
+    return {name: text.replace(f"= {before}\n", f"= {now}\n") for name, text in texts.items()}
+
+
+def start_refresh() -> int:
+    """Start the command in a process of its own, its modules loaded already; return its number."""
+    pid = os.fork()
+    if pid == 0:
+        code = 5
+        with contextlib.suppress(BaseException):
+            code = main(["refresh", "--quiet"])
+        os._exit(code)
+    return pid
+
+
+def kill_after(pid: int, seconds: float) -> bool:
+    """Kill a process after a time; return whether it was still running."""
+    time.sleep(seconds)
+    os.kill(pid, signal.SIGKILL)
+    _, status = os.waitpid(pid, 0)
+    return os.WIFSIGNALED(status)
+
+
+def edited() -> list[str]:
+    """What `check` takes for a person's edit, or cannot read."""
+    found = check_controllers(controllers_in(Path()))
+    errors = [str(each) for each in found if isinstance(each, TraceRiskError)]
+    findings = [f for each in found if isinstance(each, Checked) for f in each.findings]
+    return errors + [str(each) for each in findings if each.kind != "stale"]
+
+
+@pytest.mark.parametrize(
+    ("kills", "project", "seed"),
+    [(20, 8, 1), pytest.param(300, 50, 2, marks=pytest.mark.slow)],
+    indirect=["project"],
+    ids=str,
+)
+def test_a_kill_leaves_each_file_old_or_new_and_the_next_run_heals_the_rest(
+    kills: int, seed: int, project
+) -> None:
+    chance = random.Random(seed)
+    template = with_figure(sources(), FIRST, "FIGURE")
+    set_figure("1e-09")
+    began = time.monotonic()
+    assert os.waitpid(start_refresh(), 0)[1] == 0
+    whole = time.monotonic() - began
+    before, was_running, mixed = sources(), 0, 0
+    for number in range(1, kills + 1):
+        # No two in a row are near enough to be noise.
+        figure = f"{(11 + 7 * number % 89) / 10:g}e-08"
+        set_figure(figure)
+        was_running += kill_after(start_refresh(), chance.uniform(0, whole))
+        after, new = sources(), with_figure(template, "FIGURE", figure)
+        is_new = {name: after[name] == new[name] for name in after}
+        assert all(is_new[name] or after[name] == before[name] for name in after)
+        mixed += any(is_new.values()) and not all(is_new.values())
+        assert edited() == []
+        before = after
+        if number % 10 == 0:
+            assert main(["refresh", "--quiet"]) == 0
+            before = sources()
+            assert before == new
+            assert main(["check", "--quiet"]) == 0
+            lock = json.loads(Path("tracerisk.lock").read_bytes())
+            assert not [name for name, each in lock["controllers"].items() if "previous" in each]
+            assert [path for path in Path().iterdir() if path.suffix == ".tmp"] == []
+    # Else the kills came too late, or too early, to show anything.
+    assert was_running > kills / 2
+    assert mixed > kills / 4
+
+
+def test_two_refreshes_at_once_leave_what_one_would(project) -> None:
+    template = with_figure(sources(), FIRST, "FIGURE")
+    for figure in ("1e-09", "2e-09", "3e-09"):
+        set_figure(figure)
+        pids = [start_refresh(), start_refresh()]
+        assert [os.waitpid(pid, 0)[1] for pid in pids] == [0, 0]
+        assert sources() == with_figure(template, "FIGURE", figure)
+        assert main(["check", "--quiet"]) == 0
+
+
+def test_a_refresh_waits_for_one_that_writes(project) -> None:
+    from tracerisk.pipeline.one_writer import one_writer
+
+    set_figure("1e-09")
+    before = sources()
+    with one_writer(Path()):
+        command = [sys.executable, "-m", "tracerisk", "refresh", "c00.py", "--quiet"]
+        second = subprocess.Popen(command)
+        with pytest.raises(subprocess.TimeoutExpired):
+            second.wait(timeout=2)
+        assert sources() == before
+    assert second.wait(timeout=60) == 0
+    assert sources()["c00.py"] == before["c00.py"].replace(FIRST, "1e-09")
+
+
+def test_a_file_that_changes_under_a_refresh_is_not_overwritten(project) -> None:
+    from tracerisk.pipeline.refresh import refresh_controller
+
+    set_figure("1e-09")
+    done = refresh_controller("c00.py")
+    Path("c00.py").write_text(sources()["c00.py"] + "# A person's line.\n")
+    before, lock = sources(), Path("tracerisk.lock").read_bytes()
+    assert done.annotated is not None
+    with pytest.raises(InputError, match=r"c00\.py: was changed by someone else meanwhile"):
+        done.annotated.write()
+    assert (sources(), Path("tracerisk.lock").read_bytes()) == (before, lock)
+
+
+def test_blocks_that_another_run_wrote_meanwhile_are_no_edit(project) -> None:
+    from tracerisk import pipeline
+    from tracerisk.trace_log import read_log
+
+    stale = pipeline.load_controller("c00.py")
+    settings = pipeline.load_settings(stale, {"hardware": "arm.yaml"})
+    trace = read_log(LOG, "run.log", controller="c00.py")
+    set_figure("1e-09")
+    assert main(["refresh", "--quiet"]) == 0
+    hardware = pipeline.load_hardware(settings, "")
+    done = pipeline.annotate(stale, trace, hardware, settings, given={"hardware": "arm.yaml"})
+    assert not done.is_changed
+    Path("c00.py").write_text(Path("c00.py").read_text() + "import os\n")
+    with pytest.raises(InputError, match=r"c00\.py: was changed by someone else meanwhile"):
+        pipeline.annotate(stale, trace, hardware, settings)
