@@ -7,17 +7,13 @@ the function; run as a script such a module would only define it.
 from __future__ import annotations
 
 import ast
-import re
-import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from tracerisk.pipeline.console_scripts import console_scripts
+
 _MAIN = "main"
-# "talker = my_package.talker:main"; the package may be a variable, as in f"{package}.talker:main".
-_ENTRY = re.compile(
-    r"=\s*[\w.{}'\"+ ]*?\b(?P<module>\w+)\s*:\s*(?P<function>[A-Za-z_]\w*)\s*['\"\n\]]"
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,9 +42,9 @@ def find_entry_point(script: Path, source: bytes, root: Path) -> EntryPoint | No
     }
     if not startable or _starts_by_itself(tree):
         return None
-    for file, function in _named(script.stem, root):
-        if function in startable:
-            return EntryPoint(function, file)
+    for each in console_scripts(root):
+        if each.module == script.stem and each.function in startable:
+            return EntryPoint(each.function, each.file)
     return EntryPoint(_MAIN, None) if _MAIN in startable else None
 
 
@@ -94,28 +90,3 @@ def _module_level(tree: ast.Module) -> Iterator[ast.AST]:
             continue
         yield node
         waiting.extend(ast.iter_child_nodes(node))
-
-
-def _named(module: str, root: Path) -> Iterator[tuple[str, str]]:
-    """Yield each file of a package that names a function of `module` as a command, with that."""
-    for file in ("setup.py", "setup.cfg"):
-        text = _read(root / file)
-        for found in _ENTRY.finditer(text):
-            if found["module"] == module:
-                yield file, found["function"]
-    try:
-        document = tomllib.loads(_read(root / "pyproject.toml"))
-        scripts = document.get("project", {}).get("scripts", {}).values()
-        for entry in scripts:
-            place, _, function = str(entry).partition(":")
-            if place.strip().rpartition(".")[2] == module:
-                yield "pyproject.toml", function.strip()
-    except (tomllib.TOMLDecodeError, AttributeError):
-        return
-
-
-def _read(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return ""

@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import os
 import re
-import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from tracerisk.pipeline.console_scripts import console_scripts, read_or_nothing
 from tracerisk.pipeline.launch.records import StartedNode
 from tracerisk.pipeline.workspace import Workspace
 
-# "pick = my_package.pick:main"; the package may be a variable, as in f"{package}.pick:main".
-_ENTRY = re.compile(
-    r"(?P<name>[\w.-]+)\s*=\s*(?P<place>[\w.{}'\"+ ]*?\b(?P<module>\w+))\s*:\s*[A-Za-z_]\w*"
-)
 _RENAMED = re.compile(
     r"(?P<file>[\w./${}-]+)\s+DESTINATION\s+\S+\s+RENAME\s+(?P<name>[\w.-]+)", re.IGNORECASE
 )
@@ -79,37 +75,13 @@ def program_of(script: Path, root: Path, workspace: Workspace) -> Program:
     _, package, folder = max(holders, default=(0, root.resolve().name, root.resolve()))
     found = {script.name}
     claimed: set[str] = set()
-    for name, module in _commands(folder):
-        if module == script.stem:
-            found.add(name)
-        else:
-            claimed.add(name)
-    for match in _RENAMED.finditer(_read(folder / "CMakeLists.txt")):
+    for each in console_scripts(folder):
+        (found if each.module == script.stem else claimed).add(each.name)
+    for match in _RENAMED.finditer(read_or_nothing(folder / "CMakeLists.txt")):
         (found if Path(match["file"]).name == script.name else claimed).add(match["name"])
     if script.stem not in claimed:
         found.add(script.stem)
-    return Program(script, package, frozenset(found))
-
-
-def _commands(folder: Path) -> Iterator[tuple[str, str]]:
-    """Yield each command that a package installs, with the last name of its module."""
-    for file in ("setup.py", "setup.cfg"):
-        for match in _ENTRY.finditer(_read(folder / file)):
-            yield match["name"], match["module"]
-    try:
-        document = tomllib.loads(_read(folder / "pyproject.toml"))
-        scripts = document.get("project", {}).get("scripts", {})
-        for name, entry in scripts.items():
-            yield name, str(entry).partition(":")[0].strip().rpartition(".")[2]
-    except (tomllib.TOMLDecodeError, AttributeError):
-        return
-
-
-def _read(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return ""
+    return Program(script, package, frozenset(found - {""}))
 
 
 def shown(paths: Sequence[Path], root: Path) -> tuple[str, ...]:

@@ -1,0 +1,54 @@
+"""The commands that a Python package installs: of which function, and which file says so."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+# "talker = my_package.talker:main"; the package may be a variable, as in f"{package}.talker:main".
+_ENTRY = re.compile(
+    r"(?P<name>[\w.-]*)\s*=\s*[\w.{}'\"+ ]*?\b(?P<module>\w+)\s*:\s*"
+    r"(?P<function>[A-Za-z_]\w*)\s*(?:['\"\n\]]|$)"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class ConsoleScript:
+    """A command, the last name of its module, its function, and the name of the file.
+
+    `name` is empty where the source puts it together.
+    """
+
+    name: str
+    module: str
+    function: str
+    file: str
+
+
+def console_scripts(folder: Path) -> Iterator[ConsoleScript]:
+    """Yield what `setup.py`, `setup.cfg` and `pyproject.toml` in a folder install as commands.
+
+    What cannot be read, or is no list of commands, names none.
+    """
+    for file in ("setup.py", "setup.cfg"):
+        for found in _ENTRY.finditer(read_or_nothing(folder / file)):
+            yield ConsoleScript(found["name"], found["module"], found["function"], file)
+    file = "pyproject.toml"
+    try:
+        document = tomllib.loads(read_or_nothing(folder / file))
+        for name, entry in document.get("project", {}).get("scripts", {}).items():
+            place, _, function = str(entry).partition(":")
+            yield ConsoleScript(name, place.strip().rpartition(".")[2], function.strip(), file)
+    except (tomllib.TOMLDecodeError, AttributeError):
+        return
+
+
+def read_or_nothing(path: Path) -> str:
+    """Return the text of a file, an empty one where it cannot be read."""
+    try:
+        return path.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ""
