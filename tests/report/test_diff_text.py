@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pytest
 
+import tracerisk
 from tracerisk.prm import FIGURE_STATEMENT
 from tracerisk.report.diff_text import render_diff
 
@@ -121,3 +122,22 @@ def test_the_first_sentence_names_what_made_the_change_and_not_what_worked_again
     sentence = first_sentence(render_diff(review_of(difference(before, after))))
     assert "rises" in sentence
     assert "by most through b in reach" in sentence
+
+
+def test_changes_that_do_next_to_nothing_are_only_counted(difference, review_of, annotated_source):
+    before = annotated_source(reach=("done 1", "motor = 1e-3; hand = 1e-9; grip = 1e-9"))
+    after = annotated_source(reach=("done 1", "motor = 2e-3; hand = 2e-9; grip = 3e-9"))
+    changed = after.replace("arm.go(", "arm.run(")
+    diff = tracerisk.diff({"x.py": before.encode()}, {"x.py": changed.encode()})
+    text = render_diff(review_of(diff))
+    assert "and 2 more, each below a thousandth of the first; --json has them" in text
+    assert "grip" not in text
+    by_hand = tracerisk.diff({"x.py": before.encode()}, {"x.py": after.encode()})
+    assert "grip" in render_diff(review_of(by_hand)), "a person's edit is always told"
+
+
+def test_one_change_in_several_functions_tells_both_values(difference, review_of):
+    before = {"a": ("b 1", "power = 1e-5 of2"), "b": ("done 1", "power = 1e-5 of2")}
+    after = {"a": ("b 1", "power = 1e-5 x2"), "b": ("done 1", "power = 1e-5 x2")}
+    text = render_diff(review_of(difference(before, after)))
+    assert "power in 2 functions: redundancy true -> false" in text

@@ -143,8 +143,10 @@ def _component_summary(group: Sequence[ComponentItem]) -> str:
         case "component_restored":
             return f"{lead}: no longer left out"
     told = f"{lead}: {one.key} {one.before or 'not given'} -> {one.after or 'not given'}"
+    if first.kind != "probability":
+        return told
     if first.ratio is None or first.ratio in (0.0, float("inf")):
-        return told if len(group) == 1 else f"{lead}: {one.key}"
+        return told if len(group) == 1 else f"{lead}: {one.key}, to or from 0"
     if len(group) == 1:
         return f"{told} (x{first.ratio:.4g})"
     return f"{lead}: {one.key} x{first.ratio:.4g}"

@@ -9,6 +9,7 @@ from tracerisk.prm.risk_change import FunctionChange, Review, RiskChange, RiskDi
 from tracerisk.report import diff_words as words
 
 _FIGURES = (10, 10, 9)  # the widths of before, after and ratio
+_SMALL = 1e-3
 _ALONE = 10  # that of a contribution
 
 
@@ -42,8 +43,13 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
     yield ""
     if diff.changes:
         yield "  What changed, by what each alone does to mission failure"
+        small = _small(diff.changes)
         for change in diff.changes:
-            yield from _change(review, change, room)
+            if change not in small:
+                yield from _change(review, change, room)
+        if small:
+            told = f"and {len(small)} more, each below a thousandth of the first; --json has them"
+            yield from _wrapped(" " * (_ALONE + 4) + told, room, hanging=_ALONE + 4)
         if diff.interaction is not None:
             rest = words.difference(diff.interaction)
             yield f"  {rest:>{_ALONE}}  what they do only together, and noise"
@@ -66,6 +72,19 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
         values = "value changes" if diff.within_noise == 1 else "values change"
         yield f"  {diff.within_noise} {values} by less than 1 %: told as unchanged"
         yield ""
+
+
+def _small(changes: Sequence[RiskChange]) -> list[RiskChange]:
+    """Return the changes that matter neither for the figure nor for a reviewer."""
+    greatest = abs(changes[0].contribution or 0.0)
+    return [
+        change
+        for change in changes
+        if change.contribution is not None
+        and abs(change.contribution) < _SMALL * greatest
+        and not change.marks
+        and not {"pin", "edit"} & set(change.causes)
+    ]
 
 
 def _change(review: Review, change: RiskChange, room: int) -> Iterator[str]:
