@@ -37,6 +37,7 @@ def run(options: argparse.Namespace) -> int:
     controller = pipeline.load_controller(options.controller)
     given = shared.run_settings(options)
     settings = pipeline.load_settings(controller, given)
+    pipeline.check_blocks(controller)
     trace = _read_trace(options, controller)
     if not trace.robot and settings.hardware is None:
         raise InputError(
