@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -171,7 +173,7 @@ def test_a_trajectory_that_begins_later_is_reached_from_where_the_arm_is(free: T
     assert free.joint_state().position[0] == pytest.approx(0.4, abs=0.005)
 
 
-def test_an_arm_that_is_blocked_aborts_and_names_the_joint(free: Twin):
+def test_an_arm_that_is_blocked_aborts_and_names_the_joint_and_what_is_in_the_way(free: Twin):
     names = tuple(joint.name for joint in free.robot.arm_joints)
     # Below its floor.
     goal = np.array([[0.0, 1.6, 0.0, -1.0, 0.0, 2.0, 0.8]])
@@ -180,6 +182,7 @@ def test_an_arm_that_is_blocked_aborts_and_names_the_joint(free: Twin):
         free.advance(FOREVER)
     assert motion.outcome == "aborted"
     assert "from its goal 1 s after the trajectory ended (tolerance 0.005)" in motion.message
+    assert re.search(r"; 'panda_\w+' presses on 'floor'$", motion.message)
     assert motion.ended_ns is not None
     assert 3.9 < motion.ended_ns * 1e-9 < 4.2
 

@@ -89,6 +89,9 @@ class Measured(Protocol):
     def velocity(self, joints: Sequence[int]) -> Array:
         """Return the velocities of some joints [rad/s or m/s]."""
 
+    def pressed(self) -> tuple[str, str] | None:
+        """Return the link that something holds back hardest, and what it is; None: nothing."""
+
 
 class Track(Protocol):
     """What drives some actuators for a while.
@@ -243,12 +246,14 @@ class ArmTrack:
         if self._waited * STEP_S < self.goal.settle_s:
             return False
         worst = int(np.argmax(miss))
-        self.motion.end_part(
-            "aborted",
+        told = (
             f"joint '{self.members[worst].name}' is {miss[worst]:.4f} from its goal "
-            f"{self.goal.settle_s:g} s after the trajectory ended (tolerance {tolerance:g})",
-            time_ns,
+            f"{self.goal.settle_s:g} s after the trajectory ended (tolerance {tolerance:g})"
         )
+        pressed = measured.pressed()
+        if pressed is not None:
+            told += f"; '{pressed[0]}' presses on '{pressed[1]}'"
+        self.motion.end_part("aborted", told, time_ns)
         return True
 
 

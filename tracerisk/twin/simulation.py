@@ -147,6 +147,25 @@ class Simulation:
             effort=tuple(self._data.qfrc_actuator[self._dofs].tolist()),
         )
 
+    def pressed(self) -> tuple[str, str] | None:
+        """Return the link of the robot that something holds back hardest, and what it is.
+
+        What pads touch and can be moved, or is a pad too, is held.
+        """
+        found: tuple[float, str, str] = (0.0, "", "")
+        links = set(self.robot.link_names)
+        pads = {pad for gripper in self.robot.grippers for pad in gripper.pads}
+        force = np.zeros(6)
+        for index in range(self._data.ncon):
+            geoms = self._data.contact.geom[index]
+            one, two = (self._model.body(self._model.geom_bodyid[geom]).name for geom in geoms)
+            link, other = (one, two) if one in links else (two, one)
+            held = link in pads and (other in pads or self._model.body(other).jntnum[0])
+            mujoco.mj_contactForce(self._model, self._data, index, force)
+            if link in links and not held and force[0] > found[0]:
+                found = float(force[0]), link, other
+        return found[1:] if found[1] else None
+
     def object_pose(self, name: str) -> Pose:
         """Return where an object of the scene, or a declared body, is in the world frame."""
         names = [thing.name for thing in self.scene.objects]
