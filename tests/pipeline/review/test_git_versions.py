@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
+import sys
 
 import pytest
 
@@ -213,6 +215,27 @@ def test_a_submodule_is_told_and_left_alone(committed, two_steps):
     assert told(committed, folder=inner) == {}
 
 
+def test_a_file_that_a_sparse_checkout_leaves_out_is_there_all_the_same(committed, two_steps):
+    committed.write("left/out.py", two_steps())
+    committed.commit()
+    committed.git("sparse-checkout", "set", "--no-cone", "/*", "!/left/")
+    assert not (committed.folder / "left").exists()
+    assert told(committed) == {}
+    committed.write("pick.py", two_steps(gripper="= 4e-07"))
+    assert told(committed, "HEAD", "left/out.py", "pick.py") == {
+        "pick.py": 1.59,
+        "left/out.py": "same",
+    }
+
+
+def test_a_linked_working_tree_is_one_of_its_own(committed, two_steps, tmp_path):
+    linked = tmp_path / "linked"
+    committed.git("worktree", "add", "--quiet", "-b", "side", str(linked))
+    (linked / "pick.py").write_text(two_steps(gripper="= 4e-07"))
+    assert told(committed) == {}
+    assert told(committed, folder=linked) == {"pick.py": 1.59}
+
+
 def test_nothing_is_written(committed, two_steps):
     def state():
         paths = sorted(path for path in committed.folder.rglob("*") if path.is_file())
@@ -288,6 +311,37 @@ def test_without_git_the_error_says_what_to_install(committed, monkeypatch):
     monkeypatch.setenv("PATH", "")
     with pytest.raises(InputError, match="git is not installed; install it"):
         review([], committed.folder)
+
+
+def test_an_object_that_git_cannot_read_is_an_error_and_no_missing_file(committed, two_steps):
+    blob = committed.git("rev-parse", "HEAD:pick.py")
+    path = committed.folder / ".git" / "objects" / blob[:2] / blob[2:]
+    path.chmod(0o644)
+    path.write_bytes(b"no zlib stream")
+    committed.write("pick.py", two_steps(gripper="= 4e-07"))
+    with pytest.raises(InputError, match=r"^HEAD:pick\.py: in HEAD: git cannot read its content"):
+        told(committed)
+
+
+def test_a_git_that_ends_early_is_an_error(committed, monkeypatch, tmp_path):
+    git = shutil.which("git")
+    stub = tmp_path / "bin" / "git"
+    stub.parent.mkdir()
+    stub.write_text(f'#!/bin/sh\ncase "$*" in *cat-file*) exit 1;; esac\nexec {git} "$@"\n')
+    stub.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{stub.parent}:{os.environ['PATH']}")
+    with pytest.raises(InputError, match=r"git cat-file ended while it read .*; `git fsck` tells"):
+        told(committed)
+
+
+def test_in_a_hook_git_says_where_the_repository_is(committed, two_steps):
+    hook = committed.folder / ".git" / "hooks" / "pre-commit"
+    hook.parent.mkdir(exist_ok=True)
+    hook.write_text(f"#!/bin/sh\nexec '{sys.executable}' -m tracerisk diff > told.txt\n")
+    hook.chmod(0o755)
+    committed.write("pick.py", two_steps(gripper="= 4e-07"))
+    committed.commit()
+    assert committed.read("told.txt").startswith(b"pick.py: mission failure rises")
 
 
 @pytest.mark.parametrize("which", ["HEAD", "working tree"])

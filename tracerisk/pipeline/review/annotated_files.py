@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 
 from tracerisk.adder.published import is_c_like
+from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.review.git_versions import Compared, GitVersion
 from tracerisk.pipeline.review.repository import SUBMODULE, SYMLINK, ChangedFile, Repository
 
@@ -82,7 +83,14 @@ def _is_annotated_somewhere(file: ChangedFile, what: Compared) -> bool:
 def _content(version: GitVersion, path: str, blob: str | None) -> bytes | None:
     if blob is None or version.commit is None:
         return version.file(path)
-    return version.repository.blob(blob)
+    content = version.repository.blob(blob)
+    if content is None:
+        raise InputError(
+            f"in {version.name}: git cannot read its content, {blob}; `git fsck` tells what is "
+            "wrong, in a partial clone `git fetch` may bring it",
+            Location(f"{version.prefix}{path}"),
+        )
+    return content
 
 
 def _renames(repository: Repository, what: Compared, held: list[ChangedFile]) -> dict[str, str]:

@@ -36,7 +36,7 @@ class GitVersion:
             return self.repository.file(self.commit, path)
         place = self.repository.top / path
         if place.is_symlink() or not place.is_file():
-            return None
+            return None if os.path.lexists(place) else self.repository.left_out(path)
         try:
             return place.read_bytes()
         except OSError as error:

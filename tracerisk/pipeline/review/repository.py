@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import subprocess
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from tracerisk.errors import InputError, Location
@@ -38,9 +39,17 @@ class Repository:
     Its blobs are read by one git process, which `opened` ends.
     """
 
-    def __init__(self, top: Path, *, is_shallow: bool, process: subprocess.Popen[bytes]) -> None:
+    def __init__(
+        self,
+        top: Path,
+        *,
+        is_shallow: bool,
+        is_sparse: bool,
+        process: subprocess.Popen[bytes],
+    ) -> None:
         self.top = top
         self.is_shallow = is_shallow
+        self._is_sparse = is_sparse
         self._process = process
 
     @classmethod
@@ -50,10 +59,12 @@ class Repository:
 
         Raises InputError where there is none, where it has no working tree, or without git.
         """
-        found = _run(folder, "rev-parse", "--is-shallow-repository", "--show-toplevel")
+        asked = ("--is-shallow-repository", "--git-path", "info/sparse-checkout", "--show-toplevel")
+        found = _run(folder, "rev-parse", *asked)
         if found.returncode:
             raise InputError(_no_repository(found.stderr), Location(str(folder)))
-        shallow, _, top = found.stdout.decode(errors="surrogateescape").partition("\n")
+        told = found.stdout.decode(errors="surrogateescape")
+        shallow, sparse, top = told.split("\n", 2)
         path = Path(top.removesuffix("\n"))
         with subprocess.Popen(
             [*_COMMAND, "cat-file", "--batch"],
@@ -64,10 +75,16 @@ class Repository:
             stderr=subprocess.DEVNULL,
         ) as process:
             try:
-                yield cls(path, is_shallow=shallow == "true", process=process)
+                yield cls(
+                    path,
+                    is_shallow=shallow == "true",
+                    is_sparse=(folder / sparse).is_file(),
+                    process=process,
+                )
             finally:
                 assert process.stdin is not None
-                process.stdin.close()
+                with suppress(BrokenPipeError):
+                    process.stdin.close()
 
     def read(self, name: str) -> tuple[str, str, bytes] | None:
         """Return the hash, the type and the content of an object; `None` where there is none.
@@ -78,16 +95,28 @@ class Repository:
             return None
         assert self._process.stdin is not None
         assert self._process.stdout is not None
-        self._process.stdin.write(name.encode(errors="surrogateescape") + b"\n")
-        self._process.stdin.flush()
-        head = self._process.stdout.readline().decode(errors="surrogateescape").rstrip("\n")
+        try:
+            self._process.stdin.write(name.encode(errors="surrogateescape") + b"\n")
+            self._process.stdin.flush()
+        except BrokenPipeError as error:
+            raise self._died(name) from error
+        line = self._process.stdout.readline()
+        if not line:
+            raise self._died(name)
+        head = line.decode(errors="surrogateescape").rstrip("\n")
         parts = head.rsplit(" ", 2)
         if len(parts) != 3 or not parts[2].isdigit():
-            # "... missing", "... ambiguous", or a git that has died.
+            # "... missing" or "... ambiguous".
             return None
         content = self._process.stdout.read(int(parts[2]))
         self._process.stdout.read(1)
         return parts[0], parts[1], content
+
+    def _died(self, name: str) -> InputError:
+        return InputError(
+            f"git cat-file ended while it read {name}; `git fsck` tells what is wrong with it",
+            Location(str(self.top)),
+        )
 
     def file(self, commit: str, path: str) -> bytes | None:
         """Return the content of a file in a commit or tree; `None` where it is no file there."""
@@ -97,6 +126,20 @@ class Repository:
         """Return the content of a blob; `None` where there is none of this name."""
         found = self.read(name)
         return found[2] if found is not None and found[1] == "blob" else None
+
+    def left_out(self, path: str) -> bytes | None:
+        """Return a file that a sparse checkout leaves out of the working tree; `None` for none.
+
+        It counts as unchanged there, as git has it.
+        """
+        return self.blob(f":{path}") if path in self._skipped else None
+
+    @cached_property
+    def _skipped(self) -> frozenset[str]:
+        if not self._is_sparse:
+            return frozenset()
+        listed = self._output("ls-files", "-t", "-z").decode(errors="surrogateescape")
+        return frozenset(line[2:] for line in listed.split("\0") if line.startswith("S "))
 
     def merge_base(self, one: str, other: str) -> str | None:
         """Return the best common ancestor of two commits; `None` where they have none."""
