@@ -232,12 +232,15 @@ class _InterfaceModule(ModuleType):
 
     def __getattr__(self, name: str) -> Any:
         if name == "__all__":
-            return self._names()
+            return [*self._names(), *self._interfaces.star_names(self._package, self._kind)]
         if name.startswith("__"):
             raise AttributeError(f"module '{self.__name__}' has no attribute '{name}'")
-        if name not in self._names():
+        if name in self._names():
+            value = self._make(name)
+        elif name in self._interfaces.star_names(self._package, self._kind):
+            value = import_module(name)
+        else:
             raise AttributeError(missing_name(self.__name__, name, self._names()), name=name)
-        value = self._make(name)
         setattr(self, name, value)
         return value
 

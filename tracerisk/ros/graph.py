@@ -308,6 +308,7 @@ class Graph:
     ) -> None:
         """Serve `base_name` in whatever namespace somebody asks for it: a service of the twin's.
 
+        A name that many use comes with the part before it: `motion/move_stop`.
         It begins when it is first asked for by name, and where nobody else serves that name.
         Where several types are offered under one name, whoever asks says which is meant.
         """
@@ -316,7 +317,11 @@ class Graph:
     def service(self, name: str, type_name: str | None = None) -> ServiceServer | None:
         """Return who serves a name, if anybody; a service of the twin's begins with that."""
         known = self._services.get(name)
-        offered = self._offers.get(name.rsplit("/", 1)[-1], {})
+        parts = name.rsplit("/", 2)
+        offered = {
+            **self._offers.get("/".join(parts[-2:]), {}),
+            **self._offers.get(parts[-1], {}),
+        }
         if known is None and offered:
             kind = type_name if type_name in offered else next(iter(offered))
         elif (

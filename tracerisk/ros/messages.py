@@ -112,6 +112,23 @@ class Interfaces:
         """Return the names of a package's services, sorted."""
         return tuple(sorted(path.stem for path in self._files(package, "srv")))
 
+    def star_names(self, package: str, kind: str) -> tuple[str, ...]:
+        """Return the modules that `from package.kind import *` brings besides classes, sorted.
+
+        The modules that genpy generates import what they need, and have no `__all__`: programs
+        use those names, knowingly or not.
+        """
+        classes = [self.interface(package, kind, name) for name in self.module_names(package, kind)]
+        fields = (field for each in classes for field in getattr(each, "_fields", ()))
+        packages = {field.base.split("/")[0] for field in fields if field.message is not None}
+        return tuple(sorted({*packages, "codecs", "genpy", "struct", "sys"}))
+
+    def is_used(self, package: str) -> bool:
+        """Tell whether the controller has a package in its workspace or has used a class of it."""
+        if package in self._workspace:
+            return True
+        return any(name.startswith(f"{package}/") for name in (*self._classes, *self._services))
+
     def modules(self, package: str, kind: str) -> tuple[str, ...]:
         """Return the modules below `package.kind`, as genpy generates them: `_PoseStamped`."""
         names = self.message_names if kind == "msg" else self.service_names

@@ -101,6 +101,16 @@ class Interfaces2:
         parts = [f"{name}_{part}" for name in names for part in _PARTS.get(kind, ())]
         return (*names, *parts)
 
+    def star_names(self, package: str, kind: str) -> tuple[str, ...]:
+        """Return the modules that `from package.kind import *` brings besides classes: none."""
+        del package, kind
+        return ()
+
+    def is_used(self, package: str) -> bool:
+        """Tell whether the controller has a package in its workspace or has used a class of it."""
+        made = (*self._classes, *self._services, *self._actions)
+        return package in self._workspace or any(name.startswith(f"{package}/") for name in made)
+
     def interface(self, package: str, kind: str, name: str) -> Any:
         """Return the class `name` of `package.kind`: a message, service, action, or its part.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import datetime as dt
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from tracerisk.ros import names
@@ -17,6 +17,15 @@ class ParameterTree:
 
     def __init__(self) -> None:
         self._root: dict[str, Any] = {}
+        self._offers: dict[str, Callable[[], Any]] = {}
+
+    def offer(self, base_name: str, value: Callable[[], Any]) -> None:
+        """Have `/base_name`, or `/robot/base_name` for any robot, where it is not set.
+
+        It is what the driver of a robot sets when it starts.
+        `value` returns None as long as no such driver is there.
+        """
+        self._offers[base_name] = value
 
     def get(self, name: str) -> Any:
         """Return a copy of a value, or of the dictionary of a namespace.
@@ -27,7 +36,10 @@ class ParameterTree:
         value: Any = self._root
         for part in _parts(name):
             if not isinstance(value, dict) or part not in value:
-                raise KeyError(name)
+                value = self._offered(name)
+                if value is None:
+                    raise KeyError(name)
+                break
             value = value[part]
         return copy.deepcopy(value)
 
@@ -75,7 +87,7 @@ class ParameterTree:
         value: Any = self._root
         for part in _parts(name):
             if not isinstance(value, dict) or part not in value:
-                return False
+                return self._offered(name) is not None
             value = value[part]
         return True
 
@@ -98,6 +110,11 @@ class ParameterTree:
             if self.has(names.join(space, first)):
                 return names.join(space, key)
         return None
+
+    def _offered(self, name: str) -> Any:
+        parts = _parts(name)
+        value = self._offers.get(parts[-1]) if 1 <= len(parts) <= 2 else None
+        return None if value is None else value()
 
     def names(self) -> list[str]:
         """Return the global names of all values, sorted."""

@@ -34,6 +34,17 @@ def gripper_of(robot: Robot, name: str) -> Gripper | None:
     return next((each for each in robot.grippers if each.name in name), None)
 
 
+def gripper_ends(robot: Robot, gripper: Gripper) -> tuple[float, float]:
+    """Return the gripper's positions when it is closed and when it is wide open."""
+    states = robot.named_states.get(gripper.group, {})
+    named = {name.lower(): state.get(gripper.joints[0]) for name, state in states.items()}
+    closed = next((v for k, v in named.items() if k.startswith("clos") and v is not None), None)
+    opened = next((v for k, v in named.items() if k.startswith("open") and v is not None), None)
+    if closed is None or opened is None:
+        return gripper.least, gripper.opening
+    return closed, opened
+
+
 class GripperServer:
     """Carries out the goals of gripper actions.
 

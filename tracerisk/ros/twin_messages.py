@@ -37,6 +37,10 @@ class TwinMessages:
         package, _, name = service.partition("/")
         return name in self._service_names(package)
 
+    def is_used(self, package: str) -> bool:
+        """Tell whether the controller has a package, or has used a message or a service of it."""
+        return bool(self._interfaces.is_used(package))
+
     @cache  # noqa: B019 - it lives as long as the run
     def _service_names(self, package: str) -> tuple[str, ...]:
         return tuple(self._interfaces.service_names(package))

@@ -11,6 +11,7 @@ from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_franka import RECOVERIES, FrankaSettings
 from tracerisk.ros.twin_gazebo import GazeboServices
 from tracerisk.ros.twin_interbotix import InterbotixDriver
+from tracerisk.ros.twin_kortex import FOLLOW_CARTESIAN, KortexDriver
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.ros.twin_set_points import SetPoints
 from tracerisk.ros.twin_universal_robots import UniversalRobotsBox
@@ -36,4 +37,8 @@ def serve_vendors(
         GazeboServices(runtime, messages, commands)
     BaxterDriver(runtime, messages, commands, set_points)
     franka = FrankaSettings(runtime, messages, commands)
-    return dict.fromkeys(RECOVERIES, (franka.recover, franka.on_cancel))
+    kortex = KortexDriver(runtime, messages, commands)
+    return {
+        **dict.fromkeys(RECOVERIES, (franka.recover, franka.on_cancel)),
+        FOLLOW_CARTESIAN: (kortex.follow_cartesian, kortex.on_cancel),
+    }

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.graph import Change, Publication
 from tracerisk.ros.twin_commands import TwinCommands
+from tracerisk.ros.twin_grippers import gripper_ends
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.ros.xarm_motion import READY, STOPPED, PoseError, Waiting, XarmMotion, pose_of
 from tracerisk.twin.motion import PlanningError
@@ -271,23 +272,11 @@ class XarmDriver:
         )
         return 0
 
-    def _closed_at(self) -> tuple[float, float]:
-        """Return the gripper's positions when it is closed and when it is wide open."""
-        gripper = self._gripper
-        assert gripper is not None
-        states = self._twin.robot.named_states.get(gripper.group, {})
-        named = {name.lower(): state.get(gripper.joints[0]) for name, state in states.items()}
-        closed = next((v for k, v in named.items() if k.startswith("clos") and v is not None), None)
-        opened = next((v for k, v in named.items() if k.startswith("open") and v is not None), None)
-        if closed is None or opened is None:
-            return gripper.least, gripper.opening
-        return closed, opened
-
     def _grip(self, pulses: float, *, wait: bool = False, timeout_s: float = 10.0) -> int:
         gripper, stack = self._gripper, self._commands.stack()
         if gripper is None:
             return self._no_gripper()
-        closed, opened = self._closed_at()
+        closed, opened = gripper_ends(self._twin.robot, gripper)
         part = min(max(pulses, 0.0), _MOST_PULSES) / _MOST_PULSES
         goal = min(max(closed + part * (opened - closed), gripper.least), gripper.opening)
         try:
@@ -317,7 +306,7 @@ class XarmDriver:
         self._scheduler.touch()
         state = self._twin.joint_state()
         at = dict(zip(state.names, state.position, strict=True))
-        closed, opened = self._closed_at()
+        closed, opened = gripper_ends(self._twin.robot, gripper)
         return _MOST_PULSES * (gripper.position(at) - closed) / (opened - closed)
 
     def _get_gripper(self, request: Any, answer: Any) -> int:

@@ -18,6 +18,7 @@ ROS1 = [
     "interbotix_xs_msgs",
     "intera_core_msgs",
     "intera_motion_msgs",
+    "kortex_driver",
     "ur_msgs",
     "xarm_msgs",
 ]
