@@ -28,7 +28,9 @@ def test_topics_services_and_nodes_are_told(run_node):
         assert rosservice.call_service("switch", [True])[1].message == "True"
         with pytest.raises(rosservice.ROSServiceException, match="not available"):
             rosservice.call_service("light", [])
-        assert rosnode.get_node_names() == ["/tools"]
+        bring_up = ["/robot_state_publisher", "/rosout", "/rviz"]
+        assert rosnode.get_node_names() == [*bring_up, "/tools"]
+        assert rosnode.get_node_names("tools") == ["/tools"]
         return rosnode.rosnode_ping("tools"), rosnode.rosnode_ping("nobody")
 
     assert run_node(main) == (True, False)

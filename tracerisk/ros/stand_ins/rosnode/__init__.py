@@ -1,4 +1,7 @@
-"""Stand-in for rosnode: the nodes that publish, subscribe or serve."""
+"""Stand-in for rosnode: the nodes that publish, subscribe or serve, and those of a bring-up.
+
+Programs wait for what a bring-up starts, the display included, before they move.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,8 @@ import rospy
 from tracerisk.ros.runtime import current
 
 __all__ = ["ROSNodeException", "ROSNodeIOException", "get_node_names", "rosnode_ping"]
+
+_BRING_UP = ("/robot_state_publisher", "/rosout", "/rviz")
 
 
 class ROSNodeException(Exception):
@@ -20,7 +25,7 @@ class ROSNodeIOException(ROSNodeException):
 def get_node_names(namespace: str | None = None) -> list[str]:
     """Return the names of the nodes, those of a namespace if one is given, sorted."""
     graph = current().graph
-    names = {server.node for server in graph.services()}
+    names = {*_BRING_UP, *(server.node for server in graph.services())}
     for topic in graph.topic_names():
         names.update(each.node for each in graph.publications(topic))
         names.update(each.node for each in graph.subscriptions(topic))
