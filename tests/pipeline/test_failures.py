@@ -129,9 +129,10 @@ def test_a_loop_in_which_nothing_was_ever_commanded_is_a_failure(name, example, 
 def test_a_loop_that_asks_for_keys_that_never_come_ends(example, quick):
     source = quick('while sys.stdin.readline() != "q": pass')
     example.write("controller.py", source)
-    outcome = example.run("trace", "controller.py", "--duration", "2")
-    assert outcome.code == 0
-    assert "the 2 s of simulated time are over" in outcome.err
+    outcome = example.run("trace", "controller.py")
+    assert outcome.code == 4
+    place = f"controller.py:{line_of(source, 'while sys')}"
+    assert f"{place}: the answer to a read of the standard input was asked for 200" in outcome.err
 
 
 def test_a_controller_that_takes_too_much_memory_is_told_the_limit(example, quick):
@@ -204,6 +205,7 @@ def test_a_failed_run_is_told_as_json_too(example, quick):
         "file": "controller.py",
         "line": line_of(source, "raise "),
         "column": None,
+        "scenario": None,
     }
     assert [f["ref"]["name"] for f in outcome.json["trace"]["functions"]] == ["act"]
 

@@ -110,6 +110,9 @@ def compile_model(robot: Robot, scene: Scene | None = None) -> Any:
         return build_spec(robot, scene).compile()
     except ValueError as cause:
         reason = " ".join(str(cause).split())
+        if "allocate memory" in reason:
+            # The process is short of it, and nothing is wrong with the robot.
+            raise MemoryError(reason) from cause
         raise RobotError(
             f"robot '{robot.name}' ({robot.file}) cannot be built: {reason}"
         ) from cause
