@@ -86,6 +86,32 @@ def test_a_lock_that_only_one_version_has_tells_for_both(repository, parts):
     assert diff.ratio == pytest.approx(11 / 9, rel=1e-4)
 
 
+def test_a_controller_that_moves_keeps_its_files_and_its_past(repository, parts):
+    write(repository, parts(), ("main.py", lock_of(parts(), "main.py")))
+    repository.commit()
+    repository.git("mv", "main.py", "start.py")
+    moved = parts(gripper="= 4e-07")
+    moved["start.py"] = moved.pop("main.py")
+    entry = lock_of(moved, "start.py", sources={"start.py": "b"})
+    write(repository, moved, ("start.py", entry))
+    diff = only(review([], repository.folder))
+    assert (diff.name, diff.was, diff.ratio) == ("start.py", "main.py", pytest.approx(11 / 9, 1e-4))
+    assert [change.summary for change in diff.changes] == [
+        "gripper in place: probability 2e-07 -> 4e-07 (x2)"
+    ]
+
+
+def test_a_function_that_moves_to_another_file_of_its_controller_is_unchanged(repository, parts):
+    write(repository, parts(), ("main.py", lock_of(parts(), "main.py")))
+    repository.commit()
+    both = {"main.py": parts()["main.py"] + "\n\n" + parts()["hand.py"]}
+    write(repository, both, ("main.py", lock_of(both, "main.py")))
+    (repository.folder / "hand.py").unlink()
+    diff = only(review([], repository.folder))
+    assert (diff.name, diff.changes, diff.increase) == ("main.py", (), 0.0)
+    assert {each.status for each in diff.functions} == {"unchanged"}
+
+
 def test_a_lock_in_conflict_is_read_and_a_broken_one_names_its_version(repository, parts):
     write(repository, parts(), ("main.py", lock_of(parts(), "main.py")))
     repository.commit()
