@@ -133,6 +133,8 @@ class CollisionWorld:
         try:
             return spec.compile()
         except ValueError as cause:
+            if "allocate memory" in str(cause):
+                raise MemoryError(str(cause)) from cause
             raise RobotError(f"the planning scene cannot be built: {cause}") from cause
 
     def _touching_by_build(self) -> frozenset[Pair]:
