@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 
@@ -53,6 +54,15 @@ def test_the_json_is_versioned_and_has_every_figure(changed, asked):
     assert data["headline"].startswith("pick.py: mission failure rises")
 
 
+def test_options_may_stand_anywhere(changed):
+    outcome = changed.run("diff", "HEAD", "--format", "json", "pick.py", "-q", "pick.py")
+    assert outcome.code == 0, outcome.err
+    assert outcome.json["controllers"][0]["name"] == "pick.py"
+    outcome = changed.run("diff", "HEAD", "--json", "pick.py", "--frmat", "text")
+    assert outcome.code == 2
+    assert "unknown option --frmat; did you mean --format?" in outcome.err
+
+
 def test_the_markdown_has_its_tag(changed):
     outcome = changed.run("diff", "--format", "markdown")
     assert outcome.out.startswith("<!-- tracerisk-diff -->\n**pick.py: mission failure rises")
@@ -80,6 +90,23 @@ def test_a_rise_within_the_noise_exceeds_no_increase(changed, steps):
     changed.write("pick.py", steps(gripper="= 2.001e-07"))
     assert changed.run("diff", "--max-increase", "0").code == 0
     assert changed.run("diff", "--max-increase", "0", "--max-risk", "1e-9").code == 1
+
+
+def test_what_is_not_utf_8_is_told_all_the_same(changed, steps):
+    name = os.fsdecode(b"caf\xe9.py")
+    published = (
+        "/*** * RiskAnnotation\n * @Function {\n *   name = f\n *   callSequence = 1\n * }\n"
+        " * @Component {\n *   name = arm\n *   probability := 1e-7 ! ;gr\udcfcn\n"
+        " *   quantity = 1\n *   redundancy = false\n * }\n ***/\n"
+    )
+    changed.write(name, steps())
+    changed.write("f.c", published.encode(errors="surrogateescape"))
+    for form in ("text", "markdown", "json"):
+        environment = {"PYTHONIOENCODING": "ascii"}
+        options = ("HEAD", "--format", form, name, "f.c")
+        outcome = changed.run("diff", *options, environment=environment)
+        assert outcome.code == 0, outcome.err
+        assert "caf\ufffd.py" in outcome.out
 
 
 def test_errors_exit_with_2_and_tell_the_version(changed, steps, tmp_path):

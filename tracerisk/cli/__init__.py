@@ -96,9 +96,20 @@ class _Parser(argparse.ArgumentParser):
 
     def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
         options, unknown = self.parse_known_args(args, namespace)
-        if unknown:
-            (self.chosen or self)._unknown(unknown)
+        verb = self.chosen or self
+        if unknown and not any(word.startswith("-") for word in unknown) and verb._list:
+            # argparse ends a list of files at the first option; what stands behind belongs to it.
+            getattr(options, verb._list).extend(unknown)
+        elif unknown:
+            verb._unknown(unknown)
         return options
+
+    @property
+    def _list(self) -> str | None:
+        """The name of the one positional argument, if it takes several."""
+        found = [action for action in self._actions if not action.option_strings]
+        is_list = len(found) == 1 and found[0].nargs in ("*", "+")
+        return found[0].dest if is_list else None
 
     def _unknown(self, words: list[str]) -> None:
         from difflib import get_close_matches

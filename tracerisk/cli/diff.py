@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         _print_json(found, code, exceeded)
     else:
-        sys.stdout.write(_rendered(found, options.format))
+        sys.stdout.buffer.write(_rendered(found, options.format).encode(errors="replace"))
         sys.stdout.flush()
     for line in exceeded:
         print(f"tracerisk: {line}", file=sys.stderr)

@@ -75,7 +75,9 @@ class _Shown:
         self._folder = folder.resolve()
 
     def name(self, path: str) -> str:
-        return os.path.relpath(self._top / path, self._folder)
+        shown = os.path.relpath(self._top / path, self._folder)
+        # A name that is not UTF-8 has no characters; it is told as nearly as can be.
+        return shown.encode(errors="surrogateescape").decode(errors="replace")
 
     def version(self, version: ControllerVersion) -> ControllerVersion:
         sources = {self.name(file): source for file, source in version.sources.items()}

@@ -17,7 +17,8 @@ def review_to_json(review: Review) -> dict[str, Any]:
     plain = asdict(review)
     plain.pop("prefixes")
     plain["controllers"] = [_diff_to_json(each) for each in review.controllers]
-    return plain
+    readable: dict[str, Any] = _readable(plain)
+    return readable
 
 
 def _diff_to_json(diff: RiskDiff) -> dict[str, Any]:
@@ -32,3 +33,14 @@ def _diff_to_json(diff: RiskDiff) -> dict[str, Any]:
         "functions": [{**data, "status": each.status} for data, each in functions],
         "changes": [{**data, "causes": list(each.causes)} for data, each in changes],
     }
+
+
+def _readable(value: Any) -> Any:
+    """Replace what is no text: bytes that a source of another encoding holds in a reason."""
+    if isinstance(value, dict):
+        return {key: _readable(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_readable(entry) for entry in value]
+    if isinstance(value, str):
+        return value.encode(errors="replace").decode()
+    return value
