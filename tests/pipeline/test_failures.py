@@ -126,6 +126,28 @@ def test_a_loop_in_which_nothing_was_ever_commanded_is_a_failure(name, example, 
     assert_untouched(example, before)
 
 
+def test_commands_that_nobody_receives_are_named(example):
+    example.write(
+        "controller.py",
+        "import rospy\n"
+        "from std_msgs.msg import String\n"
+        "from visualization_msgs.msg import Marker\n"
+        "rospy.init_node('talker')\n"
+        "shown = rospy.Publisher('marker', Marker, queue_size=1)\n"
+        "heard = rospy.Publisher('echo', String, queue_size=1)\n"
+        "rospy.Subscriber('echo', String, print)\n"
+        "orders = rospy.Publisher('servo/orders', String, queue_size=1)\n"
+        "for publisher, message in ((shown, Marker()), (heard, 'a'), (orders, 'b'), (orders, 'c')):\n"
+        "    publisher.publish(message)\n"
+        "rospy.sleep(1.0)\n",
+    )
+    outcome = example.run("run", "controller.py", "--robot", "panda")
+    told = (
+        "the controller ended; nobody receives what it publishes on /servo/orders (std_msgs/String)"
+    )
+    assert f"{told}, and it commanded no hardware" in outcome.err
+
+
 def test_a_loop_that_asks_for_keys_that_never_come_ends(example, quick):
     source = quick('while sys.stdin.readline() != "q": pass')
     example.write("controller.py", source)

@@ -18,6 +18,7 @@ from tracerisk.trace import GOOD_ENDS, EndCause
 _RECENT_NS = 1_000_000_000  # what was asked for last before an error may have led to it
 _ASKED_AGAIN_NS = 10_000_000_000
 _TOLD = 3
+_DONE = frozenset({"no_motion", "ended", "duration"})
 _LISTENING = frozenset({"quiescent", "idle"})
 # An answer that never comes: the call of a service that nobody serves, a goal for nobody.
 _LASTING: frozenset[NeedKind] = frozenset({"topic", "service", "action"})
@@ -76,7 +77,8 @@ class UnmetNeeds:
             return plain
         found = self._led_to(cause)
         if not found:
-            return plain
+            unheard = self._unheard() if cause in _DONE else ""
+            return replace(plain, message=f"{message}{unheard}")
         unmet = tuple(_typed(each) for each in found)
         for before, after in zip(found, unmet, strict=True):
             message = message.replace(f"{before.need.told},", f"{after.need.told},")
@@ -86,7 +88,7 @@ class UnmetNeeds:
         if cause == "quiescent":
             told = f"nothing was commanded, and nothing provides {self.told(unmet)}"
             return JudgedEnd("no_motion", told, self.below_root(unmet[0].location), lines)
-        if cause in ("no_motion", "ended", "duration"):
+        if cause in _DONE:
             told = f"{message}; nothing provides {self.told(unmet)}"
             return replace(plain, message=told, scenario=lines)
         return replace(plain, scenario=lines)
@@ -104,6 +106,14 @@ class UnmetNeeds:
         if place is None or not Path(place.file).is_relative_to(self._root):
             return place
         return replace(place, file=Path(place.file).relative_to(self._root).as_posix())
+
+    def _unheard(self) -> str:
+        """Return in words that what a controller publishes reaches nobody, the twin included."""
+        needs = self._runtime.graph.unheard()
+        told = [f"{each.name} ({each.type_name})" for each in needs[:_TOLD]]
+        if len(needs) > _TOLD:
+            told.append(f"{len(needs) - _TOLD} more")
+        return f"; nobody receives what it publishes on {', '.join(told)}" if told else ""
 
     def _tell_unpublished(self) -> None:
         """Tell of topics on which nobody publishes: the run may have ended for want of them."""

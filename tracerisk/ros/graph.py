@@ -8,6 +8,7 @@ something spins (ROS 2) is the client library's affair. Actions are topics and s
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable
 from contextlib import nullcontext
@@ -21,6 +22,7 @@ from tracerisk.ros.parameters import ParameterTree
 from tracerisk.ros.virtual_time import CallTracer, Scheduler
 
 _OF_TF2 = "tf2_msgs/FrameGraph"  # served by every buffer, for tools
+_SHOWN = re.compile(r"(visualization_msgs|rosgraph_msgs|rcl_interfaces)/|moveit_msgs/Display")
 
 Change = Literal["advertised", "unadvertised", "subscribed", "unsubscribed", "served", "unserved"]
 
@@ -64,8 +66,10 @@ class Publication:
         scheduler.count_call()
         scheduler.raise_if_over()
         receivers = self.subscriptions if only is None else (only,)
-        if not receivers and not self.latch:
-            return
+        if not receivers:
+            self.graph._unheard.setdefault(self.topic, self)
+            if not self.latch:
+                return
         snapshot = self.copy(message)
         self.sent += 1
         if self.latch and only is None:
@@ -165,6 +169,7 @@ class Graph:
         self.parameters = ParameterTree()
         self._warn = warn
         self._topics: dict[str, _Topic] = {}
+        self._unheard: dict[str, Publication] = {}
         self._services: dict[str, ServiceServer] = {}
         self._offers: dict[str, dict[str, tuple[Callable[[Any], Any], str]]] = {}
         self._watchers: list[Callable[[Change, str, str], None]] = []
@@ -267,6 +272,18 @@ class Graph:
             for topic in self._topics.values()
             for each in topic.subscriptions
             if each.by_controller and each.place is not None and not each.publications
+        )
+
+    def unheard(self) -> tuple[Need, ...]:
+        """Return the topics on which the controller has published and nobody subscribes.
+
+        What is for a person's eyes alone is none of them.
+        """
+        return tuple(
+            Need("topic", name, each.type_name)
+            for name, each in self._unheard.items()
+            if each.by_controller and not self.subscriptions(name)
+            if not _SHOWN.match(each.type_name)
         )
 
     def topic_names(self) -> tuple[str, ...]:
