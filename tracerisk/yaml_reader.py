@@ -6,6 +6,7 @@ YAML 1.2 as `ruamel.yaml` reads it: `1e-7` is a number, `yes` a string.
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Any, NoReturn
@@ -222,13 +223,19 @@ def read_yaml(
     try:
         yaml = YAML(typ="rt", pure=True)
         yaml.version = version
-        node = yaml.load(text)
+        with warnings.catch_warnings():
+            # `1e3`, which YAML 1.1 wants written `1.0e3`.
+            warnings.simplefilter("ignore")
+            node = yaml.load(text)
     except MarkedYAMLError as cause:
         mark = cause.problem_mark or cause.context_mark
         place = Location(file, mark.line + 1, mark.column + 1) if mark else Location(file)
         raise error(f"is not valid YAML: {cause.problem or cause.context}", place) from cause
     except YAMLError as cause:
         raise error(f"is not valid YAML: {cause}", Location(file)) from cause
+    except (TypeError, ValueError, RecursionError) as cause:
+        # Keys that are mappings, dates that are none, what is nested without an end.
+        raise error(f"cannot be read as YAML: {cause}", Location(file)) from cause
     if not _is_map(node):
         raise error(f"expected a mapping at the top, found {_kind(node)}", Location(file, 1))
     _check_keys(node, file, error)

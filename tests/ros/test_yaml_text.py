@@ -34,6 +34,7 @@ def test_values_are_those_of_yaml_1_1(text, value):
         assert load_yaml(text) == value
 
 
-def test_what_is_no_yaml_is_an_error():
+@pytest.mark.parametrize("text", ["[1, 2", "? [a: b]\n: c", "a: 2026-13-01"])
+def test_what_is_no_yaml_is_an_error(text):
     with pytest.raises(YAMLError):
-        load_yaml("[1, 2")
+        load_yaml(text)

@@ -19,6 +19,7 @@ def load_yaml(text: str) -> Any:
         ruamel.yaml.error.YAMLError: it is no YAML.
     """
     from ruamel.yaml import YAML
+    from ruamel.yaml.error import YAMLError
 
     yaml = YAML(typ="safe", pure=True)
     yaml.version = (1, 1)
@@ -30,7 +31,11 @@ def load_yaml(text: str) -> Any:
     with warnings.catch_warnings():
         # `1e3`, which YAML 1.1 wants written `1.0e3`.
         warnings.simplefilter("ignore")
-        return yaml.constructor.construct_document(root)
+        try:
+            return yaml.constructor.construct_document(root)
+        except (TypeError, ValueError) as error:
+            # Keys that are mappings, dates that are none.
+            raise YAMLError(str(error)) from error
 
 
 def _keep_texts(node: Any, seen: set[int]) -> None:
