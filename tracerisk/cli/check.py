@@ -61,5 +61,6 @@ def run(options: argparse.Namespace) -> int:
     for line in [*map(str, findings), *(f"{error}" for error in errors)]:
         print(line)
     bad = len(errors) + sum(1 for each in checked if each.findings)
-    note(f"{len(paths)} controllers checked, {bad} to mend", quiet=options.quiet)
+    count = f"{len(paths)} controller{'' if len(paths) == 1 else 's'}"
+    note(f"{count} checked, {bad} to mend", quiet=options.quiet)
     return int(code)
