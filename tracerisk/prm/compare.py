@@ -35,11 +35,13 @@ def compare(
     was: str | None = None,
     renamed: Mapping[str, str] | None = None,
     cause_of: CauseOf,
+    inputs: tuple[str, ...] = (),
 ) -> RiskDiff:
     """Return the difference in risk between two versions of one controller.
 
     `renamed` gives the later name of functions by their earlier one; `name` and `was` are those
-    of the controller. A version is `None` where it has no blocks.
+    of the controller. `inputs` tells what the runs behind the blocks depended on that differs.
+    A version is `None` where it has no blocks.
     The contribution of a change is F(before with only that change) - F(before), with F the
     mission's failure probability; `interaction` is what the contributions leave of
     F(after) - F(before).
@@ -68,6 +70,7 @@ def compare(
         ),
         single_points=points,
         within_noise=noisy,
+        inputs=inputs,
     )
 
 

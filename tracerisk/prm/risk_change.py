@@ -141,6 +141,7 @@ class RiskDiff:
     `changes` come by the size of their contribution; `interaction` is what the mission's figure
     changes by beyond the sum of contributions, noise included.
     `within_noise` counts the values that changed by less than 1 %: they are told as unchanged.
+    `inputs` tells in words what the runs behind the blocks depended on that differs.
     """
 
     name: str
@@ -153,6 +154,7 @@ class RiskDiff:
     pins: tuple[PinChange, ...]
     single_points: tuple[SinglePoint, ...]
     within_noise: int
+    inputs: tuple[str, ...] = ()
 
     @property
     def increase(self) -> float:

@@ -11,6 +11,8 @@ from tracerisk.adder.lock import ControllerLock, Lock, written_block
 from tracerisk.adder.read import read_blocks
 from tracerisk.errors import BlockError, InputError
 from tracerisk.pipeline.review.review import review
+from tracerisk.report.diff_markdown import render_diff_markdown
+from tracerisk.report.diff_text import render_diff
 
 
 def lock_of(texts: dict[str, str], controller: str, /, **inputs) -> ControllerLock:
@@ -153,6 +155,26 @@ def test_the_lock_tells_the_cause(repository, parts, inputs, causes):
     write(repository, after, ("main.py", lock_of(after, "main.py", **inputs)))
     (change,) = only(review([], repository.folder)).changes
     assert change.causes == causes
+
+
+def test_what_the_runs_depended_on_is_told(repository, parts):
+    old = {"sources": {"main.py": "a", "old.py": "a"}, "hardware": "a", "settings": {"seed": 1}}
+    new = {"sources": {"main.py": "b", "new.py": "a"}, "hardware": "b", "settings": {"robot": "r"}}
+    write(repository, parts(), ("main.py", lock_of(parts(), "main.py", **old)))
+    repository.commit()
+    after = parts(gripper="= 4e-07")
+    write(repository, after, ("main.py", lock_of(after, "main.py", **new)))
+    found = review([], repository.folder)
+    assert only(found).inputs == (
+        "main.py has changed",
+        "new.py is part of the run now",
+        "old.py is no part of the run any more",
+        "the hardware description has changed",
+        "setting robot was the default, is r",
+        "setting seed was 1, is the default",
+    )
+    assert "  - setting seed was 1, is the default\n" in render_diff(found)
+    assert "- setting seed was 1, is the default\n" in render_diff_markdown(found)
 
 
 def test_a_value_that_the_lock_did_not_write_is_an_edit_and_a_pin_is_a_pin(repository, parts):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import get_args
 
 from tracerisk.adder.lock import WrittenBlock
@@ -35,6 +35,39 @@ def cause_finder(
         return of_run or ("edit",)
 
     return cause_of
+
+
+def input_changes(before: ControllerVersion, after: ControllerVersion) -> tuple[str, ...]:
+    """Return in words what the runs of the two versions depended on that differs, by their locks.
+
+    None where a version has no lock.
+    """
+    if before.entry is None or after.entry is None:
+        return ()
+    old, new = RunInputs.from_data(before.entry.inputs), RunInputs.from_data(after.entry.inputs)
+    told = [
+        *_changed_files(old.sources, new.sources),
+        *_changed_files(old.files, new.files),
+    ]
+    if old.hardware != new.hardware and old.hardware and new.hardware:
+        told.append("the hardware description has changed")
+    for name in sorted({*old.settings, *new.settings}):
+        values = old.settings.get(name), new.settings.get(name)
+        if values[0] != values[1]:
+            shown = ["the default" if value is None else str(value) for value in values]
+            what = "the version of tracerisk" if name == "tracerisk" else f"setting {name}"
+            told.append(f"{what} was {shown[0]}, is {shown[1]}")
+    return tuple(told)
+
+
+def _changed_files(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:
+    for file in sorted({*old, *new}):
+        if file not in new:
+            yield f"{file} is no part of the run any more"
+        elif file not in old:
+            yield f"{file} is part of the run now"
+        elif old[file] != new[file]:
+            yield f"{file} has changed"
 
 
 def _run_causes(before: ControllerVersion, after: ControllerVersion) -> tuple[Cause, ...]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from tracerisk.errors import InputError, TraceRiskError
 from tracerisk.pipeline.review.annotated_files import annotated_files
-from tracerisk.pipeline.review.causes import cause_finder
+from tracerisk.pipeline.review.causes import cause_finder, input_changes
 from tracerisk.pipeline.review.controllers import (
     ControllerVersion,
     ReviewedController,
@@ -115,6 +115,7 @@ def _difference(
         was=controller.was,
         renamed=renamed,
         cause_of=cause_finder(controller.before, controller.after, new),
+        inputs=input_changes(controller.before, controller.after),
     )
 
 
