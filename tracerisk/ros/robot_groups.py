@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,6 +35,21 @@ class RobotGroups:
         """Return the gripper whose fingers are all that the group moves, else None."""
         joints = set(self.group(name).joints)
         return next((one for one in self.robot.grippers if joints <= set(one.joints)), None)
+
+    def values_by_name(self, name: str, values: Sequence[float]) -> dict[str, float] | None:
+        """Return a list of values by the joints of a group, `None` where it is of another length.
+
+        A list for a gripper may have a value for each finger that follows too, which is not used.
+        """
+        joints = self.group(name).joints
+        gripper = self.gripper_of(name)
+        listed = joints
+        if gripper is not None and len(values) != len(joints):
+            listed = tuple(one.name for one in self.robot.joints if one.name in gripper.joints)
+        if len(values) != len(listed):
+            return None
+        given = dict(zip(listed, values, strict=True))
+        return {joint: given[joint] for joint in joints}
 
     def end_effector_link(self, name: str) -> str:
         """Return the tip of a group that is an arm, else the empty string."""

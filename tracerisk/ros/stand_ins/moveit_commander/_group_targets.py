@@ -90,13 +90,14 @@ class GroupTargets(GroupState):
         self._set_joints(self._server.random_target(self._name))
 
     def _named_values(self, values: Sequence[float]) -> dict[str, float]:
-        names = self.get_joints()
-        if len(values) != len(names):
+        named = self._server.values_by_name(self._name, values)
+        if named is None:
+            names = self.get_joints()
             raise MoveItCommanderException(
                 f"{_OUT_OF_BOUNDS} {len(values)} values given, group '{self._name}' has "
                 f"{len(names)} joints: {', '.join(names)}"
             )
-        return dict(zip(names, values, strict=True))
+        return named
 
     def _set_joints(self, values: Mapping[str, Any]) -> None:
         for name in values:

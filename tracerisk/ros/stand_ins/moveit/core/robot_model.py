@@ -173,12 +173,13 @@ class JointModelGroup:
             # The other fingers mimic the first, as they do in the real library.
             signs = [gripper.sign(name) for name in self.active_joint_model_names]
             return [sign * signs[0] * found[0] for sign in signs]
-        if len(found) != wanted:
+        named = self._server.values_by_name(self._name, found)
+        if named is None:
             raise ValueError(
                 f"group '{self._name}' has {wanted} variables "
                 f"({', '.join(self.active_joint_model_names)}), {len(found)} values were given"
             )
-        return found
+        return list(named.values())
 
     def _moved_links(self) -> frozenset[str]:
         """Return every link that moves with the group, those beyond its tip included."""

@@ -1,0 +1,24 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+from tracerisk.ros.robot_groups import RobotGroups
+from tracerisk.twin.robot import Group, load_robot
+
+FIRST, SECOND = "panda_finger_joint1", "panda_finger_joint2"
+
+
+def test_a_list_for_a_gripper_may_have_the_fingers_that_follow():
+    panda = load_robot("panda")
+    lead = replace(panda, groups={**panda.groups, "lead": Group((FIRST,), None)})
+    groups = RobotGroups(lead, 0)
+    assert groups.values_by_name("hand", [0.01, 0.02]) == {FIRST: 0.01, SECOND: 0.02}
+    assert groups.values_by_name("lead", [0.01]) == {FIRST: 0.01}
+    assert groups.values_by_name("lead", [0.01, 0.02]) == {FIRST: 0.01}
+    assert groups.values_by_name("lead", [0.01, 0.02, 0.03]) is None
+
+
+def test_a_list_for_an_arm_has_a_value_for_each_joint():
+    groups = RobotGroups(load_robot("panda"), 0)
+    assert groups.values_by_name("panda_arm", [0.0] * 6) is None
+    assert len(groups.values_by_name("panda_arm", [0.0] * 7) or ()) == 7
