@@ -89,6 +89,14 @@ def test_inertias_are_turned_into_the_axes_of_the_link():
     assert upper.centre_of_mass == (0.0, 0.0, 0.1)
 
 
+def test_an_inertia_that_is_far_too_large_for_its_mass_is_a_placeholder():
+    plain = '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/>'
+    assert plain in RATED
+    large = RATED.replace(plain, plain.replace("0.01", "1.5"))
+    fore = next(link for link in robot(large).links if link.name == "fore")
+    assert (fore.mass, fore.inertia) == (1.0, None)
+
+
 def test_a_mesh_is_drawn_as_a_capsule_to_the_next_joint():
     upper = next(link for link in robot().links if link.name == "upper")
     assert [shape.kind for shape in upper.shapes] == ["capsule"]

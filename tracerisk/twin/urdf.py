@@ -31,6 +31,7 @@ from tracerisk.twin.xml_reader import XmlElement, read_xml
 MeshShape = Callable[[XmlElement], Shape | None]
 """What stands for a `<mesh>`, in the mesh's own frame; `None` where nothing is known of it."""
 
+_FARTHEST = 1.0  # from a link's centre of mass, as a radius of gyration [m]
 _RADIUS = (0.008, 0.05)  # of the capsules that stand for meshes, least and greatest [m]
 
 
@@ -115,7 +116,8 @@ def _inertial(
     )
     turn = rotation(rpy)
     full = turn @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ turn.T
-    if np.linalg.eigvalsh(full).min() <= 1e-9:
+    moments = np.linalg.eigvalsh(full)
+    if moments.min() <= 1e-9 or moments.max() > mass * _FARTHEST**2:
         # Placeholders and slips of the sign: no body turns like that.
         return mass, centre, None
     found = (full[0, 0], full[1, 1], full[2, 2], full[0, 1], full[0, 2], full[1, 2])
