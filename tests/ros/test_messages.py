@@ -11,6 +11,7 @@ import pytest
 
 from tracerisk.errors import InputError
 from tracerisk.ros.messages import Interfaces, SerializationError, check_message
+from tracerisk.ros.messages2 import Interfaces2
 from tracerisk.ros.rostime import Duration, Time
 
 
@@ -245,6 +246,17 @@ def test_an_unknown_field_type_names_the_field(tmp_path: Path):
     (folder / "msg" / "Bad.msg").write_text("foo_msgs/Foo thing\n")
     with pytest.raises(InputError, match="field 'thing' of my_msgs/Bad: no message package"):
         Interfaces({"my_msgs": folder}).message("my_msgs/Bad")
+
+
+@pytest.mark.parametrize("make", [Interfaces, lambda own: Interfaces2(workspace=own)])
+def test_comments_that_are_not_utf_8_are_passed_over(tmp_path: Path, make):
+    folder = tmp_path / "my_msgs"
+    for kind, text in (("msg", b"float64 x # 20 \xb0C\n"), ("srv", b"# \xe4\n---\nbool ok\n")):
+        (folder / kind).mkdir(parents=True)
+        (folder / kind / f"Warm.{kind}").write_bytes(text)
+    interfaces = make({"my_msgs": folder})
+    assert interfaces.message("my_msgs/Warm")().x == 0.0
+    assert interfaces.service("my_msgs/Warm") is not None
 
 
 def test_a_service_text_without_two_parts_is_refused(tmp_path: Path):

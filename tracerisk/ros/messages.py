@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from tracerisk.errors import InputError, Location, one_of
+from tracerisk.ros.interface_texts import interface_parts, interface_text
 from tracerisk.ros.message_base import (
     PRIMITIVES,
     DeserializationError,
@@ -39,7 +40,6 @@ __all__ = [
 ]
 
 INTERFACES = Path(__file__).parent / "interfaces"
-_SEPARATOR = "---"
 _PLACEHOLDER = "structure_needs_at_least_one_member"
 _TIMES = {"builtin_interfaces/msg/Time": "time", "builtin_interfaces/msg/Duration": "duration"}
 # Of an action X, ROS 1 makes seven messages; the first three are the parts of its text.
@@ -252,7 +252,7 @@ class Interfaces:
     def _define(self, package: str, short: str) -> bool:
         path = self._file(package, "msg", short)
         if path is not None:
-            self._parse(package, short, path.read_text("utf-8"), path)
+            self._parse(package, short, interface_text(path), path)
             return True
         for suffix in (*_ACTION_PARTS, *_ACTION_WRAPPERS):
             name = short.removesuffix(suffix)
@@ -272,7 +272,7 @@ class Interfaces:
         return False
 
     def _define_action(self, package: str, path: Path) -> None:
-        name, parts = path.stem, _split(path, 3)
+        name, parts = path.stem, interface_parts(path, 3)
         for part, text in zip(_ACTION_PARTS, parts, strict=True):
             self._parse(package, name + part, text, path)
         for wrapper, text in _ACTION_WRAPPERS.items():
@@ -283,7 +283,7 @@ class Interfaces:
         if path is None:
             names = self.service_names(package)
             raise InputError(f"{package} has no service '{name}'; {one_of(names, name)}")
-        request, response = _split(path, 2)
+        request, response = interface_parts(path, 2)
         self._parse(package, f"{name}Request", request, path)
         self._parse(package, f"{name}Response", response, path)
         self._service_parts |= {f"{package}/{name}Request", f"{package}/{name}Response"}
@@ -320,21 +320,6 @@ class Interfaces:
 
 def _short_reference(name: str) -> str:
     return _TIMES.get(name, name.replace("/msg/", "/"))
-
-
-def _split(path: Path, count: int) -> list[str]:
-    parts: list[list[str]] = [[]]
-    for line in path.read_text("utf-8").splitlines():
-        if line.strip() == _SEPARATOR:
-            parts.append([])
-        else:
-            parts[-1].append(line)
-    if len(parts) != count:
-        raise InputError(
-            f"{len(parts)} parts between lines '{_SEPARATOR}', {count} expected",
-            Location(str(path)),
-        )
-    return ["\n".join(part) + "\n" for part in parts]
 
 
 def check_message(message: Message) -> None:

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from tracerisk.errors import InputError, Location, one_of
+from tracerisk.ros.interface_texts import interface_parts, interface_text
 from tracerisk.ros.messages2_base import Action2, Message2, Service2, copy_message
 from tracerisk.ros.messages2_fields import Field2, accessor
 
@@ -37,7 +38,6 @@ _UNCHANGED = (
     "tf2_msgs",
     "ur_msgs",
 )
-_SEPARATOR = "---"
 _PLACEHOLDER = "structure_needs_at_least_one_member"
 _PARTS = {"srv": ("Request", "Response"), "action": ("Goal", "Result", "Feedback")}
 _NOT_SERVED = frozenset({"actionlib_msgs", "rmw_dds_common", "rosbag2_interfaces"})
@@ -171,7 +171,9 @@ class Interfaces2:
             folders = [_ROS1_INTERFACES / package] if package in _UNCHANGED else []
             folders.append(INTERFACES / package)
         return {
-            path.stem: path for folder in folders for path in (folder / kind).rglob(f"*.{kind}")
+            path.stem: path
+            for folder in folders
+            for path in sorted((folder / kind).rglob(f"*.{kind}"), reverse=True)
         }
 
     def _composite(self, name: str, kind: str, base: type[Any]) -> Any:
@@ -188,7 +190,7 @@ class Interfaces2:
             "_ros_type": name,
         }
         parts = _PARTS[kind]
-        for part, text in zip(parts, _split(path, len(parts)), strict=True):
+        for part, text in zip(parts, interface_parts(path, len(parts)), strict=True):
             key = f"{short}_{part}"
             self._parse(package, kind, key, text, path)
             body[part] = self._make(package, kind, key, short)
@@ -279,7 +281,7 @@ class Interfaces2:
         key = f"{package}/msg/{short}"
         path = self._files(package, "msg").get(short)
         if path is not None and not (key in self._store and _ROS1_INTERFACES in path.parents):
-            self._parse(package, "msg", short, path.read_text("utf-8"), path)
+            self._parse(package, "msg", short, interface_text(path), path)
         elif package not in self._workspace and key in self._store:
             self._definitions[key] = self._store[key]
         else:
@@ -357,18 +359,3 @@ def _fitting(field: Field2, value: Any) -> Any:
     if field.base == "byte" and isinstance(value, int):
         return bytes([value])
     return value
-
-
-def _split(path: Path, count: int) -> list[str]:
-    parts: list[list[str]] = [[]]
-    for line in path.read_text("utf-8").splitlines():
-        if line.strip() == _SEPARATOR:
-            parts.append([])
-        else:
-            parts[-1].append(line)
-    if len(parts) != count:
-        raise InputError(
-            f"{len(parts)} parts between lines '{_SEPARATOR}', {count} expected",
-            Location(str(path)),
-        )
-    return ["\n".join(part) + "\n" for part in parts]
