@@ -107,6 +107,14 @@ def test_plain_comments_of_python_are_read_without_a_header_too():
     assert same == block
 
 
+@pytest.mark.parametrize("end", [b"\n", b"\r\n", b"\r"])
+@pytest.mark.parametrize("lead", [b"", b"\xef\xbb\xbf", b"x = 1\n", b"if x:\n    y = 1\n\t\f"])
+def test_plain_comments_are_found_after_any_line_end(lead, end):
+    lines = (b"# @Function {", b"#   name = f", b"#   callSequence = 1", b"# }", b"x = 1", b"")
+    (found,) = read_plain_blocks(lead + end.join(lines), "x.py")
+    assert found.name == "f"
+
+
 def test_what_stands_behind_the_gutter_is_not_plain():
     gutter = (
         b"def f():\n    # | RiskAnnotation\n    # | @Function {\n    # |   name = f\n    # | }\n"

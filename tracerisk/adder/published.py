@@ -42,6 +42,8 @@ _C_TOKEN = re.compile(
 )
 _C_LEAD = re.compile(r"[ \t]*\*+[ \t]?|[ \t]+")
 _PLAIN = re.compile(r"[ \t\f]*#(?![ \t]?\|)[ \t]?(?P<text>.*)")
+# Told from the bytes: most sources have blocks behind the gutter only, and are not read twice.
+_PLAIN_BLOCK = re.compile(rb"(?:\A(?:\xef\xbb\xbf)?|[\r\n])[ \t\f]*#(?![ \t]?\|)[^\r\n]*@Function")
 _BEGINS = re.compile(rf"\s*(?:{HEADER}|@(?:Function|Component)\b.*)\s*")
 
 
@@ -76,7 +78,7 @@ def read_plain_blocks(source: bytes, file: str) -> tuple[RiskBlock, ...]:
         BlockError: a block is malformed; with the line.
         SourceError: the source is not Python.
     """
-    if b"@Function" not in source:
+    if _PLAIN_BLOCK.search(source) is None:
         return ()
     parsed = parse_python(source, file)
     comments = comment_lines(parsed)
