@@ -77,6 +77,18 @@ def test_a_controller_has_settings_of_its_own(tmp_path):
     assert read_settings(tmp_path, "src/other.py") == shared
 
 
+@pytest.mark.parametrize("data", [b"\xff\xfe", b"[tool\n"])
+def test_what_is_no_toml_is_told(tmp_path, data):
+    (tmp_path / "pyproject.toml").write_bytes(data)
+    with pytest.raises(SettingsError, match=r"pyproject\.toml: is not valid TOML: "):
+        read_settings(tmp_path)
+
+
+def test_tools_that_are_no_table_settle_nothing(tmp_path):
+    (tmp_path / "pyproject.toml").write_text("tool = 3\n")
+    assert read_settings(tmp_path) == Settings()
+
+
 @pytest.mark.parametrize(
     ("text", "line", "message"),
     [

@@ -88,12 +88,7 @@ def read_settings(root: Path, file: str | None = None) -> Settings:
     path = root / "pyproject.toml"
     if not path.is_file():
         return Settings()
-    text = path.read_text(encoding="utf-8")
-    try:
-        document = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise SettingsError(f"is not valid TOML: {error}", Location(str(path))) from error
-    table = document.get("tool", {}).get("tracerisk", {})
+    text, table = _read_table(path)
     return _Reader(path, text).settings(table, root, file)
 
 
@@ -118,9 +113,21 @@ def setting_origins(root: Path, file: str | None = None) -> dict[str, SettingOri
     path = root / "pyproject.toml"
     if not path.is_file():
         return dict.fromkeys(names, SettingOrigin())
-    text = path.read_text(encoding="utf-8")
-    table = tomllib.loads(text).get("tool", {}).get("tracerisk", {})
+    text, table = _read_table(path)
     return _Reader(path, text).origins(table, names, file)
+
+
+def _read_table(path: Path) -> tuple[str, Any]:
+    """Return the text of a `pyproject.toml`, and what stands in it as `[tool.tracerisk]`."""
+    try:
+        text = path.read_text(encoding="utf-8")
+        document = tomllib.loads(text)
+    except OSError as error:
+        raise SettingsError(f"cannot be read: {error.strerror}", Location(str(path))) from error
+    except ValueError as error:
+        raise SettingsError(f"is not valid TOML: {error}", Location(str(path))) from error
+    tools = document.get("tool", {})
+    return text, tools.get("tracerisk", {}) if isinstance(tools, dict) else {}
 
 
 class _Reader:

@@ -304,6 +304,13 @@ def test_trace_writes_what_annotate_reads(annotated_run, example, two_steps):
     assert example.read("controller.py") == run.read("controller.py")
 
 
+def test_a_recording_is_kept_in_a_folder_only(example, quick):
+    example.write("controller.py", quick())
+    outcome = example.run("trace", "controller.py", "--keep", "controller.py")
+    assert outcome.code == 2
+    assert "controller.py: is no folder that a recording can be kept in: File exists" in outcome.err
+
+
 def test_doctor_tells_what_a_controller_gets(annotated):
     outcome = annotated.run("doctor", "controller.py", "--json")
     assert outcome.code == 0, outcome.err

@@ -117,7 +117,11 @@ class _ProcessEnd:
 @contextlib.contextmanager
 def _folder(keep: Path | None) -> Iterator[Path]:
     if keep is not None:
-        keep.mkdir(parents=True, exist_ok=True)
+        try:
+            keep.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            told = f"is no folder that a recording can be kept in: {error.strerror}"
+            raise errors.InputError(told, Location(str(keep))) from error
         yield keep.resolve()
         return
     with tempfile.TemporaryDirectory(prefix="tracerisk-") as name:
