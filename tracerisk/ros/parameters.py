@@ -22,6 +22,7 @@ class ParameterTree:
     def offer(self, base_name: str, value: Callable[[], Any]) -> None:
         """Have `/base_name`, or `/robot/base_name` for any robot, where it is not set.
 
+        A global name is offered as it is.
         It is what the driver of a robot sets when it starts.
         `value` returns None as long as no such driver is there.
         """
@@ -113,7 +114,9 @@ class ParameterTree:
 
     def _offered(self, name: str) -> Any:
         parts = _parts(name)
-        value = self._offers.get(parts[-1]) if 1 <= len(parts) <= 2 else None
+        value = self._offers.get(names.SEP + names.SEP.join(parts))
+        if value is None and 1 <= len(parts) <= 2:
+            value = self._offers.get(parts[-1])
         return None if value is None else value()
 
     def names(self) -> list[str]:

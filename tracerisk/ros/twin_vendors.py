@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from tracerisk.ros.action_graph import ActionGoal
+from tracerisk.ros.niryo_actions import ROBOT_MOVE, TOOL
 from tracerisk.ros.twin_baxter import BaxterDriver
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_franka import RECOVERIES, FrankaSettings
@@ -13,6 +14,7 @@ from tracerisk.ros.twin_gazebo import GazeboServices
 from tracerisk.ros.twin_interbotix import InterbotixDriver
 from tracerisk.ros.twin_kortex import FOLLOW_CARTESIAN, KortexDriver
 from tracerisk.ros.twin_messages import TwinMessages
+from tracerisk.ros.twin_niryo import NiryoRobot
 from tracerisk.ros.twin_set_points import SetPoints
 from tracerisk.ros.twin_universal_robots import UniversalRobotsBox
 from tracerisk.ros.twin_xarm import XarmDriver
@@ -38,7 +40,10 @@ def serve_vendors(
     BaxterDriver(runtime, messages, commands, set_points)
     franka = FrankaSettings(runtime, messages, commands)
     kortex = KortexDriver(runtime, messages, commands)
+    niryo = NiryoRobot(runtime, messages, commands).actions
     return {
         **dict.fromkeys(RECOVERIES, (franka.recover, franka.on_cancel)),
         FOLLOW_CARTESIAN: (kortex.follow_cartesian, kortex.on_cancel),
+        ROBOT_MOVE: (niryo.move, niryo.on_cancel),
+        TOOL: (niryo.use_tool, niryo.on_cancel),
     }

@@ -19,6 +19,11 @@ ROS1 = [
     "intera_core_msgs",
     "intera_motion_msgs",
     "kortex_driver",
+    "niryo_robot_arm_commander",
+    "niryo_robot_msgs",
+    "niryo_robot_poses_handlers",
+    "niryo_robot_rpi",
+    "niryo_robot_tools_commander",
     "ur_msgs",
     "xarm_msgs",
 ]

@@ -1,5 +1,7 @@
 """Stand-in for tf2_geometry_msgs: importing it lets buffers transform messages of geometry_msgs."""
 
+from geometry_msgs.msg import PointStamped, PoseStamped, Vector3Stamped, WrenchStamped
+
 from .tf2_geometry_msgs import (
     do_transform_point,
     do_transform_polygon_stamped,
@@ -14,6 +16,10 @@ from .tf2_geometry_msgs import (
 )
 
 __all__ = [
+    "PointStamped",
+    "PoseStamped",
+    "Vector3Stamped",
+    "WrenchStamped",
     "do_transform_point",
     "do_transform_polygon_stamped",
     "do_transform_pose",
