@@ -203,6 +203,13 @@ def test_a_refresh_uses_the_options_of_the_last_run_again(project):
     assert "cell.yaml has changed since the last run" in check(project)[2]
 
 
+def test_a_setting_of_another_version_in_the_lock_is_passed_over(project):
+    lock = json.loads(project.read("tracerisk.lock"))
+    lock["controllers"]["c.py"]["inputs"]["given"] = {"gravity": 9.81}
+    project.write("tracerisk.lock", json.dumps(lock))
+    assert check(project)[:2] == (0, [])
+
+
 def test_a_second_refresh_does_nothing_and_one_without_a_kept_trace_runs(project):
     change(project, "c.py", "factor(1.0)", "factor(0.5)")
     first = project.run("refresh")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
 from multiprocessing import get_context
 from pathlib import Path
@@ -187,10 +187,16 @@ def _checked(path: Path) -> Checked | TraceRiskError:
 
 
 def given_options(recorded: RunInputs, controller: Controller) -> dict[str, object]:
-    """Return the options with which a controller was last run, for `Settings.with_options`."""
+    """Return the options with which a controller was last run, for `Settings.with_options`.
+
+    A setting that only another version of tracerisk knows is left out.
+    """
     root = controller.root.resolve()
+    known = {each.name for each in fields(Settings)}
     options: dict[str, object] = {}
     for name, value in recorded.given.items():
+        if name not in known:
+            continue
         if name == "params":
             options[name] = tuple(str(root / file) for file in value)
         elif isinstance(value, list):
