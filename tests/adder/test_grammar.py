@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tracerisk.adder.block import ComponentEntry, Field, RiskBlock, Transition
+from tracerisk.adder.block import ComponentEntry, Field, Redundancy, RiskBlock, Transition
 from tracerisk.adder.grammar import BlockLine, parse_block, print_block
 from tracerisk.adder.values import (
     computed_count,
@@ -14,6 +14,7 @@ from tracerisk.adder.values import (
     computed_next,
     computed_probability,
     profile_next,
+    read_redundancy,
     read_transitions,
 )
 from tracerisk.errors import BlockError
@@ -193,7 +194,12 @@ probabilities = st.floats(0, 1).map(computed_probability) | st.sampled_from(
     [Field(2e-7, "2.000E-7"), Field(0.5, ".5"), Field(1.0, "1.")]
 )
 counts = st.integers(1, 10**9).map(computed_count)
-flags = st.booleans().map(computed_flag)
+flags = st.booleans().map(computed_flag) | st.sampled_from(
+    [
+        Field(read_redundancy(text), text)
+        for text in ("required 2", "true, common_cause 0.1", "required 3, common_cause .05")
+    ]
+)
 
 
 @st.composite
@@ -219,7 +225,7 @@ def components(draw):
         draw(names),
         draw(pinned(probabilities)) if stated else Field(0.0, ""),
         draw(pinned(counts)) if stated else Field(1, ""),
-        draw(pinned(flags)) if stated else Field(False, ""),
+        draw(pinned(flags)) if stated else Field(Redundancy(False), ""),
         added=mark == "added",
         omitted=mark == "omitted",
         reason=draw(reasons) if mark else None,

@@ -8,6 +8,7 @@ from itertools import product
 import pytest
 
 from tracerisk.adder.block import ComponentEntry, Field, RiskBlock, Transition
+from tracerisk.adder.values import read_redundancy
 from tracerisk.prm import FaultTree, HybridModel
 
 MakeComponent = Callable[..., ComponentEntry]
@@ -22,9 +23,14 @@ def _field(value):
 def component() -> MakeComponent:
     """Make one `@Component` entry."""
 
-    def make(name, probability, quantity=1, redundancy=False, **marks):
+    def make(name, probability, quantity=1, redundancy="false", **marks):
+        text = str(redundancy).lower()
         return ComponentEntry(
-            name, _field(probability), _field(quantity), _field(redundancy), **marks
+            name,
+            _field(probability),
+            _field(quantity),
+            Field(read_redundancy(text), text),
+            **marks,
         )
 
     return make

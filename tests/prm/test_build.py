@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import itertools
+import math
 from dataclasses import replace
 from fractions import Fraction
 
@@ -250,3 +252,44 @@ def test_bad_components_are_refused_at_their_place(block, component):
 def test_the_greatest_quantity_is_solved(block, component):
     model = build_model([block("move", 1, (component("cell", 1e-12, MAX_QUANTITY),))], name="m")
     assert solve(model).mission.failure_probability == pytest.approx(MAX_QUANTITY * 1e-12, rel=1e-7)
+
+
+def by_enumeration(p: float, n: int, required: int, beta: float) -> float:
+    """The probability that fewer than `required` of n work, each state of the units at a time."""
+    own, total = (1 - beta) * p, 0.0
+    for state in itertools.product((False, True), repeat=n):
+        chance = math.prod(own if failed else 1 - own for failed in state)
+        total += chance * (n - sum(state) < required)
+    return beta * p + (1 - beta * p) * total
+
+
+@pytest.mark.parametrize(
+    ("quantity", "redundancy", "required", "beta"),
+    [
+        (3, "required 2", 2, 0.0),
+        (4, "required 3", 3, 0.0),
+        (3, "required 1", 1, 0.0),
+        (3, "required 3", 3, 0.0),
+        (2, "true, common_cause 0.1", 1, 0.1),
+        (4, "required 2, common_cause 0.05", 2, 0.05),
+        (3, "true, common_cause 1", 1, 1.0),
+    ],
+)
+def test_units_that_must_work_and_common_causes(
+    block, component, quantity, redundancy, required, beta
+):
+    model = build_model([block("a", 1, (component("unit", 0.2, quantity, redundancy),))], name="m")
+    (state,) = solve(model).states
+    expected = by_enumeration(0.2, quantity, required, beta)
+    assert state.top_event == pytest.approx(expected, rel=1e-14)
+
+
+def test_a_common_cause_of_a_rare_failure_keeps_its_digits(block, component):
+    pair = component("power", 6.674e-08, 2, "true, common_cause 0.1")
+    (state,) = solve(build_model([block("a", 1, (pair,))], name="m")).states
+    assert state.top_event == pytest.approx(6.674e-09 + (0.9 * 6.674e-08) ** 2, rel=1e-12)
+
+
+def test_more_units_than_there_are_cannot_be_required(block, component):
+    with pytest.raises(BlockError, match="component 'unit': required 4 of 3; allowed: 1 to 3"):
+        build_model([block("a", 1, (component("unit", 0.2, 3, "required 4"),))], name="m")

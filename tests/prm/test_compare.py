@@ -127,6 +127,19 @@ def test_fewer_redundant_units_are_less_redundancy_and_no_single_point(version):
     assert (change.kind, change.marks) == ("quantity", ("lost_redundancy",))
 
 
+def test_quantity_and_redundancy_of_one_component_are_one_change(version):
+    before = version(pick=([("power", 1e-4, 2, True)], {"done": 1}))
+    after = version(pick=([("power", 1e-4, 1, False)], {"done": 1}))
+    diff = difference(before, after)
+    (change,) = diff.changes
+    assert change.kind == "redundancy"
+    assert change.summary.lower() == "power in pick: quantity 2 -> 1, redundancy true -> false"
+    assert [field.key for field in change.fields] == ["quantity", "redundancy"]
+    assert change.marks == ("lost_redundancy", "single_point_of_failure")
+    assert change.contribution == pytest.approx(diff.increase)
+    assert abs(diff.interaction) < 1e-18
+
+
 def test_a_new_state_and_the_next_that_leads_to_it_are_one_change(version, exact):
     before = version(pick=PICK, place=([("gripper", 3e-7)], {"done": 1}))
     after = version(

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.adder.block import ComponentEntry, Field, RiskBlock, Transition
+from tracerisk.adder.values import computed_flag
 from tracerisk.errors import BlockError
 from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind, solve
 from tracerisk.prm.component_changes import component_items
@@ -17,6 +18,8 @@ from tracerisk.prm.model_parts import ModelParts, RiskVersion, single_points, to
 
 
 def field(value):
+    if isinstance(value, bool):
+        return computed_flag(value)
     return Field(value, str(value))
 
 
@@ -103,3 +106,17 @@ def test_a_state_that_is_never_reached_has_no_single_point(block, component):
 def test_a_version_that_makes_no_model_is_an_error(block):
     with pytest.raises(BlockError, match="cannot be reached"):
         RiskVersion.of_blocks([block("a", 1, [], {"a": 1})], "c.py")
+
+
+def test_what_hits_all_units_at_once_is_no_unit():
+    gates = (
+        Gate("top", GateKind.OR, ("pair", "pair[all]")),
+        Gate("pair", GateKind.AND, ("pair[1]", "pair[2]")),
+    )
+    own, common = "pair {own}", "pair {common cause}"
+    events = (
+        BasicEvent("pair[1]", own),
+        BasicEvent("pair[2]", own),
+        BasicEvent("pair[all]", common),
+    )
+    assert tolerated_failures(FaultTree("top", gates, events)) == {"pair": 1}

@@ -45,10 +45,27 @@ class Transition:
 
 
 @dataclass(frozen=True, slots=True)
+class Redundancy:
+    """How many units of a component must work, and what makes all of them fail at once.
+
+    False of it: each is needed. Else `required` of them must work, one unless stated.
+    `common_cause` is the share of a unit's failure probability that hits all units together, the
+    beta factor; the rest is each unit's own.
+    """
+
+    is_redundant: bool
+    required: int = 1
+    common_cause: float = 0.0
+
+    def __bool__(self) -> bool:
+        return self.is_redundant
+
+
+@dataclass(frozen=True, slots=True)
 class ComponentEntry:
     """One `@Component` of a block.
 
-    `redundancy` false: each of the quantity is needed; true: one suffices.
+    `redundancy` false: each of the quantity is needed; true: one suffices; see `Redundancy`.
     `probability` is that of one unit of the quantity failing during one visit.
     `added` marks `@Component := {`, `omitted` marks `@Component := omit {`: both a person's,
     with the person's `reason`. An omitted component is no part of the function's risk; its
@@ -58,7 +75,7 @@ class ComponentEntry:
     name: str
     probability: Field[float]
     quantity: Field[int]
-    redundancy: Field[bool]
+    redundancy: Field[Redundancy]
     added: bool = False
     omitted: bool = False
     location: Location | None = field(default=None, compare=False)

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tracerisk.adder.block import ComponentEntry, Field, RiskBlock
+from tracerisk.adder.block import ComponentEntry, Field, Redundancy, RiskBlock
 from tracerisk.adder.values import (
     CALL_SEQUENCE,
     COMPONENT_KINDS,
@@ -241,7 +241,7 @@ class _Parser:
         if not is_component_name(name.value):
             raise self._error(name.line, f"`{name.value}` cannot be the name of a component")
         fields: list[Field[Any]] = []
-        for kind, default in zip(COMPONENT_KINDS, (0.0, 1, False), strict=True):
+        for kind, default in zip(COMPONENT_KINDS, (0.0, 1, Redundancy(False)), strict=True):
             found = self._field(section, kind)
             if found is None and not section.omitted:
                 raise self._missing(section, kind)

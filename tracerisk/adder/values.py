@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from tracerisk.adder.block import ComponentEntry, Field, Transition
+from tracerisk.adder.block import ComponentEntry, Field, Redundancy, Transition
 
 NOTHING_COMPUTED = "none"
 """What stands after `computed` where the tool has no value for a pinned field."""
@@ -24,6 +24,11 @@ DONE = "done"
 Transitions: TypeAlias = tuple[Transition, ...]
 
 _DECIMAL = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_REDUNDANCY = re.compile(
+    r"(?:true|false|required (?P<required>\d{1,9}))"
+    r"(?:, common_cause (?P<beta>\d{1,9}(?:\.\d{0,30})?|\.\d{1,30}))?",
+    re.ASCII,
+)
 _WHOLE = re.compile(r"\d+", re.ASCII)
 _WEIGHT = re.compile(r"\d+/\d+|\d+(\.\d*)?|\.\d+", re.ASCII)
 _TARGET = re.compile(r"[^\s!{},;/]+")
@@ -54,15 +59,25 @@ def read_count(text: str) -> int:
     return value
 
 
-def read_flag(text: str) -> bool:
-    """Return the truth value that `text` states.
+def read_redundancy(text: str) -> Redundancy:
+    """Return the redundancy that `text` states: `true`, `required 2`, `true, common_cause 0.1`.
 
     Raises:
-        ValueError: if it is neither `true` nor `false`.
+        ValueError: if it states none.
     """
-    if text not in ("true", "false"):
-        raise ValueError("true, false")
-    return text == "true"
+    found = _REDUNDANCY.fullmatch(text)
+    if found is None or (text.startswith("false") and text != "false"):
+        raise ValueError(
+            "true, false, required K (as many must work); with a share of common causes, "
+            "true, common_cause 0.1"
+        )
+    beta = Fraction(found["beta"] or "0")
+    if beta > 1:
+        raise ValueError("a common_cause from 0 to 1, the share of failures that hit every unit")
+    required = int(found["required"] or 1)
+    if required < 1:
+        raise ValueError("required K with K from 1 up")
+    return Redundancy(text != "false", required, float(beta))
 
 
 def read_transition(text: str) -> Transition:
@@ -119,7 +134,7 @@ CALL_SEQUENCE = FieldKind("callSequence", read_count)
 NEXT = FieldKind("next", read_transitions)
 PROBABILITY = FieldKind("probability", read_probability, is_noisy=True)
 QUANTITY = FieldKind("quantity", read_count)
-REDUNDANCY = FieldKind("redundancy", read_flag)
+REDUNDANCY = FieldKind("redundancy", read_redundancy)
 
 COMPONENT_KINDS = (PROBABILITY, QUANTITY, REDUNDANCY)
 """The fields of a component, in the order in which they are written."""
@@ -158,9 +173,9 @@ def computed_count(value: int) -> Field[int]:
     return Field(read_count(str(value)), str(value))
 
 
-def computed_flag(value: bool) -> Field[bool]:
+def computed_flag(value: bool) -> Field[Redundancy]:
     """Return the field that the tool writes for a redundancy."""
-    return Field(value, "true" if value else "false")
+    return Field(Redundancy(value), "true" if value else "false")
 
 
 def computed_next(counts: Mapping[str, int]) -> Field[Transitions]:

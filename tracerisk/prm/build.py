@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from typing import NoReturn
 
@@ -72,7 +73,10 @@ def function_state(
         call_sequence=block.call_sequence.value,
         tree=component_tree(block.name, components),
         probabilities={
-            entry.name: entry.probability.value for entry in components if not entry.omitted
+            name: value
+            for entry in components
+            if not entry.omitted
+            for name, value in _probabilities_of(entry)
         },
         next=steps,
     )
@@ -81,7 +85,8 @@ def function_state(
 def component_tree(function: str, components: Sequence[ComponentEntry]) -> FaultTree:
     """Return the fault tree of one function: top OR over its components, omitted ones left out.
 
-    Unit i of a component is the event `<component>[i]`, in every function the same unit.
+    Unit i of a component is the event `<component>[i]`, in every function the same unit; what hits
+    all units at once is `<component>[all]`, by the beta-factor model of common causes.
     """
     inputs = []
     gates = []
@@ -95,12 +100,46 @@ def component_tree(function: str, components: Sequence[ComponentEntry]) -> Fault
             events.append(BasicEvent(entry.name, entry.name))
             continue
         units = [f"{entry.name}[{number}]" for number in range(1, quantity + 1)]
-        kind = GateKind.AND if entry.redundancy.value else GateKind.OR
-        gates.append(Gate(entry.name, kind, tuple(units)))
-        events.extend(BasicEvent(unit, entry.name) for unit in units)
+        redundancy = entry.redundancy.value
+        own, common = _parameters_of(entry)
+        least = quantity - redundancy.required + 1
+        if not redundancy or least == 1:
+            gate = Gate(entry.name, GateKind.OR, tuple(units))
+        elif least == quantity:
+            gate = Gate(entry.name, GateKind.AND, tuple(units))
+        else:
+            gate = Gate(entry.name, GateKind.ATLEAST, tuple(units), least)
+        events.extend(BasicEvent(unit, own) for unit in units)
+        if common is not None:
+            event = f"{entry.name}[all]"
+            apart = replace(gate, name=f"{entry.name} apart")
+            gates.append(Gate(entry.name, GateKind.OR, (apart.name, event)))
+            gate = apart
+            events.append(BasicEvent(event, common))
+        gates.append(gate)
     # A blank keeps the top's name apart from that of any component.
     top = Gate(f"{function} fails", GateKind.OR, tuple(inputs))
     return FaultTree(top.name, (top, *gates), tuple(events))
+
+
+def _parameters_of(entry: ComponentEntry) -> tuple[str, str | None]:
+    """Return the names of a unit's own figure and of the common one; `None` for none.
+
+    No component can have such a name.
+    """
+    redundancy = entry.redundancy.value
+    if not redundancy or not redundancy.common_cause or entry.quantity.value == 1:
+        return entry.name, None
+    return f"{entry.name} {{own}}", f"{entry.name} {{common cause}}"
+
+
+def _probabilities_of(entry: ComponentEntry) -> tuple[tuple[str, float], ...]:
+    value = entry.probability.value
+    own, common = _parameters_of(entry)
+    if common is None:
+        return ((own, value),)
+    share = entry.redundancy.value.common_cause
+    return ((own, (1.0 - share) * value), (common, share * value))
 
 
 def _parameters(states: Sequence[FunctionState]) -> tuple[Parameter, ...]:
@@ -205,6 +244,11 @@ def _check_components(block: RiskBlock) -> None:
             place = entry.quantity.location or entry.location
             found = entry.quantity.value
             _fail(block, f"{where}: quantity is {found}; allowed: 1 to {MAX_QUANTITY}", place)
+        required = entry.redundancy.value.required
+        if required > entry.quantity.value:
+            place = entry.redundancy.location or entry.location
+            found = entry.quantity.value
+            _fail(block, f"{where}: required {required} of {found}; allowed: 1 to {found}", place)
 
 
 def _fail(block: RiskBlock, message: str, place: Location | None = None) -> NoReturn:
