@@ -10,7 +10,12 @@ from tracerisk.adder.values import CALL_SEQUENCE, NEXT, component_fields
 from tracerisk.prm.component_changes import ComponentItem, alike, component_items
 from tracerisk.prm.contributions import Contributions
 from tracerisk.prm.flow_changes import Edit, FlowItem, flow_items, joined
-from tracerisk.prm.model_parts import RiskVersion, single_points, tolerated_failures
+from tracerisk.prm.model_parts import (
+    RiskVersion,
+    component_of,
+    single_points,
+    tolerated_failures,
+)
 from tracerisk.prm.pin_changes import pin_changes
 from tracerisk.prm.risk_change import (
     Cause,
@@ -89,7 +94,7 @@ def _changes(
     flows, quiet_flows = flow_items(before, after)
     items, quiet = component_items(before, after)
     flows = [replace(item, field=why.explained(item.field)) for item in flows]
-    items = [replace(item, field=why.explained(item.field)) for item in items]
+    items = [replace(item, fields=tuple(map(why.explained, item.fields))) for item in items]
     marks = _Marks(before, after, points)
     contributions = Contributions(before)
     solved = []
@@ -125,7 +130,7 @@ def _component_part(group: Sequence[ComponentItem], marks: _Marks) -> _Part:
         summary=_component_summary(ordered),
         component=first.field.component,
         functions=tuple(item.field.function for item in ordered),
-        fields=tuple(item.field for item in ordered),
+        fields=tuple(field for item in ordered for field in item.fields),
         marks=marks.of_components(group),
     )
     return _Part(change, tuple(item.edit for item in group))
@@ -145,7 +150,7 @@ def _component_summary(group: Sequence[ComponentItem]) -> str:
             return f"{lead}: left out by hand"
         case "component_restored":
             return f"{lead}: no longer left out"
-    told = f"{lead}: {one.key} {one.before or 'not given'} -> {one.after or 'not given'}"
+    told = f"{lead}: {', '.join(map(_values, first.fields))}"
     if first.kind != "probability":
         return told
     if first.ratio is None or first.ratio in (0.0, float("inf")):
@@ -153,6 +158,10 @@ def _component_summary(group: Sequence[ComponentItem]) -> str:
     if len(group) == 1:
         return f"{told} (x{first.ratio:.4g})"
     return f"{lead}: {one.key} x{first.ratio:.4g}"
+
+
+def _values(field: ChangedField) -> str:
+    return f"{field.key} {field.before or 'not given'} -> {field.after or 'not given'}"
 
 
 def _flow_part(group: Sequence[FlowItem], marks: _Marks) -> _Part:
@@ -224,12 +233,12 @@ class _Marks:
     def _lost(self, function: str, component: str) -> bool:
         before = tolerated_failures(self._before[function].tree)
         after = tolerated_failures(self._after[function].tree)
-        return after[component] < before[component]
+        return after.get(component, 0) < before.get(component, 0)
 
 
 def _new_single_points(before: RiskVersion, after: RiskVersion) -> tuple[SinglePoint, ...]:
     old, new = single_points(before.model), single_points(after.model)
-    known = {parameter.name for parameter in before.model.parameters}
+    known = {component_of(parameter.name) for parameter in before.model.parameters}
     return tuple(
         SinglePoint(name, tuple(new[name]), name not in known)
         for name in sorted(set(new) - set(old))

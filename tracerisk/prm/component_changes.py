@@ -18,14 +18,20 @@ from tracerisk.prm.risk_change import NOISE, ChangedField, ChangeKind, is_noise,
 class ComponentItem:
     """One change of one component in one function.
 
+    Quantity and redundancy are one change where both differ, for either alone may make no sense.
     `ratio` is the later probability over the earlier, where that is what changed; infinite for
     one that was zero.
     """
 
     kind: ChangeKind
-    field: ChangedField
+    fields: tuple[ChangedField, ...]
     ratio: float | None
     edit: Edit
+
+    @property
+    def field(self) -> ChangedField:
+        """The first of its fields."""
+        return self.fields[0]
 
 
 def component_items(before: RiskVersion, after: RiskVersion) -> tuple[list[ComponentItem], int]:
@@ -48,9 +54,10 @@ def alike(items: Sequence[ComponentItem]) -> list[list[ComponentItem]]:
     """
     groups: dict[tuple[object, ...], list[ComponentItem]] = {}
     for item in items:
-        key: tuple[object, ...] = (item.kind, item.field.component, item.field.causes)
+        causes = tuple(field.causes for field in item.fields)
+        key: tuple[object, ...] = (item.kind, item.field.component, causes)
         if item.kind in ("quantity", "redundancy"):
-            key = (*key, item.field.key, item.field.before, item.field.after)
+            key = (*key, *((field.key, field.before, field.after) for field in item.fields))
         groups.setdefault(key, []).append(item)
     return [part for group in groups.values() for part in _by_ratio(group)]
 
@@ -102,6 +109,7 @@ def _fields(
     later = dict(component_fields(new))
     items = []
     noisy = 0
+    units: list[tuple[FieldKind, Field[Any] | None, Field[Any] | None]] = []
     for kind in dict.fromkeys([*earlier, *later]):
         before, after = earlier.get(kind), later.get(kind)
         if before is not None and after is not None:
@@ -110,43 +118,49 @@ def _fields(
             if kind.is_noisy and is_noise(before.value, after.value):
                 noisy += 1
                 continue
-        items.append(_changed(function, new, kind, before, after))
+        if kind is PROBABILITY:
+            items.append(_changed("probability", function, new, [(kind, before, after)]))
+        else:
+            units.append((kind, before, after))
+    if units:
+        only_quantity = all(kind is QUANTITY for kind, _, _ in units)
+        named: ChangeKind = "quantity" if only_quantity else "redundancy"
+        items.append(_changed(named, function, new, units))
     return items, noisy
 
 
 def _changed(
+    named: ChangeKind,
     function: str,
     entry: ComponentEntry,
-    kind: FieldKind,
-    before: Field[Any] | None,
-    after: Field[Any] | None,
+    values: Sequence[tuple[FieldKind, Field[Any] | None, Field[Any] | None]],
 ) -> ComponentItem:
-    component, key = entry.name, kind.key
-    values: dict[str, Any] = {key: after}
+    component = entry.name
+    held_after: dict[str, Any] = {kind.key: after for kind, _, after in values}
     ratio = None
-    if kind is PROBABILITY and before is not None and after is not None:
-        ratio = ratio_of(before.value, after.value) or math.inf
-        if after.value == 0.0:
-            ratio = 0.0
+    _, before, after = values[0]
+    if named == "probability" and before is not None and after is not None:
+        ratio = ratio_of(before.value, after.value)
+        ratio = math.inf if ratio is None else ratio
 
     def edit(parts: ModelParts) -> None:
         held = parts.components[function]
-        held[component] = replace(held[component], **values)
+        held[component] = replace(held[component], **held_after)
 
-    changed = ChangedField(
-        path=f"{function}.{component}.{key}",
-        function=function,
-        component=component,
-        key=key,
-        before=None if before is None else before.text,
-        after=None if after is None else after.text,
-        location=entry.location if after is None else after.location,
-        is_gone=False,
+    fields = tuple(
+        ChangedField(
+            path=f"{function}.{component}.{kind.key}",
+            function=function,
+            component=component,
+            key=kind.key,
+            before=None if old is None else old.text,
+            after=None if new is None else new.text,
+            location=entry.location if new is None else new.location,
+            is_gone=False,
+        )
+        for kind, old, new in values
     )
-    named: ChangeKind = (
-        "probability" if kind is PROBABILITY else "quantity" if kind is QUANTITY else "redundancy"
-    )
-    return ComponentItem(named, changed, ratio, edit)
+    return ComponentItem(named, fields, ratio, edit)
 
 
 def _put(kind: ChangeKind, function: str, entry: ComponentEntry) -> ComponentItem:
@@ -163,7 +177,7 @@ def _put(kind: ChangeKind, function: str, entry: ComponentEntry) -> ComponentIte
         entry.location,
         is_gone=False,
     )
-    return ComponentItem(kind, changed, None, edit)
+    return ComponentItem(kind, (changed,), None, edit)
 
 
 def _drop(
@@ -182,4 +196,4 @@ def _drop(
         entry.location if omitted is None else omitted.location,
         is_gone=omitted is None,
     )
-    return ComponentItem(kind, changed, None, edit)
+    return ComponentItem(kind, (changed,), None, edit)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from tracerisk.errors import ModelError
+from tracerisk.errors import InputError
 from tracerisk.prm.flow_changes import Edit
 from tracerisk.prm.hybrid import HybridModel
 from tracerisk.prm.mission import solve_mission
@@ -26,6 +26,7 @@ class Contributions:
         """Return what edits of components of these functions do.
 
         They leave the chain as it is, so that only the functions' top events are new.
+        `None` where they alone make no model.
         """
         parts = ModelParts(self._before)
         for edit in edits:
@@ -36,7 +37,7 @@ class Contributions:
                 if name in tops:
                     tops[name] = top_event(parts.state(name))
             alone = solve_mission(self._before.model, tops).failure.p
-        except ModelError:
+        except InputError:
             return None
         return alone - self._mission()
 
@@ -47,7 +48,7 @@ class Contributions:
             edit(parts)
         try:
             alone = _mission_failure(parts.model())
-        except ModelError:
+        except InputError:
             return None
         return alone - self._mission()
 

@@ -96,19 +96,29 @@ def counted_components(block: RiskBlock) -> dict[str, ComponentEntry]:
 
 
 def tolerated_failures(tree: FaultTree) -> dict[str, int]:
-    """Return for each parameter how many of its units may fail before the top event happens.
+    """Return for each component how many of its units may fail before the top event happens.
 
-    Where its events stand under several gates, it is the least.
+    Where its units stand under several gates, it is the least. What hits all units at once, a
+    parameter of its own, is no unit.
     """
     above = {name: gate for gate in tree.gates for name in gate.inputs}
-    found: dict[str, int] = {}
+    least: dict[str, int] = {}
     for event in tree.events:
         tolerated, name = 0, event.name
         while name in above:
             tolerated = max(tolerated, above[name].threshold - 1)
             name = above[name].name
-        found[event.parameter] = min(tolerated, found.get(event.parameter, tolerated))
+        least[event.parameter] = min(tolerated, least.get(event.parameter, tolerated))
+    found: dict[str, int] = {}
+    for parameter, tolerated in least.items():
+        component = component_of(parameter)
+        found[component] = max(tolerated, found.get(component, 0))
     return found
+
+
+def component_of(parameter: str) -> str:
+    """Return the component that a parameter is of: its name less what stands in braces."""
+    return parameter.partition(" {")[0]
 
 
 def single_points(model: HybridModel) -> dict[str, list[str]]:
