@@ -135,7 +135,7 @@ def test_blocks_of_functions_no_longer_relevant_go_and_pinned_ones_stay(computed
     kept = annotate({"pick.py": (pinned, {})}, first.lock)
     assert [b.function for b in read_blocks(kept.sources[0].after, "pick.py")] == ["place"]
     by_hand = source.replace(b"@Function {", b"@Function := {", 1)
-    with pytest.raises(BlockError, match="next of `pick` leads to 'place'.* allowed: done, pick"):
+    with pytest.raises(BlockError, match=r"next of `pick` leads to 'place'.* allowed: done, pick"):
         annotate({"pick.py": (by_hand, {})}, first.lock)
     by_hand = by_hand.replace(b"next = place 1", b"next = done 1")
     kept = annotate({"pick.py": (by_hand, {})}, first.lock)

@@ -99,9 +99,7 @@ class Gripper:
             body=again,
         )
         left = max(0.5, end - rospy.get_time())
-        return bool(
-            baxter_dataflow.wait_for(test, timeout=left, raise_on_error=False, body=again)
-        )
+        return bool(baxter_dataflow.wait_for(test, timeout=left, raise_on_error=False, body=again))
 
     # Parameters
 
