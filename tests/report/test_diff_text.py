@@ -141,3 +141,21 @@ def test_one_change_in_several_functions_tells_both_values(difference, review_of
     after = {"a": ("b 1", "power = 1e-5 x2"), "b": ("done 1", "power = 1e-5 x2")}
     text = render_diff(review_of(difference(before, after)))
     assert "power in 2 functions: redundancy true -> false" in text
+
+
+def test_every_kind_of_redundancy_is_told(review_of, annotated_source):
+    def source(redundancy):
+        text = annotated_source(reach=("done 1", "power = 1e-3 of3"))
+        return {"x.py": text.replace("redundancy = true", f"redundancy = {redundancy}").encode()}
+
+    fewer = tracerisk.diff(source("true"), source("required 2"))
+    text = render_diff(review_of(fewer))
+    assert "power in reach: redundancy true -> required 2" in text
+    assert "lost redundancy;" in text
+    assert "Single points" not in text
+    common = tracerisk.diff(source("true"), source("true, common_cause 0.1"))
+    (change,) = common.changes
+    assert change.marks == ()
+    assert change.contribution == pytest.approx(1e-4, rel=1e-3)
+    all_needed = tracerisk.diff(source("required 2"), source("required 3"))
+    assert all_needed.changes[0].marks == ("lost_redundancy", "single_point_of_failure")
