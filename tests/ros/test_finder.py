@@ -224,3 +224,12 @@ def test_modules_of_a_message_package_are_there_when_they_are_read(finder):
     assert trajectory_msgs.msg.JointTrajectory.__name__ == "JointTrajectory"
     with pytest.raises(AttributeError, match="trajectory_msgs has no 'srv'"):
         trajectory_msgs.srv  # noqa: B018
+
+
+def test_modules_of_a_library_are_there_when_they_are_read(finder):
+    import tf2_ros
+
+    assert tf2_ros.buffer.Buffer is tf2_ros.Buffer
+    import rospy
+
+    assert not hasattr(rospy, "node")

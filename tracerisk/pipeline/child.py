@@ -204,6 +204,11 @@ def _run_recorded(
         recorder.note(STARTED)
         if request.launch_notes:
             recorder.note(LAUNCH, notes=request.launch_notes, inputs=launch.sources)
+        os.environ.update(
+            {"ROS_DISTRO": "jazzy", "ROS_VERSION": "2"}
+            if is_ros2
+            else {"ROS_DISTRO": "noetic", "ROS_VERSION": "1"}
+        )
         os.environ.update(launch.environment)
         if entry is not None:
             recorder.note(ENTRY, function=entry.function, named_in=entry.named_in)

@@ -191,14 +191,36 @@ class _MissingRosFinder(MetaPathFinder):
 
 
 class _StandInLoader(SourceFileLoader):
-    """Load a stand-in from its file; a name it lacks is an error that says so."""
+    """Load a stand-in from its file; a name it lacks is an error that says so.
+
+    A module of a package is there when it is read: which import of the real library brings which
+    other with it (`rclpy.node` comes with `rclpy.action`) is not for a stand-in to decide.
+    """
 
     def exec_module(self, module: ModuleType) -> None:
         super().exec_module(module)
         if "__getattr__" not in vars(module):
-            vars(module)["__getattr__"] = _no_attribute(module)
+            missing = _no_attribute(module)
+            parts = _modules_beside(Path(self.path)) if self.is_package(module.__name__) else ()
+
+            def attribute(name: str) -> Any:
+                if name in parts:
+                    return import_module(f"{module.__name__}.{name}")
+                return missing(name)
+
+            vars(module)["__getattr__"] = attribute
         # With a path, `from library.module import nope` is asked of the finder as well.
         vars(module).setdefault("__path__", [])
+
+
+def _modules_beside(file: Path) -> frozenset[str]:
+    """Return the names of the public modules and packages in a package's folder."""
+    return frozenset(
+        each.stem
+        for each in file.parent.iterdir()
+        if not each.name.startswith("_")
+        if each.suffix == ".py" or (each / "__init__.py").is_file()
+    )
 
 
 class _InterfaceLoader(Loader):

@@ -361,3 +361,9 @@ def test_memory_has_a_limit(read):
         "big.launch.py", "x = bytearray(3 * 1024**3)\ndef generate_launch_description(): 1\n"
     )
     assert any("MemoryError" in each for each in reading.problems)
+
+
+def test_the_release_is_told_whatever_the_host_has_sourced(described, monkeypatch):
+    monkeypatch.setenv("ROS_DISTRO", "foxy")
+    reading = described("pick(name=os.environ['ROS_DISTRO'])", before="import os\n")
+    assert [node.name for node in reading.nodes] == ["jazzy"]

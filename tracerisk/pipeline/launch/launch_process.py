@@ -14,6 +14,8 @@ from tracerisk.pipeline.workspace import Workspace
 _LIMIT_S = 12.0
 _LONGEST_REASON = 200
 _NOT_PASSED = ("ROS_", "AMENT_", "COLCON_", "RMW_")
+# Launch files choose by it between what two releases name differently.
+_RELEASE = {"ROS_DISTRO": "jazzy", "ROS_VERSION": "2"}
 
 
 def read_launch(path: Path, workspace: Workspace) -> LaunchReading:
@@ -34,7 +36,7 @@ def read_launch(path: Path, workspace: Workspace) -> LaunchReading:
             timeout=_LIMIT_S,
             check=False,
             cwd=path.parent,
-            env={**environment, "PYTHONHASHSEED": "0"},
+            env={**environment, **_RELEASE, "PYTHONHASHSEED": "0"},
         )
     except subprocess.TimeoutExpired:
         return LaunchReading(problems=(f"does not come to an end within {_LIMIT_S:g} s",))
