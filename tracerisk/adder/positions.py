@@ -16,14 +16,15 @@ def function_sites(source: bytes) -> dict[tuple[QualifiedName, int], Site] | Non
     """Return where the block of each function goes, by qualified name and line of the `def`.
 
     `None` if libcst cannot read the source: it rejects some that CPython accepts
-    (`(x): int`), and a sum of a thousand terms is too deep for it.
+    (`(x): int`), and a string of a thousand parts or a sum of as many is too deep for it.
     """
     try:
         wrapper = MetadataWrapper(cst.parse_module(source), unsafe_skip_copy=True)
         positions = cast(Mapping[cst.CSTNode, CodeRange], wrapper.resolve(PositionProvider))
         collector = _SiteCollector(positions)
         wrapper.module.visit(collector)
-    except (cst.ParserSyntaxError, RecursionError):
+    except (cst.ParserSyntaxError, RecursionError, KeyError):
+        # Within a function its provider of positions hides a RecursionError behind a KeyError.
         return None
     return collector.sites
 
