@@ -12,11 +12,14 @@ from tracerisk.adder.lock import (
     LockError,
     WrittenBlock,
     WrittenComponent,
+    as_written,
     loads,
     lock_key,
     read_lock,
     written_block,
 )
+from tracerisk.adder.merge import MergePolicy, merge
+from tracerisk.adder.read import read_blocks
 from tracerisk.errors import ExitCode
 
 GRIPPER = WrittenComponent(
@@ -248,3 +251,33 @@ def test_controllers_added_at_the_same_place_are_both_there_after_a_conflict(tmp
     found = loads(data, "tracerisk.lock").controllers
     assert sorted(found) == ["src/pick.py", "src/y.py", "src/z.py"]
     assert found["src/pick.py"] == base.controllers["src/pick.py"]
+
+
+def test_a_component_of_which_a_persons_value_alone_is_left_was_not_computed() -> None:
+    (placed,) = read_blocks(
+        b"""\
+def place():
+    # | RiskAnnotation
+    # | @Function {
+    # |   name = place
+    # |   callSequence = 1
+    # |   next = done 1
+    # | }
+    # | @Component {
+    # |   name = gripper
+    # |   probability := 2e-07  ! computed none
+    # |   quantity = 1
+    # |   redundancy = false
+    # | }
+    pass
+""",
+        "c.py",
+    )
+    written = written_block(placed.block)
+    assert written is not None
+    assert dict(written.components["gripper"].values) == {"quantity": "1", "redundancy": "false"}
+    computed = as_written("place", written)
+    assert computed.components == ()
+    merged = merge(written, placed.block, computed, policy=MergePolicy())
+    assert merged.edits == ()
+    assert merged.block == placed.block

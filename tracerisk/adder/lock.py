@@ -21,6 +21,7 @@ from tracerisk.adder.values import (
     COMPONENT_KINDS,
     NEXT,
     NOTHING_COMPUTED,
+    PROBABILITY,
     FieldKind,
     component_fields,
 )
@@ -98,7 +99,10 @@ def as_written(name: str, written: WrittenBlock) -> RiskBlock:
         call_sequence=values[CALL_SEQUENCE.key] or Field(1, "1"),
         next=values[NEXT.key],
         components=tuple(
-            _component_as_written(each, component) for each, component in written.components.items()
+            _component_as_written(each, component)
+            for each, component in written.components.items()
+            # Where a person's value alone is left of a component, nothing was computed.
+            if component.omitted or PROBABILITY.key in component.values
         ),
     )
 
