@@ -28,6 +28,7 @@ ROS1 = [
     "xarm_msgs",
 ]
 ROS2 = [
+    "dsr_msgs2",
     "gazebo_msgs",
     "gazebo_ros_link_attacher",
     "interbotix_perception_msgs",
