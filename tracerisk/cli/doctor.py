@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
+import os
 import platform
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib import metadata
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from tracerisk import __version__
 from tracerisk.cli import options as shared
@@ -44,14 +44,20 @@ def run(options: argparse.Namespace) -> int:
     _look(found, faults, "packages", _packages)
     _look(found, faults, "physics", _physics)
     _look(found, faults, "robots", _robots)
+    settings: dict[str, dict[str, Any]] = {}
     if options.controller is not None:
         found.update(_of_controller(options.controller, options.robot))
+        settings = _settings(options.controller, options.robot)
     code = ExitCode.INTERNAL_FAULT if faults else ExitCode.FINE
     if options.json:
-        print_json("doctor", exit_code=int(code), found=found, faults=faults)
+        print_json("doctor", exit_code=int(code), found=found, settings=settings, faults=faults)
         return int(code)
     for name, text in found.items():
         print(f"{name}: {text}")
+    if settings:
+        print("settings:")
+    for name, setting in settings.items():
+        print(f"  {name} = {_shown(setting['value'])}  ({_source(setting)})")
     for name, text in faults.items():
         print(f"{name}: FAILS: {text}")
     return int(code)
@@ -90,6 +96,43 @@ def _robots() -> str:
     return ", ".join(robot_names())
 
 
+def _settings(path: str, robot_name: str | None) -> dict[str, dict[str, Any]]:
+    """Return each setting of a controller: its value, where it comes from, and the place there."""
+    from tracerisk import pipeline
+    from tracerisk.config import setting_origins
+
+    controller = pipeline.load_controller(path)
+    settings = pipeline.load_settings(controller, {"robot": robot_name})
+    found = {}
+    for name, origin in setting_origins(controller.root, controller.file).items():
+        place = origin.location
+        source = "default" if place is None else "controller" if origin.is_own else "all"
+        if name == "robot" and robot_name is not None:
+            source, place = "command line", None
+        found[name] = {
+            "value": getattr(settings, name),
+            "from": source,
+            "file": None if place is None else os.path.relpath(place.file),
+            "line": None if place is None else place.line,
+        }
+    return found
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, tuple):
+        return ", ".join(value) if value else "none"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return "none" if value is None else str(value)
+
+
+def _source(setting: Mapping[str, Any]) -> str:
+    if setting["file"] is None:
+        return str(setting["from"])
+    table = "the controller's own table" if setting["from"] == "controller" else "all controllers"
+    return f"{setting['file']}:{setting['line']}, {table}"
+
+
 def _of_controller(path: str, robot_name: str | None) -> dict[str, str]:
     from tracerisk import pipeline
     from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
@@ -100,10 +143,6 @@ def _of_controller(path: str, robot_name: str | None) -> dict[str, str]:
     found = {
         "controller": controller.file,
         "root": str(controller.root),
-        "settings": ", ".join(
-            f"{field.name}={getattr(settings, field.name)!r}"
-            for field in dataclasses.fields(settings)
-        ),
     }
     launch = LaunchChoice()
     try:
