@@ -148,6 +148,20 @@ def test_commands_that_nobody_receives_are_named(example):
     assert f"{told}, and it commanded no hardware" in outcome.err
 
 
+def test_what_went_wrong_is_told_before_what_was_assumed(example):
+    example.write(
+        "controller.py",
+        "import moveit_commander\n"
+        "arm = moveit_commander.MoveGroupCommander('arm')\n"
+        "arm.set_position_target([9.0, 0.0, 0.0])\n"
+        "arm.go()\n",
+    )
+    outcome = example.run("run", "controller.py", "--robot", "panda")
+    assert "tracerisk: controller.py:4:1: the controller ended, and it commanded" in outcome.err
+    assert "; planning for group 'arm' failed: " in outcome.err
+    assert " (and 1 more, which `tracerisk trace` tells)" in outcome.err
+
+
 def test_a_loop_that_asks_for_keys_that_never_come_ends(example, quick):
     source = quick('while sys.stdin.readline() != "q": pass')
     example.write("controller.py", source)

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from tracerisk.pipeline import Controller
     from tracerisk.trace import Trace
 
+_NO_FAILURE = frozenset({"assumed_name", "unused"})
+
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
@@ -135,7 +137,8 @@ def _nothing_commanded(trace: Trace, controller: Controller) -> ControllerFailed
         hint = "does it need arguments (after --) or answers (--answer)?"
         start = Location(str(controller.path), 1)
         return ControllerFailedError(f"{message}; {hint}", start, trace.end.scenario)
-    first = trace.findings[0]
+    # What went wrong says more than what was assumed before it.
+    first = min(trace.findings, key=lambda each: each.kind in _NO_FAILURE)
     more = len(trace.findings) - 1
     also = f" (and {more} more, which `tracerisk trace` tells)" if more else ""
     found = first.location

@@ -274,8 +274,12 @@ class _AssumedGroups(Mapping[str, Group]):
         grippers = [gripper.group for gripper in self._robot.grippers]
         if grippers and _HAND.search(name) and "arm" not in name.lower():
             return grippers[0]
-        arms = [group for group in self._robot.groups if group not in grippers]
-        return max(arms, key=lambda each: len(self._robot.groups[each].joints))
+        fingers = {joint for gripper in self._robot.grippers for joint in gripper.joints}
+        groups = self._robot.groups
+        arms = [name for name in groups if name not in grippers]
+        # An arm with its hand has no tip to which a pose could be asked for.
+        plain = [name for name in arms if fingers.isdisjoint(groups[name].joints)]
+        return max(plain or arms, key=lambda each: len(groups[each].joints))
 
     def __contains__(self, name: object) -> bool:
         return isinstance(name, str) and bool(name)

@@ -1,0 +1,14 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+from tracerisk.twin.generic import with_assumed_names
+from tracerisk.twin.robot import load_robot
+
+
+def test_an_arm_that_is_not_known_is_the_one_without_its_hand():
+    told: list[str] = []
+    panda = with_assumed_names(replace(load_robot("panda"), assumes_names=True), told.append)
+    assert panda.groups["arm"] == panda.groups["panda_arm"]
+    assert panda.groups["gripper"] == panda.groups["hand"]
+    assert len(told) == 2
