@@ -1,0 +1,78 @@
+"""What docs/blocks.md shows is what happens."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from ruamel.yaml import YAML
+
+from tracerisk.adder.insert import insert_blocks
+from tracerisk.adder.merge import MergePolicy, merge_block
+from tracerisk.adder.read import read_blocks
+from tracerisk.adder.values import CALL_SEQUENCE, COMPONENT_KINDS, NEXT
+
+ROOT = Path(__file__).parent.parent
+TEXT = (ROOT / "docs" / "blocks.md").read_text(encoding="utf-8")
+
+HARDWARE = """\
+components:
+  motor: {probability: {value: 9.5e-08, per: visit}, quantity: 7, twin: {joints: "*"}}
+"""
+LOG = "Function:home()\nActiveComponents:motor\n\nCallSequence:home()\n"
+
+
+def fenced(language: str) -> str:
+    (text,) = re.findall(rf"^```{language}\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL)
+    return text
+
+
+def test_the_block_shown_is_read_and_would_be_written_as_it_is():
+    source = fenced("python").encode()
+    (placed,) = read_blocks(source, "blocks.md")
+    assert placed.function == "place"
+    assert insert_blocks(source, {"place": placed.block}, "blocks.md") == source
+    gripper, hose, wrist = placed.block.components[1:]
+    assert gripper.probability.computed == "7.344e-08"
+    assert gripper.probability.reason.endswith("which also holds for the second batch")
+    assert (hose.added, wrist.omitted) == (True, True)
+    kept = merge_block(None, placed.block, None, policy=MergePolicy("discard"))
+    assert kept is not None
+    assert kept.components[1].probability.text == "2e-07"
+
+
+def test_every_line_of_a_block_is_explained():
+    keys = {"name", CALL_SEQUENCE.key, NEXT.key, *(kind.key for kind in COMPONENT_KINDS)}
+    assert set(re.findall(r"^\| `(\w+)` \| ", TEXT, re.MULTILINE)) == keys
+
+
+def test_the_commands_shown_pass_on_a_fresh_controller(example):
+    example.write("cell.py", "def home():\n    pass\n")
+    example.write("arm.yaml", HARDWARE)
+    example.write("run.log", LOG)
+    options = ("--log", "run.log", "--hardware", "arm.yaml")
+    assert example.run("annotate", "cell.py", *options).code == 0
+    commands = [shlex.split(line) for line in fenced("sh").splitlines()]
+    assert len(commands) == 3
+    for program, *arguments in commands:
+        assert program == "tracerisk"
+        outcome = example.run(*arguments)
+        assert outcome.code == 0, outcome.err
+
+
+def test_the_hooks_shown_are_those_there_are(tmp_path):
+    config = YAML(typ="safe").load(fenced("yaml"))
+    hooks = YAML(typ="safe").load((ROOT / ".pre-commit-hooks.yaml").read_bytes())
+    (shown,) = config["repos"]
+    assert {hook["id"] for hook in shown["hooks"]} == {hook["id"] for hook in hooks}
+    program = Path(sys.executable).parent / "pre-commit"
+    if not program.exists():
+        pytest.skip("pre-commit is not installed")
+    path = tmp_path / ".pre-commit-config.yaml"
+    path.write_text(fenced("yaml"))
+    done = subprocess.run([program, "validate-config", path], capture_output=True, check=False)
+    assert done.returncode == 0, done.stdout
