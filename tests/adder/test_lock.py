@@ -253,7 +253,16 @@ def test_controllers_added_at_the_same_place_are_both_there_after_a_conflict(tmp
     assert found["src/pick.py"] == base.controllers["src/pick.py"]
 
 
-def test_a_component_of_which_a_persons_value_alone_is_left_was_not_computed() -> None:
+@pytest.mark.parametrize(
+    ("line", "pinned", "left"),
+    [
+        ("probability = 1e-07", "probability := 2e-07", {"quantity": "1", "redundancy": "false"}),
+        ("quantity = 1", "quantity := 3", {"probability": "1e-07", "redundancy": "false"}),
+    ],
+)
+def test_where_a_persons_value_outlives_its_component_nothing_was_computed(
+    line: str, pinned: str, left: dict[str, str]
+) -> None:
     (placed,) = read_blocks(
         b"""\
 def place():
@@ -265,17 +274,17 @@ def place():
     # | }
     # | @Component {
     # |   name = gripper
-    # |   probability := 2e-07  ! computed none
+    # |   probability = 1e-07
     # |   quantity = 1
     # |   redundancy = false
     # | }
     pass
-""",
+""".replace(line.encode(), f"{pinned}  ! computed none".encode()),
         "c.py",
     )
     written = written_block(placed.block)
     assert written is not None
-    assert dict(written.components["gripper"].values) == {"quantity": "1", "redundancy": "false"}
+    assert dict(written.components["gripper"].values) == left
     computed = as_written("place", written)
     assert computed.components == ()
     merged = merge(written, placed.block, computed, policy=MergePolicy())

@@ -21,7 +21,6 @@ from tracerisk.adder.values import (
     COMPONENT_KINDS,
     NEXT,
     NOTHING_COMPUTED,
-    PROBABILITY,
     FieldKind,
     component_fields,
 )
@@ -101,8 +100,8 @@ def as_written(name: str, written: WrittenBlock) -> RiskBlock:
         components=tuple(
             _component_as_written(each, component)
             for each, component in written.components.items()
-            # Where a person's value alone is left of a component, nothing was computed.
-            if component.omitted or PROBABILITY.key in component.values
+            # Where a person's value outlives its component, nothing was computed there.
+            if component.omitted or _COMPONENT_KEYS.keys() <= component.values.keys()
         ),
     )
 
