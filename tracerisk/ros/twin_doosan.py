@@ -13,6 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.arm_motion import ArmMotion
+from tracerisk.ros.command_streams import CommandStreams
 from tracerisk.ros.doosan_motion import DoosanMotion, pose_of
 from tracerisk.ros.doosan_reports import DoosanReports
 from tracerisk.ros.graph import Change, Publication
@@ -64,6 +65,7 @@ class DoosanController:
         self._arm = ArmMotion(commands)
         self._motion = DoosanMotion(self._arm)
         self._live: Motion | None = None
+        self._set_points = CommandStreams(commands)
         self._heard: set[str] = set()
         self._reports = DoosanReports(self._motion, messages, commands, lambda: self._is_busy)
         for package in PACKAGES:
@@ -305,7 +307,7 @@ class DoosanController:
             if trajectory is None:
                 self._arm.stop()
             else:
-                self._live = self._arm.start("doosan_stream", trajectory, stack)
+                self._set_points.follow(name, "doosan_stream", trajectory, is_set_point=True)
 
         self._graph.subscribe(name, type_name, deliver, node=_NODE, by_controller=False)
 

@@ -9,6 +9,7 @@ from tracerisk.ros.action_graph import ActionGoal
 from tracerisk.ros.niryo_actions import ROBOT_MOVE, TOOL
 from tracerisk.ros.twin_baxter import BaxterDriver
 from tracerisk.ros.twin_commands import TwinCommands
+from tracerisk.ros.twin_dobot import DobotDriver
 from tracerisk.ros.twin_doosan import DoosanController
 from tracerisk.ros.twin_franka import RECOVERIES, FrankaSettings
 from tracerisk.ros.twin_gazebo import GazeboServices
@@ -41,6 +42,7 @@ def serve_vendors(
     BaxterDriver(runtime, messages, commands, set_points)
     franka = FrankaSettings(runtime, messages, commands)
     kortex = KortexDriver(runtime, messages, commands)
+    DobotDriver(runtime, messages, commands)
     DoosanController(runtime, messages, commands)
     niryo = NiryoRobot(runtime, messages, commands).actions
     return {

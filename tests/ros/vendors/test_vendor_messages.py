@@ -28,6 +28,7 @@ ROS1 = [
     "xarm_msgs",
 ]
 ROS2 = [
+    "dobot_msgs_v4",
     "dsr_msgs2",
     "gazebo_msgs",
     "gazebo_ros_link_attacher",
