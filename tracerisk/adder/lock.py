@@ -9,8 +9,10 @@ written by the tool.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal
 
@@ -228,7 +230,13 @@ def read_lock(path: Path) -> Lock:
         data = path.read_bytes()
     except FileNotFoundError:
         return Lock()
-    return loads(data, str(path))
+    return _loads_once(data, str(path))
+
+
+# A refresh of many controllers reads their lock several times for each.
+@lru_cache(maxsize=4)
+def _loads_once(data: bytes, file: str) -> Lock:
+    return loads(data, file)
 
 
 def loads(data: bytes, file: str) -> Lock:
@@ -257,6 +265,8 @@ def loads(data: bytes, file: str) -> Lock:
 
 def _conflict_sides(data: bytes) -> tuple[int, bytes, bytes] | None:
     """Return the first conflict's line and the file as each side has it; `None` without one."""
+    if _ANY_MARK.search(data) is None:
+        return None
     sides: tuple[list[bytes], list[bytes]] = ([], [])
     within: Literal["both", "ours", "base", "theirs"] = "both"
     first = None
@@ -273,6 +283,7 @@ def _conflict_sides(data: bytes) -> tuple[int, bytes, bytes] | None:
     return None if first is None else (first, b"".join(sides[0]), b"".join(sides[1]))
 
 
+_ANY_MARK = re.compile(rb"(?:^|[\r\n])(?:<{7}|>{7}|={7}|\|{7})")
 _AFTER_MARK: Mapping[str, Literal["both", "ours", "base", "theirs"]] = {
     "<": "ours",
     "|": "base",
