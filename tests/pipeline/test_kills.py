@@ -136,6 +136,14 @@ def test_two_refreshes_at_once_leave_what_one_would(project) -> None:
         assert main(["check", "--quiet"]) == 0
 
 
+def test_a_check_beside_a_refresh_takes_nothing_for_an_edit(project) -> None:
+    for figure in ("1e-09", "2e-09", "3e-09"):
+        set_figure(figure)
+        pid = start_refresh()
+        while os.waitpid(pid, os.WNOHANG) == (0, 0):
+            assert edited() == []
+
+
 def test_a_refresh_waits_for_one_that_writes(project) -> None:
     from tracerisk.pipeline.one_writer import one_writer
 

@@ -32,6 +32,7 @@ from tracerisk.errors import ExitCode, InputError, Location, TraceRiskError
 from tracerisk.pipeline.controller import Controller, load_controller
 from tracerisk.pipeline.freshness import RunInputs, stale_reasons, values_reasons
 from tracerisk.pipeline.known_functions import check_steps
+from tracerisk.pipeline.one_writer import one_writer
 from tracerisk.trace import QualifiedName
 
 _OF_ALL = ("pyproject.toml", LOCK_NAME)  # what every controller of a root depends on
@@ -43,6 +44,9 @@ FindingKind = Literal[
 """Why blocks are not to be trusted: what they depend on has changed; a person changed a value
 that is the tool's; a block is gone; its function is gone or renamed; the mission's failure
 probability is above `max_risk`; a value is set by hand without a reason; the lock knows nothing."""
+
+
+_OF_LOCK_AND_SOURCE = frozenset({"edited", "missing", "orphaned"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,6 +144,15 @@ def check_controller(path: Path | str) -> Checked:
 
     Raises BlockError, SourceError or InputError where a block, a source or the lock is malformed.
     """
+    found = _check_once(path)
+    if all(finding.kind not in _OF_LOCK_AND_SOURCE for finding in found.findings):
+        return found
+    # Another run may have written between our looks at lock and source; it may not now.
+    with one_writer(controller_root(found.path)):
+        return _check_once(path)
+
+
+def _check_once(path: Path | str) -> Checked:
     controller = load_controller(path)
     lock = _lock_of(controller.root)
     entry = lock.controllers.get(lock_key(controller.path, controller.root))
