@@ -136,12 +136,23 @@ def test_two_refreshes_at_once_leave_what_one_would(project) -> None:
         assert main(["check", "--quiet"]) == 0
 
 
-def test_a_check_beside_a_refresh_takes_nothing_for_an_edit(project) -> None:
-    for figure in ("1e-09", "2e-09", "3e-09"):
-        set_figure(figure)
-        pid = start_refresh()
-        while os.waitpid(pid, os.WNOHANG) == (0, 0):
-            assert edited() == []
+def test_a_check_between_the_writes_of_a_refresh_waits_and_takes_nothing_for_an_edit(
+    project,
+) -> None:
+    from tracerisk.pipeline.one_writer import one_writer
+
+    old = sources()["c00.py"]
+    set_figure("1e-09")
+    assert main(["refresh", "--quiet"]) == 0
+    new = sources()["c00.py"]
+    with one_writer(Path()):
+        # The lock is written by now, and the source is not.
+        Path("c00.py").write_text(old)
+        check = subprocess.Popen([sys.executable, "-m", "tracerisk", "check", "c00.py", "--quiet"])
+        with pytest.raises(subprocess.TimeoutExpired):
+            check.wait(timeout=3)
+        Path("c00.py").write_text(new)
+    assert check.wait(timeout=60) == 0
 
 
 def test_a_refresh_waits_for_one_that_writes(project) -> None:
