@@ -197,7 +197,11 @@ counts = st.integers(1, 10**9).map(computed_count)
 flags = st.booleans().map(computed_flag) | st.sampled_from(
     [
         Field(read_redundancy(text), text)
-        for text in ("required 2", "true, common_cause 0.1", "required 3, common_cause .05")
+        for text in (
+            "required 2",
+            "true, common_cause 0.1",
+            "required 3, spare warm 1e-1, switch .001, common_cause .05",
+        )
     ]
 )
 

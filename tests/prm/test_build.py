@@ -12,6 +12,8 @@ from tracerisk.errors import BlockError, Location, ModelError
 from tracerisk.prm import GateKind, NextStep, build_model, solve
 from tracerisk.prm.build import MAX_QUANTITY
 
+R = -math.log1p(-0.2)  # the rate of a unit that fails with 0.2 in a visit
+
 
 def at(block, line):
     """Return the block with its place in `arm.py`, its `next` one line below."""
@@ -293,3 +295,27 @@ def test_a_common_cause_of_a_rare_failure_keeps_its_digits(block, component):
 def test_more_units_than_there_are_cannot_be_required(block, component):
     with pytest.raises(BlockError, match="component 'unit': required 4 of 3; allowed: 1 to 3"):
         build_model([block("a", 1, (component("unit", 0.2, 3, "required 4"),))], name="m")
+
+
+@pytest.mark.parametrize(
+    ("redundancy", "expected"),
+    [
+        ("true, spare cold", 1 - math.exp(-R) * (1 + R)),
+        ("true, spare hot", 0.04),
+        ("true, spare cold, switch 1", 0.2),
+        ("required 2, spare cold", 0.36),
+    ],
+)
+def test_spares_are_one_event_of_their_group(block, component, redundancy, expected):
+    model = build_model([block("a", 1, (component("unit", 0.2, 2, redundancy),))], name="m")
+    assert solve(model).states[0].top_event == pytest.approx(expected, rel=1e-12)
+
+
+def test_spares_and_common_causes_stand_side_by_side(block, component):
+    entry = component("unit", 0.2, 2, "true, spare cold, common_cause 0.5")
+    model = build_model([block("a", 1, (entry,))], name="m")
+    own = -math.log1p(-0.1)
+    apart = 1 - math.exp(-own) * (1 + own)
+    assert solve(model).states[0].top_event == pytest.approx(1 - 0.9 * (1 - apart), rel=1e-12)
+    names = [parameter.name for parameter in model.parameters]
+    assert names == ["unit {common cause}", "unit {spares}"]

@@ -24,9 +24,12 @@ DONE = "done"
 Transitions: TypeAlias = tuple[Transition, ...]
 
 _DECIMAL = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_SHARE = r"(?:\d{1,9}(?:\.\d{0,30})?|\.\d{1,30})(?:[eE][+-]?\d{1,3})?"
 _REDUNDANCY = re.compile(
     r"(?:true|false|required (?P<required>\d{1,9}))"
-    r"(?:, common_cause (?P<beta>\d{1,9}(?:\.\d{0,30})?|\.\d{1,30}))?",
+    rf"(?:, spare (?:(?P<spare>cold|hot)|warm (?P<dormancy>{_SHARE})))?"
+    rf"(?:, switch (?P<switch>{_SHARE}))?"
+    rf"(?:, common_cause (?P<beta>{_SHARE}))?",
     re.ASCII,
 )
 _WHOLE = re.compile(r"\d+", re.ASCII)
@@ -60,7 +63,7 @@ def read_count(text: str) -> int:
 
 
 def read_redundancy(text: str) -> Redundancy:
-    """Return the redundancy that `text` states: `true`, `required 2`, `true, common_cause 0.1`.
+    """Return the redundancy that `text` states, such as `required 2, common_cause 0.1`.
 
     Raises:
         ValueError: if it states none.
@@ -68,16 +71,29 @@ def read_redundancy(text: str) -> Redundancy:
     found = _REDUNDANCY.fullmatch(text)
     if found is None or (text.startswith("false") and text != "false"):
         raise ValueError(
-            "true, false, required K (as many must work); with a share of common causes, "
-            "true, common_cause 0.1"
+            "true, false, required K (as many must work); behind true or required K, in this "
+            "order: `, spare cold`, `, spare warm D` or `, spare hot`, `, switch S`, "
+            "`, common_cause B`"
         )
-    beta = Fraction(found["beta"] or "0")
-    if beta > 1:
-        raise ValueError("a common_cause from 0 to 1, the share of failures that hit every unit")
     required = int(found["required"] or 1)
     if required < 1:
         raise ValueError("required K with K from 1 up")
-    return Redundancy(text != "false", required, float(beta))
+    dormancy = {"cold": 0.0, "hot": 1.0}.get(found["spare"], 1.0)
+    shares = {
+        "spare warm D, the rate of a waiting spare by that of a working one": found["dormancy"],
+        "switch S, the probability that a spare fails to take over": found["switch"],
+        "common_cause B, the share of failures that hit every unit": found["beta"],
+    }
+    values = []
+    for what, share in shares.items():
+        value = float(share or 0)
+        if value > 1.0:
+            raise ValueError(f"{what}, from 0 to 1")
+        values.append(value)
+    warm, switch, beta = values
+    if found["dormancy"] is not None:
+        dormancy = warm
+    return Redundancy(text != "false", required, beta, dormancy, switch)
 
 
 def read_transition(text: str) -> Transition:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from typing import NoReturn
 
 from tracerisk.adder.block import ComponentEntry, Field, RiskBlock, Transition
 from tracerisk.errors import BlockError, Location, ModelError, one_of
+from tracerisk.prm.component_tree import component_figures, component_part
 from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind
 from tracerisk.prm.hybrid import (
     DONE,
@@ -76,7 +76,7 @@ def function_state(
             name: value
             for entry in components
             if not entry.omitted
-            for name, value in _probabilities_of(entry)
+            for name, value in component_figures(entry)
         },
         next=steps,
     )
@@ -85,61 +85,21 @@ def function_state(
 def component_tree(function: str, components: Sequence[ComponentEntry]) -> FaultTree:
     """Return the fault tree of one function: top OR over its components, omitted ones left out.
 
-    Unit i of a component is the event `<component>[i]`, in every function the same unit; what hits
-    all units at once is `<component>[all]`, by the beta-factor model of common causes.
+    In every function a unit of a component is the same event: see `component_part`.
     """
     inputs = []
-    gates = []
-    events = []
+    gates: list[Gate] = []
+    events: list[BasicEvent] = []
     for entry in components:
         if entry.omitted:
             continue
         inputs.append(entry.name)
-        quantity = entry.quantity.value
-        if quantity == 1:
-            events.append(BasicEvent(entry.name, entry.name))
-            continue
-        units = [f"{entry.name}[{number}]" for number in range(1, quantity + 1)]
-        redundancy = entry.redundancy.value
-        own, common = _parameters_of(entry)
-        least = quantity - redundancy.required + 1
-        if not redundancy or least == 1:
-            gate = Gate(entry.name, GateKind.OR, tuple(units))
-        elif least == quantity:
-            gate = Gate(entry.name, GateKind.AND, tuple(units))
-        else:
-            gate = Gate(entry.name, GateKind.ATLEAST, tuple(units), least)
-        events.extend(BasicEvent(unit, own) for unit in units)
-        if common is not None:
-            event = f"{entry.name}[all]"
-            apart = replace(gate, name=f"{entry.name} apart")
-            gates.append(Gate(entry.name, GateKind.OR, (apart.name, event)))
-            gate = apart
-            events.append(BasicEvent(event, common))
-        gates.append(gate)
+        own_gates, own_events = component_part(entry)
+        gates.extend(own_gates)
+        events.extend(own_events)
     # A blank keeps the top's name apart from that of any component.
     top = Gate(f"{function} fails", GateKind.OR, tuple(inputs))
     return FaultTree(top.name, (top, *gates), tuple(events))
-
-
-def _parameters_of(entry: ComponentEntry) -> tuple[str, str | None]:
-    """Return the names of a unit's own figure and of the common one; `None` for none.
-
-    No component can have such a name.
-    """
-    redundancy = entry.redundancy.value
-    if not redundancy or not redundancy.common_cause or entry.quantity.value == 1:
-        return entry.name, None
-    return f"{entry.name} {{own}}", f"{entry.name} {{common cause}}"
-
-
-def _probabilities_of(entry: ComponentEntry) -> tuple[tuple[str, float], ...]:
-    value = entry.probability.value
-    own, common = _parameters_of(entry)
-    if common is None:
-        return ((own, value),)
-    share = entry.redundancy.value.common_cause
-    return ((own, (1.0 - share) * value), (common, share * value))
 
 
 def _parameters(states: Sequence[FunctionState]) -> tuple[Parameter, ...]:
