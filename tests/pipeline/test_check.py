@@ -271,3 +271,13 @@ def test_no_simulator_is_imported(project):
         check=True,
     )
     assert done.stdout == "[]\n"
+
+
+def test_a_folder_stands_for_all_that_its_lock_knows(project):
+    assert check(project, ".")[:2] == (0, [])
+    change(project, "helper.py", "0.2", "0.3")
+    assert check(project, ".")[1] == [("stale", "c.py", 1)]
+    (project.folder / "empty").mkdir()
+    outcome = project.run("check", "empty")
+    assert outcome.code == 2
+    assert "empty: no tracerisk.lock in this folder knows a controller" in outcome.err

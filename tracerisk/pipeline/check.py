@@ -78,7 +78,7 @@ def controllers_of(files: Sequence[Path | str]) -> tuple[Path, ...]:
     """Return the controllers whose blocks or traces depend on any of the files, sorted.
 
     That are the files themselves where the lock knows them or they have blocks, and the
-    controllers that import them; all of the lock for the settings and the lock itself. A file
+    controllers that import them; all of the lock for the settings, the lock itself or its folder. A file
     that has to do with no controller adds none.
     Raises InputError for a file that is not there, or a lock that cannot be read.
     """
@@ -86,6 +86,13 @@ def controllers_of(files: Sequence[Path | str]) -> tuple[Path, ...]:
     users_of: dict[Path, Mapping[str, Sequence[str]]] = {}
     for each in files:
         path = Path(each)
+        if path.is_dir():
+            inside = controllers_in(path)
+            if not inside:
+                message = f"no {LOCK_NAME} in this folder knows a controller; name a controller"
+                raise InputError(message, Location(str(path)))
+            found.update({controller.resolve(): controller for controller in inside})
+            continue
         if not path.is_file():
             raise InputError("there is no such file; name a controller", Location(str(path)))
         root = controller_root(path)
