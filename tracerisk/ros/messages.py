@@ -86,6 +86,7 @@ class Interfaces:
         self._classes: dict[str, type[Message]] = {}
         self._services: dict[str, type[Service]] = {}
         self._service_parts: set[str] = set()
+        self._star_names: dict[tuple[str, str], tuple[str, ...]] = {}
 
     @property
     def workspace(self) -> Mapping[str, Path]:
@@ -121,7 +122,9 @@ class Interfaces:
         classes = [self.interface(package, kind, name) for name in self.module_names(package, kind)]
         fields = (field for each in classes for field in getattr(each, "_fields", ()))
         packages = {field.base.split("/")[0] for field in fields if field.message is not None}
-        return tuple(sorted({*packages, "codecs", "genpy", "struct", "sys"}))
+        found = tuple(sorted({*packages, "codecs", "genpy", "struct", "sys"}))
+        self._star_names[package, kind] = found
+        return found
 
     def is_used(self, package: str) -> bool:
         """Tell whether the controller has a package in its workspace or has used a class of it."""
