@@ -78,8 +78,8 @@ def controllers_of(files: Sequence[Path | str]) -> tuple[Path, ...]:
     """Return the controllers whose blocks or traces depend on any of the files, sorted.
 
     That are the files themselves where the lock knows them or they have blocks, and the
-    controllers that import them; all of the lock for the settings, the lock itself or its folder. A file
-    that has to do with no controller adds none.
+    controllers that import them; all of the lock for the settings, the lock itself or its folder.
+    A file that has to do with no controller adds none.
     Raises InputError for a file that is not there, or a lock that cannot be read.
     """
     found: dict[Path, Path] = {}
