@@ -408,3 +408,38 @@ def test_a_bad_block_is_an_error_with_file_and_line(case: str, read_block) -> No
         read_block(text)
     assert message in str(caught.value)
     assert str(caught.value).startswith(f"c.py:{line}: ")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("maybe", "true, false, required K"),
+        ("false, common_cause 0.1", "true, false, required K"),
+        ("required 0", "required K with K from 1 up"),
+        ("true, common_cause 1.5", "the share of failures that hit every unit, from 0 to 1"),
+        ("true, spare warm 2", "the rate of a waiting spare by that of a working one, from 0 to 1"),
+        ("true, switch 3", "the probability that a spare fails to take over, from 0 to 1"),
+        ("true, detected mission_start", "stay hidden for longer are not modelled yet"),
+    ],
+)
+def test_a_redundancy_that_cannot_be_is_told_with_what_can(read_block, text, message):
+    with pytest.raises(BlockError, match=f"redundancy = {text} is not allowed; .*{message}"):
+        read_block(
+            f"""
+            RiskAnnotation
+            @Function {{
+              name = place
+              callSequence = 1
+            }}
+            @Component {{
+              name = power
+              probability = 0.1
+              quantity = 2
+              redundancy = {text}
+            }}
+            """
+        )
+
+
+def test_a_group_that_is_whole_again_at_each_visit_may_be_stated():
+    assert read_redundancy("true, detected each_visit") == read_redundancy("true")

@@ -29,7 +29,8 @@ _REDUNDANCY = re.compile(
     r"(?:true|false|required (?P<required>\d{1,9}))"
     rf"(?:, spare (?:(?P<spare>cold|hot)|warm (?P<dormancy>{_SHARE})))?"
     rf"(?:, switch (?P<switch>{_SHARE}))?"
-    rf"(?:, common_cause (?P<beta>{_SHARE}))?",
+    rf"(?:, common_cause (?P<beta>{_SHARE}))?"
+    r"(?:, detected (?P<detected>\w+))?",
     re.ASCII,
 )
 _WHOLE = re.compile(r"\d+", re.ASCII)
@@ -73,7 +74,12 @@ def read_redundancy(text: str) -> Redundancy:
         raise ValueError(
             "true, false, required K (as many must work); behind true or required K, in this "
             "order: `, spare cold`, `, spare warm D` or `, spare hot`, `, switch S`, "
-            "`, common_cause B`"
+            "`, common_cause B`, `, detected each_visit`"
+        )
+    if found["detected"] not in (None, "each_visit"):
+        raise ValueError(
+            "detected each_visit: a group is taken as whole again at each visit; failures that "
+            "stay hidden for longer are not modelled yet"
         )
     required = int(found["required"] or 1)
     if required < 1:
