@@ -152,12 +152,13 @@ def test_what_went_wrong_is_told_before_what_was_assumed(example):
     example.write(
         "controller.py",
         "import moveit_commander\n"
+        "FIRST = 'panda_joint1'\n"
         "arm = moveit_commander.MoveGroupCommander('arm')\n"
         "arm.set_position_target([9.0, 0.0, 0.0])\n"
         "arm.go()\n",
     )
-    outcome = example.run("run", "controller.py", "--robot", "panda")
-    assert "tracerisk: controller.py:4:1: the controller ended, and it commanded" in outcome.err
+    outcome = example.run("run", "controller.py")
+    assert "tracerisk: controller.py:5:1: the controller ended, and it commanded" in outcome.err
     assert "; planning for group 'arm' failed: " in outcome.err
     assert " (and 1 more, which `tracerisk trace` tells)" in outcome.err
 

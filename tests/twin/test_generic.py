@@ -12,3 +12,11 @@ def test_an_arm_that_is_not_known_is_the_one_without_its_hand():
     assert panda.groups["arm"] == panda.groups["panda_arm"]
     assert panda.groups["gripper"] == panda.groups["hand"]
     assert len(told) == 2
+
+
+def test_a_misspelt_group_is_not_assumed():
+    told: list[str] = []
+    panda = with_assumed_names(replace(load_robot("panda"), assumes_names=True), told.append)
+    assert "panda_arn" not in panda.groups
+    assert "manipulator" in panda.groups
+    assert "panda_arm_group" in panda.groups  # longer than a known one is another one

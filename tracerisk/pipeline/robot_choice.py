@@ -61,12 +61,7 @@ def choose_robot(
     Raises RobotError when the settings name none that is known, or several fit equally well.
     """
     from tracerisk.pipeline.robot_hints import robot_hints
-    from tracerisk.twin.detect import (
-        NoRobotNamedError,
-        SeveralRobotsError,
-        assuming_groups,
-        detect_robot,
-    )
+    from tracerisk.twin.detect import NoRobotNamedError, SeveralRobotsError, detect_robot
     from tracerisk.twin.generic import generic_arm, names_asked
     from tracerisk.twin.robot import load_robot
     from tracerisk.twin.workspace import find_workspace_robot
@@ -81,7 +76,6 @@ def choose_robot(
         return RobotChoice(robot, files=read.files)
     if settings.robot is not None:
         robot = replace(load_robot(settings.robot), chosen_by="as the settings say")
-        robot = assuming_groups(robot, (*string_literals(controller), *string_literals(whole)))
         return RobotChoice(_equipped(robot, whole))
     strings = (*string_literals(controller), *string_literals(whole), *also_named)
     packages = _own_packages(controller.root)

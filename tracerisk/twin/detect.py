@@ -70,7 +70,7 @@ def detect_robot(
     robots = {each.name: each for each in shipped_names()}
     weighed = _Once(hints)
     try:
-        return assuming_groups(_detect(given, robots, weighed, listed), given)
+        return _assuming_groups(_detect(given, robots, weighed, listed), given)
     except NoRobotNamedError:
         prefix = prefix_in(_words(given), robots.values())
         if not prefix:
@@ -81,7 +81,7 @@ def detect_robot(
     return replace(with_prefix(robot, prefix), chosen_by=told)
 
 
-def assuming_groups(robot: Robot, strings: Iterable[str]) -> Robot:
+def _assuming_groups(robot: Robot, strings: Iterable[str]) -> Robot:
     """Return a robot that assumes the groups it lacks where the strings name none that it has.
 
     Whoever wrote such a program has a configuration of MoveIt whose groups have other names.

@@ -12,6 +12,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from types import MappingProxyType
 
 from tracerisk.twin.outline import derived_servo, outlined
@@ -60,6 +61,7 @@ _TORQUES = (150.0, 150.0, 100.0, 30.0, 30.0, 15.0)  # [N m]
 _MASSES = (4.0, 5.0, 3.0, 1.5, 1.0, 0.5)  # [kg]
 _VELOCITY, _ACCELERATION = 2.0, 2.0
 _REST = (0.0, -0.4, 0.6, 0.0, 0.6, 0.0)
+_SLIP = 0.8  # how alike two names of a group are of which one is taken for a misspelling
 _SHARE = 0.12  # of its range, how far an assumed state is from rest at most
 
 
@@ -282,7 +284,14 @@ class _AssumedGroups(Mapping[str, Group]):
         return max(plain or arms, key=lambda each: len(groups[each].joints))
 
     def __contains__(self, name: object) -> bool:
-        return isinstance(name, str) and bool(name)
+        return isinstance(name, str) and bool(name) and not self._is_slip(name)
+
+    def _is_slip(self, name: str) -> bool:
+        """Say whether a name is a known one with a slip of the pen, which must not be assumed."""
+        near = get_close_matches(name, self._robot.groups, n=1, cutoff=_SLIP)
+        if not near or name in self._known:
+            return False
+        return name not in near[0] and near[0] not in name
 
     def __iter__(self) -> Iterator[str]:
         return iter(list(self._known))
