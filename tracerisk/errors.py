@@ -95,6 +95,25 @@ class ModelError(InputError):
     """A risk model is malformed or has no solution."""
 
 
+class TooLargeError(ModelError):
+    """A model outgrew every budget of exact solution; the message says what was tried.
+
+    `lower` and `upper` bound the probability asked for, where bounds could be had.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        location: Location | None = None,
+        *,
+        lower: float | None = None,
+        upper: float | None = None,
+    ) -> None:
+        super().__init__(message, location)
+        self.lower = lower
+        self.upper = upper
+
+
 class EditInTheWayError(TraceRiskError, PermissionError):
     """A person edited a computed value; writing would lose the edit."""
 

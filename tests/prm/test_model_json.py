@@ -171,7 +171,7 @@ TREE = (*STATE, "fault_tree")
         (["states", 1, "next", 0, "target"], "rest", "'done' cannot be reached from rest"),
         ([*TREE, "top"], "tip", r"states\[0\].fault_tree: the top 'tip' is no gate or event"),
         ([*TREE, "gates", 1, "k"], 4, r"fault_tree: gate 'cells': k is 4; allowed: 1 to 3"),
-        ([*TREE, "gates", 1, "type"], "xor", r"gates\[1\].type: is 'xor'; did you mean 'or'"),
+        ([*TREE, "gates", 1, "type"], "xorr", r"gates\[1\].type: is 'xorr'; did you mean 'xor'"),
         ([*TREE, "gates", 1, "inputs", 0], "c9", "gate 'cells': input 'c9' is no gate or event"),
         ([*TREE, "gates", 1, "inputs", 0], 9, r"gates\[1\].inputs\[0\]: expected a string"),
         ([*TREE, "basic_events", 0, "parameter"], "zell", "no probability for zell"),

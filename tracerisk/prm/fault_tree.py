@@ -1,66 +1,72 @@
-"""Fault trees as data, and their exact probability where the events are independent."""
+"""Fault trees as data, and their exact probability.
+
+A tree in which each event and gate is an input once takes the closed form of independent inputs,
+gate by gate; any other goes to `tracerisk.prm.bdd`, which is imported only then.
+"""
 
 from __future__ import annotations
 
-import enum
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.probability import Probability, at_least, deciding
+from tracerisk.prm.gates import Gate, GateKind, check_gate, gate_probability, gate_shares
+from tracerisk.prm.probability import Probability
+
+if TYPE_CHECKING:
+    from tracerisk.prm.bdd import SharedTree
+
+__all__ = ["BasicEvent", "FailureModel", "FaultTree", "Gate", "GateKind", "HouseEvent"]
 
 
-class GateKind(enum.Enum):
-    """How a gate joins its inputs."""
+class FailureModel(Protocol):
+    """What gives a basic event its probability over a mission; see `failure_models`."""
 
-    OR = "or"
-    AND = "and"
-    ATLEAST = "atleast"
+    def probability(self, mission_time_h: float) -> Probability:
+        """Return the probability that the event happens within the mission, [h]."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
 class BasicEvent:
     """The failure of one unit; `parameter` names the figure that it shares with others.
 
-    Instances of a component, and the states of a chain, share one parameter.
+    Instances of a component, and the states of a chain, share one parameter; an event that is
+    given none has a parameter of its own name.
+    `model` says where the figure comes from; one without is given it when the tree is solved.
     """
 
     name: str
-    parameter: str
+    parameter: str = ""
+    model: FailureModel | None = None
+
+    def __post_init__(self) -> None:
+        if not self.parameter:
+            object.__setattr__(self, "parameter", self.name)
 
 
 @dataclass(frozen=True, slots=True)
-class Gate:
-    """A gate over the gates and events named by `inputs`; `k` for ATLEAST only.
-
-    ATLEAST happens when at least `k` of its inputs do.
-    An OR without inputs never happens: a function that leans on no hardware.
-    """
+class HouseEvent:
+    """A condition that is known to hold (`state` true: it happens) or known not to."""
 
     name: str
-    kind: GateKind
-    inputs: tuple[str, ...]
-    k: int | None = None
-
-    @property
-    def threshold(self) -> int:
-        """The least number of inputs that makes the gate happen."""
-        if self.k is not None:
-            return self.k
-        return 1 if self.kind is GateKind.OR else len(self.inputs)
+    state: bool
 
 
 @dataclass(frozen=True, slots=True)
 class FaultTree:
-    """A coherent fault tree: named gates over named basic events, `top` one of them.
+    """A fault tree: named gates over named basic and house events, `top` one of them.
 
     Raises ModelError when a name is used twice, an input is unknown, a gate stands above
-    itself, a gate or event is not below the top, or a gate's `k` or inputs do not fit its kind.
+    itself, a gate or event is not below the top, a gate's `k` or inputs do not fit its kind, or
+    two events of one parameter have different models.
     """
 
     top: str
     gates: tuple[Gate, ...]
     events: tuple[BasicEvent, ...]
+    houses: tuple[HouseEvent, ...] = ()
     _upwards: tuple[Gate, ...] = field(init=False, repr=False, compare=False)
     _shared: Mapping[str, tuple[str, ...]] = field(init=False, repr=False, compare=False)
 
@@ -75,7 +81,14 @@ class FaultTree:
         if self.top not in names:
             raise ModelError(f"the top '{self.top}' is no gate or event; {one_of(names)}")
         for gate in self.gates:
-            _check_gate(gate, names)
+            for name in gate.inputs:
+                if name not in names:
+                    raise ModelError(
+                        f"gate '{gate.name}': input '{name}' is no gate or event; "
+                        f"{one_of(names, name)}"
+                    )
+            check_gate(gate)
+        _check_models(self)
         object.__setattr__(self, "_upwards", _order_upwards(self))
         object.__setattr__(self, "_shared", _find_shared(self))
 
@@ -89,27 +102,57 @@ class FaultTree:
         """The gates and events that feed more than one gate, or one gate twice, with those."""
         return self._shared
 
+    @property
+    def is_coherent(self) -> bool:
+        """Whether more failures can only make the top happen, never prevent it."""
+        return all(gate.kind.is_coherent for gate in self.gates)
+
+    @property
+    def upwards(self) -> tuple[Gate, ...]:
+        """The gates, each after those below it."""
+        return self._upwards
+
+    def values_at(self, mission_time_h: float) -> dict[str, float]:
+        """Return the probability of each parameter whose events have a model, for a mission, [h].
+
+        Raises ModelError, with the event, when a model cannot be evaluated.
+        """
+        values = {}
+        for event in self.events:
+            if event.model is not None and event.parameter not in values:
+                try:
+                    values[event.parameter] = event.model.probability(mission_time_h).p
+                except ModelError as error:
+                    raise ModelError(
+                        f"event '{event.name}': {error.message}", error.location
+                    ) from error
+        return values
+
     def probability(self, values: Mapping[str, float]) -> Probability:
         """Return the top event's probability, exact to rounding.
 
         `values` gives each parameter the probability of one event.
-        Raises ModelError when a parameter has no value or one outside [0, 1], or when an event
-        is shared, for then the closed form of independent inputs does not hold.
+        Raises ModelError when a parameter has no value or one outside [0, 1], TooLargeError when
+        events are shared and the tree's decision diagram outgrows every budget.
         """
+        if self._shared:
+            return self._compiled().probability(self._event_values(values))
         return self._sweep(values)[self.top]
 
     def sensitivities(self, values: Mapping[str, float]) -> dict[str, float]:
         """Return for each event the derivative of the top's probability by the event's.
 
-        Sums and products of probabilities only: no difference is taken, nothing cancels
-        (Birnbaum 1969, "On the importance of different components").
-        Raises ModelError as `probability` does.
+        For coherent trees these are sums and products of probabilities only: no difference is
+        taken, nothing cancels (Birnbaum 1969, "On the importance of different components").
+        Raises as `probability` does.
         """
+        if self._shared:
+            return self._compiled().sensitivities(self._event_values(values))
         nodes = self._sweep(values)
         weights = {self.top: 1.0}
         for gate in reversed(self._upwards):
             inputs = [nodes[name] for name in gate.inputs]
-            shares = deciding(gate.threshold, inputs, inputs)
+            shares = gate_shares(gate, inputs, inputs)
             for name, share in zip(gate.inputs, shares, strict=True):
                 weights[name] = weights[gate.name] * share
         return {event.name: weights[event.name] for event in self.events}
@@ -117,54 +160,64 @@ class FaultTree:
     def drop_without(self, parameter: str, values: Mapping[str, float]) -> float:
         """Return how much the top's probability falls when `parameter` is set to zero.
 
-        The difference is taken inside the tree, gate by gate, as a sum of products of
-        probabilities: it keeps its relative precision beside a top of any size.
-        Raises ModelError as `probability` does.
+        The difference is taken inside the tree as a sum of products of probabilities: it keeps
+        its relative precision beside a top of any size.
+        Raises as `probability` does.
         """
-        high = self._sweep(values)
-        low = self._sweep({**values, parameter: 0.0})
-        drops = {
-            event.name: high[event.name].p if event.parameter == parameter else 0.0
-            for event in self.events
-        }
+        return self.difference(values, {**values, parameter: 0.0})
+
+    def difference(self, high: Mapping[str, float], low: Mapping[str, float]) -> float:
+        """Return the top's probability with the values `high` less that with `low`.
+
+        The difference is taken inside the tree, see `drop_without`.
+        Raises as `probability` does.
+        """
+        if self._shared:
+            return self._compiled().difference(self._event_values(high), self._event_values(low))
+        before, after = self._sweep(high), self._sweep(low)
+        drops = {event.name: before[event.name].p - after[event.name].p for event in self.events}
+        drops |= dict.fromkeys((house.name for house in self.houses), 0.0)
         for gate in self._upwards:
-            shares = deciding(
-                gate.threshold,
-                [high[name] for name in gate.inputs],
-                [low[name] for name in gate.inputs],
+            shares = gate_shares(
+                gate,
+                [before[name] for name in gate.inputs],
+                [after[name] for name in gate.inputs],
             )
             drops[gate.name] = sum(
                 share * drops[name] for name, share in zip(gate.inputs, shares, strict=True)
             )
         return drops[self.top]
 
-    def _sweep(self, values: Mapping[str, float]) -> dict[str, Probability]:
-        """Return the probability of every event and gate."""
-        self._require_independent()
-        nodes = {}
+    def _compiled(self) -> SharedTree:
+        from tracerisk.prm.bdd import compiled
+
+        return compiled(self)
+
+    def _event_values(self, values: Mapping[str, float]) -> dict[str, Probability]:
+        """Return the probability of each basic event."""
+        found = {}
         for event in self.events:
             if event.parameter not in values:
                 raise ModelError(
                     f"event '{event.name}': parameter '{event.parameter}' has no value; "
                     f"{one_of(values)}"
                 )
-            nodes[event.name] = Probability.of(values[event.parameter])
-        for gate in self._upwards:
-            inputs = [nodes[name] for name in gate.inputs]
-            nodes[gate.name] = at_least(gate.threshold, inputs)
-        return nodes
+            found[event.name] = Probability.of(values[event.parameter])
+        return found
 
-    def _require_independent(self) -> None:
-        for name, gates in self.shared.items():
-            raise ModelError(
-                f"'{name}' is shared: it is an input {len(gates)} times, of "
-                f"{', '.join(sorted(set(gates)))}; only trees in which every event and gate is "
-                "an input once can be solved: give each its own event, or restructure the tree"
-            )
+    def _sweep(self, values: Mapping[str, float]) -> dict[str, Probability]:
+        """Return the probability of every event and gate of a tree that shares none."""
+        nodes = self._event_values(values)
+        for house in self.houses:
+            nodes[house.name] = Probability(1.0, 0.0) if house.state else Probability(0.0, 1.0)
+        for gate in self._upwards:
+            nodes[gate.name] = gate_probability(gate, [nodes[name] for name in gate.inputs])
+        return nodes
 
 
 def _names(tree: FaultTree) -> list[str]:
-    return [gate.name for gate in tree.gates] + [event.name for event in tree.events]
+    houses = [house.name for house in tree.houses]
+    return [gate.name for gate in tree.gates] + [event.name for event in tree.events] + houses
 
 
 def _find_shared(tree: FaultTree) -> dict[str, tuple[str, ...]]:
@@ -175,19 +228,15 @@ def _find_shared(tree: FaultTree) -> dict[str, tuple[str, ...]]:
     return {name: tuple(gates) for name, gates in above.items() if len(gates) > 1}
 
 
-def _check_gate(gate: Gate, names: set[str]) -> None:
-    for name in gate.inputs:
-        if name not in names:
+def _check_models(tree: FaultTree) -> None:
+    models: dict[str, BasicEvent] = {}
+    for event in tree.events:
+        first = models.setdefault(event.parameter, event)
+        if first.model != event.model:
             raise ModelError(
-                f"gate '{gate.name}': input '{name}' is no gate or event; {one_of(names, name)}"
+                f"events '{first.name}' and '{event.name}' share the parameter "
+                f"'{event.parameter}' and have different models; give them one, or two parameters"
             )
-    if not gate.inputs and gate.kind is not GateKind.OR:
-        raise ModelError(f"gate '{gate.name}': {gate.kind.value} needs at least one input")
-    if gate.kind is not GateKind.ATLEAST:
-        if gate.k is not None:
-            raise ModelError(f"gate '{gate.name}': k is for atleast only; leave it out")
-    elif gate.k is None or not 1 <= gate.k <= len(gate.inputs):
-        raise ModelError(f"gate '{gate.name}': k is {gate.k}; allowed: 1 to {len(gate.inputs)}")
 
 
 def _order_upwards(tree: FaultTree) -> tuple[Gate, ...]:

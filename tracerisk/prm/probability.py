@@ -44,6 +44,11 @@ def at_least(k: int, inputs: Sequence[Probability]) -> Probability:
     """
     if k <= 0:
         return Probability(1.0, 0.0)
+    if k == 1:
+        p, q = 0.0, 1.0
+        for pair in inputs:
+            p, q = p + q * pair.p, q * pair.q
+        return Probability(p, q)
     dual = len(inputs) - k + 1
     if dual < k:
         # "At least k happen" is the complement of "at least n-k+1 do not": the shorter count.
@@ -55,6 +60,14 @@ def at_least(k: int, inputs: Sequence[Probability]) -> Probability:
             reached += counts[-1] * pair.p
         counts = _convolve(counts, pair, k)
     return Probability(reached, sum(counts))
+
+
+def counted(least: int, most: int, inputs: Sequence[Probability]) -> Probability:
+    """Return the probability that from `least` to `most` of the independent inputs happen."""
+    counts = [1.0]
+    for pair in inputs:
+        counts = _convolve(counts, pair, len(inputs) + 1)
+    return Probability(sum(counts[least : most + 1]), sum(counts[:least]) + sum(counts[most + 1 :]))
 
 
 def deciding(
