@@ -1,0 +1,189 @@
+"""A fault tree as an integer graph: ANDs over signed literals, alike nodes made once.
+
+A literal is a node's number, negative for its complement.
+Node 1 is the constant that always happens; the events follow from 2 on, then the ANDs, each after
+its arguments.
+An OR is the complement of an AND of complements, so that the graph needs one kind of gate; see
+`LogicGraph.normal_form` for the reading as ANDs and ORs over signed events.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from tracerisk.prm.gates import Gate, GateKind
+
+if TYPE_CHECKING:
+    from tracerisk.prm.fault_tree import FaultTree
+
+TRUE = 1
+FALSE = -1
+FIRST_EVENT = 2
+
+
+@dataclass(frozen=True, slots=True)
+class LogicGraph:
+    """A Boolean function of events: `arguments` of each node, empty for all that are no AND.
+
+    `top` is a literal; event number i is node i + 2.
+    An AND's arguments are sorted by node, are at least two, and name each node once.
+    """
+
+    events: tuple[str, ...]
+    arguments: tuple[tuple[int, ...], ...]
+    top: int
+
+    @property
+    def first_gate(self) -> int:
+        """The number of the first node that is an AND."""
+        return FIRST_EVENT + len(self.events)
+
+    def is_event(self, literal: int) -> bool:
+        """Whether a literal is of an event, or of its complement."""
+        return FIRST_EVENT <= abs(literal) < self.first_gate
+
+    def event(self, literal: int) -> str:
+        """Return the name of the event of a literal."""
+        return self.events[abs(literal) - FIRST_EVENT]
+
+    def normal_form(self, literal: int) -> tuple[GateKind, tuple[int, ...]]:
+        """Return the literal of an AND as the gate that it is: AND, or OR of complements."""
+        arguments = self.arguments[abs(literal)]
+        if literal > 0:
+            return GateKind.AND, arguments
+        return GateKind.OR, tuple(-argument for argument in arguments)
+
+    def reachable(self) -> list[int]:
+        """Return the nodes below and including the top, each after its arguments."""
+        wanted = bytearray(len(self.arguments))
+        wanted[abs(self.top)] = 1
+        found = []
+        for node in range(abs(self.top), 0, -1):
+            if wanted[node]:
+                found.append(node)
+                for argument in self.arguments[node]:
+                    wanted[abs(argument)] = 1
+        found.reverse()
+        return found
+
+
+class LogicBuilder:
+    """Makes the nodes of a `LogicGraph`, simplified on the way: no node is ever made twice."""
+
+    def __init__(self, events: Sequence[str]) -> None:
+        self.events = tuple(events)
+        self.arguments: list[tuple[int, ...]] = [()] * (FIRST_EVENT + len(self.events))
+        self._known: dict[tuple[int, ...], int] = {}
+
+    def conjunction(self, literals: Iterable[int]) -> int:
+        """Return the literal that happens when all of `literals` do."""
+        signs: dict[int, int] = {}
+        for literal in literals:
+            if literal == TRUE:
+                continue
+            if literal == FALSE or signs.setdefault(abs(literal), literal) != literal:
+                return FALSE
+        if len(signs) < 2:
+            return next(iter(signs.values()), TRUE)
+        key = tuple(signs[node] for node in sorted(signs))
+        found = self._known.get(key)
+        if found is None:
+            found = self._known[key] = len(self.arguments)
+            self.arguments.append(key)
+        return found
+
+    def disjunction(self, literals: Iterable[int]) -> int:
+        """Return the literal that happens when any of `literals` does."""
+        return -self.conjunction([-literal for literal in literals])
+
+    def choice(self, condition: int, then: int, otherwise: int) -> int:
+        """Return the literal that is `then` when the condition happens, else `otherwise`."""
+        if then == otherwise:
+            return then
+        return self.disjunction(
+            (self.conjunction((condition, then)), self.conjunction((-condition, otherwise)))
+        )
+
+    def at_least(self, k: int, literals: Sequence[int]) -> int:
+        """Return the literal that happens when at least `k` of `literals` do.
+
+        The counts of the inputs from each place on are shared: k (n - k + 1) choices of the size
+        of an input each, not one product for each combination.
+        """
+        count = len(literals)
+        if k <= 0:
+            return TRUE
+        if k > count:
+            return FALSE
+        # Row of place i: at least r of the literals from i on; by r from 0 to k.
+        row = [TRUE] + [FALSE] * k
+        for place in range(count - 1, -1, -1):
+            literal = literals[place]
+            most = min(k, count - place)
+            least = max(1, k - place)
+            row = (
+                row[:least]
+                + [
+                    self.disjunction((self.conjunction((literal, row[r - 1])), row[r]))
+                    for r in range(least, most + 1)
+                ]
+                + row[most + 1 :]
+            )
+        return row[k]
+
+    def between(self, least: int, most: int, literals: Sequence[int]) -> int:
+        """Return the literal that happens when from `least` to `most` of `literals` do."""
+        if least <= 0:
+            return -self.at_least(most + 1, literals)
+        if most >= len(literals):
+            return self.at_least(least, literals)
+        # Row of place i, by how many happened before it: whether the rest may end within bounds.
+        row = [TRUE if least <= seen <= most else FALSE for seen in range(len(literals) + 1)]
+        for place in range(len(literals) - 1, -1, -1):
+            row = [
+                self.choice(literals[place], row[seen + 1], row[seen]) for seen in range(place + 1)
+            ]
+        return row[0]
+
+    def odd(self, literals: Sequence[int]) -> int:
+        """Return the literal that happens when an odd number of `literals` does."""
+        found = FALSE
+        for literal in literals:
+            found = self.choice(literal, -found, found)
+        return found
+
+    def gate(self, gate: Gate, literals: Sequence[int]) -> int:
+        """Return the literal of a fault tree's gate over its inputs' literals."""
+        kind = gate.kind
+        if kind is GateKind.OR:
+            return self.disjunction(literals)
+        if kind in (GateKind.AND, GateKind.INHIBIT, GateKind.TRANSFER):
+            return self.conjunction(literals)
+        if kind is GateKind.ATLEAST:
+            return self.at_least(gate.threshold, literals)
+        if kind is GateKind.CARDINALITY:
+            return self.between(gate.k or 0, gate.most or 0, literals)
+        if kind is GateKind.NOT or kind is GateKind.NAND:
+            return -self.conjunction(literals)
+        if kind is GateKind.NOR:
+            return -self.disjunction(literals)
+        if kind is GateKind.IMPLY:
+            return self.disjunction((-literals[0], literals[1]))
+        odd = self.odd(literals)
+        return odd if kind is GateKind.XOR else -odd
+
+    def graph(self, top: int) -> LogicGraph:
+        """Return what was made, with `top` as its top."""
+        return LogicGraph(self.events, tuple(self.arguments), top)
+
+
+def logic_graph(tree: FaultTree) -> LogicGraph:
+    """Return a fault tree as an integer graph; house events become constants."""
+    builder = LogicBuilder([event.name for event in tree.events])
+    literals = {event.name: number for number, event in enumerate(tree.events, FIRST_EVENT)}
+    literals |= {house.name: TRUE if house.state else FALSE for house in tree.houses}
+    for gate in tree.upwards:
+        literals[gate.name] = builder.gate(gate, [literals[name] for name in gate.inputs])
+    return builder.graph(literals[tree.top])
