@@ -1,20 +1,28 @@
-"""The stages joined: run a controller, annotate it, build its model, solve it."""
+"""The stages joined: run a controller, annotate it, build its model, solve it.
 
-from tracerisk.pipeline.controller import Controller, load_controller
-from tracerisk.pipeline.stages import (
-    Annotated,
-    annotate,
-    at_annotated_lines,
-    build,
-    check_blocks,
-    hand_set,
-    load_hardware,
-    load_robot,
-    load_settings,
-    solve,
-    strip,
-    trace_controller,
-)
+Each name is imported when it is first used, so that who needs one stage waits for no other.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline.controller import Controller as Controller
+    from tracerisk.pipeline.controller import load_controller as load_controller
+    from tracerisk.pipeline.stages import Annotated as Annotated
+    from tracerisk.pipeline.stages import annotate as annotate
+    from tracerisk.pipeline.stages import at_annotated_lines as at_annotated_lines
+    from tracerisk.pipeline.stages import build as build
+    from tracerisk.pipeline.stages import check_blocks as check_blocks
+    from tracerisk.pipeline.stages import hand_set as hand_set
+    from tracerisk.pipeline.stages import load_hardware as load_hardware
+    from tracerisk.pipeline.stages import load_robot as load_robot
+    from tracerisk.pipeline.stages import load_settings as load_settings
+    from tracerisk.pipeline.stages import solve as solve
+    from tracerisk.pipeline.stages import strip as strip
+    from tracerisk.pipeline.stages import trace_controller as trace_controller
 
 __all__ = [
     "Annotated",
@@ -32,3 +40,14 @@ __all__ = [
     "strip",
     "trace_controller",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in __all__:
+        raise AttributeError(f"module 'tracerisk.pipeline' has no attribute '{name}'")
+    home = "controller" if name in ("Controller", "load_controller") else "stages"
+    return getattr(import_module(f"tracerisk.pipeline.{home}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

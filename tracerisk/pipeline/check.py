@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, fields
 from functools import lru_cache
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Literal
 
@@ -195,6 +193,10 @@ def check_controllers(
     count = min(jobs or os.cpu_count() or 1, len(paths) // _WORTH_A_PROCESS)
     if count < 2:
         return tuple(map(_checked, paths))
+    # Not needed for a few files, where a hundredth of a second is felt.
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
     with ProcessPoolExecutor(count, mp_context=get_context("fork")) as pool:
         return tuple(pool.map(_checked, paths, chunksize=_WORTH_A_PROCESS // 2))
 

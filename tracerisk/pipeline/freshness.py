@@ -18,7 +18,6 @@ from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.code_digest import code_digest
 from tracerisk.pipeline.controller import Controller
-from tracerisk.pipeline.robot_choice import robot_files
 from tracerisk.trace import Trace
 
 GONE = "gone"
@@ -95,6 +94,9 @@ def run_inputs(
     `given` are those of the settings that came from the command line.
     Raises InputError for a file that cannot be read.
     """
+    # Not needed to tell whether a trace is fresh, which must be quick.
+    from tracerisk.pipeline.robot_choice import robot_files
+
     root = controller.root.resolve()
     scene = settings.scene if settings.scene is not None and Path(settings.scene).suffix else None
     robot = map(str, robot_files(controller, settings))
