@@ -1,0 +1,5 @@
+"""Markov chains whose absorption, visits and times are computed without a subtraction."""
+
+from tracerisk.prm.markov.chain import ChainSolution, MarkovChain
+
+__all__ = ["ChainSolution", "MarkovChain"]
