@@ -1,0 +1,40 @@
+"""Checks of the figures of failure models, which name the figure, its unit and its range."""
+
+from __future__ import annotations
+
+import math
+
+from tracerisk.errors import ModelError
+
+
+def check_share(name: str, value: float) -> None:
+    """Raise ModelError when a probability or a share is not in [0, 1]."""
+    if not 0.0 <= value <= 1.0:
+        raise ModelError(f"{name} is {value!r}; allowed: 0 to 1")
+
+
+def check_not_negative(name: str, value: float, unit: str) -> None:
+    """Raise ModelError when a figure is negative, infinite or not a number."""
+    if not (value >= 0.0 and math.isfinite(value)):
+        raise ModelError(f"{name} is {value!r}{_in(unit)}; allowed: 0 or more, finite")
+
+
+def check_positive(name: str, value: float, unit: str) -> None:
+    """Raise ModelError when a figure is not above zero, infinite or not a number."""
+    if not (value > 0.0 and math.isfinite(value)):
+        raise ModelError(f"{name} is {value!r}{_in(unit)}; allowed: above 0, finite")
+
+
+def check_count(name: str, value: int) -> None:
+    """Raise ModelError when a figure is not a whole number from 0 on."""
+    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+        raise ModelError(f"{name} is {value!r}; allowed: whole numbers from 0 on")
+
+
+def check_mission_time(mission_time_h: float) -> None:
+    """Raise ModelError when a mission time is negative, infinite or not a number, [h]."""
+    check_not_negative("the mission time", mission_time_h, "h")
+
+
+def _in(unit: str) -> str:
+    return f" {unit}" if unit else ""
