@@ -1,0 +1,339 @@
+"""Event trees as data: what may follow an initiating event, and how each course of it ends.
+
+Forks over functional events branch into paths; a path collects conditions (the top of a fault
+tree happens, or does not), probabilities and settings of house events, and leads to the next
+fork, to the end of a sequence, to a branch that others share, or into another event tree.
+The vocabulary is that of the Open-PSA Model Exchange Format 2.0d, its event tree layer.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeAlias
+
+from tracerisk.errors import ModelError, one_of
+
+if TYPE_CHECKING:
+    from tracerisk.prm.event_tree_building import Alternatives
+    from tracerisk.prm.event_tree_solution import EventTreeSolution
+    from tracerisk.prm.fault_tree import FailureModel, FaultTree
+    from tracerisk.prm.forest import Forest
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """A gate, basic event or house event that happens on a path, or does not."""
+
+    node: str
+    happens: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Weight:
+    """The probability of a path given what stands before it, or the complement of it.
+
+    A failure model gives it for the length of the mission; `ExpressionModel` is one.
+    """
+
+    value: float | FailureModel
+    complement: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class SetHouse:
+    """A state that a house event has in all conditions that the path collects from here on."""
+
+    house: str
+    state: bool
+
+
+@dataclass(frozen=True, slots=True)
+class InState:
+    """A test: the path has taken `state` at the fork of a functional event."""
+
+    functional_event: str
+    state: str
+
+
+@dataclass(frozen=True, slots=True)
+class Initiated:
+    """A test: the course began with this initiating event."""
+
+    initiating_event: str
+
+
+@dataclass(frozen=True, slots=True)
+class When:
+    """Instructions that are followed if a test holds, and others if it does not."""
+
+    test: InState | Initiated
+    then: tuple[Instruction, ...]
+    otherwise: tuple[Instruction, ...] = ()
+
+
+Instruction: TypeAlias = Condition | Weight | SetHouse | When
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """The end of a path: a sequence of the tree."""
+
+    sequence: str
+
+
+@dataclass(frozen=True, slots=True)
+class Resume:
+    """A path that goes on as a named branch of the tree, which others may share."""
+
+    branch: str
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A path that goes on at the start of another event tree."""
+
+    event_tree: str
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """One way out of a fork."""
+
+    state: str
+    target: Target
+    instructions: tuple[Instruction, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Fork:
+    """The alternatives at one functional event."""
+
+    functional_event: str
+    paths: tuple[Path, ...]
+
+
+Target: TypeAlias = Fork | End | Resume | Link
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """What is collected, and where it leads; `name` where others resume it."""
+
+    target: Target
+    instructions: tuple[Instruction, ...] = ()
+    name: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class EventSequence:
+    """A named end of paths; several may have one `end_state`, by default each has its own."""
+
+    name: str
+    end_state: str = ""
+    instructions: tuple[Instruction, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.end_state:
+            object.__setattr__(self, "end_state", self.name)
+
+
+@dataclass(frozen=True, slots=True)
+class InitiatingEvent:
+    """What begins the course: a probability, or a frequency `per` unit of time ("year")."""
+
+    name: str
+    value: float = 1.0
+    per: str = ""
+
+    def __post_init__(self) -> None:
+        greatest = math.inf if self.per else 1.0
+        if not (0.0 <= self.value <= greatest and math.isfinite(self.value)):
+            what = f"frequency per {self.per}" if self.per else "probability"
+            allowed = "finite, 0 or more" if self.per else "0 to 1, or state what it is per"
+            raise ModelError(
+                f"initiating event '{self.name}': {what} {self.value!r}; allowed: {allowed}"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class EventTree:
+    """An event tree; `functional_events` in the order in which paths may fork over them.
+
+    Raises ModelError, naming the element, when a name is used twice or unknown, a fork has no
+    path or two of one state, a path forks twice over one functional event or against their
+    order, or branches resume each other without end.
+    """
+
+    name: str
+    functional_events: tuple[str, ...]
+    start: Branch
+    sequences: tuple[EventSequence, ...]
+    branches: tuple[Branch, ...] = ()
+    initiating: InitiatingEvent | None = None
+    _branches: Mapping[str, Branch] = field(init=False, repr=False, compare=False)
+    _sequences: Mapping[str, EventSequence] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        _check_once(self.name, "functional event", self.functional_events)
+        _check_once(self.name, "sequence", (sequence.name for sequence in self.sequences))
+        _check_once(self.name, "branch", (branch.name for branch in self.branches))
+        object.__setattr__(self, "_branches", {branch.name: branch for branch in self.branches})
+        object.__setattr__(self, "_sequences", {each.name: each for each in self.sequences})
+        for branch in (self.start, *self.branches):
+            for target in _targets(branch):
+                self._check_target(target)
+        self._check_order()
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        functions: Mapping[str, Alternatives],
+        sequences: Mapping[str, Mapping[str, str]],
+        *,
+        end_states: Mapping[str, str] | None = None,
+        initiating: float = 1.0,
+        per: str = "",
+    ) -> EventTree:
+        """Build an event tree from a table of its sequences.
+
+        `functions` gives each functional event, in order, what fails it: a gate or event by its
+        name, or a probability; its states are then `success` and `failure`; or a mapping of
+        several states to their probabilities.
+        `sequences` gives each sequence the state at each functional event that its path forks
+        over; `end_states` names the outcomes of those that share one.
+        Raises ModelError when a path is missing, or stands twice.
+        """
+        from tracerisk.prm.event_tree_building import built_start
+
+        ends = end_states or {}
+        for sequence in ends:
+            if sequence not in sequences:
+                raise ModelError(
+                    f"event tree '{name}': end state of '{sequence}', which is no sequence; "
+                    f"{one_of(sequences, sequence)}"
+                )
+        return cls(
+            name,
+            tuple(functions),
+            built_start(name, functions, sequences),
+            tuple(EventSequence(sequence, ends.get(sequence, "")) for sequence in sequences),
+            initiating=InitiatingEvent(name, initiating, per),
+        )
+
+    def branch(self, name: str) -> Branch:
+        """Return the branch of a name."""
+        return self._branches[name]
+
+    def sequence(self, name: str) -> EventSequence:
+        """Return the sequence of a name."""
+        return self._sequences[name]
+
+    def solve(
+        self,
+        trees: Forest | FaultTree | Iterable[FaultTree] = (),
+        values: Mapping[str, float] | None = None,
+        *,
+        mission_time_h: float | None = None,
+        linked: Iterable[EventTree] = (),
+    ) -> EventTreeSolution:
+        """Return the probability of each sequence and outcome, exact to rounding.
+
+        `trees` are the fault trees whose gates and events the conditions name; what bears one
+        name in several of them is one gate or event.
+        `values` gives parameters their probability, above what their models give for
+        `mission_time_h`, [h]; `linked` are the event trees that paths may lead into.
+        Raises ModelError when a condition or link names what is not there, or a value or the
+        mission time is missing; TooLargeError when a sequence outgrows every budget.
+        """
+        from tracerisk.prm.event_tree_solution import solve_event_tree
+        from tracerisk.prm.forest import Forest
+
+        forest = trees if isinstance(trees, Forest) else Forest.of(trees)
+        known = {} if mission_time_h is None else forest.values_at(mission_time_h)
+        given = {**known, **(values or {})}
+        return solve_event_tree(self, forest, given, mission_time_h, linked)
+
+    def _check_target(self, target: Target) -> None:
+        where = f"event tree '{self.name}'"
+        match target:
+            case End(sequence) if sequence not in self._sequences:
+                raise ModelError(
+                    f"{where}: a path ends in '{sequence}', which is no sequence; "
+                    f"{one_of(self._sequences, sequence)}"
+                )
+            case Resume(branch) if branch not in self._branches:
+                raise ModelError(
+                    f"{where}: a path goes on as '{branch}', which is no branch; "
+                    f"{one_of(self._branches, branch)}"
+                )
+            case Fork(functional_event, paths):
+                if functional_event not in self.functional_events:
+                    raise ModelError(
+                        f"{where}: a fork over '{functional_event}', which is no functional "
+                        f"event; {one_of(self.functional_events, functional_event)}"
+                    )
+                fork = f"{where}: fork over '{functional_event}'"
+                if not paths:
+                    raise ModelError(f"{fork}: a path is missing; give it one for each state")
+                seen: set[str] = set()
+                for path in paths:
+                    if path.state in seen:
+                        raise ModelError(
+                            f"{fork}: two paths of the state '{path.state}'; "
+                            "join them, or rename one state"
+                        )
+                    seen.add(path.state)
+
+    def _check_order(self) -> None:
+        """Check that no path forks twice over an event, against the order, or without end."""
+        rank = {name: index for index, name in enumerate(self.functional_events)}
+        waiting: list[tuple[Target, int, tuple[str, ...]]] = [(self.start.target, -1, ())]
+        waiting += [(branch.target, -1, (branch.name,)) for branch in self.branches]
+        seen: set[tuple[Target, int]] = set()
+        while waiting:
+            target, last, resumed = waiting.pop()
+            match target:
+                case Resume(name):
+                    if name in resumed:
+                        raise ModelError(
+                            f"event tree '{self.name}': the branch '{name}' resumes itself; "
+                            "lead it to the end of a sequence"
+                        )
+                    waiting.append((self._branches[name].target, last, (*resumed, name)))
+                case Fork(name, paths):
+                    if rank[name] <= last:
+                        raise ModelError(
+                            f"event tree '{self.name}': a path forks over '{name}' after "
+                            f"'{self.functional_events[last]}'; each path forks over each "
+                            "functional event once at most, in their order"
+                        )
+                    if (target, last) not in seen:
+                        seen.add((target, last))
+                        waiting.extend((path.target, rank[name], resumed) for path in paths)
+                case _:
+                    pass
+
+
+def _check_once(tree: str, kind: str, names: Iterable[str]) -> None:
+    seen: set[str] = set()
+    for name in names:
+        if not name or not name.isprintable():
+            raise ModelError(
+                f"event tree '{tree}': {kind} {name!r}: a name needs printable characters"
+            )
+        if name in seen:
+            raise ModelError(f"event tree '{tree}': {kind} '{name}' stands twice; rename one")
+        seen.add(name)
+
+
+def _targets(branch: Branch) -> Iterator[Target]:
+    """Yield the targets of a branch and of all forks in it."""
+    waiting: list[Target] = [branch.target]
+    while waiting:
+        target = waiting.pop()
+        yield target
+        if isinstance(target, Fork):
+            waiting.extend(path.target for path in reversed(target.paths))
