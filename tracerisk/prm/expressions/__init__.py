@@ -1,0 +1,66 @@
+"""Expressions: what the figures of a model are computed from.
+
+An expression is a tree of frozen nodes over numbers, the mission time and named parameters.
+It has one point value, in which a deviate stands for its mean, and can be sampled.
+Names and semantics follow the Open-PSA Model Exchange Format 2.0d.
+"""
+
+from tracerisk.prm.expressions.arithmetic import (
+    Call,
+    Difference,
+    Negation,
+    Product,
+    Quotient,
+    Sum,
+)
+from tracerisk.prm.expressions.deviates import (
+    BetaDeviate,
+    Deviate,
+    GammaDeviate,
+    Histogram,
+    LognormalDeviate,
+    NormalDeviate,
+    UniformDeviate,
+)
+from tracerisk.prm.expressions.evaluation import (
+    Definitions,
+    Evaluation,
+    ExpressionModel,
+    evaluate,
+    references,
+)
+from tracerisk.prm.expressions.laws import Exponential, Glm, PeriodicTest, Weibull
+from tracerisk.prm.expressions.node import Expression, MissionTime, Number, Reference
+from tracerisk.prm.expressions.sampling import LatinHypercube, Sampling, sample
+
+__all__ = [
+    "BetaDeviate",
+    "Call",
+    "Definitions",
+    "Deviate",
+    "Difference",
+    "Evaluation",
+    "Exponential",
+    "Expression",
+    "ExpressionModel",
+    "GammaDeviate",
+    "Glm",
+    "Histogram",
+    "LatinHypercube",
+    "LognormalDeviate",
+    "MissionTime",
+    "Negation",
+    "NormalDeviate",
+    "Number",
+    "PeriodicTest",
+    "Product",
+    "Quotient",
+    "Reference",
+    "Sampling",
+    "Sum",
+    "UniformDeviate",
+    "Weibull",
+    "evaluate",
+    "references",
+    "sample",
+]

@@ -1,0 +1,156 @@
+"""The point value of expressions whose names are defined elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.expressions.node import Expression, Reference
+from tracerisk.prm.probability import Probability
+
+Names = Mapping[str, Expression | float]
+"""What each name stands for: a number, or an expression over other names."""
+
+
+def references(expression: Expression) -> tuple[str, ...]:
+    """Return the names in the expression, each once, in their order."""
+    return tuple(
+        dict.fromkeys(node.name for node in nodes(expression) if isinstance(node, Reference))
+    )
+
+
+def nodes(expression: Expression) -> Iterator[Expression]:
+    """Yield the nodes of the expression, each before its arguments, from left to right."""
+    stack = [expression]
+    while stack:
+        node = stack.pop()
+        yield node
+        stack.extend(reversed(node.arguments))
+
+
+def evaluate(expression: Expression, names: Names, mission_time_h: float) -> float:
+    """Return the point value of the expression; a deviate stands for its mean.
+
+    Raises ModelError when a name is unknown or defined by itself, or a node has no value.
+    """
+    return Evaluation(names, mission_time_h).of(expression)
+
+
+class Evaluation:
+    """Evaluates many expressions over the same names, each name once."""
+
+    def __init__(self, names: Names, mission_time_h: float) -> None:
+        if not mission_time_h >= 0.0:
+            raise ModelError(f"the mission time is {mission_time_h!r} h; allowed: 0 or more")
+        self._names = names
+        self._mission_time_h = mission_time_h
+        self._known: dict[str, float] = {}
+
+    def of(self, expression: Expression) -> float:
+        """Return the point value of the expression; raises as `evaluate` does."""
+        return self._values((expression,))[0]
+
+    def probability(self, expression: Expression) -> Probability:
+        """Return the expression's value and its complement as a probability.
+
+        Raises as `evaluate` does, and ModelError for a value outside [0, 1].
+        """
+        followed: Expression | float = expression
+        seen: dict[str, None] = {}
+        while isinstance(followed, Reference):
+            name = followed.name
+            followed = definition_of(name, self._names, seen)
+            seen[name] = None
+        if isinstance(followed, Expression):
+            return followed.probability(self._values(followed.arguments), self._mission_time_h)
+        return Probability.of(followed)
+
+    def _values(self, expressions: Sequence[Expression]) -> list[float]:
+        """Return the point values of the expressions; iterative, for any depth."""
+        results: list[float] = []
+        opened: dict[str, None] = {}
+        stack = [(expression, False) for expression in reversed(expressions)]
+        while stack:
+            node, ready = stack.pop()
+            if isinstance(node, Reference):
+                self._refer(node.name, ready, results, opened, stack)
+                continue
+            arguments = node.arguments
+            if arguments and not ready:
+                stack.append((node, True))
+                stack.extend((argument, False) for argument in reversed(arguments))
+                continue
+            count = len(results) - len(arguments)
+            results[count:] = [node.value(results[count:], self._mission_time_h)]
+        return results
+
+    def _refer(
+        self,
+        name: str,
+        ready: bool,
+        results: list[float],
+        opened: dict[str, None],
+        stack: list[tuple[Expression, bool]],
+    ) -> None:
+        """Push the value of a name, or what must be evaluated before."""
+        if ready:
+            self._known[name] = results[-1]
+            del opened[name]
+        elif name in self._known:
+            results.append(self._known[name])
+        else:
+            definition = definition_of(name, self._names, opened)
+            if isinstance(definition, Expression):
+                opened[name] = None
+                stack += [(Reference(name), True), (definition, False)]
+            else:
+                results.append(float(definition))
+
+
+def definition_of(name: str, names: Names, opened: Mapping[str, None]) -> Expression | float:
+    """Return what a name stands for; `opened` are the names that lead to it.
+
+    Raises ModelError when it is unknown or leads to itself.
+    """
+    if name in opened:
+        path = [*opened, name]
+        cycle = " -> ".join(path[path.index(name) :])
+        raise ModelError(f"parameter '{name}' is defined by itself ({cycle}); break the cycle")
+    if name not in names:
+        raise ModelError(f"there is no parameter '{name}'; {one_of(names, name)}")
+    return names[name]
+
+
+@dataclass(frozen=True, slots=True)
+class Definitions:
+    """Named expressions; one object is shared by all models that refer to them.
+
+    Raises ModelError when a name is defined twice.
+    """
+
+    entries: tuple[tuple[str, Expression], ...] = ()
+    by_name: Mapping[str, Expression] = field(init=False, repr=False, compare=False, hash=False)
+
+    def __post_init__(self) -> None:
+        by_name: dict[str, Expression] = {}
+        for name, expression in self.entries:
+            if name in by_name:
+                raise ModelError(f"parameter '{name}' is defined twice; rename or remove one")
+            by_name[name] = expression
+        object.__setattr__(self, "by_name", by_name)
+
+
+@dataclass(frozen=True, slots=True)
+class ExpressionModel:
+    """The failure model of a basic event whose probability an expression gives."""
+
+    expression: Expression
+    definitions: Definitions = Definitions()
+
+    def probability(self, mission_time_h: float) -> Probability:
+        """Return the probability for a mission, [h].
+
+        Raises ModelError as `evaluate` does, and when the value is outside [0, 1].
+        """
+        return Evaluation(self.definitions.by_name, mission_time_h).probability(self.expression)
