@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -12,6 +11,7 @@ from tracerisk.prm.assessment import (
     ComponentImportance,
     StateAssessment,
 )
+from tracerisk.report.tables import counted, plain, rendered, table_of
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -39,26 +39,13 @@ def render_assessment(
     the caller's lines, shown before those of the assessment.
     `width` is the number of columns, at least 60; `color` adds escape sequences.
     """
-    from rich.console import Console
-
-    stream = io.StringIO()
-    console = Console(
-        file=stream,
-        width=max(width, 60),
-        force_terminal=color,
-        color_system="standard" if color else None,
-        highlight=False,
-        emoji=False,
-        markup=False,
-        legacy_windows=False,
-        safe_box=False,
-        _environ={},
+    return rendered(
+        lambda console: print_assessment(
+            console, assessment, exposures=exposures, findings=findings, assumptions=assumptions
+        ),
+        width=width,
+        color=color,
     )
-    print_assessment(
-        console, assessment, exposures=exposures, findings=findings, assumptions=assumptions
-    )
-    lines = (line.rstrip() for line in stream.getvalue().splitlines())
-    return "\n".join(lines) + "\n"
 
 
 def print_assessment(
@@ -84,7 +71,7 @@ def print_assessment(
 
 
 def _functions(states: Sequence[StateAssessment], exposures: Exposures | None) -> Table:
-    table = _table("Functions")
+    table = table_of("Functions")
     table.add_column("#", justify="right", no_wrap=True)
     table.add_column("function", overflow="fold")
     table.add_column("components", overflow="fold")
@@ -110,16 +97,16 @@ def _functions(states: Sequence[StateAssessment], exposures: Exposures | None) -
                 f"{state.expected_visits:.4g}" if first else "",
                 _probability(state.absorption_probability) if first else "",
             ]
-            table.add_row(*_plain(cells))
+            table.add_row(*plain(cells))
     return table
 
 
 def _mission(assessment: Assessment) -> Table:
     mission = assessment.mission
-    table = _table("Mission failure probability")
+    table = table_of("Mission failure probability")
     cells = {
         "by the chain": mission.failure_probability,
-        f"{_count(mission.expected_cycles, 'cycle')}, fixed": mission.fixed_cycles,
+        f"{counted(mission.expected_cycles, 'cycle')}, fixed": mission.fixed_cycles,
         "visits as they ran": mission.visits_as_run,
     }
     for heading in cells:
@@ -127,7 +114,7 @@ def _mission(assessment: Assessment) -> Table:
     table.add_column("they differ by", justify="right")
     spread = max(cells.values()) - min(cells.values())
     relative = spread / mission.failure_probability if mission.failure_probability > 0.0 else 0.0
-    table.add_row(*_plain([*map(_probability, cells.values()), f"{100.0 * relative:.2g} %"]))
+    table.add_row(*plain([*map(_probability, cells.values()), f"{100.0 * relative:.2g} %"]))
     return table
 
 
@@ -136,13 +123,13 @@ def _components(components: Sequence[ComponentImportance]) -> Table:
     title = "Components that matter most"
     if len(components) > len(shown):
         title += f" ({len(shown)} of {len(components)})"
-    table = _table(title)
+    table = table_of(title)
     table.add_column("component", overflow="fold")
     for heading in ("Fussell-Vesely", "criticality", "RRW", "RAW", "tenfold"):
         table.add_column(heading, justify="right")
     for component in shown:
         table.add_row(
-            *_plain(
+            *plain(
                 [
                     component.name,
                     _share(component.fussell_vesely),
@@ -156,23 +143,6 @@ def _components(components: Sequence[ComponentImportance]) -> Table:
     return table
 
 
-def _table(title: str) -> Table:
-    from rich import box
-    from rich.table import Table
-
-    return Table(
-        title=title,
-        title_justify="left",
-        title_style="bold",
-        box=box.SIMPLE_HEAD,
-        show_edge=False,
-        pad_edge=False,
-        padding=(0, 1),
-        collapse_padding=True,
-        caption=" ",
-    )
-
-
 def _print_lines(console: Console, title: str, lines: Sequence[str]) -> None:
     from rich.table import Table
     from rich.text import Text
@@ -183,16 +153,9 @@ def _print_lines(console: Console, title: str, lines: Sequence[str]) -> None:
     # A column of its own for the dash keeps the lines of one entry flush.
     grid = Table.grid(padding=(0, 1))
     for line in lines:
-        grid.add_row(*_plain(["-", line]))
+        grid.add_row(*plain(["-", line]))
     console.print(grid)
     console.print()
-
-
-def _plain(cells: Sequence[str]) -> list[RenderableType]:
-    """Keep names with brackets from being read as markup."""
-    from rich.text import Text
-
-    return [Text(cell) for cell in cells]
 
 
 def _needed(component: ComponentContribution) -> str:
@@ -205,11 +168,6 @@ def _exposure(exposures: Exposures, function: str, component: ComponentContribut
         return ""
     seconds = exposures.get(function, {}).get(component.name)
     return "-" if seconds is None else f"{seconds:.2f}"
-
-
-def _count(number: float, thing: str) -> str:
-    text = f"{number:.4g}"
-    return f"{text} {thing}" if text == "1" else f"{text} {thing}s"
 
 
 def _probability(value: float) -> str:
