@@ -5,9 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.fault_tree import FaultTree
+
+if TYPE_CHECKING:
+    from tracerisk.prm.distributions import Distribution
 
 DONE = "done"
 """The absorbing state of a mission that succeeded."""
@@ -19,10 +23,12 @@ class Parameter:
 
     `theta` is the greatest of its per-visit probabilities over the states; a state that lists
     a smaller one holds theta times a fixed factor.
+    `distribution` says how far theta may be off, where that is known.
     """
 
     name: str
     theta: float
+    distribution: Distribution | None = None
 
 
 @dataclass(frozen=True, slots=True)

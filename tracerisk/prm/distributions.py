@@ -1,0 +1,196 @@
+"""How far a parameter may be off: distributions by their quantiles, over arrays.
+
+numpy and scipy are imported when something is sampled, not before.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, Protocol, runtime_checkable
+
+from tracerisk.errors import ModelError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Samples = NDArray[np.float64]
+
+_NORMAL_95 = 1.6448536269514722
+"""The 95 % quantile of the standard normal distribution."""
+
+
+@runtime_checkable
+class Distribution(Protocol):
+    """A distribution of a parameter, which may be stated relative to its point value."""
+
+    def quantiles(self, shares: Samples, value: float) -> Samples:
+        """Return the quantiles at `shares`, each within (0, 1); `value` is the point value."""
+        ...
+
+    def mean(self, value: float) -> float:
+        """Return the mean of the distribution of a parameter with the point value `value`."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Lognormal:
+    """Lognormal about the point value; `error_factor` is its 95th percentile over its median.
+
+    The point value is the median, or the mean where `value_is` says so.
+    Source of the error factor: "PRA Procedures Guide", NUREG/CR-2300 (1983), 5.6.
+    Raises ModelError when the error factor is not a finite number from 1 up.
+    """
+
+    error_factor: float
+    value_is: Literal["median", "mean"] = "median"
+
+    def __post_init__(self) -> None:
+        if not 1.0 <= self.error_factor < math.inf:
+            raise ModelError(
+                f"error factor {self.error_factor!r}: it is the 95th percentile over the median, "
+                "a finite number from 1 up"
+            )
+        if self.value_is not in ("median", "mean"):
+            raise ModelError(f"value_is {self.value_is!r}; allowed: mean, median")
+
+    @property
+    def sigma(self) -> float:
+        """The standard deviation of the logarithm."""
+        return math.log(self.error_factor) / _NORMAL_95
+
+    def quantiles(self, shares: Samples, value: float) -> Samples:
+        """Return the quantiles at `shares`."""
+        import numpy as np
+        from scipy.special import ndtri
+
+        factors: Samples = np.exp(self.sigma * ndtri(shares))
+        return self._median(value) * factors
+
+    def mean(self, value: float) -> float:
+        """Return exp(sigma^2 / 2) times the median."""
+        return self._median(value) * math.exp(self.sigma**2 / 2.0)
+
+    def _median(self, value: float) -> float:
+        return value if self.value_is == "median" else value * math.exp(-(self.sigma**2) / 2.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Uniform:
+    """Uniform from `low` to `high`, or its logarithm where `log` says so.
+
+    Raises ModelError when the bounds are not finite, not in order, or not positive for `log`.
+    """
+
+    low: float
+    high: float
+    log: bool = False
+
+    def __post_init__(self) -> None:
+        if not -math.inf < self.low <= self.high < math.inf:
+            raise ModelError(f"uniform from {self.low!r} to {self.high!r}: give low <= high")
+        if self.log and self.low <= 0.0:
+            raise ModelError(f"log-uniform from {self.low!r}: the bounds must be above 0")
+
+    def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
+        """Return the quantiles at `shares`."""
+        import numpy as np
+
+        if self.log:
+            low, high = math.log(self.low), math.log(self.high)
+            return np.clip(np.exp(low + (high - low) * shares), self.low, self.high)
+        return self.low + (self.high - self.low) * shares
+
+    def mean(self, value: float) -> float:  # noqa: ARG002 - absolute
+        """Return the mean."""
+        if not self.log or self.low == self.high:
+            return (self.low + self.high) / 2.0
+        return (self.high - self.low) / math.log(self.high / self.low)
+
+
+@dataclass(frozen=True, slots=True)
+class Beta:
+    """Beta with the shape parameters `alpha` and `beta`: what is left after observed demands.
+
+    Raises ModelError when one is not a finite number above zero.
+    """
+
+    alpha: float
+    beta: float
+
+    def __post_init__(self) -> None:
+        _check_positive("beta distribution", alpha=self.alpha, beta=self.beta)
+
+    def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
+        """Return the quantiles at `shares`."""
+        from scipy.special import betaincinv
+
+        found: Samples = betaincinv(self.alpha, self.beta, shares)
+        return found
+
+    def mean(self, value: float) -> float:  # noqa: ARG002 - absolute
+        """Return alpha / (alpha + beta)."""
+        return self.alpha / (self.alpha + self.beta)
+
+
+@dataclass(frozen=True, slots=True)
+class Gamma:
+    """Gamma with a `shape` and a `scale`, whose product is the mean: a rate after failures.
+
+    Raises ModelError when one is not a finite number above zero.
+    """
+
+    shape: float
+    scale: float
+
+    def __post_init__(self) -> None:
+        _check_positive("gamma distribution", shape=self.shape, scale=self.scale)
+
+    def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
+        """Return the quantiles at `shares`."""
+        from scipy.special import gammaincinv
+
+        found: Samples = gammaincinv(self.shape, shares) * self.scale
+        return found
+
+    def mean(self, value: float) -> float:  # noqa: ARG002 - absolute
+        """Return shape times scale."""
+        return self.shape * self.scale
+
+
+@dataclass(frozen=True, slots=True)
+class Normal:
+    """Normal with a `mean_value` and a `deviation`, cut to the values from zero up.
+
+    Raises ModelError when the mean or the deviation is not a finite number above zero.
+    """
+
+    mean_value: float
+    deviation: float
+
+    def __post_init__(self) -> None:
+        _check_positive("normal distribution", mean=self.mean_value, deviation=self.deviation)
+
+    def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
+        """Return the quantiles at `shares` of the part from zero up."""
+        import numpy as np
+        from scipy.special import ndtr, ndtri
+
+        # From the upper end, so that the part above zero keeps its digits.
+        above = ndtr(self.mean_value / self.deviation)
+        found: Samples = self.mean_value - self.deviation * ndtri((1.0 - shares) * above)
+        return np.maximum(found, 0.0)
+
+    def mean(self, value: float) -> float:  # noqa: ARG002 - absolute
+        """Return the mean of the part from zero up."""
+        ratio = self.mean_value / self.deviation
+        density = math.exp(-(ratio**2) / 2.0) / math.sqrt(2.0 * math.pi)
+        above = math.erfc(-ratio / math.sqrt(2.0)) / 2.0
+        return self.mean_value + self.deviation * density / above
+
+
+def _check_positive(where: str, **values: float) -> None:
+    for name, value in values.items():
+        if not 0.0 < value < math.inf:
+            raise ModelError(f"{where}: {name} is {value!r}; give a finite number above 0")

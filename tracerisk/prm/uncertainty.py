@@ -1,0 +1,170 @@
+"""How sure the mission's figure is: parameters drawn from their distributions, all at once.
+
+Each parameter is drawn once per sample, for all of its states, visits and units.
+numpy and scipy are imported when something is sampled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.distributions import Distribution
+from tracerisk.prm.hybrid import HybridModel
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Samples = NDArray[np.float64]
+
+SAMPLES = 10_000
+"""How many samples are drawn unless it is said."""
+PERCENTILES = (5.0, 50.0, 95.0)
+
+
+@dataclass(frozen=True, slots=True)
+class InputShare:
+    """An uncertain parameter: its point value, its percentiles, its share in the result's spread.
+
+    `share` is the first-order Sobol index: the part of the result's variance that would go if
+    the parameter were known. `cut` counts the samples above one that were taken as one.
+    """
+
+    name: str
+    value: float
+    percentiles: tuple[float, ...]
+    share: float
+    cut: int
+
+
+@dataclass(frozen=True, slots=True)
+class Uncertainty:
+    """What the mission's failure probability may be, at the percentiles `levels` and in the mean.
+
+    `point` is the figure with every parameter at its own value; `inputs` with the greatest share
+    first.
+    """
+
+    samples: int
+    seed: int
+    point: float
+    mean: float
+    deviation: float
+    levels: tuple[float, ...]
+    percentiles: tuple[float, ...]
+    inputs: tuple[InputShare, ...]
+
+
+def latin_hypercube(count: int, names: tuple[str, ...], seed: int) -> dict[str, Samples]:
+    """Return uniform numbers within (0, 1), one in each of `count` equal strata, for each name.
+
+    The numbers of a name follow from the seed and the name alone, so that another parameter
+    changes none of them (McKay, Beckman and Conover, Technometrics 21 (1979)).
+    Raises ModelError when `count` is below 2.
+    """
+    from tracerisk.prm.expressions import LatinHypercube
+
+    if count < 2:
+        raise ModelError(f"{count} samples; give at least 2")
+    draws = LatinHypercube(count, seed)
+    return {name: draws.uniform(f"parameter:{name}:0") for name in names}
+
+
+def propagate(
+    model: HybridModel,
+    *,
+    samples: int = SAMPLES,
+    seed: int = 0,
+    distributions: Mapping[str, Distribution] | None = None,
+) -> Uncertainty:
+    """Draw the parameters and return the spread of the mission's failure probability.
+
+    `distributions` stand in for those of the model's parameters.
+    Raises ModelError when a name is unknown, no parameter has a distribution, or `samples` is
+    below 2.
+    """
+    from tracerisk.prm.sampled_mission import failure_samples
+    from tracerisk.prm.solve import solve_figures
+
+    values = {parameter.name: parameter.theta for parameter in model.parameters}
+    known = {
+        parameter.name: parameter.distribution
+        for parameter in model.parameters
+        if parameter.distribution is not None
+    }
+    for name, distribution in (distributions or {}).items():
+        if name not in values:
+            raise ModelError(f"no parameter '{name}' in '{model.name}'; {one_of(values, name)}")
+        known[name] = distribution
+    return spread_of(
+        lambda thetas: failure_samples(model, thetas),
+        solve_figures(model).mission.failure_probability,
+        {name: (value, known[name]) for name, value in values.items() if name in known},
+        samples=samples,
+        seed=seed,
+    )
+
+
+def spread_of(
+    figure: Callable[[Mapping[str, Samples]], Samples],
+    point: float,
+    inputs: Mapping[str, tuple[float, Distribution]],
+    *,
+    samples: int,
+    seed: int,
+    are_probabilities: bool = True,
+) -> Uncertainty:
+    """Draw `inputs` (point value, distribution) and return the spread of a figure of them.
+
+    `figure` takes an array of values per input, (n,) each, and returns (n,).
+    Raises ModelError when there are no inputs, or `samples` is below 2.
+    """
+    import numpy as np
+
+    from tracerisk.prm.input_shares import first_order_shares
+
+    if not inputs:
+        raise ModelError(
+            "no parameter has a distribution; state an error factor in the hardware description, "
+            "or give --error-factor 3 for all"
+        )
+    uniform = latin_hypercube(samples, tuple(inputs), seed)
+    drawn: dict[str, Samples] = {}
+    cut: dict[str, int] = {}
+    for name, (value, distribution) in inputs.items():
+        found = distribution.quantiles(uniform[name], value)
+        cut[name] = int((found > 1.0).sum()) if are_probabilities else 0
+        drawn[name] = np.minimum(found, 1.0) if are_probabilities else found
+    results = figure(drawn)
+    shares = first_order_shares(np.column_stack(list(drawn.values())), results)
+    scale = float(results.max()) or 1.0
+    found_inputs = [
+        InputShare(
+            name=name,
+            value=value,
+            percentiles=_percentiles(drawn[name]),
+            share=float(share),
+            cut=cut[name],
+        )
+        for (name, (value, _)), share in zip(inputs.items(), shares, strict=True)
+    ]
+    found_inputs.sort(key=lambda each: (-each.share, each.name))
+    return Uncertainty(
+        samples=samples,
+        seed=seed,
+        point=point,
+        mean=float(results.mean()),
+        deviation=float((results / scale).std(ddof=1)) * scale,
+        levels=PERCENTILES,
+        percentiles=_percentiles(results),
+        inputs=tuple(found_inputs),
+    )
+
+
+def _percentiles(values: Samples) -> tuple[float, ...]:
+    import numpy as np
+
+    return tuple(float(each) for each in np.percentile(values, PERCENTILES))
