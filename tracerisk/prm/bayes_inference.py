@@ -1,0 +1,95 @@
+"""Exact inference in a network of conditions, by pyAgrum."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.errors import ModelError
+from tracerisk.prm.bayes import Given
+
+if TYPE_CHECKING:
+    from tracerisk.prm.bayes import BayesianNetwork
+
+
+def joint_probabilities(
+    network: BayesianNetwork, conditions: tuple[str, ...], evidence: Mapping[str, str]
+) -> dict[tuple[str, ...], float]:
+    """Return the probability of each joint state of conditions that is not ruled out.
+
+    Each is the sum, over the states of all other conditions, of products of table entries, over
+    the same sum for the evidence.
+    Raises ModelError when the evidence is impossible, or pyAgrum is not installed.
+    """
+    domains = [
+        (evidence[name],) if name in evidence else network.states(name) for name in conditions
+    ]
+    open_conditions = tuple(
+        name for name, domain in zip(conditions, domains, strict=True) if len(domain) > 1
+    )
+    if not open_conditions and not evidence:
+        return {tuple(domain[0] for domain in domains): 1.0}
+    pyagrum = _pyagrum()
+    names = {name: f"n{index}" for index, name in enumerate(network.conditions)}
+    inference = pyagrum.LazyPropagation(_translated(pyagrum, network, names))
+    inference.setEvidence(
+        {names[name]: network.states(name).index(state) for name, state in evidence.items()}
+    )
+    wanted = {names[name] for name in open_conditions}
+    if len(wanted) > 1:
+        inference.addJointTarget(wanted)
+    inference.makeInference()
+    if evidence and not inference.evidenceProbability() > 0.0:
+        told = ", ".join(f"{name} {state}" for name, state in evidence.items())
+        raise ModelError(f"it is impossible that {told}; correct what is known")
+    if not open_conditions:
+        return {tuple(domain[0] for domain in domains): 1.0}
+    if len(wanted) > 1:
+        table = inference.jointPosterior(wanted)
+    else:
+        table = inference.posterior(next(iter(wanted)))
+    found = {}
+    for joint in product(*domains):
+        states = {
+            names[name]: network.states(name).index(state)
+            for name, state in zip(conditions, joint, strict=True)
+            if name in open_conditions
+        }
+        probability = float(table[states])
+        if probability > 0.0:
+            found[joint] = probability
+    return found
+
+
+def _translated(pyagrum: Any, network: BayesianNetwork, names: Mapping[str, str]) -> Any:
+    """Return the network as pyAgrum's; names and states there are numbers."""
+    net = pyagrum.BayesNet()
+    for name in network.conditions:
+        net.add(pyagrum.LabelizedVariable(names[name], "", len(network.states(name))))
+    for name in network.conditions:
+        for parent in network.parents(name):
+            net.addArc(names[parent], names[name])
+    for name, condition in network.conditions.items():
+        states = network.states(name)
+        if not isinstance(condition, Given):
+            net.cpt(names[name]).fillWith([float(condition[state]) for state in states])
+            continue
+        for given, row in condition.rows().items():
+            place = {
+                names[parent]: network.states(parent).index(state)
+                for parent, state in zip(condition.names, given, strict=True)
+            }
+            net.cpt(names[name])[place] = [float(row[state]) for state in states]
+    return net
+
+
+def _pyagrum() -> Any:
+    try:
+        import pyagrum
+    except ImportError as error:
+        raise ModelError(
+            "Bayesian networks are solved by pyAgrum, which is not installed; "
+            "install it with: pip install 'tracerisk[bayes]'"
+        ) from error
+    return pyagrum
