@@ -1,18 +1,18 @@
 """The failure laws of Open-PSA as expressions of their parameters.
 
-Each gives a probability and its complement as sums and products of non-negative numbers.
+What each gives is computed by its failure model, see `tracerisk.prm.failure_models`.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.expressions import periodic
+from tracerisk.prm import failure_models
 from tracerisk.prm.expressions.node import Expression
+from tracerisk.prm.fault_tree import FailureModel
 from tracerisk.prm.probability import Probability
 
 if TYPE_CHECKING:
@@ -20,9 +20,21 @@ if TYPE_CHECKING:
 
 
 class _Law(Expression):
-    """A law: its value is the first half of its probability."""
+    """A law, whose last argument is the time, [h]; its value is that of a failure model."""
 
     __slots__ = ()
+
+    def model(self, arguments: Sequence[float]) -> FailureModel:
+        """Return the failure model of the arguments but the time."""
+        raise NotImplementedError
+
+    def probability(self, arguments: Sequence[float], mission_time_h: float) -> Probability:  # noqa: ARG002
+        """Return the probability and its complement."""
+        try:
+            return self.model(arguments[:-1]).probability(arguments[-1])
+        except ModelError as error:
+            name = type(self).__name__
+            raise ModelError(f"{name}: {error.message}", error.location) from error
 
     def value(self, arguments: Sequence[float], mission_time_h: float) -> float:
         """Return the probability."""
@@ -41,18 +53,17 @@ class Exponential(_Law):
         """The rate and the time."""
         return (self.rate, self.time)
 
-    def probability(self, arguments: Sequence[float], mission_time_h: float) -> Probability:  # noqa: ARG002
-        """Return the probability and its complement."""
-        rate, time = arguments
-        _check_not_negative("exponential", rate=rate, time=time)
-        return Probability(-math.expm1(-rate * time), math.exp(-rate * time))
+    def model(self, arguments: Sequence[float]) -> FailureModel:
+        """Return the failure model."""
+        return failure_models.Exponential(*arguments)
 
-    def values(self, arguments: Sequence[Array], mission_time_h: float, size: int) -> Array:  # noqa: ARG002
+    def values(self, arguments: Sequence[Array], mission_time_h: float, size: int) -> Array:
         """Return the probabilities."""
         import numpy as np
 
         rate, time = arguments
-        _check_not_negative("exponential", rate=float(rate.min()), time=float(time.min()))
+        if (np.minimum(rate, time) < 0).any():
+            return Expression.values(self, arguments, mission_time_h, size)
         found: Array = -np.expm1(-rate * time)
         return found
 
@@ -74,22 +85,9 @@ class Glm(_Law):
         """The four, in Open-PSA's order."""
         return (self.on_demand, self.rate, self.repair_rate, self.time)
 
-    def probability(self, arguments: Sequence[float], mission_time_h: float) -> Probability:  # noqa: ARG002
-        """Return the unavailability and its complement.
-
-        With r = lambda + mu: p = gamma exp(-r t) + lambda/r (1 - exp(-r t)), which is Open-PSA's
-        formula with its terms gathered so that none is subtracted.
-        """
-        on_demand, rate, repair_rate, time = arguments
-        _check_not_negative("GLM", rate=rate, repair_rate=repair_rate, time=time)
-        start = _probability("GLM", "on_demand", on_demand)
-        total = rate + repair_rate
-        if total == 0:
-            return start
-        kept, left = math.exp(-total * time), -math.expm1(-total * time)
-        return Probability(
-            start.p * kept + rate / total * left, start.q * kept + repair_rate / total * left
-        )
+    def model(self, arguments: Sequence[float]) -> FailureModel:
+        """Return the failure model."""
+        return failure_models.GLM(*arguments)
 
     def values(self, arguments: Sequence[Array], mission_time_h: float, size: int) -> Array:
         """Return the unavailabilities."""
@@ -117,18 +115,9 @@ class Weibull(_Law):
         """The four, in Open-PSA's order."""
         return (self.scale, self.shape, self.shift, self.time)
 
-    def probability(self, arguments: Sequence[float], mission_time_h: float) -> Probability:  # noqa: ARG002
-        """Return the probability and its complement."""
-        scale, shape, shift, time = arguments
-        _check_positive("Weibull", scale=scale, shape=shape)
-        _check_not_negative("Weibull", shift=shift, time=time)
-        if time <= shift:
-            return Probability(0.0, 1.0)
-        try:
-            hazard = math.pow((time - shift) / scale, shape)
-        except OverflowError:
-            return Probability(1.0, 0.0)
-        return Probability(-math.expm1(-hazard), math.exp(-hazard))
+    def model(self, arguments: Sequence[float]) -> FailureModel:
+        """Return the failure model."""
+        return failure_models.Weibull(*arguments)
 
     def values(self, arguments: Sequence[Array], mission_time_h: float, size: int) -> Array:
         """Return the probabilities."""
@@ -166,24 +155,6 @@ class PeriodicTest(_Law):
         """The terms."""
         return self.terms
 
-    def probability(self, arguments: Sequence[float], mission_time_h: float) -> Probability:  # noqa: ARG002
-        """Return the unavailability and its complement; the formulas are in `periodic`."""
-        return periodic.unavailability(periodic.Tests.of(arguments))
-
-
-def _probability(law: str, name: str, value: float) -> Probability:
-    if not 0.0 <= value <= 1.0:
-        raise ModelError(f"{law}: {name} is {value!r}; allowed: 0 to 1")
-    return Probability.of(value)
-
-
-def _check_not_negative(law: str, **found: float) -> None:
-    for name, value in found.items():
-        if not value >= 0.0:
-            raise ModelError(f"{law}: {name} is {value!r}; allowed: 0 or more")
-
-
-def _check_positive(law: str, **found: float) -> None:
-    for name, value in found.items():
-        if not value > 0.0:
-            raise ModelError(f"{law}: {name} is {value!r}; allowed: more than 0")
+    def model(self, arguments: Sequence[float]) -> FailureModel:
+        """Return the failure model."""
+        return failure_models.PeriodicTest.of_open_psa(arguments)
