@@ -78,7 +78,7 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         "--memory-limit",
         dest="memory_limit_mb",
         metavar="MB",
-        type=_count,
+        type=count,
         help="address space of the controller's process (8192 MB)",
     )
     group.add_argument(
@@ -88,7 +88,7 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         type=_cycles,
         help="cycles of a mission whose loop has no end of its own (10)",
     )
-    group.add_argument("--seed", metavar="N", type=_count, help="seed of all that is random (0)")
+    group.add_argument("--seed", metavar="N", type=count, help="seed of all that is random (0)")
     group.add_argument(
         "--answer",
         dest="answers",
@@ -249,13 +249,14 @@ def _number(text: str) -> float:
 
 
 def _cycles(text: str) -> int:
-    value = _count(text)
+    value = count(text)
     if value < 1:
         raise argparse.ArgumentTypeError(f"{text} is below 1")
     return value
 
 
-def _count(text: str) -> int:
+def count(text: str) -> int:
+    """Read a whole number of the command line, from 0 up."""
     if not text.isascii() or not text.isdigit() or len(text) > 18:
         raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0 up")
     return int(text)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from tracerisk.cli import options as shared
+from tracerisk.cli import what_if as asked
 from tracerisk.cli.assessment import print_assessment, risk_exit
 from tracerisk.cli.output import print_json
 from tracerisk.cli.sources import model_of_files
@@ -22,6 +23,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         type=shared.probability,
         help="exit 1 if the mission's failure probability is above P",
     )
+    asked.add_what_if(parser)
     shared.add_json(parser)
 
 
@@ -30,10 +32,21 @@ def run(options: argparse.Namespace) -> int:
     from tracerisk.prm.formats.assessment_json import assessment_to_json
     from tracerisk.prm.solve import solve
 
-    assessment = solve(model_of_files(options.files, shared.read_profile(options)))
+    given = model_of_files(options.files, shared.read_profile(options))
+    model, changes = asked.set_in(given, options)
+    assessment = solve(model)
+    sweeps = asked.swept(model, options)
+    uncertainty = asked.uncertainty_of(model, options)
     code = risk_exit(assessment, options.max_risk)
     if options.json:
-        print_json("solve", exit_code=int(code), assessment=assessment_to_json(assessment))
+        print_json(
+            "solve",
+            exit_code=int(code),
+            assessment=assessment_to_json(assessment),
+            **asked.what_if_data(changes, sweeps, uncertainty),
+        )
     else:
+        asked.print_set(changes)
         print_assessment(assessment)
+        asked.print_what_if(assessment, sweeps, uncertainty, importance=options.importance)
     return int(code)

@@ -1,16 +1,18 @@
 """How sure the mission's figure is: parameters drawn from their distributions, all at once.
 
-Each parameter is drawn once per sample, for all of its states, visits and units.
+Each component's figure is drawn once per sample, for all of its states, visits and units, and
+for the common cause of these.
 numpy and scipy are imported when something is sampled.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tracerisk.errors import ModelError, one_of
+from tracerisk.errors import ModelError
 from tracerisk.prm.distributions import Distribution
 from tracerisk.prm.hybrid import HybridModel
 
@@ -82,30 +84,42 @@ def propagate(
 ) -> Uncertainty:
     """Draw the parameters and return the spread of the mission's failure probability.
 
-    `distributions` stand in for those of the model's parameters.
+    `distributions` stand in for those of the model, by the names of parameters or components.
     Raises ModelError when a name is unknown, no parameter has a distribution, or `samples` is
     below 2.
     """
     from tracerisk.prm.sampled_mission import failure_samples
     from tracerisk.prm.solve import solve_figures
+    from tracerisk.prm.what_if import groups_of, parameters_of
 
-    values = {parameter.name: parameter.theta for parameter in model.parameters}
-    known = {
-        parameter.name: parameter.distribution
-        for parameter in model.parameters
-        if parameter.distribution is not None
-    }
+    given = {}
     for name, distribution in (distributions or {}).items():
-        if name not in values:
-            raise ModelError(f"no parameter '{name}' in '{model.name}'; {one_of(values, name)}")
-        known[name] = distribution
-    return spread_of(
-        lambda thetas: failure_samples(model, thetas),
-        solve_figures(model).mission.failure_probability,
-        {name: (value, known[name]) for name, value in values.items() if name in known},
-        samples=samples,
-        seed=seed,
-    )
+        for parameter in parameters_of(model, name):
+            given[parameter.name] = distribution
+    inputs: dict[str, tuple[float, Distribution]] = {}
+    shares: dict[str, dict[str, float]] = {}
+    for name, parts in groups_of(model).items():
+        stated = (given.get(part.name, part.distribution) for part in parts)
+        known = next((each for each in stated if each is not None), None)
+        if known is not None:
+            value = math.fsum(part.theta for part in parts)
+            inputs[name] = (value, known)
+            shares[name] = {
+                part.name: part.theta / value if value > 0.0 else 1.0 / len(parts) for part in parts
+            }
+
+    def figure(drawn: Mapping[str, Samples]) -> Samples:
+        return failure_samples(
+            model,
+            {
+                part: drawn[name] * share
+                for name, parts in shares.items()
+                for part, share in parts.items()
+            },
+        )
+
+    point = solve_figures(model).mission.failure_probability
+    return spread_of(figure, point, inputs, samples=samples, seed=seed)
 
 
 def spread_of(
@@ -128,8 +142,8 @@ def spread_of(
 
     if not inputs:
         raise ModelError(
-            "no parameter has a distribution; state an error factor in the hardware description, "
-            "or give --error-factor 3 for all"
+            "no parameter has a distribution; state it in the model, or give an error factor: "
+            "--error-factor 3 for all, --error-factor gripper=3 for one"
         )
     uniform = latin_hypercube(samples, tuple(inputs), seed)
     drawn: dict[str, Samples] = {}

@@ -11,6 +11,9 @@ from tracerisk.prm.assessment import MissionFigures
 from tracerisk.prm.hybrid import FunctionState, HybridModel, Parameter
 from tracerisk.prm.solve import solve_figures
 
+_PARTS = ("own}", "common cause}")
+_SPARES = " {spares}"
+
 
 @dataclass(frozen=True, slots=True)
 class SetValue:
@@ -43,7 +46,7 @@ def value_of(model: HybridModel, name: str) -> float:
 
     Raises ModelError when there is no such parameter.
     """
-    return math.fsum(parameter.theta for parameter in _named(model, name))
+    return math.fsum(parameter.theta for parameter in parameters_of(model, name))
 
 
 def with_values(model: HybridModel, values: Mapping[str, float]) -> HybridModel:
@@ -59,7 +62,7 @@ def with_values(model: HybridModel, values: Mapping[str, float]) -> HybridModel:
     for name, value in values.items():
         if not 0.0 <= value <= 1.0:
             raise ModelError(f"'{name}' is set to {value!r}; allowed: 0 to 1")
-        found = _named(model, name)
+        found = parameters_of(model, name)
         total = math.fsum(parameter.theta for parameter in found)
         for parameter in found:
             if parameter.name in thetas:
@@ -108,19 +111,34 @@ def sweep(model: HybridModel, name: str, values: Iterable[float]) -> Sweep:
     return Sweep(name, value_of(model, name), points)
 
 
-def _named(model: HybridModel, name: str) -> tuple[Parameter, ...]:
-    """Return the parameters that a name stands for."""
-    known = {parameter.name: parameter for parameter in model.parameters}
-    if name in known:
-        return (known[name],)
-    apart = tuple(
-        known[part]
-        for part in (f"{name} {{own}}", f"{name} {{common cause}}")
-        if part in known and f"{name} {{spares}}" not in known
-    )
-    if apart:
-        return apart
-    raise ModelError(f"no parameter '{name}' in '{model.name}'; {one_of(known, name)}")
+def groups_of(model: HybridModel) -> dict[str, tuple[Parameter, ...]]:
+    """Return what can be set, by name: parameters, and components of parts by one figure.
+
+    A unit's own part and the common cause of a component are shares of one figure, and stand
+    under the component's name.
+    """
+    names = {parameter.name for parameter in model.parameters}
+    found: dict[str, tuple[Parameter, ...]] = {}
+    for parameter in model.parameters:
+        component, _, part = parameter.name.rpartition(" {")
+        whole = part in _PARTS and component not in names and f"{component}{_SPARES}" not in names
+        key = component if whole else parameter.name
+        found[key] = (*found.get(key, ()), parameter)
+    return found
+
+
+def parameters_of(model: HybridModel, name: str) -> tuple[Parameter, ...]:
+    """Return the parameters that a name stands for: its own, or those of a component.
+
+    Raises ModelError when there are none.
+    """
+    groups = groups_of(model)
+    if name in groups:
+        return groups[name]
+    for parameter in model.parameters:
+        if parameter.name == name:
+            return (parameter,)
+    raise ModelError(f"no parameter '{name}' in '{model.name}'; {one_of(groups, name)}")
 
 
 def _with_thetas(

@@ -1,0 +1,279 @@
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from tracerisk.errors import ModelError
+from tracerisk.prm import build_model, solve
+from tracerisk.prm.distributions import Beta, Gamma, Lognormal, Normal, Uniform
+from tracerisk.prm.input_shares import first_order_shares
+from tracerisk.prm.sampled_chain import absorption_samples
+from tracerisk.prm.sampled_mission import failure_samples
+from tracerisk.prm.uncertainty import latin_hypercube, propagate
+from tracerisk.prm.what_if import with_values
+
+LOOP = {"place": {"init": Fraction(9, 10), "done": Fraction(1, 10)}}
+SHARES = np.array([0.05, 0.5, 0.95])
+
+
+@pytest.fixture(scope="module")
+def case(case_study):
+    return build_model(case_study, profile=LOOP, name="case")
+
+
+@pytest.fixture(scope="module")
+def one_part(block, component):
+    """A mission of one visit that fails with the figure of its one part."""
+    return build_model([block("a", 1, (component("motor", 1e-6),))], name="m")
+
+
+def of_each(model, distribution):
+    return {parameter.name: distribution for parameter in model.parameters}
+
+
+# distributions
+
+
+def test_an_error_factor_is_the_95th_percentile_over_the_median():
+    assert Lognormal(3.0).quantiles(SHARES, 2e-6) == pytest.approx(
+        [2e-6 / 3, 2e-6, 6e-6], rel=1e-12
+    )
+
+
+def test_the_value_of_a_lognormal_may_be_its_mean():
+    by_mean = Lognormal(3.0, "mean")
+    assert by_mean.mean(2e-6) == pytest.approx(2e-6, rel=1e-14)
+    _, median, high = by_mean.quantiles(SHARES, 2e-6)
+    assert high / median == pytest.approx(3.0, rel=1e-12)
+    assert median == pytest.approx(2e-6 * math.exp(-(by_mean.sigma**2) / 2), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("distribution", "reference"),
+    [
+        (Lognormal(5.0), ("lognorm", {"s": math.log(5) / 1.6448536269514722, "scale": 2e-3})),
+        (Uniform(1e-6, 3e-6), ("uniform", {"loc": 1e-6, "scale": 2e-6})),
+        (Uniform(1e-6, 1e-3, log=True), ("loguniform", {"a": 1e-6, "b": 1e-3})),
+        (Beta(0.5, 2000.5), ("beta", {"a": 0.5, "b": 2000.5})),
+        (Gamma(2.5, 1e-6), ("gamma", {"a": 2.5, "scale": 1e-6})),
+        (Normal(1e-3, 1e-3), ("truncnorm", {"a": -1.0, "b": math.inf, "loc": 1e-3, "scale": 1e-3})),
+    ],
+    ids=lambda each: getattr(each, "__class__", each).__name__,
+)
+def test_quantiles_and_means_are_those_of_scipy(distribution, reference):
+    stats = pytest.importorskip("scipy.stats")
+    name, arguments = reference
+    expected = getattr(stats, name)(**arguments)
+    shares = np.array([1e-6, 0.05, 0.3, 0.5, 0.95, 0.999])
+    assert distribution.quantiles(shares, 2e-3) == pytest.approx(expected.ppf(shares), rel=1e-9)
+    assert distribution.mean(2e-3) == pytest.approx(expected.mean(), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Lognormal(0.9), "error factor 0.9: .* from 1 up"),
+        (lambda: Lognormal(math.nan), "error factor nan"),
+        (lambda: Lognormal(3.0, "mode"), "value_is 'mode'; allowed: mean, median"),
+        (lambda: Uniform(2.0, 1.0), "uniform from 2.0 to 1.0: give low <= high"),
+        (lambda: Uniform(0.0, 1.0, log=True), "the bounds must be above 0"),
+        (lambda: Beta(0.0, 1.0), "beta distribution: alpha is 0.0; give a finite number above 0"),
+        (lambda: Gamma(1.0, math.inf), "gamma distribution: scale is inf"),
+        (lambda: Normal(1.0, -1.0), "normal distribution: deviation is -1.0"),
+    ],
+)
+def test_a_distribution_that_is_none_is_refused(make, message):
+    with pytest.raises(ModelError, match=message):
+        make()
+
+
+# propagation
+
+
+def test_a_mission_of_one_part_has_the_percentiles_of_its_figure(one_part):
+    found = propagate(one_part, distributions={"motor": Lognormal(3.0)})
+    assert found.percentiles == pytest.approx([1e-6 / 3, 1e-6, 3e-6], rel=1e-3)
+    assert found.point == pytest.approx(1e-6, rel=1e-14)
+    assert found.mean == pytest.approx(Lognormal(3.0).mean(1e-6), rel=1e-3)
+    (motor,) = found.inputs
+    assert (motor.name, motor.value, motor.cut) == ("motor", 1e-6, 0)
+    assert motor.share == pytest.approx(1.0, abs=1e-9)
+
+
+def test_the_units_and_visits_of_a_component_share_its_draw(case):
+    """All motors fail together in the draws: the spread is that of one draw, scaled."""
+    only = replace(case, parameters=case.parameters)
+    found = propagate(only, distributions={"electric_motor": Lognormal(10.0)})
+    rest = solve(with_values(case, {"electric_motor": 0.0})).mission.failure_probability
+    shares = np.array([0.05, 0.5, 0.95])
+    thetas = Lognormal(10.0).quantiles(shares, 1.30644e-07)
+    expected = [
+        solve(with_values(case, {"electric_motor": theta})).mission.failure_probability
+        for theta in thetas
+    ]
+    assert found.percentiles == pytest.approx(expected, rel=2e-3)
+    assert found.percentiles[0] > rest
+
+
+def test_each_draw_is_the_model_solved_there(case, exact):
+    scales = (0.5, 1.0, 1e4)
+    thetas = {
+        name: theta * np.array(scales)
+        for name, theta in (("electric_motor", 1.30644e-07), ("power_system", 6.674e-08))
+    }
+    expected = [
+        float(
+            exact.mission(
+                case,
+                {"electric_motor": Fraction(scale), "power_system": Fraction(scale)},
+            )
+        )
+        for scale in scales
+    ]
+    assert failure_samples(case, thetas) == pytest.approx(expected, rel=1e-12)
+
+
+def test_many_draws_are_taken_in_passes(case, monkeypatch):
+    thetas = {"gripper": np.linspace(1e-9, 1e-6, 1000)}
+    whole = failure_samples(case, thetas)
+    monkeypatch.setattr("tracerisk.prm.sampled_mission._CELLS", 10_000)
+    assert np.array_equal(failure_samples(case, thetas), whole)
+
+
+def test_a_chain_with_loops_is_solved_for_each_draw(exact):
+    generator = np.random.default_rng(1)
+    names = [f"s{index}" for index in range(8)]
+    draws = 5
+    rows = {}
+    for name in names:
+        targets = [*generator.choice(names, 3, replace=False), name, "fail", "done"]
+        weights = generator.random((len(targets), draws)) * np.where(
+            np.array(targets) == "fail", 1e-12, 1.0
+        ).reshape(-1, 1)
+        row = {}
+        for target, weight in zip(targets, weights / weights.sum(axis=0), strict=True):
+            row[str(target)] = row.get(str(target), 0.0) + weight
+        rows[name] = row
+    found = absorption_samples(rows, "s0")
+    for draw in range(draws):
+        ways = exact.normalised(
+            {name: {t: float(p[draw]) for t, p in row.items()} for name, row in rows.items()}
+        )
+        visits = exact.visits(ways, "s0")
+        expected = sum(visits[name] * ways[name]["fail"] for name in names)
+        assert found["fail"][draw] == pytest.approx(float(expected), rel=1e-12)
+
+
+def test_the_same_seed_gives_the_same_and_another_one_another(case):
+    given = of_each(case, Lognormal(3.0))
+    first = propagate(case, distributions=given, samples=500, seed=7)
+    assert propagate(case, distributions=given, samples=500, seed=7) == first
+    assert propagate(case, distributions=given, samples=500, seed=8) != first
+
+
+def test_another_uncertain_parameter_changes_no_draw_of_the_first():
+    alone = latin_hypercube(100, ("a",), 3)["a"]
+    assert np.array_equal(latin_hypercube(100, ("b", "a"), 3)["a"], alone)
+    assert sorted((alone * 100).astype(int)) == list(range(100))
+
+
+def test_the_common_cause_of_a_component_is_drawn_with_its_own_part(block, component):
+    parts = (component("power", 1e-3, 2, "true, common_cause 0.1"),)
+    model = build_model([block("a", 1, parts)], name="m")
+    found = propagate(model, distributions={"power": Lognormal(2.0)})
+    assert [each.name for each in found.inputs] == ["power"]
+    high = solve(with_values(model, {"power": 2e-3})).mission.failure_probability
+    assert found.percentiles[2] == pytest.approx(high, rel=1e-3)
+
+
+def test_the_distribution_of_a_model_is_used_and_one_given_stands_in(one_part):
+    (motor,) = one_part.parameters
+    stated = replace(one_part, parameters=(replace(motor, distribution=Uniform(1e-7, 3e-7)),))
+    assert propagate(stated, samples=1000).percentiles[1] == pytest.approx(2e-7, rel=1e-3)
+    found = propagate(stated, samples=1000, distributions={"motor": Uniform(5e-7, 7e-7)})
+    assert found.percentiles[1] == pytest.approx(6e-7, rel=1e-3)
+
+
+def test_samples_above_one_are_taken_as_one_and_counted(block, component):
+    model = build_model([block("a", 1, (component("motor", 0.5),))], name="m")
+    found = propagate(model, distributions={"motor": Lognormal(2.0)}, samples=1000)
+    # Above the median by a factor of 2: the 95th percentile is the bound.
+    assert found.inputs[0].cut == 50
+    assert found.percentiles[2] == pytest.approx(1.0, rel=1e-2)
+
+
+def test_a_model_that_cannot_fail_has_no_spread_and_no_shares(block, component):
+    model = build_model([block("a", 1, (component("motor", 0.0),))], name="m")
+    found = propagate(model, distributions={"motor": Lognormal(2.0)}, samples=100)
+    assert (found.mean, found.deviation, found.percentiles) == (0.0, 0.0, (0.0, 0.0, 0.0))
+    assert found.inputs[0].share == 0.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({}, "no parameter has a distribution; state it in the model, or give"),
+        ({"distributions": {"x": Lognormal(3.0)}}, "no parameter 'x' in 'm'; allowed: motor"),
+        ({"distributions": {"motor": Lognormal(3.0)}, "samples": 1}, "1 samples; give at least 2"),
+    ],
+)
+def test_what_cannot_be_sampled_is_refused(one_part, arguments, message):
+    with pytest.raises(ModelError, match=message):
+        propagate(one_part, **arguments)
+
+
+def test_ten_thousand_samples_of_the_case_study_take_less_than_a_second(case):
+    given = of_each(case, Lognormal(3.0))
+    propagate(case, distributions=given, samples=100)
+    start = time.process_time()
+    propagate(case, distributions=given)
+    assert time.process_time() - start < 1.0
+
+
+# shares
+
+
+def lognormal(width, factor, count=10_000):
+    draws = latin_hypercube(count, tuple(map(str, range(width))), 5)
+    return np.column_stack([Lognormal(factor).quantiles(each, 1.0) for each in draws.values()])
+
+
+def test_the_shares_of_a_sum_are_those_of_the_variances():
+    inputs = lognormal(3, 3.0)
+    weights = np.array([1.0, 2.0, 0.1])
+    expected = weights**2 / (weights**2).sum()
+    assert first_order_shares(inputs, inputs @ weights) == pytest.approx(expected, abs=0.02)
+
+
+def test_the_shares_of_products_leave_out_what_the_inputs_do_together():
+    inputs = lognormal(3, 3.0)
+    sigma2 = Lognormal(3.0).sigma ** 2
+    mean, variance = math.exp(sigma2 / 2), math.exp(sigma2) * math.expm1(sigma2)
+    total = variance**2 + 2 * mean**2 * variance + 0.25 * variance
+    expected = [mean**2 * variance / total] * 2 + [0.25 * variance / total]
+    found = first_order_shares(inputs, inputs[:, 0] * inputs[:, 1] + 0.5 * inputs[:, 2])
+    assert found == pytest.approx(expected, abs=0.05)
+
+
+def test_shares_keep_their_size_at_1e_200_and_are_zero_without_spread():
+    inputs = lognormal(2, 3.0, 1000)
+    inputs[:, 1] = 1.0
+    found = first_order_shares(inputs * 1e-200, inputs[:, 0] * 1e-200)
+    assert found == pytest.approx([1.0, 0.0], abs=1e-9)
+    assert list(first_order_shares(inputs, np.full(1000, 0.25))) == [0.0, 0.0]
+
+
+def test_importing_uncertainty_needs_nothing_heavy():
+    code = (
+        "import sys, tracerisk.prm.uncertainty, tracerisk.prm.distributions;"
+        "print(sorted({'numpy', 'scipy', 'rich'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

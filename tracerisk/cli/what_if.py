@@ -1,0 +1,220 @@
+"""The options of `solve` that ask what if, how sure, and what matters."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.cli import options as shared
+from tracerisk.cli.output import terminal_width, use_color
+from tracerisk.errors import InputError
+
+if TYPE_CHECKING:
+    from tracerisk.prm.assessment import Assessment
+    from tracerisk.prm.distributions import Distribution
+    from tracerisk.prm.hybrid import HybridModel
+    from tracerisk.prm.uncertainty import Uncertainty
+    from tracerisk.prm.what_if import SetValue, Sweep
+
+MOST_POINTS = 10_000
+POINTS = 9
+"""How many values a sweep has unless it is said."""
+
+
+def add_what_if(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    group = parser.add_argument_group("what if, and how sure")
+    group.add_argument(
+        "--set",
+        dest="set_values",
+        metavar="NAME=P",
+        action="append",
+        default=[],
+        help="solve with a component's figure set, as gripper=1e-6; may be given again",
+    )
+    group.add_argument(
+        "--sweep",
+        dest="sweeps",
+        metavar="NAME=LOW:HIGH[:N]",
+        action="append",
+        default=[],
+        help=f"solve along N log-spaced figures of a component ({POINTS}), as motor=1e-9:1e-5",
+    )
+    group.add_argument(
+        "--importance",
+        action="store_true",
+        help="every importance measure of every component, by function and unit too",
+    )
+    group.add_argument(
+        "--uncertainty",
+        action="store_true",
+        help="percentiles of the mission's failure probability, and each component's share",
+    )
+    group.add_argument(
+        "--error-factor",
+        dest="error_factors",
+        metavar="[NAME=]F",
+        action="append",
+        default=[],
+        help="95th percentile over median of a lognormal figure, for one component or for all",
+    )
+    group.add_argument(
+        "--samples", metavar="N", type=shared.count, help="samples of --uncertainty (10000)"
+    )
+    group.add_argument("--seed", metavar="S", type=shared.count, help="seed of --uncertainty (0)")
+
+
+def set_in(model: HybridModel, options: argparse.Namespace) -> tuple[HybridModel, list[SetValue]]:
+    """Return the model with the values of `--set`, and what was set.
+
+    Raises InputError when a value is malformed, or a name unknown.
+    """
+    if not options.set_values:
+        return model, []
+    from tracerisk.prm.what_if import set_values, with_values
+
+    values: dict[str, float] = {}
+    for text in options.set_values:
+        name, number = _named(text, "--set", "NAME=P, such as gripper=1e-6")
+        if name in values:
+            raise InputError(f"--set names '{name}' twice; set it once")
+        values[name] = _probability(number, f"--set {text}")
+    return with_values(model, values), list(set_values(model, values))
+
+
+def swept(model: HybridModel, options: argparse.Namespace) -> list[Sweep]:
+    """Solve the model along each `--sweep`.
+
+    Raises InputError when a range is malformed, or a name unknown.
+    """
+    if not options.sweeps:
+        return []
+    from tracerisk.prm.what_if import log_spaced, sweep
+
+    found = []
+    for text in options.sweeps:
+        form = "NAME=LOW:HIGH[:N], such as motor=1e-9:1e-5:9"
+        name, scale = _named(text, "--sweep", form)
+        parts = scale.split(":")
+        if len(parts) not in (2, 3):
+            raise InputError(f"--sweep {text}: expected {form}")
+        low, high = (_probability(part, f"--sweep {text}") for part in parts[:2])
+        if not 0.0 < low < high:
+            raise InputError(f"--sweep {text}: give 0 < LOW < HIGH, the steps are logarithmic")
+        points = parts[2] if len(parts) == 3 else str(POINTS)
+        if not points.isascii() or not points.isdigit() or not 2 <= int(points) <= MOST_POINTS:
+            raise InputError(f"--sweep {text}: '{points}' points; allowed: 2 to {MOST_POINTS}")
+        found.append(sweep(model, name, log_spaced(low, high, int(points))))
+    return found
+
+
+def uncertainty_of(model: HybridModel, options: argparse.Namespace) -> Uncertainty | None:
+    """Return the spread of the mission's figure where `--uncertainty` asks for it.
+
+    Raises InputError when an error factor is malformed, a name unknown, or what goes with
+    `--uncertainty` is given without it.
+    """
+    if not options.uncertainty:
+        for option in ("error_factors", "samples", "seed"):
+            if getattr(options, option) not in (None, []):
+                name = option.replace("_factors", "-factor")
+                raise InputError(f"--{name} goes with --uncertainty; add it")
+        return None
+    from tracerisk.prm.uncertainty import SAMPLES, propagate
+
+    return propagate(
+        model,
+        samples=SAMPLES if options.samples is None else options.samples,
+        seed=options.seed or 0,
+        distributions=_distributions(model, options.error_factors),
+    )
+
+
+def what_if_data(
+    changes: list[SetValue], sweeps: list[Sweep], found: Uncertainty | None
+) -> dict[str, Any]:
+    """Return what was asked as plain data for `--json`, only what was asked for."""
+    data: dict[str, Any] = {}
+    if changes:
+        data["set"] = [asdict(each) for each in changes]
+    if sweeps:
+        data["sweeps"] = [asdict(each) for each in sweeps]
+    if found is not None:
+        data["uncertainty"] = asdict(found)
+    return data
+
+
+def print_what_if(
+    assessment: Assessment,
+    sweeps: list[Sweep],
+    found: Uncertainty | None,
+    *,
+    importance: bool,
+) -> None:
+    """Print what was asked, below the table of the assessment."""
+    from tracerisk.report import what_if as report
+
+    def show(render: Callable[..., str], what: object) -> None:
+        sys.stdout.write("\n" + render(what, width=terminal_width(), color=use_color()))
+
+    if importance:
+        show(report.render_importances, assessment.components)
+    if sweeps:
+        show(report.render_sweeps, sweeps)
+    if found is not None:
+        show(report.render_uncertainty, found)
+    sys.stdout.flush()
+
+
+def print_set(changes: list[SetValue]) -> None:
+    """Print what was set, above the table of the assessment."""
+    if changes:
+        from tracerisk.report.what_if import render_set_values
+
+        sys.stdout.write(
+            render_set_values(changes, width=terminal_width(), color=use_color()) + "\n"
+        )
+
+
+def _distributions(model: HybridModel, texts: list[str]) -> dict[str, Distribution]:
+    """Return the distributions that `--error-factor` gives, one for all first."""
+    from tracerisk.prm.distributions import Lognormal
+    from tracerisk.prm.what_if import groups_of, parameters_of
+
+    general: dict[str, Distribution] = {}
+    own: dict[str, Distribution] = {}
+    for text in texts:
+        name, equals, number = text.rpartition("=")
+        try:
+            factor = float(number)
+        except ValueError:
+            raise InputError(
+                f"--error-factor {text}: expected [NAME=]F, such as 3 or gripper=3"
+            ) from None
+        if equals:
+            parameters_of(model, name)
+        into = own if equals else general
+        for each in (name,) if equals else groups_of(model):
+            if each in into:
+                raise InputError(
+                    f"--error-factor {text}: {name or 'every component'} has one; give it once"
+                )
+            into[each] = Lognormal(factor)
+    return general | own
+
+
+def _named(text: str, option: str, form: str) -> tuple[str, str]:
+    name, equals, rest = text.rpartition("=")
+    if not equals or not name or not rest:
+        raise InputError(f"{option} {text}: expected {form}")
+    return name, rest
+
+
+def _probability(text: str, where: str) -> float:
+    try:
+        return shared.probability(text)
+    except argparse.ArgumentTypeError as error:
+        raise InputError(f"{where}: {error}") from error

@@ -1,0 +1,125 @@
+"""What-if, importance and uncertainty of a model, for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from tracerisk.prm.assessment import ComponentImportance
+from tracerisk.prm.uncertainty import Uncertainty
+from tracerisk.prm.what_if import SetValue, Sweep
+from tracerisk.report.tables import plain, rendered, table_of
+
+if TYPE_CHECKING:
+    from rich.console import Console, RenderableType
+    from rich.table import Table
+
+
+def render_set_values(values: Sequence[SetValue], *, width: int = 80, color: bool = False) -> str:
+    """Return the parameters that were set, each with its value in the model."""
+    table = table_of("Set, for what follows")
+    table.add_column("parameter", overflow="fold")
+    for heading in ("in the model", "now"):
+        table.add_column(heading, justify="right")
+    for each in values:
+        table.add_row(*plain([each.name, f"{each.before:.4g}", f"{each.now:.4g}"]))
+    return _printed([table], width, color)
+
+
+def render_sweeps(sweeps: Sequence[Sweep], *, width: int = 80, color: bool = False) -> str:
+    """Return the mission's figures along each sweep."""
+    return _printed([_sweep(each) for each in sweeps], width, color)
+
+
+def render_importances(
+    components: Sequence[ComponentImportance], *, width: int = 80, color: bool = False
+) -> str:
+    """Return every importance measure of every component, and its parts by state and unit."""
+    measures = table_of("Importance over the mission")
+    measures.add_column("component", overflow="fold")
+    for heading in ("Birnbaum", "criticality", "Fussell-V.", "RRW", "RAW", "tenfold"):
+        measures.add_column(heading, justify="right", no_wrap=True)
+    for component in components:
+        measures.add_row(
+            *plain(
+                [
+                    component.name,
+                    f"{component.birnbaum:.4g}",
+                    f"{component.criticality:.4g}",
+                    f"{component.fussell_vesely:.4g}",
+                    f"{component.risk_reduction_worth:.4g}",
+                    f"{component.risk_achievement_worth:.3g}",
+                    f"{component.tenfold:.4g}",
+                ]
+            )
+        )
+    return _printed(
+        [
+            measures,
+            _shares("Criticality by function", "function", components),
+            _shares("Criticality by unit", "unit", components),
+        ],
+        width,
+        color,
+    )
+
+
+def render_uncertainty(found: Uncertainty, *, width: int = 80, color: bool = False) -> str:
+    """Return the percentiles of the mission's failure probability, and each input's share."""
+    spread = table_of(
+        f"Mission failure probability, {found.samples} samples, seed {found.seed}",
+    )
+    headings = [f"{level:.0f} %" for level in found.levels]
+    for heading in ("point", "mean", *headings, "std. deviation"):
+        spread.add_column(heading, justify="right")
+    figures = (found.point, found.mean, *found.percentiles, found.deviation)
+    spread.add_row(*plain([f"{each:.3e}" for each in figures]))
+    inputs = table_of("Share of each input in that spread")
+    inputs.add_column("parameter", overflow="fold")
+    for heading in ("point", *headings, "share"):
+        inputs.add_column(heading, justify="right")
+    for each in found.inputs:
+        cells = [f"{value:.3e}" for value in (each.value, *each.percentiles)]
+        inputs.add_row(*plain([each.name, *cells, f"{100.0 * each.share:.3g} %"]))
+    cut = [
+        f"{each.name}: {each.cut} of {found.samples} samples above 1 were taken as 1; "
+        "is its error factor meant?"
+        for each in found.inputs
+        if each.cut
+    ]
+    return _printed([spread, inputs, *cut], width, color)
+
+
+def _sweep(swept: Sweep) -> Table:
+    table = table_of(f"Sweep of {swept.name} ({swept.before:.4g} in the model)")
+    for heading in (swept.name, "by the chain", "fixed cycles", "visits as they ran"):
+        table.add_column(heading, justify="right", overflow="fold")
+    for point in swept.points:
+        mission = point.mission
+        figures = (mission.failure_probability, mission.fixed_cycles, mission.visits_as_run)
+        table.add_row(*plain([f"{point.value:.4g}", *(f"{each:.4e}" for each in figures)]))
+    return table
+
+
+def _shares(title: str, by: str, components: Sequence[ComponentImportance]) -> Table:
+    table = table_of(title)
+    for heading in ("component", by):
+        table.add_column(heading, overflow="fold")
+    for heading in ("Birnbaum", "criticality"):
+        table.add_column(heading, justify="right")
+    for component in components:
+        parts = component.by_state if by == "function" else component.by_unit
+        for index, part in enumerate(parts):
+            name = component.name if index == 0 else ""
+            table.add_row(
+                *plain([name, part.name, f"{part.birnbaum:.4g}", f"{part.criticality:.4g}"])
+            )
+    return table
+
+
+def _printed(parts: Sequence[RenderableType], width: int, color: bool) -> str:
+    def write(console: Console) -> None:
+        for part in parts:
+            console.print(part)
+
+    return rendered(write, width=width, color=color)
