@@ -145,7 +145,7 @@ def test_parameters_are_listed_once_in_the_order_of_the_events():
     assert flat(OR, "b", "a", "b").parameters == ("b", "a")
 
 
-def test_a_shared_event_is_refused_with_its_gates():
+def test_a_shared_event_is_named_with_its_gates_and_counted_once():
     gates = (
         Gate("top", OR, ("left", "right")),
         Gate("left", AND, ("pump", "x")),
@@ -153,14 +153,15 @@ def test_a_shared_event_is_refused_with_its_gates():
     )
     tree = FaultTree("top", gates, tuple(BasicEvent(n, n) for n in ("pump", "x", "y")))
     assert tree.shared == {"pump": ("left", "right")}
-    with pytest.raises(ModelError, match=r"'pump' is shared: .* 2 times, of left, right"):
-        tree.probability({"pump": 0.1, "x": 0.1, "y": 0.1})
+    # The pump, and one of x and y.
+    p, q = tree.probability({"pump": 0.5, "x": 0.25, "y": 0.5})
+    assert (p, q) == (0.3125, 0.6875)
 
 
-def test_an_event_twice_under_one_gate_is_refused():
+def test_an_event_twice_under_one_gate_counts_once():
     tree = FaultTree("top", (Gate("top", AND, ("e", "e")),), (BasicEvent("e", "a"),))
-    with pytest.raises(ModelError, match="'e' is shared"):
-        tree.probability({"a": 0.5})
+    assert tree.probability({"a": 0.5}) == (0.5, 0.5)
+    assert tree.sensitivities({"a": 0.5}) == {"e": 1.0}
 
 
 @pytest.mark.parametrize(
@@ -170,7 +171,12 @@ def test_an_event_twice_under_one_gate_is_refused():
         ("tip", [("top", OR, ("a",))], ["a"], "the top 'tip' is no gate or event; allowed: a, top"),
         ("top", [("top", OR, ("b",))], ["a"], "gate 'top': input 'b' is no gate or event"),
         ("top", [("top", AND, ())], [], "gate 'top': and needs at least one input"),
-        ("top", [("top", OR, ("a",), 1)], ["a"], "gate 'top': k is for atleast and cardinality only"),
+        (
+            "top",
+            [("top", OR, ("a",), 1)],
+            ["a"],
+            "gate 'top': k is for atleast and cardinality only",
+        ),
         ("top", [("top", ATLEAST, ("a",))], ["a"], "gate 'top': k is None; allowed: 1 to 1"),
         ("top", [("top", ATLEAST, ("a",), 2)], ["a"], "gate 'top': k is 2; allowed: 1 to 1"),
         ("top", [("top", OR, ("a",))], ["a", "b"], "not below the top 'top': b"),

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from tracerisk.errors import ModelError
 from tracerisk.prm import (
     FIGURE_STATEMENT,
     BasicEvent,
@@ -266,11 +265,16 @@ def test_a_k_of_n_gate_tells_how_many_units_it_needs():
     assert assessment.mission.failure_probability == close(Fraction(1, 2))
 
 
-def test_a_shared_event_is_refused_with_the_state_that_has_it():
-    tree = FaultTree("top", (Gate("top", GateKind.AND, ("e", "e")),), (BasicEvent("e", "t"),))
+def test_a_state_may_have_a_tree_that_shares_an_event():
+    gates = (
+        Gate("top", GateKind.OR, ("left", "right")),
+        Gate("left", GateKind.AND, ("e", "f")),
+        Gate("right", GateKind.AND, ("e", "g")),
+    )
+    tree = FaultTree("top", gates, tuple(BasicEvent(name, "t") for name in "efg"))
     state = FunctionState("pick", 1, tree, {"t": 0.5}, (NextStep("done", Fraction(1)),))
-    with pytest.raises(ModelError, match="state 'pick': 'e' is shared"):
-        solve(HybridModel("m", "pick", (state,), (Parameter("t", 0.5),)))
+    assessment = solve(HybridModel("m", "pick", (state,), (Parameter("t", 0.5),)))
+    assert assessment.mission.failure_probability == close(Fraction(3, 8))
 
 
 @settings(max_examples=60, deadline=None)

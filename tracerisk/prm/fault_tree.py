@@ -69,6 +69,7 @@ class FaultTree:
     houses: tuple[HouseEvent, ...] = ()
     _upwards: tuple[Gate, ...] = field(init=False, repr=False, compare=False)
     _shared: Mapping[str, tuple[str, ...]] = field(init=False, repr=False, compare=False)
+    _solver: SharedTree | None = field(init=False, repr=False, compare=False, default=None)
 
     def __post_init__(self) -> None:
         names: set[str] = set()
@@ -189,9 +190,13 @@ class FaultTree:
         return drops[self.top]
 
     def _compiled(self) -> SharedTree:
-        from tracerisk.prm.bdd import compiled
+        """Return the tree's decision diagrams, made when first asked for."""
+        if self._solver is None:
+            from tracerisk.prm.bdd import compiled
 
-        return compiled(self)
+            object.__setattr__(self, "_solver", compiled(self))
+        assert self._solver is not None
+        return self._solver
 
     def _event_values(self, values: Mapping[str, float]) -> dict[str, Probability]:
         """Return the probability of each basic event."""

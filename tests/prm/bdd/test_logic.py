@@ -10,9 +10,7 @@ from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind, Hous
 
 def evaluate(graph, happened):
     """Return whether the graph's top happens, by evaluating every node."""
-    value = {TRUE: True}
-    for number, state in enumerate(happened, FIRST_EVENT):
-        value[number] = state
+    value = {TRUE: True, **dict(enumerate(happened, FIRST_EVENT))}
     for node in range(graph.first_gate, len(graph.arguments)):
         value[node] = all(value[abs(a)] == (a > 0) for a in graph.arguments[node])
     return value[abs(graph.top)] == (graph.top > 0)

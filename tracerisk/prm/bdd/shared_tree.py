@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from itertools import accumulate
+from operator import mul
+from typing import TYPE_CHECKING, Any
 
-from tracerisk.errors import ModelError
+from tracerisk.errors import ModelError, TooLargeError, one_of
+from tracerisk.prm.bdd.diagram import DEFAULT_LIMITS, Diagram, Limits, build_diagram
+from tracerisk.prm.bdd.logic import FIRST_EVENT, TRUE, LogicGraph, logic_graph
+from tracerisk.prm.bdd.modules import Module, grouped, modules
+from tracerisk.prm.bdd.simplify import simplified
 from tracerisk.prm.probability import Probability
 
 if TYPE_CHECKING:
@@ -16,29 +22,174 @@ EventValues = Mapping[str, Probability]
 
 
 class SharedTree:
-    """A compiled fault tree."""
+    """A compiled fault tree: modules in closed form or with a decision diagram each.
 
-    def __init__(self, tree: FaultTree) -> None:
-        for name, gates in tree.shared.items():
-            raise ModelError(
-                f"'{name}' is shared: it is an input {len(gates)} times, of "
-                f"{', '.join(sorted(set(gates)))}; only trees in which every event and gate is "
-                "an input once can be solved: give each its own event, or restructure the tree"
-            )
+    Raises TooLargeError when a module's diagram outgrows every budget of `limits`.
+    """
+
+    def __init__(self, tree: FaultTree, limits: Limits = DEFAULT_LIMITS) -> None:
+        self.limits = limits
+        self.graph: LogicGraph = grouped(simplified(logic_graph(tree)))
+        self.modules = modules(self.graph)
+        self.diagrams: dict[int, Diagram] = {}
+        for module in self.modules:
+            if not module.is_simple:
+                try:
+                    self.diagrams[module.root] = build_diagram(self.graph, module, limits)
+                except TooLargeError as error:
+                    raise TooLargeError(
+                        f"fault tree '{tree.top}': {error.message}",
+                        lower=error.lower,
+                        upper=error.upper,
+                    ) from error
 
     def probability(self, values: EventValues) -> Probability:
-        """Return the top event's probability."""
-        raise NotImplementedError
+        """Return the top event's probability, exact to rounding."""
+        p, q = self._sweep(values)
+        top = abs(self.graph.top)
+        pair = Probability(p[top], q[top])
+        return pair if self.graph.top > 0 else pair.complement
+
+    def probabilities(self, values: Mapping[str, Any]) -> Any:
+        """Return the top's probability and its complement for n samples of the events' values.
+
+        values: by event (n,) probabilities; one number stands for n equal ones.
+        Returns (n, 2).
+        Raises ModelError when an event has no value or one outside [0, 1].
+        """
+        import numpy as np
+
+        samples = np.broadcast_shapes((1,), *(np.shape(value) for value in values.values()))
+        p: list[Any] = [None] * len(self.graph.arguments)
+        q: list[Any] = [None] * len(self.graph.arguments)
+        p[TRUE], q[TRUE] = np.ones(samples), np.zeros(samples)
+        for node, event in enumerate(self.graph.events, FIRST_EVENT):
+            if event not in values:
+                raise ModelError(f"event '{event}' has no value; {one_of(values)}")
+            given = np.asarray(values[event], dtype=np.float64)
+            if not np.all((given >= 0.0) & (given <= 1.0)):
+                raise ModelError(
+                    f"event '{event}': a probability is outside [0, 1]; give numbers within"
+                )
+            p[node] = np.broadcast_to(given, samples)
+            q[node] = 1.0 - p[node]
+        for module in self.modules:
+            diagram = self.diagrams.get(module.root)
+            if diagram is None:
+                happens, fails = np.ones(samples), np.zeros(samples)
+                for argument in self.graph.arguments[module.root]:
+                    node = abs(argument)
+                    p_a, q_a = (p[node], q[node]) if argument > 0 else (q[node], p[node])
+                    happens, fails = happens * p_a, fails + happens * q_a
+            else:
+                p_rows, q_rows = (np.stack([s[node] for node in diagram.order]) for s in (p, q))
+                happens, fails = diagram.sweep_many(p_rows, q_rows, self.limits)
+            p[module.root], q[module.root] = happens, fails
+        top = abs(self.graph.top)
+        sides = (p[top], q[top]) if self.graph.top > 0 else (q[top], p[top])
+        return np.stack(sides, axis=1)
 
     def sensitivities(self, values: EventValues) -> dict[str, float]:
-        """Return for each basic event the derivative of the top's probability by its own."""
-        raise NotImplementedError
+        """Return for each basic event the derivative of the top's probability by its own.
+
+        Within a module by its diagram, between modules by the chain rule: of a coherent tree only
+        products and sums of one sign.
+        """
+        p, q = self._sweep(values)
+        weights = [0.0] * len(p)
+        weights[abs(self.graph.top)] = 1.0 if self.graph.top > 0 else -1.0
+        for module in reversed(self.modules):
+            weight = weights[module.root]
+            diagram = self.diagrams.get(module.root)
+            if diagram is None:
+                arguments = self.graph.arguments[module.root]
+                sides = [(p if a > 0 else q)[abs(a)] for a in arguments]
+                for argument, share in zip(arguments, _shares(sides, sides), strict=True):
+                    weights[abs(argument)] = weight * share * (1.0 if argument > 0 else -1.0)
+            else:
+                order = diagram.order
+                found = diagram.derivatives(
+                    [p[node] for node in order], [q[node] for node in order], self.limits
+                )
+                for node, share in zip(order, found, strict=True):
+                    weights[node] = weight * share
+        # An event that the top does not depend on has a weight of zero, never minus zero.
+        return {
+            event: weights[node] + 0.0 for node, event in enumerate(self.graph.events, FIRST_EVENT)
+        }
 
     def difference(self, high: EventValues, low: EventValues) -> float:
-        """Return the top's probability with `high` less that with `low`, without cancellation."""
-        raise NotImplementedError
+        """Return the top's probability with `high` less that with `low`, without cancellation.
+
+        For a coherent tree every term has the sign of its event's change; see
+        `docs/theory.md`, "Shared events".
+        """
+        p_high, q_high = self._sweep(high)
+        p_low, q_low = self._sweep(low)
+        drops = [0.0] * len(p_high)
+        for node, event in enumerate(self.graph.events, FIRST_EVENT):
+            drops[node] = high[event].p - low[event].p
+        for module in self.modules:
+            drops[module.root] = self._module_drop(module, (p_high, q_high), (p_low, q_low), drops)
+        found = drops[abs(self.graph.top)]
+        return found if self.graph.top > 0 else 0.0 - found
+
+    def _module_drop(
+        self,
+        module: Module,
+        high: tuple[list[float], list[float]],
+        low: tuple[list[float], list[float]],
+        drops: Sequence[float],
+    ) -> float:
+        diagram = self.diagrams.get(module.root)
+        if diagram is None:
+            arguments = self.graph.arguments[module.root]
+            before = [high[0 if a > 0 else 1][abs(a)] for a in arguments]
+            after = [low[0 if a > 0 else 1][abs(a)] for a in arguments]
+            signed = [drops[abs(a)] if a > 0 else -drops[abs(a)] for a in arguments]
+            return float(sum(map(mul, _shares(before, after), signed)))
+        order = diagram.order
+        return diagram.difference(
+            ([high[0][node] for node in order], [high[1][node] for node in order]),
+            ([low[0][node] for node in order], [low[1][node] for node in order]),
+            [drops[node] for node in order],
+            self.limits,
+        )
+
+    def _sweep(self, values: EventValues) -> tuple[list[float], list[float]]:
+        """Return (p, 1-p) of each event and module of the graph, by node."""
+        size = len(self.graph.arguments)
+        p, q = [0.0] * size, [0.0] * size
+        p[TRUE] = 1.0
+        for node, event in enumerate(self.graph.events, FIRST_EVENT):
+            p[node], q[node] = values[event]
+        for module in self.modules:
+            root = module.root
+            diagram = self.diagrams.get(root)
+            if diagram is None:
+                happens, fails = 1.0, 0.0
+                for argument in self.graph.arguments[root]:
+                    if argument > 0:
+                        happens, fails = happens * p[argument], fails + happens * q[argument]
+                    else:
+                        happens, fails = happens * q[-argument], fails + happens * p[-argument]
+            else:
+                order = diagram.order
+                nodes = diagram.sweep([p[node] for node in order], [q[node] for node in order])
+                happens, fails = (float(side[diagram.root >> 1]) for side in nodes)
+                if diagram.root & 1:
+                    happens, fails = fails, happens
+            p[root], q[root] = happens, fails
+        return p, q
 
 
-def compiled(tree: FaultTree) -> SharedTree:
-    """Return the tree made ready for solving."""
-    return SharedTree(tree)
+def _shares(before: Sequence[float], after: Sequence[float]) -> list[float]:
+    """Return for each factor of a product those before it, from `before`, times those after it."""
+    heads = list(accumulate(before[:-1], mul, initial=1.0))
+    tails = list(accumulate(after[:0:-1], mul, initial=1.0))
+    return [head * tail for head, tail in zip(heads, reversed(tails), strict=True)]
+
+
+def compiled(tree: FaultTree, limits: Limits = DEFAULT_LIMITS) -> SharedTree:
+    """Return the tree made ready for solving within limits."""
+    return SharedTree(tree, limits)

@@ -1,0 +1,264 @@
+"""The decision diagram of one module, and what is computed on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from tracerisk.errors import TooLargeError
+from tracerisk.prm.bdd.kernel import OUT_OF_NODES
+from tracerisk.prm.bdd.logic import LogicGraph
+from tracerisk.prm.bdd.modules import Module
+from tracerisk.prm.bdd.orders import orders
+from tracerisk.prm.bdd.speed import PLAIN, Loops, compiled_loops
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What the exact solution of a tree that shares events may use.
+
+    `nodes` are the budgets of nodes for one module's diagram, tried in turn, each with every
+    order of variables; a node takes about 40 bytes while the diagram is built.
+    `plain_nodes` is the budget up to which numba is not needed, `pairs` the most pairs of nodes
+    kept for a difference, 16 bytes each, and `samples_bytes` what the sweep of many samples holds
+    at once.
+    `skip_orders` leaves out the first orders, which gives a second diagram to check a first by.
+    """
+
+    nodes: tuple[int, ...] = (20_000, 200_000, 2_000_000, 20_000_000)
+    plain_nodes: int = 2_000
+    pairs: int = 1 << 24
+    samples_bytes: int = 1 << 26
+    skip_orders: int = 0
+
+
+DEFAULT_LIMITS = Limits()
+
+
+@dataclass(frozen=True, slots=True)
+class Diagram:
+    """A module's decision diagram: nodes after those below them, edges as `kernel` has them.
+
+    `order` are the module's inputs by level; `level`, `low` and `high` are (n_nodes,).
+    """
+
+    order: tuple[int, ...]
+    root: int
+    level: Any
+    low: Any
+    high: Any
+    loops: Loops
+
+    @property
+    def size(self) -> int:
+        """The number of nodes, that of the constant included."""
+        return len(self.level)
+
+    def sweep(self, p: Sequence[float], q: Sequence[float]) -> tuple[Any, Any]:
+        """Return each node's probability and its complement; `p` and `q` are by level."""
+        loops = self.loops
+        happens, fails = loops.floats(self.size), loops.floats(self.size)
+        loops.sweep(
+            self.level,
+            self.low,
+            self.high,
+            loops.listed_floats(list(p)),
+            loops.listed_floats(list(q)),
+            happens,
+            fails,
+        )
+        return happens, fails
+
+    def gains(
+        self,
+        p: Sequence[float],
+        q: Sequence[float],
+        swept: tuple[Any, Any],
+        wanted: Sequence[bool],
+        limits: Limits,
+    ) -> Any:
+        """Return for each node of the wanted levels the probability of its high less its low edge.
+
+        Exact to rounding for a coherent tree, unless more than `limits.pairs` pairs are met: the
+        differences that then remain are subtracted as they stand.
+        """
+        loops = self.loops
+        size = 1024
+        while size < 2 * self.size and size < limits.pairs:
+            size *= 2
+        levels = len(self.order)
+        p_levels, q_levels = loops.listed_floats(list(p)), loops.listed_floats(list(q))
+        chosen = loops.listed([int(want) for want in wanted])
+        while True:
+            gains = loops.floats(self.size)
+            met = loops.edge_gains(
+                self.level,
+                self.low,
+                self.high,
+                p_levels,
+                q_levels,
+                *swept,
+                chosen,
+                gains,
+                loops.integers(size),
+                loops.integers(size),
+                loops.floats(size),
+                loops.integers(5 * (levels + 2)),
+                loops.floats(levels + 2),
+            )
+            if met >= 0 or size >= limits.pairs:
+                return gains
+            size *= 4
+
+    def derivatives(self, p: Sequence[float], q: Sequence[float], limits: Limits) -> list[float]:
+        """Return by level the derivative of the root's probability by the variable's."""
+        loops = self.loops
+        swept = self.sweep(p, q)
+        gains = self.gains(p, q, swept, [True] * len(p), limits)
+        out = loops.floats(len(p))
+        loops.derivatives(
+            self.root,
+            self.level,
+            self.low,
+            self.high,
+            loops.listed_floats(list(p)),
+            loops.listed_floats(list(q)),
+            gains,
+            loops.floats(self.size),
+            out,
+        )
+        return [float(value) for value in out]
+
+    def difference(
+        self,
+        high: tuple[Sequence[float], Sequence[float]],
+        low: tuple[Sequence[float], Sequence[float]],
+        drops: Sequence[float],
+        limits: Limits,
+    ) -> float:
+        """Return the root's probability at `high` less that at `low`, (p, q) by level each.
+
+        `drops` are the differences of the variables' probabilities.
+        """
+        loops = self.loops
+        swept = self.sweep(*low)
+        gains = self.gains(*low, swept, [drop != 0.0 for drop in drops], limits)
+        out = loops.floats(self.size)
+        loops.differences(
+            self.level,
+            self.low,
+            self.high,
+            loops.listed_floats(list(high[0])),
+            loops.listed_floats(list(high[1])),
+            loops.listed_floats(list(drops)),
+            gains,
+            out,
+        )
+        found = float(out[self.root >> 1])
+        return -found if self.root & 1 else found
+
+    def sweep_many(self, p: Any, q: Any, limits: Limits) -> tuple[Any, Any]:
+        """Return the root's probability and its complement for n assignments.
+
+        p, q: (levels, n) arrays; the results are (n,).
+        """
+        import numpy as np
+
+        samples = p.shape[1]
+        happens, fails = np.empty(samples), np.empty(samples)
+        step = max(1, limits.samples_bytes // (16 * self.size))
+        for start in range(0, samples, step):
+            part = slice(start, start + step)
+            p_part, q_part = np.ascontiguousarray(p[:, part]), np.ascontiguousarray(q[:, part])
+            width = p_part.shape[1]
+            rows: tuple[Any, Any]
+            if self.loops is PLAIN:
+                rows = [np.zeros(width)] * self.size, [np.zeros(width)] * self.size
+                self.loops.sweep(self.level, self.low, self.high, p_part, q_part, *rows)
+            else:
+                rows = np.empty((self.size, width)), np.empty((self.size, width))
+                self.loops.sweep_many(self.level, self.low, self.high, p_part, q_part, *rows)
+            happens[part], fails[part] = (row[self.root >> 1] for row in rows)
+        return (fails, happens) if self.root & 1 else (happens, fails)
+
+
+def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LIMITS) -> Diagram:
+    """Return a module's diagram, by the first order that fits the least budget that any fits.
+
+    Raises TooLargeError when none does.
+    """
+    tried = list(orders(graph, module))
+    kept = tried[limits.skip_orders :] or tried[-1:]
+    first = _local(graph, module, kept[0][1])
+    if limits.plain_nodes and (found := _built(first, limits.plain_nodes, PLAIN)):
+        return found
+    loops = compiled_loops()
+    locals_of = {name: _local(graph, module, order) for name, order in kept}
+    for budget in limits.nodes:
+        for name, _ in kept:
+            if found := _built(locals_of[name], budget, loops):
+                return found
+    names = ", ".join(locals_of)
+    raise TooLargeError(
+        f"a part of {len(module.inputs)} events and {len(module.gates)} gates that share them "
+        f"outgrew every budget of its decision diagram: {max(limits.nodes, default=0)} nodes in "
+        f"each of {len(kept)} orders of the events ({names}); give larger budgets "
+        "(Limits.nodes), or divide the tree"
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Local:
+    """A module's gates over its variables by level, as `kernel.build` takes them."""
+
+    order: tuple[int, ...]
+    offsets: list[int]
+    literals: list[int]
+
+
+def _local(graph: LogicGraph, module: Module, order: tuple[int, ...]) -> _Local:
+    """Number a module's inputs by level; each gate's deepest arguments stand first."""
+    number = {node: level for level, node in enumerate(order)}
+    top = dict(number)
+    offsets, literals = [0], []
+    for gate in module.gates:
+        arguments = sorted(graph.arguments[gate], key=lambda a: (-top[abs(a)], abs(a)))
+        top[gate] = top[abs(arguments[-1])]
+        number[gate] = len(order) + len(offsets) - 1
+        literals += [2 * number[abs(a)] + (a < 0) for a in arguments]
+        offsets.append(len(literals))
+    return _Local(order, offsets, literals)
+
+
+def _built(local: _Local, budget: int, loops: Loops) -> Diagram | None:
+    """Return the diagram, or nothing when it outgrows the budget."""
+    levels = len(local.order)
+    level, low, high = (loops.integers(budget) for _ in range(3))
+    used = loops.integers(1)
+    root = loops.build(
+        levels,
+        loops.listed(local.offsets),
+        loops.listed(local.literals),
+        loops.integers(len(local.offsets) - 1),
+        level,
+        low,
+        high,
+        loops.integers(_power_of_two(budget + budget // 4)),
+        loops.integers(3 * _power_of_two(budget)),
+        loops.integers(6 * (levels + 2)),
+        used,
+    )
+    if root == OUT_OF_NODES:
+        return None
+    count = int(used[0])
+    number = loops.integers(count)
+    kept = loops.compact(root, count, level, low, high, number)
+    # The root is the last of those kept: nothing below it stands after it.
+    root = 2 * (kept - 1) + (root & 1)
+    level, low, high = (loops.listed(sequence[:kept]) for sequence in (level, low, high))
+    return Diagram(local.order, root, level, low, high, loops)
+
+
+def _power_of_two(least: int) -> int:
+    return 1 << max(4, (least - 1).bit_length())

@@ -1,0 +1,476 @@
+"""The loops of decision diagrams, on flat arrays: one source for both speeds.
+
+Small diagrams run these functions as they stand, on lists; larger ones run them compiled by
+numba, on arrays (`tracerisk.prm.bdd.speed`).
+So each is one function without calls or recursion, and integer hashes stay below 2^63.
+
+An edge is twice a node's number, plus one for the complement; node 0 is the constant that always
+happens (edge 0), edge 1 never.
+A node's high edge is never a complement, so that a function and its complement share all nodes.
+Nodes stand after those below them.
+Canonical form: Bryant 1986; complement edges: Brace, Rudell, Bryant, "Efficient implementation of
+a BDD package", DAC 1990.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+Integers = Any
+"""A list of integers, or an array of them."""
+Floats = Any
+"""A list of floats, or an array of them."""
+
+OUT_OF_NODES = -1
+EXACT_ENOUGH = 16.0
+"""A subtraction may lose this factor of the relative precision, not more."""
+
+
+def build(
+    levels: int,
+    offsets: Integers,
+    literals: Integers,
+    edges: Integers,
+    level: Integers,
+    low: Integers,
+    high: Integers,
+    table: Integers,
+    cache: Integers,
+    frames: Integers,
+    used: Integers,
+) -> int:
+    """Build the diagrams of a sequence of ANDs; return the last one's edge, or OUT_OF_NODES.
+
+    levels: number of variables; variable i has level i, 0 on top.
+    offsets: (n_gates + 1,) where each gate's arguments start in `literals`; a literal is
+        2 (variable) or 2 (levels + gate), plus one for the complement.
+    edges: (n_gates,) out, the edge of each gate.
+    level, low, high: (budget,) out, the nodes.
+    table: (power of two, over budget) zeros, the hash table of the nodes.
+    cache: (3 times a power of two) zeros, the results of conjunctions: f, g, result.
+    frames: (6 (levels + 2)) the stack.
+    used: (1) out, how many nodes were made.
+    """
+    budget = len(level)
+    table_mask = len(table) - 1
+    cache_mask = len(cache) // 3 - 1
+    level[0] = levels
+    low[0] = 0
+    high[0] = 0
+    count = 1
+    for gate in range(len(offsets) - 1):
+        joined = 0
+        for place in range(offsets[gate], offsets[gate + 1]):
+            literal = literals[place]
+            item = literal >> 1
+            # One call of conjunction: (f, g), by a stack of frames.
+            f = joined
+            depth = 0
+            single = item < levels
+            if single:
+                # A variable's own node: handled as the node (item, low=1, high=0) to be found.
+                g = 0
+            else:
+                g = edges[item - levels] ^ (literal & 1)
+            calling = True
+            result = 0
+            make_level = 0
+            make_low = 0
+            make_high = 0
+            making = single
+            while True:
+                if calling and not making:
+                    if f == g or g == 0:
+                        result = f
+                    elif f == 0:
+                        result = g
+                    elif f == 1 or g == 1 or (f ^ g) == 1:
+                        result = 1
+                    else:
+                        if f > g:
+                            f, g = g, f
+                        slot = f * 12582917 + g * 4256249
+                        slot = 3 * ((slot ^ (slot >> 17)) & cache_mask)
+                        if cache[slot] == f and cache[slot + 1] == g:
+                            result = cache[slot + 2]
+                        else:
+                            node_f = f >> 1
+                            node_g = g >> 1
+                            level_f = level[node_f]
+                            level_g = level[node_g]
+                            top = min(level_f, level_g)
+                            if level_f == top:
+                                sign = f & 1
+                                f_high = high[node_f] ^ sign
+                                f_low = low[node_f] ^ sign
+                            else:
+                                f_high = f
+                                f_low = f
+                            if level_g == top:
+                                sign = g & 1
+                                g_high = high[node_g] ^ sign
+                                g_low = low[node_g] ^ sign
+                            else:
+                                g_high = g
+                                g_low = g
+                            base = 6 * depth
+                            frames[base] = f
+                            frames[base + 1] = g
+                            frames[base + 2] = top
+                            frames[base + 3] = f_low
+                            frames[base + 4] = g_low
+                            frames[base + 5] = -1
+                            depth += 1
+                            f = f_high
+                            g = g_high
+                            continue
+                    calling = False
+                if making:
+                    sign = make_high & 1
+                    if single:
+                        make_level = item
+                        make_high = 0
+                        make_low = 1
+                        sign = 0
+                    make_high ^= sign
+                    make_low ^= sign
+                    slot = make_level * 741457 + make_low * 12582917 + make_high * 4256249
+                    slot = (slot ^ (slot >> 17)) & table_mask
+                    node = table[slot]
+                    while node != 0 and (
+                        low[node] != make_low
+                        or high[node] != make_high
+                        or level[node] != make_level
+                    ):
+                        slot = (slot + 1) & table_mask
+                        node = table[slot]
+                    if node == 0:
+                        if count >= budget:
+                            used[0] = count
+                            return -1
+                        node = count
+                        count += 1
+                        table[slot] = node
+                        level[node] = make_level
+                        low[node] = make_low
+                        high[node] = make_high
+                    result = 2 * node + sign
+                    making = False
+                    if single:
+                        single = False
+                        g = result ^ (literal & 1)
+                        calling = True
+                        continue
+                    base = 6 * depth
+                    f = frames[base]
+                    g = frames[base + 1]
+                    slot = f * 12582917 + g * 4256249
+                    slot = 3 * ((slot ^ (slot >> 17)) & cache_mask)
+                    cache[slot] = f
+                    cache[slot + 1] = g
+                    cache[slot + 2] = result
+                if depth == 0:
+                    break
+                base = 6 * (depth - 1)
+                if frames[base + 5] < 0:
+                    frames[base + 5] = result
+                    f = frames[base + 3]
+                    g = frames[base + 4]
+                    calling = True
+                    continue
+                depth -= 1
+                make_high = frames[base + 5]
+                make_low = result
+                if make_high == make_low:
+                    result = make_high
+                    f = frames[base]
+                    g = frames[base + 1]
+                    slot = f * 12582917 + g * 4256249
+                    slot = 3 * ((slot ^ (slot >> 17)) & cache_mask)
+                    cache[slot] = f
+                    cache[slot + 1] = g
+                    cache[slot + 2] = result
+                else:
+                    make_level = frames[base + 2]
+                    making = True
+            joined = result
+            if joined == 1:
+                break
+        edges[gate] = joined
+    used[0] = count
+    return int(edges[len(offsets) - 2])
+
+
+def compact(
+    root: int, count: int, level: Integers, low: Integers, high: Integers, number: Integers
+) -> int:
+    """Keep only the nodes below an edge, in place; return their count, the constant's included.
+
+    number: (count,) zeros, scratch; out, the new number of each node kept.
+    """
+    number[root >> 1] = 1
+    for node in range(count - 1, 0, -1):
+        if number[node]:
+            number[low[node] >> 1] = 1
+            number[high[node] >> 1] = 1
+    number[0] = 0
+    kept = 1
+    for node in range(1, count):
+        if number[node]:
+            number[node] = kept
+            level[kept] = level[node]
+            low[kept] = 2 * number[low[node] >> 1] + (low[node] & 1)
+            high[kept] = 2 * number[high[node] >> 1]
+            kept += 1
+    return kept
+
+
+def sweep(
+    level: Integers,
+    low: Integers,
+    high: Integers,
+    p: Floats,
+    q: Floats,
+    happens: Floats,
+    fails: Floats,
+) -> None:
+    """Give each node the probability of its function, `happens`, and of the complement, `fails`.
+
+    p, q: (levels,) the probabilities of the variables.
+    happens, fails: (n_nodes,) out.
+    """
+    happens[0] = 1.0
+    fails[0] = 0.0
+    for node in range(1, len(level)):
+        p_here = p[level[node]]
+        q_here = q[level[node]]
+        below = low[node] >> 1
+        above = high[node] >> 1
+        if low[node] & 1:
+            happens[node] = p_here * happens[above] + q_here * fails[below]
+            fails[node] = p_here * fails[above] + q_here * happens[below]
+        else:
+            happens[node] = p_here * happens[above] + q_here * happens[below]
+            fails[node] = p_here * fails[above] + q_here * fails[below]
+
+
+def edge_gains(
+    level: Integers,
+    low: Integers,
+    high: Integers,
+    p: Floats,
+    q: Floats,
+    happens: Floats,
+    fails: Floats,
+    wanted: Integers,
+    gains: Floats,
+    memo_f: Integers,
+    memo_g: Integers,
+    memo_gain: Floats,
+    frames: Integers,
+    partial: Floats,
+) -> int:
+    """Give each node the probability of its high edge less that of its low edge.
+
+    Where a subtraction would lose more than EXACT_ENOUGH, the difference is taken below, by pairs
+    of edges: S(f, g) = p S(f1, g1) + q S(f0, g0).
+    Of a coherent function all terms of a node have one sign, so that nothing cancels.
+    Returns how many pairs were met; when the memo is full, the rest of the differences are
+    subtracted as they stand and -1 is returned.
+
+    wanted: (levels,) whether the nodes of a level are wanted; gains: (n_nodes,) out.
+    memo_f: (power of two) zeros, memo_g and memo_gain alike: the pairs known.
+    frames: (5 (levels + 2)) and partial: (levels + 2) the stack.
+    """
+    mask = len(memo_f) - 1
+    most = len(memo_f) - len(memo_f) // 4
+    pairs = 0
+    full = False
+    for start in range(1, len(level)):
+        if not wanted[level[start]]:
+            continue
+        f = high[start]
+        g = low[start]
+        depth = 0
+        result = 0.0
+        while True:
+            # A call: S(f, g).
+            found = True
+            if f == g:
+                result = 0.0
+            else:
+                node_f = f >> 1
+                node_g = g >> 1
+                if f & 1:
+                    p_f = fails[node_f]
+                    q_f = happens[node_f]
+                else:
+                    p_f = happens[node_f]
+                    q_f = fails[node_f]
+                if g & 1:
+                    p_g = fails[node_g]
+                    q_g = happens[node_g]
+                else:
+                    p_g = happens[node_g]
+                    q_g = fails[node_g]
+                scale_p = max(p_f, p_g)
+                scale_q = max(q_f, q_g)
+                if scale_p <= scale_q:
+                    result = p_f - p_g
+                    scale = scale_p
+                else:
+                    result = q_g - q_f
+                    scale = scale_q
+                if abs(result) * 16.0 < scale and not full:
+                    # Canonical pair: the greater node first, and regular.
+                    sign = 0
+                    if node_f < node_g:
+                        f, g = g, f
+                        sign = 1
+                    if f & 1:
+                        f ^= 1
+                        g ^= 1
+                        sign ^= 1
+                    slot = f * 12582917 + g * 4256249
+                    slot = (slot ^ (slot >> 17)) & mask
+                    while memo_f[slot] != 0 and (memo_f[slot] != f or memo_g[slot] != g):
+                        slot = (slot + 1) & mask
+                    if memo_f[slot] != 0:
+                        result = -memo_gain[slot] if sign else memo_gain[slot]
+                    else:
+                        found = False
+                        base = 5 * depth
+                        frames[base] = f
+                        frames[base + 1] = g
+                        frames[base + 2] = sign
+                        frames[base + 3] = 0
+                        node_f = f >> 1
+                        node_g = g >> 1
+                        top = min(level[node_f], level[node_g])
+                        frames[base + 4] = top
+                        if level[node_g] == top:
+                            g = high[node_g] ^ (g & 1)
+                        if level[node_f] == top:
+                            f = high[node_f]
+                        depth += 1
+            if not found:
+                continue
+            # Returns, up to the next call.
+            while depth > 0:
+                base = 5 * (depth - 1)
+                f = frames[base]
+                g = frames[base + 1]
+                top = frames[base + 4]
+                if frames[base + 3] == 0:
+                    frames[base + 3] = 1
+                    partial[depth - 1] = p[top] * result
+                    node_f = f >> 1
+                    node_g = g >> 1
+                    if level[node_g] == top:
+                        g = low[node_g] ^ (g & 1)
+                    if level[node_f] == top:
+                        f = low[node_f]
+                    break
+                depth -= 1
+                result = partial[depth] + q[top] * result
+                if pairs < most:
+                    slot = f * 12582917 + g * 4256249
+                    slot = (slot ^ (slot >> 17)) & mask
+                    while memo_f[slot] != 0:
+                        slot = (slot + 1) & mask
+                    memo_f[slot] = f
+                    memo_g[slot] = g
+                    memo_gain[slot] = result
+                    pairs += 1
+                else:
+                    full = True
+                if frames[base + 2]:
+                    result = -result
+            else:
+                break
+        gains[start] = result
+    return -1 if full else pairs
+
+
+def derivatives(
+    root: int,
+    level: Integers,
+    low: Integers,
+    high: Integers,
+    p: Floats,
+    q: Floats,
+    gains: Floats,
+    reach: Floats,
+    out: Floats,
+) -> None:
+    """Give each variable the derivative of the root's probability by its own.
+
+    reach: (n_nodes,) zeros, scratch: the signed probability that a path comes by.
+    out: (levels,) zeros.
+    """
+    reach[root >> 1] = -1.0 if root & 1 else 1.0
+    for node in range(len(level) - 1, 0, -1):
+        weight = reach[node]
+        here = level[node]
+        out[here] += weight * gains[node]
+        reach[high[node] >> 1] += weight * p[here]
+        if low[node] & 1:
+            reach[low[node] >> 1] -= weight * q[here]
+        else:
+            reach[low[node] >> 1] += weight * q[here]
+
+
+def differences(
+    level: Integers,
+    low: Integers,
+    high: Integers,
+    p: Floats,
+    q: Floats,
+    drop: Floats,
+    gains: Floats,
+    out: Floats,
+) -> None:
+    """Give each node its probability under one assignment less that under another.
+
+    p, q: (levels,) of the one assignment; drop: (levels,) its p less the other's; gains: of the
+    other assignment, see `edge_gains`; out: (n_nodes,).
+    """
+    out[0] = 0.0
+    for node in range(1, len(level)):
+        here = level[node]
+        below = out[low[node] >> 1]
+        if low[node] & 1:
+            below = -below
+        out[node] = p[here] * out[high[node] >> 1] + q[here] * below + drop[here] * gains[node]
+
+
+def sweep_many(
+    level: Integers, low: Integers, high: Integers, p: Any, q: Any, happens: Any, fails: Any
+) -> None:
+    """As `sweep`, for n assignments side by side: p, q (levels, n); happens, fails (n_nodes, n)."""
+    samples = p.shape[1]
+    for sample in range(samples):
+        happens[0, sample] = 1.0
+        fails[0, sample] = 0.0
+    for node in range(1, len(level)):
+        here = level[node]
+        below = low[node] >> 1
+        above = high[node] >> 1
+        if low[node] & 1:
+            for sample in range(samples):
+                p_here = p[here, sample]
+                q_here = q[here, sample]
+                happens[node, sample] = (
+                    p_here * happens[above, sample] + q_here * fails[below, sample]
+                )
+                fails[node, sample] = (
+                    p_here * fails[above, sample] + q_here * happens[below, sample]
+                )
+        else:
+            for sample in range(samples):
+                p_here = p[here, sample]
+                q_here = q[here, sample]
+                happens[node, sample] = (
+                    p_here * happens[above, sample] + q_here * happens[below, sample]
+                )
+                fails[node, sample] = p_here * fails[above, sample] + q_here * fails[below, sample]

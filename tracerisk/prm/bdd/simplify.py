@@ -1,0 +1,188 @@
+"""Simplification of a logic graph before its decision diagram is built.
+
+Every rule keeps the function and lets fewer nodes stand below fewer gates: coalescing of an AND
+into the only AND above it, restriction of a literal below its own gate, factoring of common
+arguments, and merging of the literals that always stand together.
+Rules of this kind: Niemela, "On simplification of large fault trees", Reliability Engineering
+and System Safety 44 (1994); Rauzy and Dutuit, "Exact and truncated computations of prime
+implicants of coherent and non-coherent fault trees within Aralia", 58 (1997).
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from tracerisk.prm.bdd.logic import FALSE, TRUE, LogicBuilder, LogicGraph
+
+MOST_ROUNDS = 12
+_MOST_KNOWN = 20_000_000
+"""The most literals that all contexts of one round may hold together."""
+
+
+def simplified(graph: LogicGraph) -> LogicGraph:
+    """Return an equal graph that is smaller where the rules find something."""
+    for _ in range(MOST_ROUNDS):
+        before = graph
+        for rule in (_restricted, _factored, _merged):
+            graph = rule(graph)
+        if graph == before:
+            break
+    return graph
+
+
+def _uses(graph: LogicGraph, order: Sequence[int]) -> list[int]:
+    """Return how many gates each node is an argument of."""
+    uses = [0] * len(graph.arguments)
+    uses[abs(graph.top)] += 1
+    for node in order:
+        for argument in graph.arguments[node]:
+            uses[abs(argument)] += 1
+    return uses
+
+
+def _contexts(graph: LogicGraph, order: Sequence[int], uses: Sequence[int]) -> list[frozenset[int]]:
+    """Return for each gate the literals that are true whenever its value matters.
+
+    They are arguments of gates above it, on every way from the top: where one of them is false,
+    the gate that it is an argument of is false whatever stands below.
+    """
+    nothing: frozenset[int] = frozenset()
+    contexts: list[frozenset[int] | None] = [None] * len(graph.arguments)
+    contexts[abs(graph.top)] = nothing
+    held = 0
+    for node in reversed(order):
+        arguments = graph.arguments[node]
+        known = contexts[node] or nothing
+        siblings = [a for a in arguments if uses[abs(a)] > 1 and a not in known]
+        below = known.union(siblings) if siblings and held < _MOST_KNOWN else known
+        held += len(below) if siblings else 0
+        for argument in arguments:
+            child = abs(argument)
+            if graph.arguments[child]:
+                others = contexts[child]
+                contexts[child] = below if others is None else others & below
+    return [context or nothing for context in contexts]
+
+
+def _restricted(graph: LogicGraph) -> LogicGraph:
+    """Set literals to what is known below their gates, and coalesce ANDs into the one above."""
+    order = graph.reachable()
+    uses = _uses(graph, order)
+    contexts = _contexts(graph, order, uses)
+    builder = LogicBuilder(graph.events)
+    first_gate = graph.first_gate
+    absorbed = {
+        argument
+        for node in order
+        for argument in graph.arguments[node]
+        if argument >= first_gate and uses[argument] == 1
+    }
+    made = list(range(len(graph.arguments)))
+    for node in order:
+        if node < first_gate or node in absorbed:
+            continue
+        literals: list[int] = []
+        stack = [node]
+        while stack:
+            part = stack.pop()
+            known = contexts[part]
+            for argument in graph.arguments[part]:
+                if argument in known:
+                    continue
+                if -argument in known:
+                    literals.append(FALSE)
+                elif argument in absorbed:
+                    stack.append(argument)
+                else:
+                    literals.append(made[argument] if argument > 0 else -made[-argument])
+        made[node] = builder.conjunction(literals)
+    top = made[abs(graph.top)]
+    return builder.graph(top if graph.top > 0 else -top)
+
+
+def _factored(graph: LogicGraph) -> LogicGraph:
+    """Take a literal that several products of one sum share out of them."""
+    order = graph.reachable()
+    uses = _uses(graph, order)
+    builder = LogicBuilder(graph.events)
+    first_gate = graph.first_gate
+    made = list(range(len(graph.arguments)))
+    for node in order:
+        if node < first_gate:
+            continue
+        literals = []
+        products: list[set[int]] = []
+        for argument in graph.arguments[node]:
+            child = abs(argument)
+            literal = made[child] if argument > 0 else -made[child]
+            if -literal >= first_gate and uses[child] == 1:
+                products.append(set(builder.arguments[-literal]))
+            else:
+                literals.append(literal)
+        literals.extend(-product for product in _common_out(builder, products))
+        made[node] = builder.conjunction(literals)
+    top = made[abs(graph.top)]
+    return builder.graph(top if graph.top > 0 else -top)
+
+
+def _common_out(builder: LogicBuilder, products: list[set[int]]) -> list[int]:
+    """Return literals whose sum is that of the products, common literals taken out.
+
+    Greedy: the literal that most products share goes first, with all that those have in common.
+    """
+    counts = Counter(literal for product in products for literal in product)
+    while counts:
+        most = max(counts.values())
+        if most < 2:
+            break
+        literal = min(literal for literal, count in counts.items() if count == most)
+        having = [product for product in products if literal in product]
+        common = set.intersection(*having)
+        rest = [product - common for product in having]
+        inner = (
+            TRUE
+            if not all(rest)
+            else builder.disjunction([builder.conjunction(sorted(part)) for part in rest])
+        )
+        counts.subtract(literal for product in having for literal in product)
+        new = common | {inner} if inner != TRUE else common
+        products = [product for product in products if literal not in product]
+        products.append(new)
+        counts.update(new)
+    return [builder.conjunction(sorted(product)) for product in products]
+
+
+def _merged(graph: LogicGraph) -> LogicGraph:
+    """Join the literals that stand together in all their gates, with one sign, into one AND."""
+    order = graph.reachable()
+    places: dict[int, list[int]] = {}
+    for node in order:
+        for argument in graph.arguments[node]:
+            places.setdefault(argument, []).append(node)
+    alike: dict[tuple[int, ...], list[int]] = {}
+    for literal, gates in places.items():
+        if -literal not in places and abs(literal) != abs(graph.top):
+            alike.setdefault(tuple(gates), []).append(literal)
+    group_of: dict[int, tuple[int, ...]] = {}
+    for gates, literals in alike.items():
+        whole = any(len(graph.arguments[gate]) == len(literals) for gate in gates)
+        if len(literals) > 1 and len(gates) > 1 and not whole:
+            group = tuple(sorted(literals, key=abs))
+            group_of |= dict.fromkeys(group, group)
+    if not group_of:
+        return graph
+    builder = LogicBuilder(graph.events)
+    made = list(range(len(graph.arguments)))
+    for node in order:
+        if node < graph.first_gate:
+            continue
+        literals = []
+        for argument in graph.arguments[node]:
+            group = group_of.get(argument, (argument,))
+            if argument == group[0]:
+                members = [made[a] if a > 0 else -made[-a] for a in group]
+                literals.append(builder.conjunction(members))
+        made[node] = builder.conjunction(literals)
+    top = made[abs(graph.top)]
+    return builder.graph(top if graph.top > 0 else -top)

@@ -1,0 +1,79 @@
+"""The kernel's loops at two speeds: as Python on lists, or compiled by numba on arrays.
+
+numba is imported by `compiled_loops` only: a diagram of up to a few thousand nodes is built sooner
+than numba starts.
+Both give the same numbers to the last bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, TypeVar, cast
+
+from tracerisk.prm.bdd import kernel
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+@dataclass(frozen=True, slots=True)
+class Loops:
+    """The functions of `kernel`, and how the sequences that they take are made."""
+
+    build: Callable[..., int]
+    compact: Callable[..., int]
+    sweep: Callable[..., None]
+    sweep_many: Callable[..., None]
+    edge_gains: Callable[..., int]
+    derivatives: Callable[..., None]
+    differences: Callable[..., None]
+    integers: Callable[[int], Any]
+    floats: Callable[[int], Any]
+    listed: Callable[[list[int]], Any]
+    listed_floats: Callable[[list[float]], Any]
+
+
+PLAIN = Loops(
+    kernel.build,
+    kernel.compact,
+    kernel.sweep,
+    kernel.sweep_many,
+    kernel.edge_gains,
+    kernel.derivatives,
+    kernel.differences,
+    integers=lambda size: [0] * size,
+    floats=lambda size: [0.0] * size,
+    listed=list,
+    listed_floats=list,
+)
+
+
+@cache
+def compiled_loops() -> Loops:
+    """Return the loops compiled; each is compiled when first called, then kept on disk."""
+    import numpy as np
+
+    return Loops(
+        _compiled(kernel.build),
+        _compiled(kernel.compact),
+        _compiled(kernel.sweep),
+        _compiled(kernel.sweep_many),
+        _compiled(kernel.edge_gains),
+        _compiled(kernel.derivatives),
+        _compiled(kernel.differences),
+        integers=lambda size: np.zeros(size, dtype=np.int32),
+        floats=lambda size: np.zeros(size, dtype=np.float64),
+        listed=lambda items: np.array(items, dtype=np.int32),
+        listed_floats=lambda items: np.array(items, dtype=np.float64),
+    )
+
+
+def _compiled(function: _Function) -> _Function:
+    import numba
+
+    try:
+        return cast(_Function, numba.njit(cache=True)(function))
+    except RuntimeError:
+        # No folder for the cache can be written: neither beside the package nor the user's.
+        return cast(_Function, numba.njit(function))
