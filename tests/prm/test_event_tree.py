@@ -1,8 +1,11 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import product
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.event_tree import (
@@ -64,6 +67,94 @@ def test_sequences_are_products_of_branches_that_share_nothing():
         float(quarter * (1 - undetected) * unisolated), rel=1e-15
     )
     assert solution["S3"] == pytest.approx(float(quarter * undetected), rel=1e-15)
+
+
+@st.composite
+def shared_event_trees(draw):
+    """Draw up to three fault trees over five events, and an event tree over their tops."""
+    names = "abcde"
+    trees = []
+    for index in range(draw(st.integers(1, 3))):
+        gates = []
+        for inner in range(draw(st.integers(0, 2))):
+            inputs = draw(st.lists(st.sampled_from(names), min_size=1, max_size=3, unique=True))
+            gates.append(
+                Gate(
+                    f"g{index}{inner}",
+                    draw(st.sampled_from([OR, AND, GateKind.XOR][: len(inputs) + 1])),
+                    tuple(inputs),
+                )
+                if len(inputs) > 1
+                else Gate(f"g{index}{inner}", GateKind.NOT, tuple(inputs))
+            )
+        below = [gate.name for gate in gates]
+        more = draw(st.lists(st.sampled_from(names), min_size=1, max_size=3, unique=True))
+        gates.append(Gate(f"t{index}", draw(st.sampled_from([OR, AND])), (*below, *more)))
+        used = dict.fromkeys(name for gate in gates for name in gate.inputs if name in names)
+        trees.append(FaultTree(f"t{index}", tuple(gates), tuple(map(BasicEvent, used))))
+    rows = {}
+
+    def grow(rank, states):
+        if rank == len(trees):
+            rows[f"S{len(rows)}"] = states
+            return
+        if states and draw(st.booleans()):
+            grow(rank + 1, states)
+            return
+        for state in ("success", "failure"):
+            grow(rank + 1, {**states, f"f{rank}": state})
+
+    grow(0, {})
+    tree = EventTree.of("t", {f"f{i}": each.top for i, each in enumerate(trees)}, rows)
+    return tree, trees, rows
+
+
+def happens(tree, name, events):
+    """Whether a gate or event happens, by the definition of each kind."""
+    gates = {gate.name: gate for gate in tree.gates}
+    if name not in gates:
+        return name in events
+    inputs = [happens(tree, each, events) for each in gates[name].inputs]
+    kind = gates[name].kind
+    if kind is GateKind.NOT:
+        return not inputs[0]
+    if kind is GateKind.XOR:
+        return sum(inputs) % 2 == 1
+    return any(inputs) if kind is OR else all(inputs)
+
+
+@settings(max_examples=60, deadline=None)
+@given(drawn=shared_event_trees(), data=st.data())
+def test_sequences_over_shared_events_equal_exact_enumeration(drawn, data):
+    tree, trees, rows = drawn
+    names = sorted({event.name for each in trees for event in each.events})
+    values = {name: data.draw(st.sampled_from([1e-18, 1e-9, 0.5, 1e-3])) for name in names}
+    expected = dict.fromkeys(rows, Fraction(0))
+    for outcome in product((False, True), repeat=len(names)):
+        events = {name for name, happened in zip(names, outcome, strict=True) if happened}
+        weight = Fraction(1)
+        for name in names:
+            weight *= Fraction(values[name]) if name in events else 1 - Fraction(values[name])
+        states = ["failure" if happens(each, each.top, events) else "success" for each in trees]
+        for sequence, row in rows.items():
+            if all(states[int(function[1:])] == state for function, state in row.items()):
+                expected[sequence] += weight
+    solution = tree.solve(trees, values)
+    for sequence, figure in expected.items():
+        assert solution[sequence] == pytest.approx(float(figure), rel=1e-14, abs=0.0)
+    assert solution.total == pytest.approx(1.0, rel=1e-14)
+
+
+def test_a_house_event_changes_only_the_conditions_after_it():
+    down = HouseEvent("down", False)
+    first = FaultTree("first", (Gate("first", AND, ("p", "down")),), (BasicEvent("p"),), (down,))
+    second = gate_of("second", OR, "p", "q", houses=(down,))
+    start = Branch(
+        End("S"),
+        (Condition("second"), SetHouse("down", True), Condition("first"), Condition("second")),
+    )
+    # Before: p or q; after: p and true, p or q or true.
+    assert event_tree(start).solve([first, second], {"p": 0.25, "q": 0.5})["S"] == 0.25
 
 
 def test_outcomes_add_their_sequences_and_sum_to_the_initiating_frequency():
