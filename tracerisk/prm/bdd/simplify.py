@@ -16,8 +16,8 @@ from collections.abc import Sequence
 from tracerisk.prm.bdd.logic import FALSE, TRUE, LogicBuilder, LogicGraph
 
 MOST_ROUNDS = 12
-_MOST_KNOWN = 20_000_000
-"""The most literals that all contexts of one round may hold together."""
+_MOST_WORK = 3_000_000
+"""After so many literals have been put into contexts in one round, none is known any more."""
 
 
 def simplified(graph: LogicGraph) -> LogicGraph:
@@ -50,18 +50,26 @@ def _contexts(graph: LogicGraph, order: Sequence[int], uses: Sequence[int]) -> l
     nothing: frozenset[int] = frozenset()
     contexts: list[frozenset[int] | None] = [None] * len(graph.arguments)
     contexts[abs(graph.top)] = nothing
-    held = 0
+    work = 0
     for node in reversed(order):
         arguments = graph.arguments[node]
         known = contexts[node] or nothing
         siblings = [a for a in arguments if uses[abs(a)] > 1 and a not in known]
-        below = known.union(siblings) if siblings and held < _MOST_KNOWN else known
-        held += len(below) if siblings else 0
+        below = known
+        if work > _MOST_WORK:
+            below = nothing
+        elif siblings:
+            below = known.union(siblings)
+            work += len(below)
         for argument in arguments:
             child = abs(argument)
             if graph.arguments[child]:
                 others = contexts[child]
-                contexts[child] = below if others is None else others & below
+                if others is None:
+                    contexts[child] = below
+                elif others is not below:
+                    contexts[child] = others & below
+                    work += min(len(others), len(below))
     return [context or nothing for context in contexts]
 
 
@@ -161,15 +169,15 @@ def _merged(graph: LogicGraph) -> LogicGraph:
         for argument in graph.arguments[node]:
             places.setdefault(argument, []).append(node)
     alike: dict[tuple[int, ...], list[int]] = {}
-    for literal, gates in places.items():
+    for literal, above in places.items():
         if -literal not in places and abs(literal) != abs(graph.top):
-            alike.setdefault(tuple(gates), []).append(literal)
+            alike.setdefault(tuple(above), []).append(literal)
     group_of: dict[int, tuple[int, ...]] = {}
-    for gates, literals in alike.items():
-        whole = any(len(graph.arguments[gate]) == len(literals) for gate in gates)
-        if len(literals) > 1 and len(gates) > 1 and not whole:
-            group = tuple(sorted(literals, key=abs))
-            group_of |= dict.fromkeys(group, group)
+    for gates, together in alike.items():
+        whole = any(len(graph.arguments[gate]) == len(together) for gate in gates)
+        if len(together) > 1 and len(gates) > 1 and not whole:
+            members = tuple(sorted(together, key=abs))
+            group_of |= dict.fromkeys(members, members)
     if not group_of:
         return graph
     builder = LogicBuilder(graph.events)
@@ -181,8 +189,9 @@ def _merged(graph: LogicGraph) -> LogicGraph:
         for argument in graph.arguments[node]:
             group = group_of.get(argument, (argument,))
             if argument == group[0]:
-                members = [made[a] if a > 0 else -made[-a] for a in group]
-                literals.append(builder.conjunction(members))
+                literals.append(
+                    builder.conjunction([made[a] if a > 0 else -made[-a] for a in group])
+                )
         made[node] = builder.conjunction(literals)
     top = made[abs(graph.top)]
     return builder.graph(top if graph.top > 0 else -top)
