@@ -11,11 +11,17 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.display import DisplayedGraph
 from tracerisk.prm.gates import Gate, GateKind, check_gate, gate_probability, gate_shares
 from tracerisk.prm.probability import Probability
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
     from tracerisk.prm.bdd import SharedTree
+    from tracerisk.prm.building import Figure, Formula
+    from tracerisk.prm.fault_tree_solution import FaultTreeSolution
 
 __all__ = ["BasicEvent", "FailureModel", "FaultTree", "Gate", "GateKind", "HouseEvent"]
 
@@ -55,7 +61,7 @@ class HouseEvent:
 
 
 @dataclass(frozen=True, slots=True)
-class FaultTree:
+class FaultTree(DisplayedGraph):
     """A fault tree: named gates over named basic and house events, `top` one of them.
 
     Raises ModelError when a name is used twice, an input is unknown, a gate stands above
@@ -93,6 +99,26 @@ class FaultTree:
         object.__setattr__(self, "_upwards", _order_upwards(self))
         object.__setattr__(self, "_shared", _find_shared(self))
 
+    @classmethod
+    def of(
+        cls,
+        top: str,
+        gates: Mapping[str, Formula],
+        events: Mapping[str, Figure | BasicEvent] | None = None,
+        houses: Mapping[str, bool] | None = None,
+    ) -> FaultTree:
+        """Build a fault tree from formulas such as `{"top": ("atleast", 2, "a", "b", "c")}`.
+
+        A formula names the kind of a gate, its numbers if it has any, and its inputs, which may
+        be formulas themselves.
+        `events` gives each basic event a probability, a failure model, `None` or a `BasicEvent`;
+        without it, every input that is no gate or house event is one.
+        Raises ModelError, naming the gate or event, when they make no tree.
+        """
+        from tracerisk.prm.building import built_tree
+
+        return built_tree(top, gates, events, houses or {})
+
     @property
     def parameters(self) -> tuple[str, ...]:
         """The parameters of the events, each once, in the order of the events."""
@@ -129,6 +155,19 @@ class FaultTree:
                     ) from error
         return values
 
+    def solve(
+        self, values: Mapping[str, float] | None = None, *, mission_time_h: float | None = None
+    ) -> FaultTreeSolution:
+        """Solve the tree: its top's probability, and the importance of its parameters.
+
+        `values` gives parameters their probability, above what their models give for
+        `mission_time_h`, [h].
+        Raises as `probability` does, and when a model needs the mission time and has none.
+        """
+        from tracerisk.prm.fault_tree_solution import solve_tree
+
+        return solve_tree(self, values or {}, mission_time_h)
+
     def probability(self, values: Mapping[str, float]) -> Probability:
         """Return the top event's probability, exact to rounding.
 
@@ -139,6 +178,16 @@ class FaultTree:
         if self._shared:
             return self._compiled().probability(self._event_values(values))
         return self._sweep(values)[self.top]
+
+    def probabilities(self, values: Mapping[str, ArrayLike]) -> NDArray[np.float64]:
+        """Return the top's probability and its complement for n samples at once, (n, 2).
+
+        `values` gives each parameter n probabilities, (n,), or one for all samples.
+        Raises as `probability` does, and when arrays differ in length.
+        """
+        from tracerisk.prm.sampled_tree import top_samples
+
+        return top_samples(self, values, self._compiled() if self._shared else None)
 
     def sensitivities(self, values: Mapping[str, float]) -> dict[str, float]:
         """Return for each event the derivative of the top's probability by the event's.

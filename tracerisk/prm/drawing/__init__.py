@@ -1,0 +1,50 @@
+"""Drawings of models and results, as SVG and HTML that need no other package."""
+
+from __future__ import annotations
+
+from html import escape
+
+from tracerisk.prm.assessment import Assessment
+from tracerisk.prm.drawing.assessment import assessment_html, assessment_svg
+from tracerisk.prm.drawing.chain import chain_svg, hybrid_svg
+from tracerisk.prm.drawing.fault_tree import fault_tree_svg
+from tracerisk.prm.fault_tree import FaultTree
+from tracerisk.prm.hybrid import HybridModel
+from tracerisk.prm.markov import MarkovChain
+
+__all__ = ["html_of", "svg_of"]
+
+
+def svg_of(shown: object) -> str:
+    """Return the drawing of a model or result."""
+    match shown:
+        case FaultTree():
+            return fault_tree_svg(shown)
+        case MarkovChain():
+            return chain_svg(shown.transitions, shown.absorbing, "Markov chain")
+        case HybridModel():
+            return hybrid_svg(shown)
+        case Assessment():
+            return assessment_svg(shown)
+    raise TypeError(f"{type(shown).__name__} has no drawing")
+
+
+def html_of(shown: object) -> str:
+    """Return a model or result as HTML: its figures, or its size, and its drawing."""
+    match shown:
+        case FaultTree():
+            told = f"Fault tree {shown.top}: {len(shown.gates)} gates, {len(shown.events)} events"
+        case MarkovChain():
+            told = (
+                f"Markov chain: {len(shown.transitions)} transient and {len(shown.absorbing)} "
+                "absorbing states"
+            )
+        case HybridModel():
+            told = (
+                f"{shown.name}: {len(shown.states)} functions, {len(shown.parameters)} parameters"
+            )
+        case Assessment():
+            return f"<div>{assessment_html(shown)}{assessment_svg(shown)}</div>"
+        case _:
+            raise TypeError(f"{type(shown).__name__} has no drawing")
+    return f"<figure>{svg_of(shown)}<figcaption>{escape(told)}</figcaption></figure>"

@@ -1,0 +1,99 @@
+"""Markov chains and hybrid models as drawings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from tracerisk.prm.drawing.layout import Size, layered
+from tracerisk.prm.drawing.svg import ALARM, FAINT, PAPER, WORD_HEIGHT, Canvas, word_width
+from tracerisk.prm.hybrid import DONE, HybridModel
+
+_MOST_STATES = 150
+_HEIGHT = WORD_HEIGHT + 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class Arrow:
+    """A transition as it is drawn: what is written at it, and whether it fails."""
+
+    label: str
+    fails: bool = False
+
+
+def chain_svg(
+    transitions: Mapping[str, Mapping[str, float]], absorbing: tuple[str, ...], title: str
+) -> str:
+    """Return the drawing of a chain; of more than 150 states, the first ones."""
+    arrows = {
+        (state, target): Arrow(f"{p:.4g}")
+        for state, row in transitions.items()
+        for target, p in row.items()
+        if p > 0.0
+    }
+    return _svg([*transitions, *absorbing], arrows, set(absorbing), set(), title)
+
+
+def hybrid_svg(model: HybridModel) -> str:
+    """Return the drawing of a model: its functions, what follows them, and their failures."""
+    failures = model.failure_states
+    arrows: dict[tuple[str, str], Arrow] = {}
+    names: list[str] = []
+    for state in model.states:
+        names.append(state.name)
+        for step in state.next:
+            if step.weight > 0:
+                arrows[state.name, step.target] = Arrow(
+                    "" if step.weight == 1 else f"{float(step.weight):.4g}"
+                )
+        arrows[state.name, failures[state.name]] = Arrow("", fails=True)
+    ends = [DONE, *failures.values()]
+    return _svg([*names, *ends], arrows, set(ends), set(failures.values()), model.name)
+
+
+def _svg(
+    states: list[str],
+    arrows: Mapping[tuple[str, str], Arrow],
+    absorbing: set[str],
+    failures: set[str],
+    title: str,
+) -> str:
+    shown = set(states[:_MOST_STATES])
+    sizes = {name: Size(word_width(name) + 20.0, _HEIGHT) for name in states if name in shown}
+    drawn = {edge: arrow for edge, arrow in arrows.items() if shown.issuperset(edge)}
+    layout = layered(sizes, drawn, gap=34.0, between=54.0)
+    canvas = Canvas()
+    for edge, way in layout.ways.items():
+        arrow = drawn[edge]
+        # A way that was turned runs upwards, beside the one that runs down.
+        upwards = way[-1][1] < way[0][1]
+        shift = 10.0 if upwards else 0.0
+        ends = (_HEIGHT / 2, -_HEIGHT / 2) if not upwards else (-_HEIGHT / 2, _HEIGHT / 2)
+        points = [
+            (way[0][0] + shift, way[0][1] + ends[0]),
+            *((x + shift, y) for x, y in way[1:-1]),
+            (way[-1][0] + shift, way[-1][1] + ends[1]),
+        ]
+        canvas.line(points, arrow=True, stroke=ALARM if arrow.fails else FAINT, dashed=arrow.fails)
+        if arrow.label:
+            (x, y), (to_x, to_y) = points[0], points[1]
+            canvas.word(
+                x + 0.4 * (to_x - x) + 3.0, y + 0.4 * (to_y - y), arrow.label, anchor="start"
+            )
+    for name, (x, y) in layout.centres.items():
+        width = sizes[name].width
+        stroke = ALARM if name in failures else "#222222"
+        canvas.box(x, y, width, _HEIGHT, radius=0.0 if name in absorbing else 9.0, stroke=stroke)
+        if name in absorbing:
+            canvas.box(x, y, width - 6, _HEIGHT - 6, stroke=stroke, fill=PAPER)
+        canvas.word(x, y, name)
+        if (name, name) in drawn:
+            canvas.word(
+                x + width / 2 + 2, y - _HEIGHT / 2, f"↻{drawn[name, name].label}", anchor="start"
+            )
+    height = layout.height
+    if len(states) > len(shown):
+        height += WORD_HEIGHT
+        more = len(states) - len(shown)
+        canvas.word(0, height - WORD_HEIGHT / 2, f"{more} more states", anchor="start", fill=FAINT)
+    return canvas.svg(layout.width + 30.0, height, title)

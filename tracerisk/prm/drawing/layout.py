@@ -1,0 +1,210 @@
+"""A layered layout of directed graphs: where each node stands, and how each edge runs.
+
+The four steps of K. Sugiyama, S. Tagawa, M. Toda, "Methods for visual understanding of
+hierarchical system structures", IEEE Transactions on Systems, Man, and Cybernetics 11 (1981):
+edges that close cycles are turned, nodes are put on layers by their longest way from a source,
+layers are ordered by barycentres, and nodes are drawn towards their neighbours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+Edge = tuple[str, str]
+_SWEEPS = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Size:
+    """The width and height of a node, [px]."""
+
+    width: float
+    height: float
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """The centre of each node, the way of each edge from its source to its target, the extent."""
+
+    centres: Mapping[str, tuple[float, float]]
+    ways: Mapping[Edge, tuple[tuple[float, float], ...]]
+    width: float
+    height: float
+
+
+def layered(
+    nodes: Mapping[str, Size], edges: Iterable[Edge], *, gap: float = 18.0, between: float = 46.0
+) -> Layout:
+    """Lay a graph out from the top down, `gap` between nodes and `between` layers, [px].
+
+    Edges from a node to itself are left out.
+    """
+    given = [edge for edge in dict.fromkeys(edges) if edge[0] != edge[1]]
+    turned = _turned(nodes, given)
+    downward = [(b, a) if (a, b) in turned else (a, b) for a, b in given]
+    rank = _ranks(nodes, downward)
+    # A node of an edge that spans layers stands in each of those between; its name is a tuple.
+    chains: dict[Edge, list[object]] = {}
+    layers: list[list[object]] = [[] for _ in range(max(rank.values(), default=-1) + 1)]
+    for name in nodes:
+        layers[rank[name]].append(name)
+    below: dict[object, list[object]] = {}
+    above: dict[object, list[object]] = {}
+    for a, b in dict.fromkeys(downward):
+        chain: list[object] = [a]
+        for layer in range(rank[a] + 1, rank[b]):
+            chain.append((a, b, layer))
+            layers[layer].append((a, b, layer))
+        chain.append(b)
+        chains[a, b] = chain
+        for upper, lower in pairwise(chain):
+            below.setdefault(upper, []).append(lower)
+            above.setdefault(lower, []).append(upper)
+    _order(layers, above, below)
+    widths = {
+        node: nodes[node].width if isinstance(node, str) else 0.0 for row in layers for node in row
+    }
+    x = _columns(layers, above, below, widths, gap)
+    heights = [
+        max((nodes[node].height for node in row if isinstance(node, str)), default=0.0)
+        for row in layers
+    ]
+    y: list[float] = []
+    reached = 0.0
+    for height in heights:
+        y.append(reached + height / 2)
+        reached += height + between
+    place = {node: (x[node], y[layer]) for layer, row in enumerate(layers) for node in row}
+    ways = {}
+    for a, b in given:
+        way = [place[node] for node in (chains[a, b] if (a, b) in chains else chains[b, a])]
+        ways[a, b] = tuple(way if (a, b) not in turned else reversed(way))
+    return Layout(
+        {name: place[name] for name in nodes},
+        ways,
+        max((x[node] + widths[node] / 2 for node in x), default=0.0),
+        max(reached - between, 0.0),
+    )
+
+
+def _turned(nodes: Iterable[str], edges: Sequence[Edge]) -> set[Edge]:
+    """Return the edges that lead back to a node from which their source was reached."""
+    following: dict[str, list[str]] = {}
+    for a, b in edges:
+        following.setdefault(a, []).append(b)
+    turned: set[Edge] = set()
+    done: set[str] = set()
+    for root in nodes:
+        stack = [(root, iter(following.get(root, ())))] if root not in done else []
+        open_nodes = {root}
+        while stack:
+            name, rest = stack[-1]
+            target = next(rest, None)
+            if target is None:
+                stack.pop()
+                open_nodes.discard(name)
+                done.add(name)
+            elif target in open_nodes:
+                turned.add((name, target))
+            elif target not in done:
+                open_nodes.add(target)
+                stack.append((target, iter(following.get(target, ()))))
+    return turned
+
+
+def _ranks(nodes: Iterable[str], edges: Sequence[Edge]) -> dict[str, int]:
+    """Return the length of the longest way from a source to each node."""
+    following: dict[str, list[str]] = {}
+    waiting = dict.fromkeys(nodes, 0)
+    for a, b in dict.fromkeys(edges):
+        following.setdefault(a, []).append(b)
+        waiting[b] += 1
+    rank = dict.fromkeys(waiting, 0)
+    free = [name for name, count in waiting.items() if count == 0]
+    for name in free:
+        for target in following.get(name, ()):
+            rank[target] = max(rank[target], rank[name] + 1)
+            waiting[target] -= 1
+            if waiting[target] == 0:
+                free.append(target)
+    return rank
+
+
+def _order(
+    layers: list[list[object]],
+    above: Mapping[object, Sequence[object]],
+    below: Mapping[object, Sequence[object]],
+) -> None:
+    """Sort each layer by the mean place of its neighbours, downwards and upwards in turn."""
+    for sweep in range(_SWEEPS):
+        downwards = sweep % 2 == 0
+        neighbours = above if downwards else below
+        for row in layers if downwards else reversed(layers):
+            place = {node: at for layer in layers for at, node in enumerate(layer)}
+            row.sort(
+                key=lambda node: _mean(
+                    [place[other] for other in neighbours.get(node, ())],
+                    place[node],
+                )
+            )
+
+
+def _columns(
+    layers: Sequence[Sequence[object]],
+    above: Mapping[object, Sequence[object]],
+    below: Mapping[object, Sequence[object]],
+    widths: Mapping[object, float],
+    gap: float,
+) -> dict[object, float]:
+    """Return where each node stands across: near its neighbours, none over another."""
+    x: dict[object, float] = {}
+    for row in layers:
+        _spread(row, [0.0] * len(row), widths, gap, x)
+    for sweep in range(_SWEEPS):
+        downwards = sweep % 2 == 0
+        neighbours = above if downwards else below
+        for row in layers if downwards else list(reversed(layers)):
+            wanted = [
+                _mean([x[other] for other in neighbours.get(node, ())], x[node]) for node in row
+            ]
+            _spread(row, wanted, widths, gap, x)
+    left = min((x[node] - widths[node] / 2 for node in x), default=0.0)
+    return {node: at - left for node, at in x.items()}
+
+
+def _spread(
+    row: Sequence[object],
+    wanted: Sequence[float],
+    widths: Mapping[object, float],
+    gap: float,
+    x: dict[object, float],
+) -> None:
+    """Place the nodes of a layer in their order, as near as can be to where they should be.
+
+    The least squares of the distances, under the least distances: pool adjacent violators.
+    """
+    offsets: list[float] = []
+    reached = 0.0
+    for rank, node in enumerate(row):
+        if rank:
+            reached += (widths[row[rank - 1]] + widths[node]) / 2 + gap
+        offsets.append(reached)
+    pools: list[tuple[float, int]] = []
+    for want, offset in zip(wanted, offsets, strict=True):
+        mean, count = want - offset, 1
+        while pools and pools[-1][0] > mean:
+            other, more = pools.pop()
+            mean = (mean * count + other * more) / (count + more)
+            count += more
+        pools.append((mean, count))
+    at = 0
+    for mean, count in pools:
+        for _ in range(count):
+            x[row[at]] = mean + offsets[at]
+            at += 1
+
+
+def _mean(values: Sequence[float], default: float) -> float:
+    return sum(values) / len(values) if values else default

@@ -1,0 +1,128 @@
+"""A solved fault tree, and how much its top hangs on each figure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.fault_tree import FaultTree
+from tracerisk.prm.probability import Probability
+from tracerisk.prm.table import Table
+
+
+@dataclass(frozen=True, slots=True)
+class EventImportance:
+    """How much a top event's probability P hangs on the probability p of one figure.
+
+    `birnbaum` is dP/dp, `criticality` p/P times it; with P0 and P1 the top's probability at
+    p = 0 and p = 1, `fussell_vesely` is (P-P0)/P, `risk_reduction_worth` P/P0, infinite where P0
+    is zero, and `risk_achievement_worth` P1/P.
+    Where P is zero, criticality and Fussell-Vesely are zero, the ratios one or infinite.
+    Source: M. van der Borst, H. Schoonakker, "An overview of PSA importance measures",
+    Reliability Engineering and System Safety 72 (2001).
+    """
+
+    name: str
+    probability: float
+    birnbaum: float
+    criticality: float
+    fussell_vesely: float
+    risk_reduction_worth: float
+    risk_achievement_worth: float
+
+
+@dataclass(frozen=True, slots=True)
+class FaultTreeSolution:
+    """A fault tree with the values that it was solved for.
+
+    `values` are the probabilities of its parameters.
+    """
+
+    tree: FaultTree
+    values: Mapping[str, float]
+    top: Probability
+
+    @property
+    def probability(self) -> float:
+        """The probability of the top event."""
+        return self.top.p
+
+    def importance(self, by: Literal["parameter", "event"] = "parameter") -> Table[EventImportance]:
+        """Return the importance of each parameter or of each event, the greatest first.
+
+        A parameter that several events share changes in all of them; by event, each event is
+        taken for itself.
+        """
+        if by not in ("parameter", "event"):
+            raise ModelError(f"importance by '{by}'; {one_of(('parameter', 'event'), by)}")
+        tree, values = self.tree, self.values
+        if by == "event":
+            events = tuple(replace(event, parameter=event.name) for event in tree.events)
+            values = {event.name: values[event.parameter] for event in tree.events}
+            tree = replace(tree, events=events)
+        slopes: dict[str, list[float]] = {}
+        for event, slope in zip(tree.events, tree.sensitivities(values).values(), strict=True):
+            slopes.setdefault(event.parameter, []).append(slope)
+        rows = [self._row(tree, values, name, math.fsum(slopes[name])) for name in tree.parameters]
+        rows.sort(key=lambda row: (-abs(row.fussell_vesely), -abs(row.criticality), row.name))
+        return Table(tuple(rows))
+
+    def _row(
+        self, tree: FaultTree, values: Mapping[str, float], name: str, birnbaum: float
+    ) -> EventImportance:
+        total = self.top.p
+        drop = tree.drop_without(name, values)
+        without = tree.probability({**values, name: 0.0}).p
+        failed = tree.probability({**values, name: 1.0}).p
+        return EventImportance(
+            name=name,
+            probability=values[name],
+            birnbaum=birnbaum,
+            criticality=birnbaum * values[name] / total if total > 0.0 else 0.0,
+            fussell_vesely=drop / total if total > 0.0 else 0.0,
+            risk_reduction_worth=_ratio(total, without),
+            risk_achievement_worth=_ratio(failed, total),
+        )
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        return f"<p>{escape(self.tree.top)}: {self.top.p:.6g}</p>{self.importance()._repr_html_()}"
+
+
+def solve_tree(
+    tree: FaultTree, values: Mapping[str, float], mission_time_h: float | None
+) -> FaultTreeSolution:
+    """Solve a fault tree; see FaultTree.solve."""
+    for name in values:
+        if name not in tree.parameters:
+            raise ModelError(
+                f"value of '{name}', which is no parameter; {one_of(tree.parameters, name)}"
+            )
+    known = tree.values_at(mission_time_h) if mission_time_h is not None else _constants(tree)
+    given = {**known, **values}
+    for event in tree.events:
+        if event.parameter not in given and event.model is not None:
+            raise ModelError(
+                f"event '{event.name}' depends on the mission time; give mission_time_h, in hours"
+            )
+    top = tree.probability(given)
+    return FaultTreeSolution(tree, {name: float(given[name]) for name in tree.parameters}, top)
+
+
+def _constants(tree: FaultTree) -> dict[str, float]:
+    """Return the figures that no mission time changes."""
+    from tracerisk.prm.failure_models import Constant
+
+    return {
+        event.parameter: event.model.p for event in tree.events if isinstance(event.model, Constant)
+    }
+
+
+def _ratio(above: float, below: float) -> float:
+    if below > 0.0:
+        return above / below
+    return math.inf if above > 0.0 else 1.0
