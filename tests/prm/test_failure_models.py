@@ -17,7 +17,9 @@ from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind
 from tracerisk.prm.failure_models import (
     GLM,
     Constant,
+    Erlang,
     Exponential,
+    Lognormal,
     PerDemand,
     PeriodicTest,
     Weibull,
@@ -48,6 +50,27 @@ def test_a_constant_is_the_same_for_every_mission():
 def test_an_exponential_keeps_its_digits_when_rare(hazard):
     rate = hazard / 8760
     assert_pair(Exponential(rate).probability(8760), 1 - mpmath.exp(-mpmath.mpf(rate) * 8760))
+
+
+@pytest.mark.parametrize("phases", [1, 2, 7, 900])
+@pytest.mark.parametrize("mean", [1e-7, 1e-2, 3.3, 40.0, 1000.0])
+def test_an_erlang_law_counts_poisson_events(phases, mean):
+    found = Erlang(mean / 100, phases).probability(100.0)
+    exact = mpmath.mpf(mean / 100) * 100
+    with mpmath.workdps(600):
+        p = mpmath.gammainc(phases, 0, exact, regularized=True)
+        q = mpmath.gammainc(phases, exact, mpmath.inf, regularized=True)
+    assert found.p == pytest.approx(float(p), rel=2e-13, abs=1e-300)
+    assert found.q == pytest.approx(float(q), rel=2e-13, abs=1e-300)
+
+
+@pytest.mark.parametrize("hours", [1e-3, 1.0, 1e4, 1e9])
+def test_a_lognormal_law_keeps_both_tails(hours):
+    found = Lognormal(9.0, 1.5).probability(hours)
+    score = (mpmath.log(mpmath.mpf(hours)) - 9) / mpmath.mpf(1.5) / mpmath.sqrt(2)
+    assert found.p == pytest.approx(float(mpmath.erfc(-score) / 2), rel=1e-13, abs=0)
+    assert found.q == pytest.approx(float(mpmath.erfc(score) / 2), rel=1e-13, abs=0)
+    assert Lognormal(9.0, 1.5).probability(0.0) == (0.0, 1.0)
 
 
 def weibull(scale, shape, location, age, mission):
@@ -240,6 +263,8 @@ def test_a_tree_takes_its_values_from_the_models():
         (lambda: Weibull(0.0, 1.0), "scale_h is 0.0 h; allowed: above 0, finite"),
         (lambda: Weibull(1.0, -1.0), "shape is -1.0; allowed: above 0, finite"),
         (lambda: Weibull(1.0, 1.0, age_h=-1.0), "age_h is -1.0 h; allowed: 0 or more"),
+        (lambda: Erlang(1e-3, 0), "phases is 0; allowed: whole numbers from 1 on"),
+        (lambda: Lognormal(1.0, 0.0), "deviation is 0.0; allowed: above 0, finite"),
         (lambda: GLM(2.0, 0.0, 0.0), "failure_on_demand is 2.0; allowed: 0 to 1"),
         (lambda: PerDemand(0.1, -1), "demands is -1; allowed: whole numbers from 0 on"),
         (lambda: PerDemand(0.1, 1.5), "demands is 1.5; allowed: whole numbers from 0 on"),

@@ -25,7 +25,16 @@ from tracerisk.prm.quantities import (
     check_share,
 )
 
-__all__ = ["GLM", "Constant", "Exponential", "PerDemand", "PeriodicTest", "Weibull"]
+__all__ = [
+    "GLM",
+    "Constant",
+    "Erlang",
+    "Exponential",
+    "Lognormal",
+    "PerDemand",
+    "PeriodicTest",
+    "Weibull",
+]
 
 NEVER = Probability(0.0, 1.0)
 
@@ -65,6 +74,72 @@ class Exponential:
         """Return the probability of a failure within the mission, [h]."""
         check_mission_time(mission_time_h)
         return of_hazard(self.rate * mission_time_h)
+
+
+@dataclass(frozen=True, slots=True)
+class Erlang:
+    """So many phases of one constant rate, the last of which ends in failure, [1/h].
+
+    Source: Rausand and Hoyland, section 2.10.
+    Raises ModelError when the rate is negative or `phases` not a whole number from 1 on.
+    """
+
+    rate: float
+    phases: int
+
+    def __post_init__(self) -> None:
+        check_not_negative("rate", self.rate, "1/h")
+        check_count("phases", self.phases, least=1)
+
+    def probability(self, mission_time_h: float) -> Probability:
+        """Return the probability that all phases end within the mission, [h]."""
+        check_mission_time(mission_time_h)
+        mean = self.rate * mission_time_h
+        if mean == 0.0:
+            return NEVER
+        # Poisson's terms, relative to the greatest: fewer than so many events, and the others.
+        peak = int(mean)
+        fewer = more = 0.0
+        term = 1.0
+        for count in range(peak, -1, -1):
+            if count < self.phases:
+                fewer += term
+            else:
+                more += term
+            term *= count / mean
+        term, count = mean / (peak + 1), peak + 1
+        while count <= self.phases or term > 1e-18 * more:
+            if count < self.phases:
+                fewer += term
+            else:
+                more += term
+            count += 1
+            term *= mean / count
+        return Probability(more / (more + fewer), fewer / (more + fewer))
+
+
+@dataclass(frozen=True, slots=True)
+class Lognormal:
+    """A time to failure whose logarithm is normal, with `mean` and `deviation` of the logarithm.
+
+    The logarithm is that of hours. Source: Rausand and Hoyland, section 2.14.
+    Raises ModelError when the deviation is not positive or the mean not finite.
+    """
+
+    mean: float
+    deviation: float
+
+    def __post_init__(self) -> None:
+        check_positive("deviation", self.deviation, "")
+        check_not_negative("the size of the mean", abs(self.mean), "")
+
+    def probability(self, mission_time_h: float) -> Probability:
+        """Return the probability of a failure within the mission, [h]."""
+        check_mission_time(mission_time_h)
+        if mission_time_h == 0.0:
+            return NEVER
+        score = (math.log(mission_time_h) - self.mean) / self.deviation / math.sqrt(2.0)
+        return Probability(math.erfc(-score) / 2, math.erfc(score) / 2)
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,10 +25,10 @@ def check_positive(name: str, value: float, unit: str) -> None:
         raise ModelError(f"{name} is {value!r}{_in(unit)}; allowed: above 0, finite")
 
 
-def check_count(name: str, value: int) -> None:
-    """Raise ModelError when a figure is not a whole number from 0 on."""
-    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-        raise ModelError(f"{name} is {value!r}; allowed: whole numbers from 0 on")
+def check_count(name: str, value: int, least: int = 0) -> None:
+    """Raise ModelError when a figure is not a whole number from `least` on."""
+    if isinstance(value, bool) or not isinstance(value, int) or value < least:
+        raise ModelError(f"{name} is {value!r}; allowed: whole numbers from {least} on")
 
 
 def check_mission_time(mission_time_h: float) -> None:
