@@ -67,7 +67,8 @@ def _grow(name: str, formula: Formula, made: dict[str, Gate]) -> None:
             f"inputs; found {formula[1 : 1 + count]!r}"
         )
     k, most = (*numbers, None, None)[:2]
-    inputs = []
+    inputs: list[str] = []
+    within: dict[str, Formula] = {}
     for rank, part in enumerate(formula[1 + count :], 1):
         if isinstance(part, int):
             raise ModelError(f"gate '{name}': {part!r} is no input; give a name or a formula")
@@ -75,10 +76,12 @@ def _grow(name: str, formula: Formula, made: dict[str, Gate]) -> None:
             inputs.append(part)
         else:
             inputs.append(f"{name}.{rank}")
-            _grow(f"{name}.{rank}", part, made)
+            within[inputs[-1]] = part
     if name in made:
         raise ModelError(f"gate '{name}' stands twice; rename it, or the gate of a formula in it")
     made[name] = Gate(name, kind, tuple(inputs), k, most)
+    for inner, part in within.items():
+        _grow(inner, part, made)
 
 
 def _event(name: str, figure: Figure | BasicEvent) -> BasicEvent:

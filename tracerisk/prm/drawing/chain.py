@@ -9,7 +9,8 @@ from tracerisk.prm.drawing.layout import Size, layered
 from tracerisk.prm.drawing.svg import ALARM, FAINT, PAPER, WORD_HEIGHT, Canvas, word_width
 from tracerisk.prm.hybrid import DONE, HybridModel
 
-_MOST_STATES = 150
+_MOST_STATES = 100
+_MOST_ARROWS = 250
 _HEIGHT = WORD_HEIGHT + 10.0
 
 
@@ -24,7 +25,7 @@ class Arrow:
 def chain_svg(
     transitions: Mapping[str, Mapping[str, float]], absorbing: tuple[str, ...], title: str
 ) -> str:
-    """Return the drawing of a chain; of more than 150 states, the first ones."""
+    """Return the drawing of a chain; of a large one, the first states."""
     arrows = {
         (state, target): Arrow(f"{p:.4g}")
         for state, row in transitions.items()
@@ -58,7 +59,7 @@ def _svg(
     failures: set[str],
     title: str,
 ) -> str:
-    shown = set(states[:_MOST_STATES])
+    shown = _first(states, arrows)
     sizes = {name: Size(word_width(name) + 20.0, _HEIGHT) for name in states if name in shown}
     drawn = {edge: arrow for edge, arrow in arrows.items() if shown.issuperset(edge)}
     layout = layered(sizes, drawn, gap=34.0, between=54.0)
@@ -77,8 +78,12 @@ def _svg(
         canvas.line(points, arrow=True, stroke=ALARM if arrow.fails else FAINT, dashed=arrow.fails)
         if arrow.label:
             (x, y), (to_x, to_y) = points[0], points[1]
+            left = to_x < x and not upwards
             canvas.word(
-                x + 0.4 * (to_x - x) + 3.0, y + 0.4 * (to_y - y), arrow.label, anchor="start"
+                x + 0.4 * (to_x - x) + (-3.0 if left else 3.0),
+                y + 0.4 * (to_y - y),
+                arrow.label,
+                anchor="end" if left else "start",
             )
     for name, (x, y) in layout.centres.items():
         width = sizes[name].width
@@ -97,3 +102,20 @@ def _svg(
         more = len(states) - len(shown)
         canvas.word(0, height - WORD_HEIGHT / 2, f"{more} more states", anchor="start", fill=FAINT)
     return canvas.svg(layout.width + 30.0, height, title)
+
+
+def _first(states: list[str], arrows: Mapping[tuple[str, str], Arrow]) -> set[str]:
+    """Return as many of the first states as a drawing holds, with the arrows between them."""
+    touching: dict[str, list[tuple[str, str]]] = {}
+    for edge in arrows:
+        for name in dict.fromkeys(edge):
+            touching.setdefault(name, []).append(edge)
+    shown: set[str] = set()
+    count = 0
+    for name in states[:_MOST_STATES]:
+        shown.add(name)
+        count += sum(shown.issuperset(edge) for edge in touching.get(name, ()))
+        if count > _MOST_ARROWS:
+            shown.discard(name)
+            break
+    return shown

@@ -8,6 +8,7 @@ from tracerisk.prm.fault_tree import FaultTree
 from tracerisk.prm.gates import Gate, GateKind
 
 _MOST_NODES = 150
+_MOST_LINES = 300
 _LABEL = WORD_HEIGHT + 6.0
 _SYMBOL = 30.0
 _HEIGHT = _LABEL + 6.0 + _SYMBOL
@@ -25,7 +26,7 @@ _NEGATED = frozenset((GateKind.NOT, GateKind.NAND, GateKind.NOR))
 
 
 def fault_tree_svg(tree: FaultTree) -> str:
-    """Return the drawing of a tree; of more than 150 gates and events, the uppermost ones.
+    """Return the drawing of a tree; of a large one, the uppermost gates and events.
 
     What is shared is drawn once, with a line from each gate above it.
     """
@@ -79,10 +80,12 @@ def _uppermost(tree: FaultTree, gates: dict[str, Gate]) -> dict[str, None]:
     """Return the gates and events nearest to the top."""
     shown = {tree.top: None}
     waiting = [tree.top]
+    lines = 0
     for name in waiting:
         for child in gates[name].inputs if name in gates else ():
-            if len(shown) == _MOST_NODES:
+            if len(shown) == _MOST_NODES or lines == _MOST_LINES:
                 return shown
+            lines += 1
             if child not in shown:
                 shown[child] = None
                 waiting.append(child)

@@ -8,6 +8,7 @@ layers are ordered by barycentres, and nodes are drawn towards their neighbours.
 
 from __future__ import annotations
 
+from bisect import bisect_right, insort
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -48,7 +49,7 @@ def layered(
     # A node of an edge that spans layers stands in each of those between; its name is a tuple.
     chains: dict[Edge, list[object]] = {}
     layers: list[list[object]] = [[] for _ in range(max(rank.values(), default=-1) + 1)]
-    for name in nodes:
+    for name in _walked(nodes, downward):
         layers[rank[name]].append(name)
     below: dict[object, list[object]] = {}
     above: dict[object, list[object]] = {}
@@ -79,7 +80,14 @@ def layered(
     place = {node: (x[node], y[layer]) for layer, row in enumerate(layers) for node in row}
     ways = {}
     for a, b in given:
-        way = [place[node] for node in (chains[a, b] if (a, b) in chains else chains[b, a])]
+        first, *inner, last = chains[a, b] if (a, b) in chains else chains[b, a]
+        way = [place[first]]
+        for layer, node in enumerate(inner, rank[str(first)] + 1):
+            way += [
+                (x[node], y[layer] - heights[layer] / 2),
+                (x[node], y[layer] + heights[layer] / 2),
+            ]
+        way.append(place[last])
         ways[a, b] = tuple(way if (a, b) not in turned else reversed(way))
     return Layout(
         {name: place[name] for name in nodes},
@@ -132,23 +140,64 @@ def _ranks(nodes: Iterable[str], edges: Sequence[Edge]) -> dict[str, int]:
     return rank
 
 
+def _walked(nodes: Iterable[str], edges: Sequence[Edge]) -> list[str]:
+    """Return the nodes as a walk in depth meets them, children in their order."""
+    following: dict[str, list[str]] = {}
+    for a, b in edges:
+        following.setdefault(a, []).append(b)
+    targets = {b for _, b in edges}
+    met: dict[str, None] = {}
+    stack = [name for name in reversed(list(nodes)) if name not in targets]
+    while stack:
+        name = stack.pop()
+        if name not in met:
+            met[name] = None
+            stack.extend(reversed(following.get(name, ())))
+    return list(met)
+
+
 def _order(
     layers: list[list[object]],
     above: Mapping[object, Sequence[object]],
     below: Mapping[object, Sequence[object]],
 ) -> None:
-    """Sort each layer by the mean place of its neighbours, downwards and upwards in turn."""
+    """Sort each layer by the mean place of its neighbours, downwards and upwards in turn.
+
+    The order with the fewest crossings stays, of several the first.
+    """
+    best, least = [list(row) for row in layers], _crossings(layers, below)
     for sweep in range(_SWEEPS):
+        if not least:
+            break
         downwards = sweep % 2 == 0
         neighbours = above if downwards else below
+        place: dict[object, float] = {}
         for row in layers if downwards else reversed(layers):
-            place = {node: at for layer in layers for at, node in enumerate(layer)}
-            row.sort(
-                key=lambda node: _mean(
-                    [place[other] for other in neighbours.get(node, ())],
-                    place[node],
-                )
-            )
+            own = {node: at / len(row) for at, node in enumerate(row)}
+            mean = {
+                node: _mean([place[other] for other in neighbours.get(node, ())], own[node])
+                for node in row
+            }
+            row.sort(key=mean.__getitem__)
+            place = {node: at / len(row) for at, node in enumerate(row)}
+        found = _crossings(layers, below)
+        if found < least:
+            best, least = [list(row) for row in layers], found
+    layers[:] = best
+
+
+def _crossings(layers: Sequence[Sequence[object]], below: Mapping[object, Sequence[object]]) -> int:
+    """Return how many lines between neighbouring layers cross: inversions, by insertion."""
+    total = 0
+    for upper, lower in pairwise(layers):
+        place = {node: at for at, node in enumerate(lower)}
+        seen: list[int] = []
+        for node in upper:
+            ends = sorted(place[other] for other in below.get(node, ()))
+            total += sum(len(seen) - bisect_right(seen, end) for end in ends)
+            for end in ends:
+                insort(seen, end)
+    return total
 
 
 def _columns(
