@@ -74,12 +74,16 @@ def solve_network(
 ) -> BayesianSolution:
     """Solve a fault tree for each joint state of the conditions; see BayesianNetwork.solve."""
     known = {} if mission_time_h is None else tree.values_at(mission_time_h)
-    tops: dict[tuple[float, ...], Probability] = {}
-    solved = []
-    for case in network.cases(tree.parameters, mission_time_h=mission_time_h, evidence=evidence):
-        # States that give the events the same figures have the same top.
-        figures = tuple(case.values.values())
-        if figures not in tops:
-            tops[figures] = tree.probability({**known, **values, **case.values})
-        solved.append(SolvedCase(case.states, case.probability, tops[figures]))
+    cases = network.cases(tree.parameters, mission_time_h=mission_time_h, evidence=evidence)
+    # States that give the events the same figures have the same top.
+    figures = dict.fromkeys(tuple(case.values.values()) for case in cases)
+    bearing = tuple(cases[0].values)
+    given: dict[str, float | list[float]] = {**known, **values}
+    given.update(zip(bearing, map(list, zip(*figures, strict=True)), strict=True))
+    found = tree.probabilities(given).tolist()
+    tops = {row: Probability(p, q) for row, (p, q) in zip(figures, found, strict=True)}
+    solved = [
+        SolvedCase(case.states, case.probability, tops[tuple(case.values.values())])
+        for case in cases
+    ]
     return BayesianSolution(network, dict(evidence), tuple(solved))
