@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from tracerisk.errors import ModelError, one_of
+from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.expressions.node import Expression, Reference
 from tracerisk.prm.probability import Probability
 
@@ -147,10 +147,15 @@ class ExpressionModel:
 
     expression: Expression
     definitions: Definitions = Definitions()
+    location: Location | None = field(default=None, compare=False, repr=False)
 
     def probability(self, mission_time_h: float) -> Probability:
         """Return the probability for a mission, [h].
 
-        Raises ModelError as `evaluate` does, and when the value is outside [0, 1].
+        Raises ModelError, at the location, as `evaluate` does, and when the value is outside
+        [0, 1].
         """
-        return Evaluation(self.definitions.by_name, mission_time_h).probability(self.expression)
+        try:
+            return Evaluation(self.definitions.by_name, mission_time_h).probability(self.expression)
+        except ModelError as error:
+            raise ModelError(error.message, error.location or self.location) from error

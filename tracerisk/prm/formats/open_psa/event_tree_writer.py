@@ -1,0 +1,197 @@
+"""Event trees as elements of Open-PSA."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from tracerisk.errors import ModelError
+from tracerisk.prm.event_tree import (
+    Condition,
+    End,
+    EventSequence,
+    Fork,
+    InState,
+    Instruction,
+    Link,
+    Resume,
+    SetHouse,
+    Target,
+    Weight,
+    When,
+)
+from tracerisk.prm.expressions import Difference, ExpressionModel, Number
+from tracerisk.prm.formats.open_psa.stochastic import Node, expression_node
+from tracerisk.prm.formats.open_psa.xml_text import notes
+from tracerisk.prm.logic_model import EventTreeDefinition, LogicModel, Place
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from tracerisk.prm.formats.open_psa.names import Names
+
+
+def event_tree_nodes(
+    model: LogicModel, names: Names, condition: Callable[[str, str], Node]
+) -> list[Node]:
+    """Return the elements of the event trees and initiating events.
+
+    `condition` gives the formula of a gate, and takes the name that the reader would give to it if
+    it is written in place.
+    Raises ModelError when Open-PSA cannot hold an event tree.
+    """
+    nodes: list[Node] = [
+        ("define-initiating-event", {"name": names.name(each.name)}, [])
+        for each in model.initiating_events
+    ]
+    for each in model.event_trees:
+        nodes += _TreeWriter(each, names, condition).nodes()
+    return nodes
+
+
+class _TreeWriter:
+    """Makes the elements of one event tree."""
+
+    def __init__(
+        self, definition: EventTreeDefinition, names: Names, condition: Callable[[str, str], Node]
+    ) -> None:
+        self._tree = definition.tree
+        self._place = definition.place
+        self._names = names
+        self._formula = condition
+        self._notes = {(kind, name): place for kind, name, place in definition.notes}
+        self._links: dict[str, str] = {}
+        self._conditions = 0
+
+    def nodes(self) -> list[Node]:
+        """Return the initiating event, if there is one, and the tree."""
+        tree = self._tree
+        named = {"name": self._names.name(tree.name)}
+        found: list[Node] = []
+        if tree.initiating is not None:
+            begins = {
+                "name": self._names.name(tree.initiating.name),
+                "event-tree": named["name"],
+            }
+            if tree.initiating.value != 1.0 or tree.initiating.per:
+                raise ModelError(
+                    f"event tree '{tree.name}': Open-PSA has no figure of an initiating event; "
+                    "leave it out, and multiply the results by it"
+                )
+            remarks = self._remarks("initiating-event", tree.initiating.name)
+            found.append(("define-initiating-event", begins, remarks))
+        body = [self._defined("functional-event", name, []) for name in tree.functional_events]
+        sequences = [self._sequence(each) for each in tree.sequences]
+        branches = [
+            self._defined("branch", each.name, self._course(each.target, each.instructions))
+            for each in tree.branches
+        ]
+        start: Node = (
+            "initial-state",
+            {},
+            self._course(tree.start.target, tree.start.instructions),
+        )
+        sequences += [
+            ("define-sequence", {"name": name}, [("event-tree", {"name": linked}, [])])
+            for linked, name in self._links.items()
+        ]
+        body += [*sequences, *branches, start]
+        found.append(("define-event-tree", named, [*notes(self._place), *body]))
+        return found
+
+    def _remarks(self, kind: str, name: str) -> list[Node]:
+        return notes(self._notes.get((kind, name), Place()))
+
+    def _defined(self, kind: str, name: str, body: list[Node]) -> Node:
+        named = {"name": self._names.name(name)}
+        return f"define-{kind}", named, [*self._remarks(kind, name), *body]
+
+    def _sequence(self, sequence: EventSequence) -> Node:
+        if sequence.end_state != sequence.name:
+            raise ModelError(
+                f"event tree '{self._tree.name}': the sequence '{sequence.name}' ends in "
+                f"'{sequence.end_state}'; Open-PSA has no end states: give the sequence that name"
+            )
+        return self._defined("sequence", sequence.name, self._instructions(sequence.instructions))
+
+    def _course(self, target: Target, instructions: Sequence[Instruction]) -> list[Node]:
+        return [*self._instructions(instructions), self._target(target)]
+
+    def _target(self, target: Target) -> Node:
+        if isinstance(target, End):
+            return "sequence", {"name": self._names.name(target.sequence)}, []
+        if isinstance(target, Resume):
+            return "branch", {"name": self._names.name(target.branch)}, []
+        if isinstance(target, Link):
+            linked = self._names.name(target.event_tree)
+            name = self._links.setdefault(linked, self._names.name(f"#{target.event_tree}"))
+            return "sequence", {"name": name}, []
+        assert isinstance(target, Fork)
+        paths: list[Node] = [
+            (
+                "path",
+                {"state": self._names.name(path.state)},
+                self._course(path.target, path.instructions),
+            )
+            for path in target.paths
+        ]
+        return "fork", {"functional-event": self._names.name(target.functional_event)}, paths
+
+    def _instructions(self, instructions: Sequence[Instruction]) -> list[Node]:
+        return [self._instruction(each) for each in instructions]
+
+    def _instruction(self, instruction: Instruction) -> Node:
+        if isinstance(instruction, Condition):
+            return "collect-formula", {}, [self._condition(instruction)]
+        if isinstance(instruction, Weight):
+            return "collect-expression", {}, [self._weight(instruction)]
+        if isinstance(instruction, SetHouse):
+            state: Node = ("constant", {"value": "true" if instruction.state else "false"}, [])
+            return "set-house-event", {"name": self._names.name(instruction.house)}, [state]
+        assert isinstance(instruction, When)
+        test = instruction.test
+        asked: Node = (
+            (
+                "test-functional-event",
+                {
+                    "name": self._names.name(test.functional_event),
+                    "state": self._names.name(test.state),
+                },
+                [],
+            )
+            if isinstance(test, InState)
+            else (
+                "test-initiating-event",
+                {"name": self._names.name(test.initiating_event)},
+                [],
+            )
+        )
+        arms = [self._block(instruction.then)]
+        if instruction.otherwise:
+            arms.append(self._block(instruction.otherwise))
+        return "if", {}, [asked, *arms]
+
+    def _block(self, instructions: Sequence[Instruction]) -> Node:
+        nodes = self._instructions(instructions)
+        return nodes[0] if len(nodes) == 1 else ("block", {}, nodes)
+
+    def _condition(self, condition: Condition) -> Node:
+        expected = f"#{self._tree.name}#{self._conditions + 1}"
+        if condition.node == expected:
+            self._conditions += 1
+        formula = self._formula(condition.node, expected)
+        return formula if condition.happens else ("not", {}, [formula])
+
+    def _weight(self, weight: Weight) -> Node:
+        value = weight.value
+        if isinstance(value, ExpressionModel):
+            expression = value.expression
+        elif isinstance(value, int | float):
+            expression = Number(float(value))
+        else:
+            raise ModelError(
+                f"event tree '{self._tree.name}': Open-PSA has no weight such as "
+                f"{type(value).__name__}; give an expression or a number"
+            )
+        if weight.complement:
+            expression = Difference((Number(1.0), expression))
+        return expression_node(expression, self._names.parameter)

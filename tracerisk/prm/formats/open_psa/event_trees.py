@@ -1,0 +1,286 @@
+"""Event trees of Open-PSA, their initiating events and rules."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.event_tree import (
+    Branch,
+    Condition,
+    End,
+    EventSequence,
+    EventTree,
+    Fork,
+    Initiated,
+    InitiatingEvent,
+    InState,
+    Instruction,
+    Link,
+    Path,
+    Resume,
+    SetHouse,
+    Target,
+    Weight,
+    When,
+)
+from tracerisk.prm.expressions import Definitions, Expression, ExpressionModel, Number
+from tracerisk.prm.formats.open_psa.formulas import EVENTS, constant, kind_asked, read_formula
+from tracerisk.prm.formats.open_psa.stochastic import read_bool
+from tracerisk.prm.formats.open_psa.xml_elements import Element
+from tracerisk.prm.gates import Gate
+from tracerisk.prm.logic_model import EventTreeDefinition, Place
+
+if TYPE_CHECKING:
+    from tracerisk.prm.formats.open_psa.formulas import Find
+
+_INSTRUCTIONS = (
+    "block",
+    "collect-expression",
+    "collect-formula",
+    "event-tree",
+    "if",
+    "rule",
+    "set-house-event",
+)
+_TARGETS = ("fork", "sequence", "branch")
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """What event trees refer to: names of events, expressions, written names, remarks."""
+
+    find: Find
+    expression: Callable[[Element], Expression]
+    name: Callable[[Element], str]
+    read_name: Callable[[Element, str], str]
+    place: Callable[[Element], Place]
+    definitions: Definitions
+
+
+@dataclass(slots=True)
+class EventTrees:
+    """What was read: the trees, initiating events of no tree, and gates of complex conditions."""
+
+    trees: tuple[EventTreeDefinition, ...] = ()
+    initiating_events: tuple[InitiatingEvent, ...] = ()
+    gates: list[Gate] = field(default_factory=list)
+
+
+def read_event_trees(elements: Sequence[Element], source: Source) -> EventTrees:
+    """Return the event trees among the elements, with what belongs to them.
+
+    Raises ModelError, with the position, for what is malformed or cannot be told in an EventTree.
+    """
+    found = EventTrees()
+    rules: dict[str, Element] = {}
+    begun: dict[str, tuple[Element, Place]] = {}
+    alone: list[InitiatingEvent] = []
+    for element in elements:
+        if element.tag == "define-rule":
+            element.check_attributes("name")
+            source.place(element)
+            rules[source.name(element)] = element
+        elif element.tag == "define-initiating-event":
+            element.check_attributes("name", "event-tree")
+            if "event-tree" not in element.attributes:
+                alone.append(InitiatingEvent(source.name(element)))
+                continue
+            tree = source.read_name(element, "event-tree")
+            if tree in begun:
+                first = begun[tree][0].location
+                element.fail(
+                    f"the event tree '{tree}' has two initiating events, the first at {first}; "
+                    "give each a tree of its own"
+                )
+            begun[tree] = (element, source.place(element))
+    found.initiating_events = tuple(alone)
+    trees = []
+    for element in elements:
+        if element.tag == "define-event-tree":
+            reader = _TreeReader(element, source, rules, found.gates)
+            trees.append(reader.read(begun.pop(reader.name, None)))
+    for name, (element, _) in begun.items():
+        names = [each.name for each in trees]
+        element.fail(f"event tree '{name}' is not defined; {one_of(names, name)}")
+    found.trees = tuple(trees)
+    return found
+
+
+class _TreeReader:
+    """Reads one event tree."""
+
+    def __init__(
+        self, element: Element, source: Source, rules: dict[str, Element], gates: list[Gate]
+    ) -> None:
+        element.check_attributes("name")
+        self.name = source.name(element)
+        self._element = element
+        self._source = source
+        self._rules = rules
+        self._gates = gates
+        self._conditions = 0
+        self._notes: list[tuple[str, str, Place]] = []
+        self._links: dict[str, tuple[Link, tuple[Instruction, ...]]] = {}
+
+    def read(self, begun: tuple[Element, Place] | None) -> EventTreeDefinition:
+        """Return the event tree, with its initiating event where one is given."""
+        place = self._source.place(self._element)
+        functions: list[str] = []
+        sequences: list[EventSequence] = []
+        branches: list[Branch] = []
+        start: Branch | None = None
+        initiating = None
+        if begun is not None:
+            initiating = InitiatingEvent(self._source.name(begun[0]))
+            self._note("initiating-event", initiating.name, begun[1])
+        for child in self._element.children:
+            if child.tag == "define-functional-event":
+                functions.append(self._named(child, "functional-event"))
+            elif child.tag == "define-sequence":
+                name = self._named(child, "sequence")
+                self._sequence(child, name, sequences)
+            elif child.tag == "define-branch":
+                name = self._named(child, "branch")
+                branches.append(self._branch(child, name))
+            elif child.tag == "initial-state":
+                start = self._branch(child, "")
+            else:
+                child.unexpected(
+                    (
+                        "define-functional-event",
+                        "define-sequence",
+                        "define-branch",
+                        "initial-state",
+                    )
+                )
+        if start is None:
+            self._element.fail(f"event tree '{self.name}' has no <initial-state>; give it one")
+        try:
+            tree = EventTree(
+                self.name, tuple(functions), start, tuple(sequences), tuple(branches), initiating
+            )
+        except ModelError as error:
+            raise ModelError(error.message, self._element.location) from error
+        return EventTreeDefinition(tree, place, tuple(self._notes))
+
+    def _named(self, element: Element, kind: str) -> str:
+        element.check_attributes("name")
+        name = self._source.name(element)
+        self._note(kind, name, self._source.place(element))
+        return name
+
+    def _note(self, kind: str, name: str, place: Place) -> None:
+        if place.label or place.attributes:
+            self._notes.append((kind, name, place))
+
+    def _sequence(self, element: Element, name: str, sequences: list[EventSequence]) -> None:
+        links = [child for child in element.children if child.tag == "event-tree"]
+        others = [child for child in element.children if child.tag != "event-tree"]
+        instructions = tuple(self._instructions(others))
+        if not links:
+            sequences.append(EventSequence(name, instructions=instructions))
+            return
+        if len(links) > 1:
+            links[1].fail(f"sequence '{name}' leads into two event trees; allowed: one")
+        self._links[name] = (Link(self._source.name(links[0])), instructions)
+
+    def _branch(self, element: Element, name: str) -> Branch:
+        target, instructions = self._course(element)
+        return Branch(target, instructions, name)
+
+    def _course(self, element: Element) -> tuple[Target, tuple[Instruction, ...]]:
+        """Return where the instructions in an element lead, and these."""
+        if not element.children or element.children[-1].tag not in _TARGETS:
+            element.fail(
+                f"<{element.tag}> leads nowhere; end it with a <fork>, <sequence> or <branch>"
+            )
+        *before, last = element.children
+        instructions = tuple(self._instructions(before))
+        if last.tag == "branch":
+            return Resume(self._source.name(last)), instructions
+        if last.tag == "sequence":
+            name = self._source.name(last)
+            if name in self._links:
+                link, more = self._links[name]
+                return link, (*instructions, *more)
+            return End(name), instructions
+        last.check_attributes("functional-event")
+        paths = []
+        for child in last.children:
+            if child.tag != "path":
+                child.unexpected(("path",))
+            child.check_attributes("state")
+            target, inner = self._course(child)
+            paths.append(Path(self._source.read_name(child, "state"), target, inner))
+        return Fork(self._source.read_name(last, "functional-event"), tuple(paths)), instructions
+
+    def _instructions(
+        self, elements: Sequence[Element], rules: tuple[str, ...] = ()
+    ) -> Iterator[Instruction]:
+        for element in elements:
+            if element.tag == "block":
+                yield from self._instructions(element.children, rules)
+            elif element.tag == "rule":
+                name = self._source.name(element)
+                if name in rules:
+                    element.fail(f"rule '{name}' follows itself; break the cycle")
+                if name not in self._rules:
+                    element.fail(f"rule '{name}' is not defined; {one_of(self._rules, name)}")
+                yield from self._instructions(self._rules[name].children, (*rules, name))
+            elif element.tag == "collect-formula":
+                yield self._condition(element.one_child())
+            elif element.tag == "collect-expression":
+                yield self._weight(element.one_child())
+            elif element.tag == "set-house-event":
+                element.check_attributes("name", "direction")
+                house = self._source.find(element, "house event")
+                yield SetHouse(house, read_bool(element.one_child()))
+            elif element.tag == "if":
+                yield self._when(element, rules)
+            elif element.tag == "event-tree":
+                element.fail("a link to an event tree stands in a <define-sequence> only")
+            else:
+                element.unexpected(_INSTRUCTIONS)
+
+    def _condition(self, formula: Element) -> Condition:
+        happens = formula.tag != "not"
+        inner = formula if happens else formula.one_child()
+        if inner.tag in EVENTS:
+            return Condition(self._source.find(inner, kind_asked(inner)), happens)
+        if inner.tag == "constant":
+            return Condition(constant(inner), happens)
+        self._conditions += 1
+        name = f"#{self.name}#{self._conditions}"
+        self._gates += [each.resolved(self._source.find) for each in read_formula(inner, name)]
+        return Condition(name, happens)
+
+    def _weight(self, element: Element) -> Weight:
+        expression = self._source.expression(element)
+        if isinstance(expression, Number) and expression.form == "float":
+            if not 0.0 <= expression.number <= 1.0:
+                element.fail(f"probability {expression.number!r} is outside [0, 1]")
+            return Weight(expression.number)
+        return Weight(ExpressionModel(expression, self._source.definitions, element.location))
+
+    def _when(self, element: Element, rules: tuple[str, ...]) -> When:
+        if not 2 <= len(element.children) <= 3:
+            element.fail("<if> takes a test, what is done if it holds, and what is done else")
+        test, *arms = element.children
+        swapped = False
+        while test.tag == "not":
+            test, swapped = test.one_child(), not swapped
+        found: InState | Initiated
+        if test.tag == "test-functional-event":
+            state = self._source.read_name(test, "state")
+            found = InState(self._source.name(test), state)
+        elif test.tag == "test-initiating-event":
+            found = Initiated(self._source.name(test))
+        else:
+            test.unexpected(("not", "test-functional-event", "test-initiating-event"))
+        then, otherwise = (
+            tuple(self._instructions(arms[index : index + 1], rules)) for index in (0, 1)
+        )
+        return When(found, otherwise, then) if swapped else When(found, then, otherwise)

@@ -1,0 +1,74 @@
+"""Which element a name in a file stands for: its own home first, then all that are public."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from tracerisk.errors import one_of
+from tracerisk.prm.formats.open_psa.xml_elements import Element
+
+
+class Scope:
+    """The names of one kind of elements: by full name, and by the path of where they stand."""
+
+    def __init__(self, what: str) -> None:
+        self._what = what
+        self.kinds: dict[str, str] = {}
+        self.elements: dict[str, Element] = {}
+        self._paths: dict[str, str] = {}
+        self._has_private = False
+
+    def add(self, element: Element, kind: str, short: str, home: str, *, private: bool) -> str:
+        """Add an element and return its full name.
+
+        Raises ModelError when the name is taken.
+        """
+        path = f"{home}.{short}" if home else short
+        name = path if private else short
+        if name in self.kinds:
+            first = self.elements[name].location
+            element.fail(f"'{name}' is defined twice, first at {first}; rename or remove one")
+        self.kinds[name] = kind
+        self.elements[name] = element
+        if home:
+            self._paths[path] = name
+        self._has_private = self._has_private or private
+        return name
+
+    def find(self, element: Element, home: str, kind: str | None) -> str:
+        """Return the full name of what an element refers to from `home`, of the kind asked for.
+
+        Raises ModelError when there is none.
+        """
+        short = element.attributes.get("name") or element.attribute("name")
+        name: str | None = short if short in self.kinds else None
+        if self._has_private or "." in short:
+            name = self._inside(short, home) or name
+        if name is None:
+            element.fail(f"{kind or self._what} '{short}' is not defined; {self._near(short)}")
+        found = self.kinds[name]
+        if kind is not None and found != kind:
+            element.fail(f"'{short}' is a {found}, not a {kind}; refer to it as what it is")
+        return name
+
+    def _inside(self, short: str, home: str) -> str | None:
+        while home:
+            name = self._paths.get(f"{home}.{short}")
+            if name is not None:
+                return name
+            home = home.rpartition(".")[0]
+        return self._paths.get(short)
+
+    def _near(self, short: str) -> str:
+        if len(self.kinds) <= 30:
+            return one_of(self.kinds, short)
+        return nearest(self.kinds, short) or "define it"
+
+
+def nearest(names: Mapping[str, object] | Iterable[str], found: str) -> str:
+    """Return a suggestion, where a name is near and there are not too many to look through."""
+    from difflib import get_close_matches
+
+    listed = list(names)
+    near = get_close_matches(found, listed, n=1) if len(listed) <= 20_000 else []
+    return f"did you mean '{near[0]}'?" if near else ""

@@ -1,0 +1,166 @@
+"""XML as elements with their positions, one definition at a time.
+
+Entities are refused where they are declared, external parts are never loaded, and what a handler
+has taken is let go, so that a file of any size fits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import BinaryIO, NoReturn
+from xml.parsers import expat
+
+from tracerisk.errors import Location, ModelError, one_of
+
+GREATEST_DEPTH = 200
+"""How deep elements may nest; what reads them recurses."""
+
+
+class Element:
+    """An element: its tag, attributes, children and text, and where it starts."""
+
+    __slots__ = ("attributes", "children", "column", "file", "line", "tag", "text")
+
+    def __init__(
+        self, tag: str, attributes: dict[str, str], file: str, line: int, column: int
+    ) -> None:
+        self.tag = tag
+        self.attributes = attributes
+        self.children: list[Element] = []
+        self.file = file
+        self.line = line
+        self.column = column
+        self.text = ""
+
+    @property
+    def location(self) -> Location:
+        """Where the element starts."""
+        return Location(self.file, self.line, self.column + 1)
+
+    def fail(self, message: str) -> NoReturn:
+        """Raise ModelError at the element."""
+        raise ModelError(message, self.location)
+
+    def attribute(self, name: str) -> str:
+        """Return an attribute, or raise ModelError when it is missing or empty."""
+        value = self.attributes.get(name, "")
+        if not value.strip():
+            self.fail(f"<{self.tag}> has no {name}; give it one")
+        return value.strip()
+
+    def check_attributes(self, *allowed: str) -> None:
+        """Raise ModelError when the element has another attribute than those."""
+        for name in self.attributes:
+            if name not in allowed:
+                self.fail(f"<{self.tag}> has the attribute '{name}'; {one_of(allowed, name)}")
+
+    def one_child(self) -> Element:
+        """Return the only child, or raise ModelError when there are none or several."""
+        if len(self.children) != 1:
+            self.fail(f"<{self.tag}> has {len(self.children)} elements in it; allowed: one")
+        return self.children[0]
+
+    def unexpected(self, allowed: object) -> NoReturn:
+        """Raise ModelError for an element that does not belong where it stands."""
+        names = sorted(str(name) for name in allowed)  # type: ignore[attr-defined]
+        self.fail(f"<{self.tag}> does not belong here; {one_of(names, self.tag)}")
+
+
+def parse(
+    source: Path | bytes,
+    file: str,
+    containers: frozenset[str],
+    enter: Callable[[Element], None],
+    take: Callable[[Element], None],
+) -> Element:
+    """Parse XML and return its root; `file` is its name in messages.
+
+    `enter` is called with each container, `take` with each child of one once it is whole, and
+    with the container itself after those; its label and attributes stay in it.
+    Raises ModelError, with the position, when the file cannot be read, is no XML, declares
+    entities or nests too deep.
+    """
+    parser = expat.ParserCreate()
+    parser.SetParamEntityParsing(expat.XML_PARAM_ENTITY_PARSING_NEVER)
+    parser.buffer_text = True
+    stack: list[Element] = []
+    roots: list[Element] = []
+    kept = frozenset(("label", "attributes"))
+
+    def here() -> Location:
+        return Location(file, parser.CurrentLineNumber, parser.CurrentColumnNumber + 1)
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        element = Element(
+            tag, attributes, file, parser.CurrentLineNumber, parser.CurrentColumnNumber
+        )
+        if len(stack) > GREATEST_DEPTH:
+            element.fail(f"elements nest more than {GREATEST_DEPTH} deep; flatten the model")
+        stack.append(element)
+        if tag in containers:
+            enter(element)
+        elif tag == "label":
+            parser.CharacterDataHandler = text
+
+    def end(tag: str) -> None:
+        element = stack.pop()
+        if tag == "label":
+            parser.CharacterDataHandler = None
+        if not stack:
+            roots.append(element)
+        parent = stack[-1] if stack else None
+        if parent is None or (parent.tag in containers and tag not in kept):
+            take(element)
+        else:
+            parent.children.append(element)
+
+    def text(data: str) -> None:
+        stack[-1].text += data
+
+    def refuse_entity(*_: object) -> None:
+        raise ModelError("declares an entity; write out what it stands for", here())
+
+    def refuse_reference(name: str, *_: object) -> None:
+        raise ModelError(f"refers to the entity '{name}'; write out what it stands for", here())
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.EntityDeclHandler = refuse_entity
+    parser.SkippedEntityHandler = refuse_reference
+    try:
+        if isinstance(source, bytes):
+            parser.Parse(source, True)
+        else:
+            with source.open("rb") as stream:
+                parser.ParseFile(stream)
+    except expat.ExpatError as error:
+        place = Location(file, error.lineno, error.offset + 1)
+        raise ModelError(_explain(parser, source, error), place) from error
+    except OSError as error:
+        raise ModelError(f"cannot be read: {error.strerror or error}", Location(file)) from error
+    return roots[0]
+
+
+def _explain(parser: expat.XMLParserType, source: Path | bytes, error: expat.ExpatError) -> str:
+    index = parser.ErrorByteIndex
+    if error.code == expat.errors.codes[expat.errors.XML_ERROR_NO_ELEMENTS] and index <= 0:
+        return "is empty; it should be an XML file"
+    if error.code == expat.errors.codes[expat.errors.XML_ERROR_INVALID_TOKEN]:
+        byte = _byte(source, index)
+        if byte and byte[0] >= 0x80:
+            return (
+                f"the byte 0x{byte.hex().upper()} is not valid here; save the file as UTF-8, or "
+                "state its encoding in the XML declaration"
+            )
+    reason = expat.ErrorString(error.code)
+    return f"is not well-formed XML: {reason}; is the file whole?"
+
+
+def _byte(source: Path | bytes, index: int) -> bytes:
+    if isinstance(source, bytes):
+        return source[index : index + 1]
+    stream: BinaryIO
+    with source.open("rb") as stream:
+        stream.seek(max(index, 0))
+        return stream.read(1)
