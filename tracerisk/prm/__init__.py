@@ -1,5 +1,8 @@
 """The probabilistic risk model: fault trees, Markov chains, their link, and solving them."""
 
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 from tracerisk.prm.assessment import FIGURE_STATEMENT, Assessment
 from tracerisk.prm.build import build_model
 from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind
@@ -7,18 +10,68 @@ from tracerisk.prm.hybrid import FunctionState, HybridModel, NextStep, Parameter
 from tracerisk.prm.markov import MarkovChain
 from tracerisk.prm.solve import solve
 
+if TYPE_CHECKING:
+    from tracerisk.prm.bayes import BayesianNetwork, Given
+    from tracerisk.prm.event_tree import EventTree
+    from tracerisk.prm.failure_models import (
+        GLM,
+        Constant,
+        Erlang,
+        Exponential,
+        Lognormal,
+        PerDemand,
+        PeriodicTest,
+        Weibull,
+    )
+
 __all__ = [
     "FIGURE_STATEMENT",
+    "GLM",
     "Assessment",
     "BasicEvent",
+    "BayesianNetwork",
+    "Constant",
+    "Erlang",
+    "EventTree",
+    "Exponential",
     "FaultTree",
     "FunctionState",
     "Gate",
     "GateKind",
+    "Given",
     "HybridModel",
+    "Lognormal",
     "MarkovChain",
     "NextStep",
     "Parameter",
+    "PerDemand",
+    "PeriodicTest",
+    "Weibull",
     "build_model",
     "solve",
 ]
+
+_ON_DEMAND = {
+    "BayesianNetwork": "bayes",
+    "EventTree": "event_tree",
+    "Given": "bayes",
+} | dict.fromkeys(
+    (
+        "GLM",
+        "Constant",
+        "Erlang",
+        "Exponential",
+        "Lognormal",
+        "PerDemand",
+        "PeriodicTest",
+        "Weibull",
+    ),
+    "failure_models",
+)
+"""The modules of names that most programs do not use: imported when they are."""
+
+
+def __getattr__(name: str) -> object:
+    if name not in _ON_DEMAND:
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+    return getattr(import_module(f"{__name__}.{_ON_DEMAND[name]}"), name)
