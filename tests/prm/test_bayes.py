@@ -138,6 +138,16 @@ def test_top_and_posteriors_equal_exact_enumeration(network, kind):
             assert posterior[state] == pytest.approx(float(expected_state), rel=1e-13)
 
 
+def test_a_row_is_read_as_divided_by_its_sum():
+    loose = {"x": 0.5, "y": 0.5 + 9e-10}
+    network = inference_of(
+        BayesianNetwork({"h": loose, "c": Given("h", {"x": {"x": 0.5, "y": 0.5}, "y": loose})})
+    )
+    y = Fraction(0.5 + 9e-10) / (Fraction(0.5 + 9e-10) + Fraction(0.5))
+    assert network.distribution("h")["y"] == pytest.approx(float(y), rel=1e-15)
+    assert network.joint(("h", "c"))["y", "y"] == pytest.approx(float(y * y), rel=1e-15)
+
+
 def test_evidence_is_respected():
     network = inference_of(
         BayesianNetwork(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ from tracerisk.errors import ModelError
 from tracerisk.prm.bayes import Given
 
 if TYPE_CHECKING:
-    from tracerisk.prm.bayes import BayesianNetwork
+    from tracerisk.prm.bayes import BayesianNetwork, Distribution
 
 
 def joint_probabilities(
@@ -73,15 +74,21 @@ def _translated(pyagrum: Any, network: BayesianNetwork, names: Mapping[str, str]
     for name, condition in network.conditions.items():
         states = network.states(name)
         if not isinstance(condition, Given):
-            net.cpt(names[name]).fillWith([float(condition[state]) for state in states])
+            net.cpt(names[name]).fillWith(_normalised(condition, states))
             continue
         for given, row in condition.rows().items():
             place = {
                 names[parent]: network.states(parent).index(state)
                 for parent, state in zip(condition.names, given, strict=True)
             }
-            net.cpt(names[name])[place] = [float(row[state]) for state in states]
+            net.cpt(names[name])[place] = _normalised(row, states)
     return net
+
+
+def _normalised(row: Distribution, states: Sequence[str]) -> list[float]:
+    """Return the probabilities of the states, divided by their sum, which is almost one."""
+    total = math.fsum(row.values())
+    return [row[state] / total for state in states]
 
 
 def _pyagrum() -> Any:
