@@ -55,13 +55,13 @@ def compiled_loops() -> Loops:
     import numpy as np
 
     return Loops(
-        _compiled(kernel.build),
-        _compiled(kernel.compact),
-        _compiled(kernel.sweep),
-        _compiled(kernel.sweep_many),
-        _compiled(kernel.edge_gains),
-        _compiled(kernel.derivatives),
-        _compiled(kernel.differences),
+        compiled_by_numba(kernel.build),
+        compiled_by_numba(kernel.compact),
+        compiled_by_numba(kernel.sweep),
+        compiled_by_numba(kernel.sweep_many),
+        compiled_by_numba(kernel.edge_gains),
+        compiled_by_numba(kernel.derivatives),
+        compiled_by_numba(kernel.differences),
         integers=lambda size: np.zeros(size, dtype=np.int32),
         floats=lambda size: np.zeros(size, dtype=np.float64),
         listed=lambda items: np.array(items, dtype=np.int32),
@@ -69,7 +69,8 @@ def compiled_loops() -> Loops:
     )
 
 
-def _compiled(function: _Function) -> _Function:
+def compiled_by_numba(function: _Function) -> _Function:
+    """Return a function compiled when first called, and kept on disk where a folder can be."""
     import numba
 
     try:
