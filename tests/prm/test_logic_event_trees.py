@@ -1,0 +1,118 @@
+from __future__ import annotations
+
+import shutil
+import subprocess
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+
+from tracerisk.errors import ModelError
+from tracerisk.prm.event_tree import (
+    Branch,
+    Condition,
+    End,
+    EventSequence,
+    EventTree,
+    InitiatingEvent,
+    SetHouse,
+)
+from tracerisk.prm.expressions import Number
+from tracerisk.prm.fault_tree import Gate, GateKind, HouseEvent
+from tracerisk.prm.formats.open_psa import read_open_psa
+from tracerisk.prm.logic_event_trees import solved_event_trees
+from tracerisk.prm.logic_model import (
+    EventDefinition,
+    EventTreeDefinition,
+    GateDefinition,
+    HouseDefinition,
+    LogicModel,
+    Substitution,
+)
+
+INPUTS = Path("/usr/share/scram/input")
+needs_scram = pytest.mark.skipif(
+    shutil.which("scram") is None or not INPUTS.exists(), reason="SCRAM is not installed"
+)
+
+
+def scram(*files):
+    """SCRAM's sequences of each initiating event, six digits each."""
+    command = ["scram", "--bdd", "--probability", "1", *map(str, files)]
+    done = subprocess.run(command, capture_output=True, check=True)
+    return {
+        event.get("name"): {
+            each.get("name"): float(each.get("value")) for each in event.iter("sequence")
+        }
+        for event in ET.fromstring(done.stdout).iter("initiating-event")
+        if event.get("sequences")
+    }
+
+
+@needs_scram
+@pytest.mark.parametrize(
+    "files",
+    [
+        ["EventTrees/attack.xml"],
+        ["EventTrees/bcd.xml"],
+        ["EventTrees/gas_leak/gas_leak.xml", "EventTrees/gas_leak/gas_leak_reactive.xml"],
+        ["ThreeMotor/event_tree.xml", "ThreeMotor/three_motor.xml"],
+        ["TwoTrain/event_tree.xml", "TwoTrain/two_train.xml"],
+    ],
+    ids=lambda files: files[0],
+)
+def test_scram_agrees_on_its_own_event_trees(files):
+    paths = [INPUTS / name for name in files]
+    solutions = solved_event_trees(read_open_psa(*paths), 8760.0)
+    found = {
+        solution.initiating.name: {each.name: each.value for each in solution.sequences}
+        for solution in solutions
+    }
+    expected = scram(*paths)
+    assert expected
+    assert found == {
+        name: {sequence: pytest.approx(value, rel=1e-5) for sequence, value in sequences.items()}
+        for name, sequences in expected.items()
+    }
+
+
+@needs_scram
+def test_the_outcomes_of_the_gas_leak_sum_to_one():
+    files = sorted((INPUTS / "EventTrees" / "gas_leak").glob("*.xml"))
+    for solution in solved_event_trees(read_open_psa(*files), 8760.0):
+        assert solution.total == pytest.approx(1.0, rel=1e-14)
+        assert solution.findings == ()
+
+
+def logic_model(*instructions, **more):
+    tree = EventTree(
+        "t",
+        (),
+        Branch(End("S"), instructions),
+        (EventSequence("S"),),
+        initiating=InitiatingEvent("i"),
+    )
+    return LogicModel(
+        gates=(GateDefinition(Gate("g", GateKind.OR, ("a", "b"))),),
+        events=(EventDefinition("a", Number(0.25)), EventDefinition("b", Number(0.5))),
+        houses=(HouseDefinition(HouseEvent("h", False)),),
+        event_trees=(EventTreeDefinition(tree),),
+        **more,
+    )
+
+
+def test_a_house_event_may_be_set_that_no_condition_stands_above():
+    model = logic_model(SetHouse("h", True), Condition("g"), Condition("a", False))
+    (solution,) = solved_event_trees(model, 1.0)
+    assert solution["S"] == 0.375
+
+
+def test_a_tree_that_nothing_begins_is_no_result():
+    tree = EventTree("t", (), Branch(End("S")), (EventSequence("S"),))
+    assert solved_event_trees(LogicModel(event_trees=(EventTreeDefinition(tree),)), 1.0) == ()
+
+
+def test_event_trees_under_substitutions_are_refused():
+    model = logic_model(Condition("g"), substitutions=(Substitution("s", "g", False),))
+    with pytest.raises(ModelError, match="event tree 't' stands in a model with substitutions"):
+        solved_event_trees(model, 1.0)
