@@ -105,7 +105,7 @@ def states_of(condition):
     )
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(network=networks(), kind=st.sampled_from([GateKind.OR, GateKind.AND]))
 def test_top_and_posteriors_equal_exact_enumeration(network, kind):
     inference_of(network)
@@ -146,6 +146,23 @@ def test_a_row_is_read_as_divided_by_its_sum():
     y = Fraction(0.5 + 9e-10) / (Fraction(0.5 + 9e-10) + Fraction(0.5))
     assert network.distribution("h")["y"] == pytest.approx(float(y), rel=1e-15)
     assert network.joint(("h", "c"))["y", "y"] == pytest.approx(float(y * y), rel=1e-15)
+
+
+def test_a_condition_of_one_state_is_none():
+    network = inference_of(
+        BayesianNetwork(
+            {
+                "place": {"here": 1.0},
+                "day": Given("place", {"here": {"only": 1.0}}),
+                "heat": Given(("day", "place"), {("only", "here"): {"cool": 0.75, "hot": 0.25}}),
+            },
+            {"a": Given(("place", "heat"), {("here", "cool"): 0.0, ("here", "hot"): 0.5})},
+        )
+    )
+    solution = network.solve(FaultTree("a", (), (BasicEvent("a"),)), evidence={"place": "here"})
+    assert solution.top.p == 0.125
+    assert solution.posterior("heat") == {"cool": 0.0, "hot": 1.0}
+    assert solution.posterior("day") == {"only": 1.0}
 
 
 def test_evidence_is_respected():

@@ -26,22 +26,30 @@ def joint_probabilities(
     domains = [
         (evidence[name],) if name in evidence else network.states(name) for name in conditions
     ]
+    # Conditions of one state are none; pyAgrum drops their dimension from some of its results.
+    names = {
+        name: f"n{index}"
+        for index, name in enumerate(network.conditions)
+        if len(network.states(name)) > 1
+    }
+    known = {
+        names[name]: network.states(name).index(state)
+        for name, state in evidence.items()
+        if name in names
+    }
     open_conditions = tuple(
         name for name, domain in zip(conditions, domains, strict=True) if len(domain) > 1
     )
-    if not open_conditions and not evidence:
+    if not open_conditions and not known:
         return {tuple(domain[0] for domain in domains): 1.0}
     pyagrum = _pyagrum()
-    names = {name: f"n{index}" for index, name in enumerate(network.conditions)}
     inference = pyagrum.LazyPropagation(_translated(pyagrum, network, names))
-    inference.setEvidence(
-        {names[name]: network.states(name).index(state) for name, state in evidence.items()}
-    )
+    inference.setEvidence(known)
     wanted = {names[name] for name in open_conditions}
     if len(wanted) > 1:
         inference.addJointTarget(wanted)
     inference.makeInference()
-    if evidence and not inference.evidenceProbability() > 0.0:
+    if known and not inference.evidenceProbability() > 0.0:
         told = ", ".join(f"{name} {state}" for name, state in evidence.items())
         raise ModelError(f"it is impossible that {told}; correct what is known")
     if not open_conditions:
@@ -66,22 +74,27 @@ def joint_probabilities(
 def _translated(pyagrum: Any, network: BayesianNetwork, names: Mapping[str, str]) -> Any:
     """Return the network as pyAgrum's; names and states there are numbers."""
     net = pyagrum.BayesNet()
-    for name in network.conditions:
-        net.add(pyagrum.LabelizedVariable(names[name], "", len(network.states(name))))
-    for name in network.conditions:
+    for name, number in names.items():
+        net.add(pyagrum.LabelizedVariable(number, "", len(network.states(name))))
+    for name, number in names.items():
         for parent in network.parents(name):
-            net.addArc(names[parent], names[name])
-    for name, condition in network.conditions.items():
-        states = network.states(name)
+            if parent in names:
+                net.addArc(names[parent], number)
+    for name, number in names.items():
+        condition, states = network.conditions[name], network.states(name)
         if not isinstance(condition, Given):
-            net.cpt(names[name]).fillWith(_normalised(condition, states))
+            net.cpt(number).fillWith(_normalised(condition, states))
             continue
         for given, row in condition.rows().items():
             place = {
                 names[parent]: network.states(parent).index(state)
                 for parent, state in zip(condition.names, given, strict=True)
+                if parent in names
             }
-            net.cpt(names[name])[place] = _normalised(row, states)
+            if place:
+                net.cpt(number)[place] = _normalised(row, states)
+            else:
+                net.cpt(number).fillWith(_normalised(row, states))
     return net
 
 

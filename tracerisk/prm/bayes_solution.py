@@ -73,12 +73,11 @@ def solve_network(
     evidence: States,
 ) -> BayesianSolution:
     """Solve a fault tree for each joint state of the conditions; see BayesianNetwork.solve."""
-    known = {} if mission_time_h is None else tree.values_at(mission_time_h)
     cases = network.cases(tree.parameters, mission_time_h=mission_time_h, evidence=evidence)
     # States that give the events the same figures have the same top.
     figures = dict.fromkeys(tuple(case.values.values()) for case in cases)
     bearing = tuple(cases[0].values)
-    given: dict[str, float | list[float]] = {**known, **values}
+    given: dict[str, float | list[float]] = {**tree.values_at(mission_time_h), **values}
     given.update(zip(bearing, map(list, zip(*figures, strict=True)), strict=True))
     found = tree.probabilities(given).tolist()
     tops = {row: Probability(p, q) for row, (p, q) in zip(figures, found, strict=True)}

@@ -252,8 +252,7 @@ class EventTree:
         from tracerisk.prm.forest import Forest
 
         forest = trees if isinstance(trees, Forest) else Forest.of(trees)
-        known = {} if mission_time_h is None else forest.values_at(mission_time_h)
-        given = {**known, **(values or {})}
+        given = {**forest.values_at(mission_time_h), **(values or {})}
         return solve_event_tree(self, forest, given, mission_time_h, linked)
 
     def _check_target(self, target: Target) -> None:

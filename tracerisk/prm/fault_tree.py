@@ -139,11 +139,17 @@ class FaultTree(DisplayedGraph):
         """The gates, each after those below it."""
         return self._upwards
 
-    def values_at(self, mission_time_h: float) -> dict[str, float]:
+    def values_at(self, mission_time_h: float | None) -> dict[str, float]:
         """Return the probability of each parameter whose events have a model, for a mission, [h].
 
+        Without a mission time, `None`, only of those whose model needs none.
         Raises ModelError, with the event, when a model cannot be evaluated.
         """
+        if mission_time_h is None:
+            from tracerisk.prm.failure_models import Constant
+
+            models = [(event.parameter, event.model) for event in self.events]
+            return {name: model.p for name, model in models if isinstance(model, Constant)}
         values = {}
         for event in self.events:
             if event.model is not None and event.parameter not in values:

@@ -102,8 +102,7 @@ def solve_tree(
             raise ModelError(
                 f"value of '{name}', which is no parameter; {one_of(tree.parameters, name)}"
             )
-    known = tree.values_at(mission_time_h) if mission_time_h is not None else _constants(tree)
-    given = {**known, **values}
+    given = {**tree.values_at(mission_time_h), **values}
     for event in tree.events:
         if event.parameter not in given and event.model is not None:
             raise ModelError(
@@ -111,15 +110,6 @@ def solve_tree(
             )
     top = tree.probability(given)
     return FaultTreeSolution(tree, {name: float(given[name]) for name in tree.parameters}, top)
-
-
-def _constants(tree: FaultTree) -> dict[str, float]:
-    """Return the figures that no mission time changes."""
-    from tracerisk.prm.failure_models import Constant
-
-    return {
-        event.parameter: event.model.p for event in tree.events if isinstance(event.model, Constant)
-    }
 
 
 def _ratio(above: float, below: float) -> float:

@@ -67,7 +67,7 @@ class Forest:
         """
         return self.joined((((top, True, ()),),))
 
-    def values_at(self, mission_time_h: float) -> dict[str, float]:
+    def values_at(self, mission_time_h: float | None) -> dict[str, float]:
         """Return the probability of each parameter whose events have a model; see FaultTree."""
         names = tuple(self.events)
         if not names:
