@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import Location, ModelError, one_of
@@ -216,6 +216,7 @@ class LogicModel:
         _check_cycles("parameter", uses)
         _check_references(self, uses)
         _check_groups(self)
+        _check_alignments(self)
         entries = tuple((each.name, each.expression) for each in self.parameters)
         object.__setattr__(self, "definitions", Definitions(entries))
 
@@ -248,6 +249,28 @@ class LogicModel:
         from tracerisk.prm.logic_trees import tree_below
 
         return tree_below(self, top, common_cause=common_cause, mission_time_h=mission_time_h)
+
+    def in_phase(self, alignment: str, phase: str) -> LogicModel:
+        """Return the model with its house events as a phase of an alignment sets them.
+
+        Raises ModelError when there is no such alignment or phase.
+        """
+        alignments = {each.name: each for each in self.alignments}
+        if alignment not in alignments:
+            raise ModelError(
+                f"there is no alignment '{alignment}'; {one_of(alignments, alignment)}"
+            )
+        phases = {each.name: each for each in alignments[alignment].phases}
+        if phase not in phases:
+            raise ModelError(
+                f"alignment '{alignment}' has no phase '{phase}'; {one_of(phases, phase)}"
+            )
+        states = dict(phases[phase].houses)
+        houses = tuple(
+            replace(each, house=HouseEvent(each.name, states.get(each.name, each.house.state)))
+            for each in self.houses
+        )
+        return replace(self, houses=houses)
 
 
 class ElementError(ModelError):
@@ -362,3 +385,17 @@ def _check_groups(model: LogicModel) -> None:
             if problem:
                 raise ElementError("common cause group", group.name, f"{where}: {problem}")
             owners[member] = group.name
+
+
+def _check_alignments(model: LogicModel) -> None:
+    houses = {each.house.name for each in model.houses}
+    for alignment in model.alignments:
+        for phase in alignment.phases:
+            for house, _ in phase.houses:
+                if house not in houses:
+                    raise ElementError(
+                        "alignment",
+                        alignment.name,
+                        f"alignment '{alignment.name}': phase '{phase.name}' sets '{house}', "
+                        f"which is no house event; {_near(houses, house)}",
+                    )

@@ -3,43 +3,82 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.collection import collection_paused
 from tracerisk.prm.common_cause import CommonCauseGroup, expand_common_cause
 from tracerisk.prm.expressions import Evaluation, ExpressionModel, Reference
 from tracerisk.prm.fault_tree import BasicEvent, FaultTree, HouseEvent
+from tracerisk.prm.forest import Forest
 from tracerisk.prm.gates import Gate, GateKind
 from tracerisk.prm.logic_model import ALWAYS, NEVER, GroupDefinition, LogicModel
+
+if TYPE_CHECKING:
+    from tracerisk.prm.event_tree_solution import EventTreeSolution
 
 
 def tree_below(
     model: LogicModel, top: str, *, common_cause: bool, mission_time_h: float
 ) -> FaultTree:
     """Return the tree below a gate or event; see `LogicModel.fault_tree`."""
+    with collection_paused():
+        found = forest(model, common_cause=common_cause, mission_time_h=mission_time_h)
+        if top not in found:
+            raise ModelError(f"there is no top '{top}'; {one_of(model.tops, top)}")
+        gates = dict(found.gates)
+        if model.substitutions:
+            top = _substituted(model, top, gates)
+        below: dict[str, None] = {}
+        stack = [top]
+        while stack:
+            name = stack.pop()
+            if name not in below:
+                below[name] = None
+                gate = gates.get(name)
+                if gate is not None:
+                    stack.extend(reversed(gate.inputs))
+        return FaultTree(
+            top,
+            tuple(gates[name] for name in below if name in gates),
+            tuple(found.events[name] for name in below if name in found.events),
+            tuple(found.houses[name] for name in below if name in found.houses),
+        )
+
+
+def forest(model: LogicModel, *, common_cause: bool = True, mission_time_h: float = 0.0) -> Forest:
+    """Return all gates and events of the model, common cause groups expanded unless told not to.
+
+    The factors of a group may depend on the mission time, [h].
+    Raises ModelError when a factor is missing or cannot be evaluated.
+    """
     gates = dict(model.gates_by_name)
     events = {event.name: event for event in basic_events(model)}
     houses = {each.name: each.house for each in model.houses}
     houses |= {ALWAYS: HouseEvent(ALWAYS, True), NEVER: HouseEvent(NEVER, False)}
-    if top not in gates and top not in events and top not in houses:
-        raise ModelError(f"there is no top '{top}'; {one_of(model.tops, top)}")
-    if model.substitutions:
-        top = _substituted(model, top, gates)
     if common_cause and model.groups:
         _expand(model, gates, events, mission_time_h)
-    below: dict[str, None] = {}
-    stack = [top]
-    while stack:
-        name = stack.pop()
-        if name not in below:
-            below[name] = None
-            gate = gates.get(name)
-            if gate is not None:
-                stack.extend(reversed(gate.inputs))
-    return FaultTree(
-        top,
-        tuple(gates[name] for name in below if name in gates),
-        tuple(events[name] for name in below if name in events),
-        tuple(houses[name] for name in below if name in houses),
+    return Forest(gates, events, houses)
+
+
+def solved_event_trees(
+    model: LogicModel, mission_time_h: float, *, common_cause: bool = True
+) -> tuple[EventTreeSolution, ...]:
+    """Return the solutions of the event trees that have an initiating event, or of all if none has.
+
+    Raises ModelError as `EventTree.solve` does, and for substitutions, which are not applied to
+    event trees.
+    """
+    if not model.event_trees:
+        return ()
+    if model.substitutions:
+        raise ModelError("substitutions are not applied to event trees; leave them out")
+    found = forest(model, common_cause=common_cause, mission_time_h=mission_time_h)
+    values = found.values_at(mission_time_h)
+    trees = [each.tree for each in model.event_trees]
+    begun = [tree for tree in trees if tree.initiating is not None] or trees
+    return tuple(
+        tree.solve(found, values, mission_time_h=mission_time_h, linked=trees) for tree in begun
     )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from tracerisk.errors import Location, ModelError, one_of
+from tracerisk.prm.collection import collection_paused
 from tracerisk.prm.expressions import Definitions, Expression
 from tracerisk.prm.fault_tree import HouseEvent
 from tracerisk.prm.formats.open_psa.formulas import Unresolved, constant, read_formula
@@ -68,12 +69,13 @@ def loads_open_psa(text: str | bytes, file: str) -> LogicModel:
 
 def _read(sources: list[tuple[Path | bytes, str]]) -> LogicModel:
     reader = _Reader()
-    for source, file in sources:
-        root = parse(source, file, CONTAINERS, reader.enter, reader.take)
-        if root.tag != ROOT:
-            root.fail(f"<{root.tag}> is no Open-PSA model; the root is <{ROOT}>")
-        reader.finish_file(root)
-    return reader.model()
+    with collection_paused():
+        for source, file in sources:
+            root = parse(source, file, CONTAINERS, reader.enter, reader.take)
+            if root.tag != ROOT:
+                root.fail(f"<{root.tag}> is no Open-PSA model; the root is <{ROOT}>")
+            reader.finish_file(root)
+        return reader.model()
 
 
 class _Home(NamedTuple):
