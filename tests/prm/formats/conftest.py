@@ -5,7 +5,7 @@ import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from xml.etree import ElementTree
+from xml.etree import ElementTree as ET
 
 import pytest
 
@@ -36,7 +36,7 @@ def scram() -> Callable[..., ScramReport]:
             timeout=60,
         )
         assert done.returncode == 0, done.stderr
-        results = ElementTree.fromstring(done.stdout).find("results")
+        results = ET.fromstring(done.stdout).find("results")
         tops, sequences, importance = {}, {}, {}
         for each in results:
             name = each.get("name")
