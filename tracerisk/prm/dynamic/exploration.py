@@ -1,0 +1,100 @@
+"""The Markov chain of a group of dynamic gates: all the states that it can come to."""
+
+from __future__ import annotations
+
+from itertools import product
+from math import prod
+
+from tracerisk.errors import ModelError, TooLargeError
+from tracerisk.prm.dynamic.absorption import FailureChain
+from tracerisk.prm.dynamic.layout import FAILED, SAFE, Layout
+from tracerisk.prm.dynamic.semantics import after_failure, is_in_service, start
+
+FAILED_STATE = 0
+
+
+def explore(layout: Layout, state_limit: int) -> FailureChain:
+    """Return the chain of a group, state 0 being its failure.
+
+    Raises TooLargeError when there are more states than the limit, ModelError when what is failed
+    from the start is ruled out by a restriction.
+    """
+    numbers: dict[bytes, int] = {}
+    order: list[bytes] = []
+
+    def number_of(state: bytes) -> int:
+        if state[layout.top] == FAILED:
+            return FAILED_STATE
+        if state not in numbers:
+            if len(order) + 1 >= state_limit:
+                raise TooLargeError(
+                    f"the group of dynamic gates below '{layout.names[layout.top]}', with "
+                    f"{len(layout.events)} events, has more than {state_limit} states; split it, "
+                    "or allow more"
+                )
+            order.append(state)
+            numbers[state] = len(order)
+        return numbers[state]
+
+    initial: dict[int, float] = {}
+    for chance, state in _starts(layout):
+        number = number_of(state)
+        initial[number] = initial.get(number, 0.0) + chance
+    transitions: list[tuple[int, int, float]] = []
+    source = 0
+    while source < len(order):
+        state = order[source]
+        source += 1
+        leaving: dict[int, float] = {}
+        for following, rate in _moves(layout, state):
+            number = number_of(following)
+            leaving[number] = leaving.get(number, 0.0) + rate
+        transitions += [(source, target, rate) for target, rate in leaving.items()]
+    return FailureChain(len(order) + 1, tuple(sorted(initial.items())), tuple(transitions))
+
+
+def _starts(layout: Layout) -> list[tuple[float, bytes]]:
+    """Return the states that a group can start in, by which events are failed from the start."""
+    certain = [event for event, p in layout.starting.items() if p == 1.0]
+    open_events = [event for event, p in layout.starting.items() if 0.0 < p < 1.0]
+    if len(open_events) > 16:
+        raise TooLargeError(
+            f"the group of dynamic gates below '{layout.names[layout.top]}' has "
+            f"{len(open_events)} events that may be failed from the start; allowed: 16"
+        )
+    found = []
+    for outcome in product((False, True), repeat=len(open_events)):
+        failed = [event for event, happens in zip(open_events, outcome, strict=True) if happens]
+        chance = prod(
+            layout.starting[event] if happens else 1.0 - layout.starting[event]
+            for event, happens in zip(open_events, outcome, strict=True)
+        )
+        states = start(layout, (*certain, *failed))
+        if not states:
+            names = ", ".join(f"'{layout.names[event]}'" for event in (*certain, *failed))
+            raise ModelError(
+                f"a restriction rules out what is failed from the start, {names}; give it a rate"
+            )
+        found += [(chance * share, state) for share, state in states]
+    return found
+
+
+def _moves(layout: Layout, state: bytes) -> list[tuple[bytes, float]]:
+    """Return what can follow a state, each with its rate."""
+    moves = []
+    for event, rate in enumerate(layout.rates):
+        phase = state[event]
+        if rate == 0.0 or phase >= SAFE:
+            continue
+        if not is_in_service(layout, state, event):
+            rate *= layout.events[event].dormancy
+            if rate == 0.0:
+                continue
+        if phase + 1 < layout.phases[event]:
+            moves.append((state[:event] + bytes((phase + 1,)) + state[event + 1 :], rate))
+        else:
+            moves += [
+                (following, rate * chance)
+                for chance, following in after_failure(layout, state, event)
+            ]
+    return moves

@@ -1,0 +1,204 @@
+"""Dynamic fault trees, and the static trees that they become."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.dynamic.absorption import FailureChain
+from tracerisk.prm.dynamic.elements import (
+    Dependency,
+    DynamicEvent,
+    DynamicGate,
+    Restriction,
+)
+from tracerisk.prm.dynamic.exploration import explore
+from tracerisk.prm.dynamic.groups import find_groups
+from tracerisk.prm.dynamic.layout import AnyGate, lay_out
+from tracerisk.prm.fault_tree import BasicEvent, FaultTree
+from tracerisk.prm.gates import Gate, check_gate
+from tracerisk.prm.probability import Probability
+
+STATE_LIMIT = 100_000
+"""The most states of one group; some seconds of work."""
+
+
+@dataclass(frozen=True, slots=True)
+class DynamicTree:
+    """A fault tree with static and dynamic gates, dependencies and restrictions.
+
+    What a dynamic gate, a dependency or a restriction touches is solved by a Markov model, the
+    smallest part of the tree that shares nothing with the rest; the tree that is left is static,
+    and each such part one basic event of it.
+    Raises ModelError when a name is used twice, an input is unknown, a gate stands above itself,
+    something is neither below the top nor tied to what is, a dependent is no event, or a gate does
+    not fit its kind.
+    """
+
+    top: str
+    gates: tuple[AnyGate, ...]
+    events: tuple[DynamicEvent, ...]
+    dependencies: tuple[Dependency, ...] = ()
+    restrictions: tuple[Restriction, ...] = ()
+    state_limit: int = STATE_LIMIT
+    _upwards: tuple[AnyGate, ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        _check_names(self)
+        object.__setattr__(self, "_upwards", _order_upwards(self))
+
+    @property
+    def upwards(self) -> tuple[AnyGate, ...]:
+        """The gates, each after those below it."""
+        return self._upwards
+
+    @property
+    def ties(self) -> tuple[Dependency | Restriction, ...]:
+        """The dependencies, then the restrictions: what ties elements together from the side."""
+        return (*self.dependencies, *self.restrictions)
+
+    def static_tree(self) -> FaultTree:
+        """Return the static tree in which each dynamic group is one basic event.
+
+        The event has the name of the group's top, its model is a `DynamicGroup`.
+        Raises ModelError when a group holds what has no meaning in a Markov model.
+        """
+        groups = find_groups(self)
+        replaced = {*groups, *(name for members in groups.values() for name in members)}
+        gates = tuple(
+            gate
+            for gate in reversed(self._upwards)
+            if isinstance(gate, Gate) and gate.name not in replaced
+        )
+        events = [
+            BasicEvent(event.name, model=event.model)
+            for event in self.events
+            if event.name not in replaced
+        ]
+        events += [
+            BasicEvent(top, model=DynamicGroup(_part(self, top, members)))
+            for top, members in groups.items()
+        ]
+        return FaultTree(self.top, gates, tuple(events))
+
+    def probability(self, mission_time_h: float) -> Probability:
+        """Return the probability that the top happens within the mission, [h].
+
+        Raises TooLargeError when a group has too many states, ModelError as `static_tree` does.
+        """
+        tree = self.static_tree()
+        if not tree.gates:
+            # The whole tree is one event: its pair needs no rounding to one number.
+            model = tree.events[0].model
+            if model is not None:
+                return model.probability(mission_time_h)
+        return tree.probability(tree.values_at(mission_time_h))
+
+
+@dataclass(frozen=True, slots=True)
+class DynamicGroup:
+    """A dynamic tree that is solved as a whole by one Markov chain: a failure model."""
+
+    tree: DynamicTree
+    _chain: FailureChain | None = field(init=False, repr=False, compare=False, default=None)
+
+    @property
+    def chain(self) -> FailureChain:
+        """The chain of the group's states, made when it is first asked for.
+
+        Raises as `probability` does.
+        """
+        if self._chain is None:
+            tree = self.tree
+            layout = lay_out(
+                tree.top, tree.upwards, tree.events, tree.dependencies, tree.restrictions
+            )
+            object.__setattr__(self, "_chain", explore(layout, tree.state_limit))
+        assert self._chain is not None
+        return self._chain
+
+    def probability(self, mission_time_h: float) -> Probability:
+        """Return the probability that the group fails within the mission, [h].
+
+        Raises TooLargeError when there are too many states or steps, ModelError when an event or a
+        gate has no meaning in a Markov model.
+        """
+        return self.chain.failed_by(mission_time_h)
+
+
+def _part(tree: DynamicTree, top: str, members: Sequence[str]) -> DynamicTree:
+    inside = {top, *members}
+    return DynamicTree(
+        top,
+        tuple(gate for gate in tree.gates if gate.name in inside),
+        tuple(event for event in tree.events if event.name in inside),
+        tuple(tie for tie in tree.dependencies if inside.issuperset(tie.inputs)),
+        tuple(tie for tie in tree.restrictions if inside.issuperset(tie.inputs)),
+        tree.state_limit,
+    )
+
+
+def _check_names(tree: DynamicTree) -> None:
+    elements = {element.name for element in (*tree.gates, *tree.events)}
+    seen: set[str] = set()
+    for named in (*tree.gates, *tree.events, *tree.ties):
+        if named.name in seen:
+            raise ModelError(f"'{named.name}' names two gates, events or ties; rename one")
+        if not named.name or not named.name.isprintable():
+            raise ModelError(f"{named.name!r} names a gate or event; it needs printable characters")
+        seen.add(named.name)
+    if tree.top not in elements:
+        raise ModelError(f"the top '{tree.top}' is no gate or event; {one_of(elements, tree.top)}")
+    for user in (*tree.gates, *tree.ties):
+        for name in user.inputs:
+            if name not in elements:
+                raise ModelError(
+                    f"'{user.name}': input '{name}' is no gate or event; {one_of(elements, name)}"
+                )
+        if isinstance(user, Gate):
+            check_gate(user)
+    events = {event.name for event in tree.events}
+    for dependency in tree.dependencies:
+        for name in dependency.dependents:
+            if name not in events:
+                raise ModelError(
+                    f"dependency '{dependency.name}': dependent '{name}' is a gate; make its "
+                    "events dependent"
+                )
+
+
+def _order_upwards(tree: DynamicTree) -> tuple[AnyGate, ...]:
+    """Return the gates, each after those below it; iterative, for trees of any depth."""
+    gates = {gate.name: gate for gate in tree.gates}
+    order: list[AnyGate] = []
+    open_gates: set[str] = set()
+    seen: set[str] = set()
+    waiting = list(tree.ties)
+    stack = [(tree.top, False)]
+    while stack:
+        name, below_done = stack.pop()
+        gate = gates.get(name)
+        if below_done and gate is not None:
+            open_gates.discard(name)
+            order.append(gate)
+        elif name in open_gates:
+            raise ModelError(f"gate '{name}' stands above itself; break the cycle")
+        elif name not in seen:
+            seen.add(name)
+            if gate is not None:
+                open_gates.add(name)
+                stack.append((name, True))
+                stack.extend((child, False) for child in reversed(gate.inputs))
+        if not stack:
+            # What is tied to something below the top belongs to the tree, too.
+            tied = [tie for tie in waiting if not seen.isdisjoint(tie.inputs)]
+            waiting = [tie for tie in waiting if seen.isdisjoint(tie.inputs)]
+            stack = [(name, False) for tie in reversed(tied) for name in reversed(tie.inputs)]
+    loose = sorted({one.name for one in (*tree.gates, *tree.events, *waiting)} - seen)
+    if loose:
+        raise ModelError(f"not below the top '{tree.top}': {', '.join(loose)}; join or remove them")
+    return tuple(order)
+
+
+__all__ = ["STATE_LIMIT", "DynamicGate", "DynamicGroup", "DynamicTree"]

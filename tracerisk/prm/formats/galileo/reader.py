@@ -1,0 +1,342 @@
+"""Galileo text to a dynamic fault tree."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from tracerisk.errors import Location, ModelError, one_of
+from tracerisk.prm.dynamic import (
+    Dependency,
+    DynamicEvent,
+    DynamicGate,
+    DynamicKind,
+    DynamicTree,
+    Restriction,
+    RestrictionKind,
+)
+from tracerisk.prm.failure_models import Constant, Erlang, Exponential, Lognormal, Weibull
+from tracerisk.prm.fault_tree import FailureModel
+from tracerisk.prm.formats.galileo.statements import Statement, Word, read_statements
+from tracerisk.prm.gates import Gate, GateKind
+
+_VOTING = re.compile(r"(?P<k>\d+)of(?P<count>\d+)|vot(?P<least>\d+)")
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+_DYNAMIC = {
+    "pand": (DynamicKind.PAND, True),
+    "pand<=": (DynamicKind.PAND, True),
+    "pand-incl": (DynamicKind.PAND, True),
+    "pand<": (DynamicKind.PAND, False),
+    "pand-excl": (DynamicKind.PAND, False),
+    "por": (DynamicKind.POR, True),
+    "por<=": (DynamicKind.POR, True),
+    "por-incl": (DynamicKind.POR, True),
+    "por<": (DynamicKind.POR, False),
+    "por-excl": (DynamicKind.POR, False),
+    "wsp": (DynamicKind.SPARE, True),
+    "csp": (DynamicKind.SPARE, True),
+    "hsp": (DynamicKind.SPARE, True),
+    "spare": (DynamicKind.SPARE, True),
+}
+_RESTRICTIONS = {"seq": RestrictionKind.SEQUENCE, "mutex": RestrictionKind.EXCLUSION}
+_TYPES = ("and", "or", "<k>of<n>", "vot<k>", "fdep", "pdep", *_DYNAMIC, *_RESTRICTIONS)
+_WAITING = {"csp": 0.0, "hsp": 1.0}
+"""The dormancy that the kind of a spare gate gives the units that wait in it."""
+
+_LAWS: dict[tuple[str, ...], Callable[..., FailureModel]] = {
+    ("prob",): lambda prob: Constant(prob),
+    ("lambda",): lambda rate: Exponential(rate),
+    ("lambda", "phases"): lambda rate, phases: Erlang(rate, int(phases)),
+    ("rate", "shape"): lambda rate, shape: Weibull(1.0 / rate, shape),
+    ("mean", "stddev"): lambda mean, stddev: Lognormal(mean, stddev),
+}
+"""The attributes that together make a failure model, in alphabetical order."""
+_ATTRIBUTES = sorted({name for names in _LAWS for name in names} | {"dorm", "repl"})
+
+
+@dataclass(slots=True)
+class _Draft:
+    """What the statements said so far."""
+
+    places: dict[str, Location] = field(default_factory=dict)
+    gates: dict[str, Gate | DynamicGate] = field(default_factory=dict)
+    models: dict[str, FailureModel] = field(default_factory=dict)
+    dormancies: dict[str, Word] = field(default_factory=dict)
+    dependencies: dict[str, Dependency] = field(default_factory=dict)
+    restrictions: dict[str, Restriction] = field(default_factory=dict)
+    waiting: list[tuple[str, str, Word]] = field(default_factory=list)
+    top: Word | None = None
+
+
+def loads(text: str, file: str) -> DynamicTree:
+    """Read a dynamic fault tree from Galileo text; `file` is its name in messages.
+
+    Times are hours. A spare's dormancy is its `dorm`; where it has none, 0 in a csp gate and 1 in
+    any other. A `seq` that is an input or the top is the AND of its inputs, too, and an `fdep` that
+    is an input is left out there, for it never happens. What is not below the top is left out.
+    Raises ModelError with file, line and column when a statement cannot be read, a name is unknown
+    or defined twice, an attribute is none of those above or contradicts the gate, or the tree does
+    not hold together (see DynamicTree).
+    """
+    draft = _Draft()
+    for statement in read_statements(text, file):
+        _read(draft, statement)
+    if draft.top is None:
+        raise ModelError(
+            'no statement says which gate is the top; write toplevel "name";', Location(file)
+        )
+    _check_inputs(draft)
+    _make_outputs(draft)
+    dormancies = _dormancies(draft)
+    below = _below(draft)
+    try:
+        return DynamicTree(
+            draft.top.text,
+            tuple(gate for name, gate in draft.gates.items() if name in below),
+            tuple(
+                DynamicEvent(name, model, dormancies[name])
+                for name, model in draft.models.items()
+                if name in below
+            ),
+            tuple(tie for name, tie in draft.dependencies.items() if name in below),
+            tuple(tie for name, tie in draft.restrictions.items() if name in below),
+        )
+    except ModelError as error:
+        named = re.findall(r"'([^']+)'", error.message)
+        place = next((draft.places[name] for name in named if name in draft.places), None)
+        raise ModelError(error.message, place or Location(file)) from error
+
+
+def _read(draft: _Draft, statement: Statement) -> None:
+    words = statement.words
+    if not words:
+        raise ModelError("a statement begins with a name", statement.attributes[0][0].place)
+    first = words[0]
+    if not first.quoted and first.text == "toplevel":
+        if len(words) != 2 or statement.attributes:
+            raise ModelError("toplevel needs one name behind it", first.place)
+        if draft.top is not None:
+            raise ModelError(f"toplevel was said before, of '{draft.top.text}'", first.place)
+        draft.top = words[1]
+        return
+    if not first.quoted and first.text == "param":
+        raise ModelError("param is not supported; write the numbers instead", first.place)
+    name = first.text
+    if name in draft.places:
+        raise ModelError(
+            f"'{name}' is defined a second time; the first is at {draft.places[name]}", first.place
+        )
+    draft.places[name] = first.place
+    try:
+        if statement.attributes and statement.attributes[0][0].text == "pdep":
+            _read_dependency(draft, name, words[1:], statement.attributes)
+        elif len(words) == 1:
+            _read_event(draft, first, statement.attributes)
+        else:
+            _read_gate(draft, name, words[1], words[2:], statement.attributes)
+    except ModelError as error:
+        raise ModelError(error.message, error.location or first.place) from error
+
+
+def _read_gate(
+    draft: _Draft,
+    name: str,
+    kind: Word,
+    words: tuple[Word, ...],
+    attributes: tuple[tuple[Word, Word], ...],
+) -> None:
+    if attributes:
+        raise ModelError(f"gate '{name}' takes no attributes", attributes[0][0].place)
+    inputs = tuple(word.text for word in words)
+    text = kind.text.lower()
+    voting = _VOTING.fullmatch(text)
+    if text in ("and", "or"):
+        draft.gates[name] = Gate(name, GateKind(text), inputs)
+    elif voting:
+        if voting["count"] and int(voting["count"]) != len(inputs):
+            raise ModelError(
+                f"gate '{name}' is {kind.text} and has {len(inputs)} inputs", kind.place
+            )
+        draft.gates[name] = Gate(
+            name, GateKind.ATLEAST, inputs, int(voting["k"] or voting["least"])
+        )
+    elif text in _DYNAMIC:
+        sort, inclusive = _DYNAMIC[text]
+        draft.gates[name] = DynamicGate(name, sort, inputs, inclusive)
+        if text in _WAITING:
+            draft.waiting += [(name, text, word) for word in words[1:]]
+    elif text == "fdep":
+        _add_dependency(draft, name, inputs, 1.0)
+    elif text in _RESTRICTIONS:
+        draft.restrictions[name] = Restriction(name, _RESTRICTIONS[text], inputs)
+    else:
+        raise ModelError(f"'{kind.text}' is no kind of gate; {one_of(_TYPES, text)}", kind.place)
+
+
+def _read_dependency(
+    draft: _Draft,
+    name: str,
+    words: tuple[Word, ...],
+    attributes: tuple[tuple[Word, Word], ...],
+) -> None:
+    if len(attributes) > 1:
+        raise ModelError(f"dependency '{name}' takes no attributes", attributes[1][0].place)
+    inputs = tuple(word.text for word in words)
+    _add_dependency(draft, name, inputs, _number(attributes[0][1]))
+
+
+def _add_dependency(draft: _Draft, name: str, inputs: tuple[str, ...], probability: float) -> None:
+    if len(inputs) < 2:
+        raise ModelError(f"dependency '{name}' needs a trigger and at least one dependent")
+    draft.dependencies[name] = Dependency(name, inputs[0], inputs[1:], probability)
+
+
+def _read_event(draft: _Draft, name: Word, attributes: tuple[tuple[Word, Word], ...]) -> None:
+    values: dict[str, Word] = {}
+    for attribute, value in attributes:
+        if attribute.text not in _ATTRIBUTES:
+            raise ModelError(
+                f"event '{name.text}': attribute '{attribute.text}' is not supported; "
+                f"{one_of(_ATTRIBUTES, attribute.text)}",
+                attribute.place,
+            )
+        if attribute.text in values:
+            raise ModelError(
+                f"event '{name.text}': {attribute.text} is given twice", attribute.place
+            )
+        values[attribute.text] = value
+    if "repl" in values and _number(values["repl"]) != 1.0:
+        raise ModelError(
+            f"event '{name.text}': repl={values['repl'].text}; allowed: 1; write one event for "
+            "each unit",
+            values["repl"].place,
+        )
+    if "dorm" in values:
+        draft.dormancies[name.text] = values["dorm"]
+    law = tuple(sorted(set(values) - {"dorm", "repl"}))
+    if law not in _LAWS:
+        allowed = "; ".join(" and ".join(names) for names in _LAWS)
+        found = " and ".join(law) or "no failure law"
+        raise ModelError(f"event '{name.text}' has {found}; allowed: {allowed}", name.place)
+    numbers = [_number(values[part]) for part in law]
+    if "phases" in values and not numbers[1].is_integer():
+        raise ModelError(
+            f"event '{name.text}': phases={values['phases'].text}; allowed: whole numbers",
+            values["phases"].place,
+        )
+    if "shape" in values and numbers[0] <= 0.0:
+        raise ModelError(
+            f"event '{name.text}': rate={values['rate'].text}; allowed: above 0",
+            values["rate"].place,
+        )
+    draft.models[name.text] = _LAWS[law](*numbers)
+
+
+def _number(word: Word) -> float:
+    if not _NUMBER.fullmatch(word.text):
+        raise ModelError(f"'{word.text}' is no number", word.place)
+    return float(word.text)
+
+
+def _check_inputs(draft: _Draft) -> None:
+    """Raise ModelError when an input or the top is not defined."""
+    assert draft.top is not None
+    users = (*draft.gates.values(), *draft.dependencies.values(), *draft.restrictions.values())
+    for user in users:
+        for name in user.inputs:
+            if name not in draft.places:
+                raise ModelError(
+                    f"'{user.name}' has the input '{name}', which is not defined; "
+                    f"{one_of(draft.places, name)}",
+                    draft.places[user.name],
+                )
+    if draft.top.text not in draft.places or draft.top.text in draft.dependencies:
+        raise ModelError(
+            f"the top '{draft.top.text}' is no gate or event; "
+            f"{one_of((*draft.gates, *draft.models), draft.top.text)}",
+            draft.top.place,
+        )
+
+
+def _make_outputs(draft: _Draft) -> None:
+    """Give sequences that are inputs an AND for their output, and take dependencies from inputs."""
+    assert draft.top is not None
+    used = {draft.top.text, *(name for gate in draft.gates.values() for name in gate.inputs)}
+    for gate in list(draft.gates.values()):
+        kept = tuple(name for name in gate.inputs if name not in draft.dependencies)
+        if not kept and gate.inputs:
+            raise ModelError(
+                f"gate '{gate.name}' has no inputs but dependencies, which never happen",
+                draft.places[gate.name],
+            )
+        if kept != gate.inputs:
+            draft.gates[gate.name] = _with_inputs(gate, kept)
+    for name, tie in list(draft.restrictions.items()):
+        if name not in used:
+            continue
+        if tie.kind is not RestrictionKind.SEQUENCE:
+            raise ModelError(
+                f"'{name}' is mutex, which never happens, and cannot be an input or the top",
+                draft.places[name],
+            )
+        order = f"{name}-order"
+        while order in draft.places:
+            order += "-2"
+        draft.gates[name] = Gate(name, GateKind.AND, tie.inputs)
+        draft.restrictions[order] = Restriction(order, tie.kind, tie.inputs)
+        draft.places[order] = draft.places[name]
+        del draft.restrictions[name]
+
+
+def _with_inputs(gate: Gate | DynamicGate, inputs: tuple[str, ...]) -> Gate | DynamicGate:
+    if isinstance(gate, Gate):
+        return Gate(gate.name, gate.kind, inputs, gate.k)
+    return DynamicGate(gate.name, gate.kind, inputs, gate.inclusive)
+
+
+def _dormancies(draft: _Draft) -> dict[str, float]:
+    found = {
+        name: _number(draft.dormancies[name]) if name in draft.dormancies else 1.0
+        for name in draft.models
+    }
+    for gate, kind, unit in draft.waiting:
+        for name in sorted(_reached(draft, unit.text)):
+            if name not in draft.models or isinstance(draft.models[name], Constant):
+                continue
+            if name in draft.dormancies and found[name] != _WAITING[kind]:
+                raise ModelError(
+                    f"event '{name}' has dorm={draft.dormancies[name].text} and waits in "
+                    f"{kind} gate '{gate}', which says {_WAITING[kind]:g}; write wsp",
+                    draft.dormancies[name].place,
+                )
+            found[name] = _WAITING[kind]
+    return found
+
+
+def _reached(draft: _Draft, top: str) -> set[str]:
+    reached: set[str] = set()
+    stack = [top]
+    while stack:
+        name = stack.pop()
+        if name not in reached:
+            reached.add(name)
+            stack.extend(draft.gates[name].inputs if name in draft.gates else ())
+    return reached
+
+
+def _below(draft: _Draft) -> set[str]:
+    """Return all that is below the top or tied to what is."""
+    assert draft.top is not None
+    below = _reached(draft, draft.top.text)
+    waiting: list[Dependency | Restriction] = [*draft.dependencies.values()]
+    waiting += draft.restrictions.values()
+    while True:
+        tied = [tie for tie in waiting if not below.isdisjoint(tie.inputs)]
+        if not tied:
+            return below
+        waiting = [tie for tie in waiting if tie not in tied]
+        for tie in tied:
+            below.add(tie.name)
+            for name in tie.inputs:
+                below |= _reached(draft, name)
