@@ -419,7 +419,7 @@ def test_a_bad_block_is_an_error_with_file_and_line(case: str, read_block) -> No
         ("true, common_cause 1.5", "the share of failures that hit every unit, from 0 to 1"),
         ("true, spare warm 2", "the rate of a waiting spare by that of a working one, from 0 to 1"),
         ("true, switch 3", "the probability that a spare fails to take over, from 0 to 1"),
-        ("true, detected mission_start", "stay hidden for longer are not modelled yet"),
+        ("true, detected hourly", "detected mission_start, the first failures of a group stay"),
     ],
 )
 def test_a_redundancy_that_cannot_be_is_told_with_what_can(read_block, text, message):
@@ -441,5 +441,7 @@ def test_a_redundancy_that_cannot_be_is_told_with_what_can(read_block, text, mes
         )
 
 
-def test_a_group_that_is_whole_again_at_each_visit_may_be_stated():
-    assert read_redundancy("true, detected each_visit") == read_redundancy("true")
+def test_a_group_hides_its_failures_until_the_mission_ends_unless_it_is_stated():
+    assert read_redundancy("true, detected mission_start") == read_redundancy("true")
+    assert read_redundancy("true").detected == "mission_start"
+    assert read_redundancy("required 2, detected each_visit").detected == "each_visit"

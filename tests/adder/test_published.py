@@ -150,3 +150,20 @@ def test_a_model_is_built_of_several_languages(example):
     assert outcome.code == 0, outcome.err
     names = [state["name"] for state in outcome.json["model"]["states"]]
     assert names == ["init", "place", "pick"]
+
+
+@pytest.mark.parametrize(
+    ("redundancy", "detected"),
+    [
+        ("true", "each_visit"),
+        ("required 2", "each_visit"),
+        ("true, detected mission_start", "mission_start"),
+    ],
+)
+def test_groups_of_the_published_form_are_whole_at_each_visit_unless_it_says_more(
+    redundancy, detected
+):
+    source = C.replace(b"redundancy = false", f"redundancy = {redundancy}".encode())
+    (motor,) = read_c_blocks(source, "cell.c")[0].components
+    assert motor.redundancy.value.detected == detected
+    assert motor.redundancy.text == redundancy

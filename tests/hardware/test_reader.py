@@ -54,6 +54,16 @@ BROKEN = {
     "components: {a: {probability: 1e-7, quantity: 0}}": "below 1",
     "components: {a: {probability: 1e-7, quantity: 1.5}}": "expected a whole number",
     "components: {a: {probability: 1e-7, redundancy: maybe}}": "expected true or false",
+    "components: {a: {probability: 1e-7, detected: each_visit}}": "of units that are all needed",
+    "components: {a: {probability: 1e-7, redundancy: true, detected: never}}": (
+        "components.a.detected: 'never' is not allowed; allowed: each_visit, mission_start"
+    ),
+    "components: {a: {probability: 1e-7, redundancy: true, detected: {test_interval: 8}}}": (
+        "'per' is missing"
+    ),
+    "components: {a: {probability: 0, redundancy: true, detected: {test_interval: 0, per: hour}}}": (
+        "is 0; give the time between two tests"
+    ),
     "components: {a: {probability: 1e-7, active: often}}": "allowed: always",
     "components: {a: {probability: 1e-7, twin: {}}}": "names nothing",
     "components: {a: {probability: 1e-7, twin: {joints: all}}}": 'write "*"',
@@ -107,3 +117,30 @@ def test_shipped_panda_holds_the_published_figures():
 def test_robot_without_shipped_hardware_is_an_error_that_lists_those_with():
     with pytest.raises(HardwareError, match=r"allowed: .*panda"):
         shipped_hardware("r2d2")
+
+
+@pytest.mark.parametrize(
+    ("figure", "detected", "expected"),
+    [
+        ("{value: 1e-7, per: hour}", "", ("mission_start", None)),
+        ("{value: 1e-7, per: hour}", ", detected: each_visit", ("each_visit", None)),
+        # The published reading: a figure for each visit, and groups renewed with each.
+        ("1e-7", "", ("each_visit", None)),
+        ("1e-7", ", detected: mission_start", ("mission_start", None)),
+        (
+            "{value: 1e-7, per: visit}",
+            ", detected: {test_interval: 0.5, per: hour}",
+            ("mission_start", 1800.0),
+        ),
+    ],
+)
+def test_when_a_hidden_failure_is_detected_is_read_or_follows_from_the_figures(
+    tmp_path, figure, detected, expected
+):
+    path = tmp_path / "h.yaml"
+    path.write_text(
+        "components:\n"
+        f"  a: {{probability: {figure}, quantity: 2, redundancy: true, active: always{detected}}}\n"
+    )
+    (component,) = read_hardware(path).components
+    assert (component.detection, component.test_interval_s) == expected

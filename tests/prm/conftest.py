@@ -53,8 +53,9 @@ def block() -> MakeBlock:
 @pytest.fixture(scope="session")
 def case_study(block, component) -> tuple[RiskBlock, ...]:
     """The published case: an arm that picks and places test tubes, in the published form."""
-    power = component("power_system", 6.674e-08, 2, True)
-    control = component("control_system", 2.167e-10, 2, True)
+    renewed = "true, detected each_visit"
+    power = component("power_system", 6.674e-08, 2, renewed)
+    control = component("control_system", 2.167e-10, 2, renewed)
     gripper = component("gripper", 7.344e-08)
     motors = component("electric_motor", 9.5e-08, 7)
     loaded_motors = component("electric_motor", 1.30644e-07, 7)
@@ -137,6 +138,8 @@ class Exact:
 
     def mission(self, model: HybridModel, scale: Mapping[str, Fraction] | None = None) -> Fraction:
         """Return the mission's failure probability, parameters multiplied by `scale`."""
+        if model.latent:
+            return self._with_hidden_failures(model, scale or {})
         tops = {}
         rows = {}
         for state in model.states:
@@ -152,6 +155,45 @@ class Exact:
             }
         visits = self.visits(rows, model.entry)
         return sum((visits[name] * tops[name] for name in tops), Fraction(0))
+
+    def _with_hidden_failures(self, model: HybridModel, scale: Mapping[str, Fraction]) -> Fraction:
+        """Enumerate every combination of events in every function and set of failed units."""
+        functions = {state.name: state for state in model.states}
+        latent = set(model.latent)
+        rows: dict[tuple, dict] = {}
+        tops: dict[tuple, Fraction] = {}
+        waiting = [(model.entry, frozenset())]
+        while waiting:
+            at = waiting.pop()
+            if at in rows:
+                continue
+            function, failed = functions[at[0]], at[1]
+            rows[at], tops[at] = {}, Fraction(0)
+            for happened, share in self._outcomes(function, failed, scale):
+                if self._happens(function.tree, function.tree.top, happened):
+                    tops[at] += share
+                    continue
+                now = failed | {name for name in latent if happened.get(name)}
+                for step in function.next:
+                    if step.target != "done" and step.weight > 0:
+                        there = (step.target, now)
+                        rows[at][there] = rows[at].get(there, 0) + share * step.weight
+                        waiting.append(there)
+        visits = self.visits(rows, (model.entry, frozenset()))
+        return sum((visits[at] * tops[at] for at in tops), Fraction(0))
+
+    def _outcomes(self, function, failed, scale):
+        events = function.tree.events
+        values = {
+            name: Fraction(p) * scale.get(name, 1) for name, p in function.probabilities.items()
+        }
+        for outcome in product((False, True), repeat=len(events)):
+            share = Fraction(1)
+            for event, happens in zip(events, outcome, strict=True):
+                p = Fraction(1) if event.name in failed else values[event.parameter]
+                share *= p if happens else 1 - p
+            if share:
+                yield {e.name: o for e, o in zip(events, outcome, strict=True)}, share
 
 
 @pytest.fixture(scope="session")

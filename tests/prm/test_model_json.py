@@ -47,7 +47,7 @@ def model():
     empty = FaultTree("top", (Gate("top", GateKind.OR, ()),), ())
     rest = FunctionState("rest", 4, empty, {}, (NextStep("pick", Fraction(1)),))
     parameters = (Parameter("cell", 1e-3), Parameter("motor", 5e-324), Parameter("power", 0.5))
-    return HybridModel("Zelle ä", "pick", (pick, rest), parameters)
+    return HybridModel("Zelle ä", "pick", (pick, rest), parameters, ("c1", "c2", "c3"))
 
 
 def edited(model, change):
@@ -77,7 +77,7 @@ def test_writing_is_a_fixed_point_with_sorted_keys_and_names_its_schema(model):
     text = dumps(model)
     assert dumps(loads(text, "m.json")) == text
     data = json.loads(text)
-    assert (data["schema"], data["version"]) == ("tracerisk-hybrid-model", 0)
+    assert (data["schema"], data["version"]) == ("tracerisk-hybrid-model", 1)
     assert list(data) == sorted(data)
     assert text.endswith("}\n")
     assert "Zelle ä" in text
@@ -142,7 +142,8 @@ TREE = (*STATE, "fault_tree")
     ("path", "value", "message"),
     [
         (["schema"], "other", "schema: is 'other'; expected 'tracerisk-hybrid-model'"),
-        (["version"], 7, "version: is 7; this version of tracerisk reads 0"),
+        (["version"], 7, "version: is 7; this version of tracerisk reads 1"),
+        (["version"], 0, r"version: is 0; .* reads 1: build the model again \(version 0 does not"),
         (["version"], False, "version: is False"),
         (["entry"], ..., "the document: 'entry' is missing"),
         (["entri"], "pick", "the document: unknown key 'entri'; did you mean 'entry'"),
@@ -174,6 +175,10 @@ TREE = (*STATE, "fault_tree")
         ([*TREE, "gates", 1, "type"], "xorr", r"gates\[1\].type: is 'xorr'; did you mean 'xor'"),
         ([*TREE, "gates", 1, "inputs", 0], "c9", "gate 'cells': input 'c9' is no gate or event"),
         ([*TREE, "gates", 1, "inputs", 0], 9, r"gates\[1\].inputs\[0\]: expected a string"),
+        (["latent"], ..., "the document: 'latent' is missing"),
+        (["latent", 0], "c9", "latent: 'c9' is no basic event of a fault tree; remove it"),
+        (["latent", 0], "c2", "latent: c2 stands twice; remove one"),
+        (["latent", 2], "p1", "state 'pick': latent unit 'c1' stands under gate 'cells' with c3"),
         ([*TREE, "basic_events", 0, "parameter"], "zell", "no probability for zell"),
     ],
 )

@@ -128,14 +128,17 @@ def test_splitting_a_function_in_two_halves_of_its_exposure_moves_nothing(block,
     assert mission([0.2, 0.3, 0.5]) == pytest.approx(mission([1.0]), rel=1e-6)
 
 
-def test_splitting_a_redundant_pair_does_move_the_figure_and_is_an_assumption(block, component):
-    whole = build_model([block("a", 1, (component("power", 2e-4, 2, True),))], name="m")
-    half = component("power", 1e-4, 2, True)
+def test_splitting_a_pair_that_is_renewed_at_each_visit_moves_the_figure_and_is_an_assumption(
+    block, component
+):
+    renewed = "true, detected each_visit"
+    whole = build_model([block("a", 1, (component("power", 2e-4, 2, renewed),))], name="m")
+    half = component("power", 1e-4, 2, renewed)
     split = build_model([block("a", 1, (half,)), block("b", 2, (half,))], name="m")
     ratio = solve(whole).mission.failure_probability / solve(split).mission.failure_probability
     assert ratio == pytest.approx(2.0, rel=1e-6)
     (line,) = solve(whole).assumptions
-    assert line.startswith("redundant units")
+    assert line.startswith("redundant units detected at each visit")
     assert line.endswith("depend on how the code is cut into functions")
 
 

@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import Generic, TypeVar
 
 from tracerisk.errors import Location
+from tracerisk.hardware.model import Detection
 
 T = TypeVar("T")
 
@@ -54,6 +55,8 @@ class Redundancy:
     The units beyond those required may be spares, which fail at `dormancy` times the rate of a
     working unit: 1 of one that runs along (hot), 0 of one that cannot fail before it is needed
     (cold). `switch` is the probability that a spare fails to take over.
+    `detected` tells how long a first failure stays hidden: until the next mission starts, or the
+    next visit, as the published method has it.
     """
 
     is_redundant: bool
@@ -61,6 +64,7 @@ class Redundancy:
     common_cause: float = 0.0
     dormancy: float = 1.0
     switch: float = 0.0
+    detected: Detection = "mission_start"
 
     @property
     def has_spares(self) -> bool:

@@ -66,6 +66,7 @@ def compute_blocks(
     function that the trace does not.
     """
     bound = bind(hardware, trace.elements)
+    _check_tests(bound, trace)
     counts = next_counts(trace)
     names = model_names([function.ref for function in trace.functions])
     _check_profile(profile or {}, list(names.values()))
@@ -215,13 +216,16 @@ def _entry(bound: BoundComponent, visits: Sequence[Visit], mode: ActiveMode) -> 
                 component.location,
             ) from error
     probability = group_unit_probability(
-        units, quantity=bound.quantity, redundancy=component.redundancy
+        units,
+        quantity=bound.quantity,
+        redundancy=component.redundancy,
+        detected=component.detection,
     )
     return ComponentEntry(
         name=component.name,
         probability=computed_probability(probability),
         quantity=computed_count(bound.quantity),
-        redundancy=computed_flag(component.redundancy),
+        redundancy=computed_flag(component.redundancy, component.detection),
     )
 
 
@@ -233,7 +237,61 @@ def _mean_exposure(
     return sum(known) / bound.quantity if len(known) == len(seconds) else None
 
 
+def _check_tests(bound: Sequence[BoundComponent], trace: Trace) -> None:
+    """Raise HardwareError where what is tested may be failed when a mission starts."""
+    for each in bound:
+        component = each.component
+        if component.test_interval_s is None:
+            continue
+        mission_s = _mission_time(trace)
+        if mission_s is None:
+            found = "the time of a mission, which this trace does not tell"
+        elif component.test_interval_s > mission_s:
+            found = f"the mission of {mission_s:.4g} s"
+        else:
+            continue
+        raise HardwareError(
+            f"component '{component.name}': its test interval of {component.test_interval_s:.4g} s "
+            f"is longer than {found}: a failure hidden in an earlier mission could still be "
+            "there, which is not computed; test the group before each mission and write "
+            "'detected: mission_start'",
+            component.location,
+        )
+
+
+def _mission_time(trace: Trace) -> float | None:
+    """Return the time of a mission [s], each visit of a cycle counted as often as it comes."""
+    total = 0.0
+    for number, visit in enumerate(trace.visits):
+        if visit.duration_s is None:
+            return None
+        times = 1
+        if trace.cycle is not None:
+            first, length = trace.cycle.first_visit, trace.cycle.visits
+            if number >= first + length:
+                break
+            times = trace.cycle.mission_cycles if number >= first else 1
+        total += times * visit.duration_s
+    return total
+
+
 def _assumptions(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
+    return (*_per_visit(bound), *_tested(bound))
+
+
+def _tested(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
+    names = sorted(
+        each.component.name for each in bound if each.component.test_interval_s is not None
+    )
+    if not names:
+        return ()
+    return (
+        f"{', '.join(names)}: tests within the mission are not counted: a failure is taken to "
+        "stay hidden until the mission ends, which overstates the risk",
+    )
+
+
+def _per_visit(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
     per_visit = sorted(
         each.component.name
         for each in bound

@@ -11,15 +11,18 @@
 The comment of C, C++ and Java on the left, of Python on the right; the line `RiskAnnotation` may
 be missing. Form: Grimmeisen, Golwalkar, Ma, Morozov (2024).
 They are read, never written; the name that a block gives is that of its function.
+The published method takes redundant units as good at the start of each visit, and so do these
+blocks where they do not say when a failure is detected.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import PurePath
 
-from tracerisk.adder.block import RiskBlock
+from tracerisk.adder.block import ComponentEntry, RiskBlock
 from tracerisk.adder.definitions import comment_lines, parse_python
 from tracerisk.adder.grammar import HEADER, BlockLine, parse_block
 from tracerisk.errors import BlockError, Location
@@ -113,7 +116,19 @@ def _blocks_of(lines: Sequence[BlockLine], file: str) -> Iterator[RiskBlock]:
     for part in _parts(lines[at:]):
         if part[0].text.strip() != HEADER:
             part.insert(0, BlockLine(part[0].number, HEADER))
-        yield parse_block(part, file)
+        yield _in_the_published_reading(parse_block(part, file))
+
+
+def _in_the_published_reading(block: RiskBlock) -> RiskBlock:
+    return replace(block, components=tuple(map(_renewed, block.components)))
+
+
+def _renewed(entry: ComponentEntry) -> ComponentEntry:
+    stated = entry.redundancy
+    if not stated.value or "detected" in stated.text:
+        return entry
+    value = replace(stated.value, detected="each_visit")
+    return replace(entry, redundancy=replace(stated, value=value))
 
 
 def _parts(lines: Iterable[BlockLine]) -> list[list[BlockLine]]:

@@ -14,6 +14,7 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from tracerisk.adder.block import ComponentEntry, Field, Redundancy, Transition
+from tracerisk.hardware.model import Detection
 
 NOTHING_COMPUTED = "none"
 """What stands after `computed` where the tool has no value for a pinned field."""
@@ -74,12 +75,15 @@ def read_redundancy(text: str) -> Redundancy:
         raise ValueError(
             "true, false, required K (as many must work); behind true or required K, in this "
             "order: `, spare cold`, `, spare warm D` or `, spare hot`, `, switch S`, "
-            "`, common_cause B`, `, detected each_visit`"
+            "`, common_cause B`, `, detected mission_start` or `, detected each_visit`"
         )
-    if found["detected"] not in (None, "each_visit"):
+    detected: Detection = "mission_start"
+    if found["detected"] == "each_visit":
+        detected = "each_visit"
+    elif found["detected"] not in (None, detected):
         raise ValueError(
-            "detected each_visit: a group is taken as whole again at each visit; failures that "
-            "stay hidden for longer are not modelled yet"
+            "detected mission_start, the first failures of a group stay hidden until the mission "
+            "ends, or detected each_visit, the group is whole again at each visit"
         )
     required = int(found["required"] or 1)
     if required < 1:
@@ -99,7 +103,7 @@ def read_redundancy(text: str) -> Redundancy:
     warm, switch, beta = values
     if found["dormancy"] is not None:
         dormancy = warm
-    return Redundancy(text != "false", required, beta, dormancy, switch)
+    return Redundancy(text != "false", required, beta, dormancy, switch, detected)
 
 
 def read_transition(text: str) -> Transition:
@@ -195,9 +199,12 @@ def computed_count(value: int) -> Field[int]:
     return Field(read_count(str(value)), str(value))
 
 
-def computed_flag(value: bool) -> Field[Redundancy]:
-    """Return the field that the tool writes for a redundancy."""
-    return Field(Redundancy(value), "true" if value else "false")
+def computed_flag(value: bool, detected: Detection = "mission_start") -> Field[Redundancy]:
+    """Return the field that the tool writes for a redundancy; the default is left unsaid."""
+    if not value:
+        return Field(Redundancy(False), "false")
+    said = "" if detected == "mission_start" else f", detected {detected}"
+    return Field(Redundancy(True, detected=detected), f"true{said}")
 
 
 def computed_next(counts: Mapping[str, int]) -> Field[Transitions]:

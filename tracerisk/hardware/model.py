@@ -23,6 +23,10 @@ class Basis(enum.Enum):
         return {Basis.MINUTE: 60.0, Basis.HOUR: 3600.0}.get(self)
 
 
+Detection = Literal["mission_start", "each_visit"]
+"""When the failed units of a redundant group are found, and the group is whole again."""
+
+
 @dataclass(frozen=True, slots=True)
 class FailureFigure:
     """A failure probability per basis, or a constant failure rate per basis of time."""
@@ -50,6 +54,9 @@ class Component:
 
     `figures` are the terms of one unit's failure probability; they add up as independent causes.
     `quantity` is `None` where the description leaves it to the number of joints that the robot has.
+    `detected` tells how long the first failure of a redundant group stays hidden, `None` where
+    the description does not say; `test_interval_s` is the time between tests [s], where it is
+    tested within the mission.
     """
 
     name: str
@@ -60,6 +67,20 @@ class Component:
     twin: TwinBinding | None = None
     source: str | None = None
     location: Location | None = None
+    detected: Detection | None = None
+    test_interval_s: float | None = None
+
+    @property
+    def detection(self) -> Detection:
+        """How long a first failure stays hidden: until the next mission starts, if none says.
+
+        Figures per visit alone are the published reading, and so are groups that are whole again
+        at each visit.
+        """
+        if self.detected is not None:
+            return self.detected
+        published = all(figure.per is Basis.VISIT for figure in self.figures)
+        return "each_visit" if published and self.test_interval_s is None else "mission_start"
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,13 +6,31 @@ import re
 from pathlib import Path
 
 from tracerisk.errors import HardwareError, Location, one_of
-from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware, TwinBinding
+from tracerisk.hardware.model import (
+    Basis,
+    Component,
+    Detection,
+    FailureFigure,
+    Hardware,
+    TwinBinding,
+)
 from tracerisk.yaml_reader import YamlMap, read_yaml
 
 _TOP_KEYS = frozenset({"components", "robot", "source"})
 _COMPONENT_KEYS = frozenset(
-    {"quantity", "redundancy", "probability", "failure_rate", "twin", "active", "source"}
+    {
+        "quantity",
+        "redundancy",
+        "detected",
+        "probability",
+        "failure_rate",
+        "twin",
+        "active",
+        "source",
+    }
 )
+_DETECTIONS: dict[str, Detection] = {"mission_start": "mission_start", "each_visit": "each_visit"}
+_TEST_KEYS = frozenset({"test_interval", "per"})
 _FIGURE_KEYS = frozenset({"value", "per", "unit", "source"})
 _TWIN_KEYS = frozenset({"joints", "gripper", "optional"})
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.\-]*")
@@ -62,16 +80,45 @@ def _component(name: str, entry: YamlMap, location: Location) -> Component:
             entry.fail("active", "a component is either always active or seen by the twin")
         if any(figure.per is Basis.DEMAND for figure in figures):
             entry.fail("active", "what is always active has no demands; give its figure per time")
+    redundancy = entry.boolean("redundancy", default=False)
+    if "detected" in entry and not redundancy:
+        entry.fail("detected", "of units that are all needed none stays hidden; leave it out")
+    detected, test_interval_s = _detected(entry)
     return Component(
         name=name,
         figures=figures,
         quantity=_quantity(entry, twin),
-        redundancy=entry.boolean("redundancy", default=False),
+        redundancy=redundancy,
         always_active=always,
         twin=twin,
         source=entry.optional_string("source"),
         location=location,
+        detected=detected,
+        test_interval_s=test_interval_s,
     )
+
+
+def _detected(entry: YamlMap) -> tuple[Detection | None, float | None]:
+    """Return when a failure of the group is detected, or the time between its tests [s]."""
+    if "detected" not in entry:
+        return None, None
+    if not isinstance(entry.require("detected"), dict):
+        word = entry.string("detected")
+        if word not in _DETECTIONS:
+            entry.fail(
+                "detected",
+                f"'{word}' is not allowed; {one_of(_DETECTIONS, word)}, "
+                "or {test_interval: 8, per: hour}",
+            )
+        return _DETECTIONS[word], None
+    test = entry.map("detected")
+    test.forbid_unknown(_TEST_KEYS)
+    interval = test.number("test_interval", minimum=0.0)
+    if interval == 0.0:
+        test.fail("test_interval", "is 0; give the time between two tests")
+    span = _basis(test, (Basis.MINUTE, Basis.HOUR)).seconds
+    assert span is not None
+    return None, interval * span
 
 
 def _quantity(entry: YamlMap, twin: TwinBinding | None) -> int | None:

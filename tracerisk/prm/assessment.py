@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 FIGURE_STATEMENT = (
@@ -10,14 +11,32 @@ FIGURE_STATEMENT = (
 """What every figure of tracerisk is: the one line that each output carries."""
 
 RENEWED_REDUNDANCY = (
-    "redundant units are taken as good at the start of every visit: a first failure that stays "
-    "hidden is not counted, which understates a pair by a factor near the number of visits and "
-    "makes its share depend on how the code is cut into functions"
+    "redundant units detected at each visit are taken as good at its start: a first failure that "
+    "stays hidden is not counted, which understates a pair by a factor near the number of visits "
+    "and makes its share depend on how the code is cut into functions"
+)
+RENEWED_SPARES = (
+    "groups with spares are taken as good at the start of every visit: a spare that was used up "
+    "in an earlier one is not missing, which understates their share"
+)
+HIDDEN_FAILURES = (
+    "failed units of a redundant group stay hidden, and failed, until the mission ends; every "
+    "mission starts with whole groups"
 )
 GEOMETRIC_CYCLES = (
     "by the chain, the number of cycles is geometric: it varies from mission to mission around "
     "its mean"
 )
+
+
+def bounded(most: int, least: float, failure: float) -> str:
+    """Return the assumption of a mission in which more failed units than `most` are bounded."""
+    above = (failure - least) / least if least > 0.0 else math.inf
+    return (
+        f"hidden failures of more than {most} units at once are bounded from above: the mission's "
+        f"failure probability is between {least:.6e} and {failure:.6e}, too high by at most "
+        f"{100.0 * above:.2g} %; importances count such failures as the mission's"
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +45,7 @@ class ComponentContribution:
 
     Of `units`, `required` must work; `None` where the tree holds them under several gates.
     `probability` is that of one unit failing during one visit; `contribution` is how much the
-    top event's probability falls when the component never fails.
+    top event's probability falls when the component never fails, nor has failed before.
     """
 
     name: str
@@ -40,7 +59,8 @@ class ComponentContribution:
 class StateAssessment:
     """The figures of one function.
 
-    `top_event` is the probability that one visit fails, `expected_visits` the mean number of
+    `top_event` is the probability that one visit fails, in the mean over the visits of a mission
+    where units failed in earlier ones; `expected_visits` the mean number of
     visits in a mission, `absorption_probability` the probability that the mission ends in
     `failure_state`.
     """

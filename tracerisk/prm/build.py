@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import NoReturn
 
 from tracerisk.adder.block import ComponentEntry, Field, RiskBlock, Transition
 from tracerisk.errors import BlockError, Location, ModelError, one_of
-from tracerisk.prm.component_tree import component_figures, component_part
+from tracerisk.prm.component_tree import component_figures, component_part, latent_units
 from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind
 from tracerisk.prm.hybrid import (
     DONE,
@@ -56,12 +56,23 @@ def build_model(
     for block in ordered:
         _check_components(block)
     states = [function_state(block, block.components, steps[block.name]) for block in ordered]
-    return model_of_states(name, names[0], states)
+    entries = [entry for block in ordered for entry in block.components]
+    return model_of_states(name, names[0], states, entries)
 
 
-def model_of_states(name: str, entry: str, states: Sequence[FunctionState]) -> HybridModel:
-    """Return the model of the states; the parameters are what their trees name."""
-    return HybridModel(name, entry, tuple(states), _parameters(states))
+def model_of_states(
+    name: str, entry: str, states: Sequence[FunctionState], components: Iterable[ComponentEntry]
+) -> HybridModel:
+    """Return the model of the states; the parameters are what their trees name.
+
+    `components` are those of all states. A unit whose failure stays hidden after a visit of one
+    function is the same failed unit in every other, however often a group is renewed there.
+    """
+    latent: dict[str, None] = {}
+    for each in components:
+        if not each.omitted:
+            latent |= dict.fromkeys(latent_units(each))
+    return HybridModel(name, entry, tuple(states), _parameters(states), tuple(latent))
 
 
 def function_state(

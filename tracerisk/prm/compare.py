@@ -100,7 +100,7 @@ def _changes(
     solved = []
     for group in alike(items):
         part = _component_part(group, marks)
-        alone = contributions.of_components(part.edits, part.change.functions)
+        alone = contributions.of(part.edits)
         solved.append(replace(part.change, contribution=alone))
     solved_flows = _solved_flows(
         [_flow_part(group, marks) for group in joined(flows)], contributions
@@ -113,7 +113,7 @@ def _changes(
 
 
 def _solved_flows(parts: Sequence[_Part], contributions: Contributions) -> list[RiskChange]:
-    return [replace(part.change, contribution=contributions.of_flow(part.edits)) for part in parts]
+    return [replace(part.change, contribution=contributions.of(part.edits)) for part in parts]
 
 
 def _order(change: RiskChange) -> tuple[float, str, str]:

@@ -6,6 +6,9 @@ from tracerisk.adder.block import ComponentEntry
 from tracerisk.prm.fault_tree import BasicEvent, Gate, GateKind
 from tracerisk.prm.spares import spare_group_failure
 
+# No component can have a name with braces.
+_SPARES = "{spares}"
+
 
 def component_part(entry: ComponentEntry) -> tuple[tuple[Gate, ...], tuple[BasicEvent, ...]]:
     """Return the gates and events of a component; the one called as it is stands for all of it.
@@ -39,6 +42,19 @@ def component_part(entry: ComponentEntry) -> tuple[tuple[Gate, ...], tuple[Basic
     return (whole, apart), (*events, all_units)
 
 
+def latent_units(entry: ComponentEntry) -> tuple[str, ...]:
+    """Return the units of a redundant component whose first failures stay hidden for the mission.
+
+    A group with spares has none: its units are taken as good at each visit.
+    """
+    quantity, redundancy = entry.quantity.value, entry.redundancy.value
+    if quantity == 1 or not redundancy or redundancy.required == quantity or redundancy.has_spares:
+        return ()
+    if redundancy.detected != "mission_start":
+        return ()
+    return tuple(f"{entry.name}[{number}]" for number in range(1, quantity + 1))
+
+
 def component_figures(entry: ComponentEntry) -> tuple[tuple[str, float], ...]:
     """Return the parameters of a component's events, each with its value in one visit."""
     redundancy, value = entry.redundancy.value, entry.probability.value
@@ -56,6 +72,11 @@ def component_figures(entry: ComponentEntry) -> tuple[tuple[str, float], ...]:
     return ((own, single),) if common is None else ((own, single), (common, share * value))
 
 
+def is_spare_group(event: BasicEvent) -> bool:
+    """Return whether an event stands for a group with spares, see `component_part`."""
+    return event.parameter.endswith(f" {_SPARES}")
+
+
 def _parameters_of(entry: ComponentEntry) -> tuple[str, str | None]:
     """Return the names of a unit's own figure and of the common one; `None` for none.
 
@@ -66,5 +87,5 @@ def _parameters_of(entry: ComponentEntry) -> tuple[str, str | None]:
         return entry.name, None
     common = f"{entry.name} {{common cause}}" if redundancy.common_cause else None
     if redundancy.has_spares:
-        return f"{entry.name} {{spares}}", common
+        return f"{entry.name} {_SPARES}", common
     return (entry.name if common is None else f"{entry.name} {{own}}"), common

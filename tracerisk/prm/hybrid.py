@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.fault_tree import FaultTree
+from tracerisk.prm.latent_units import check_latent
 
 if TYPE_CHECKING:
     from tracerisk.prm.distributions import Distribution
@@ -61,15 +62,19 @@ class HybridModel:
 
     Each visit to a state fails with its tree's top probability and ends the mission there, else
     goes on by `next`.
+    `latent` names the basic events that are units whose failure stays hidden: one that has
+    failed without failing the visit stays failed, in every state whose tree has an event of
+    this name, until the mission ends. All other units are as good as new at each visit.
     Raises ModelError, naming the element, when names clash or are unknown, a probability is
-    outside [0, 1], a `next` does not sum to one, or `done` cannot be reached from a state that
-    the entry leads to.
+    outside [0, 1], a `next` does not sum to one, `done` cannot be reached from a state that
+    the entry leads to, or a tree cannot carry the latent units (see `latent_parts`).
     """
 
     name: str
     entry: str
     states: tuple[FunctionState, ...]
     parameters: tuple[Parameter, ...]
+    latent: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         _check_names("state", [state.name for state in self.states], reserved=(DONE,))
@@ -82,6 +87,8 @@ class HybridModel:
         for state in self.states:
             _check_probabilities(state, {entry.name: entry.theta for entry in self.parameters})
             _check_next(state, names | {DONE})
+        if self.latent:
+            check_latent({state.name: state.tree for state in self.states}, self.latent)
         steps = {state.name: state.next for state in self.states}
         caught = endless_states(steps, self.entry)
         if caught:

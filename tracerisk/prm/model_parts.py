@@ -71,7 +71,8 @@ class ModelParts:
     def model(self) -> HybridModel:
         """Return the model that the parts make now; raise ModelError where they make none."""
         states = [self.state(name) for name in self.steps]
-        return model_of_states(self._name, self.entry, states)
+        entries = [each for name in self.steps for each in self.components[name].values()]
+        return model_of_states(self._name, self.entry, states, entries)
 
     def state(self, function: str) -> FunctionState:
         """Return one function's state as the parts make it now."""

@@ -2,66 +2,48 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from tracerisk.errors import ModelError
 from tracerisk.prm.assessment import (
     GEOMETRIC_CYCLES,
+    HIDDEN_FAILURES,
     RENEWED_REDUNDANCY,
+    RENEWED_SPARES,
     Assessment,
     ComponentContribution,
-    ComponentImportance,
-    ImportanceShare,
     MissionFigures,
     StateAssessment,
+    bounded,
 )
+from tracerisk.prm.component_tree import is_spare_group
 from tracerisk.prm.fault_tree import FaultTree
-from tracerisk.prm.hybrid import FunctionState, HybridModel, Parameter
+from tracerisk.prm.hidden_chain import tree_probability
+from tracerisk.prm.hidden_states import MOST_STATES
+from tracerisk.prm.hybrid import FunctionState, HybridModel
+from tracerisk.prm.importance import importances
 from tracerisk.prm.mission import SolvedMission, mission_figures, solve_mission
 from tracerisk.prm.probability import Probability
+from tracerisk.prm.visit_drops import mean_drops
 
 
-@dataclass(frozen=True, slots=True)
-class _SolvedTree:
-    """A state's fault tree: its top, each event's sensitivity, each parameter's share of it."""
-
-    top: Probability
-    sensitivities: Mapping[str, float]
-    drops: Mapping[str, float]
-
-
-def solve(model: HybridModel) -> Assessment:
+def solve(model: HybridModel, *, limit: int = MOST_STATES) -> Assessment:
     """Solve the model exactly, to rounding.
 
-    Raises ModelError when a fault tree shares events, or when the chain is left less often
+    A chain of more than `limit` states, functions times hidden failures, is bounded from above,
+    and an assumption says by how much at most.
+    Raises ModelError when a fault tree cannot be solved, or when the chain is left less often
     than the smallest number of double precision.
     """
-    trees = {state.name: _solve_tree(state) for state in model.states}
-    reached = model.reachable
-    live = {name: trees[name].top for name in reached}
-    solved = solve_mission(model, live)
-    mission = mission_figures(model, live, solved)
-    importances = [
-        _importance(model, parameter, {name: trees[name] for name in reached}, solved)
-        for parameter in model.parameters
-    ]
-    importances.sort(key=lambda i: (-i.fussell_vesely, -i.criticality, i.name))
-    assumptions = []
-    if any(gate.threshold > 1 for state in model.states for gate in state.tree.gates):
-        assumptions.append(RENEWED_REDUNDANCY)
-    if model.has_cycle:
-        assumptions.append(GEOMETRIC_CYCLES)
+    solved = solve_mission(model, limit=limit)
+    reached = {function.state.name for function in solved.states.functions}
     return Assessment(
         model=model.name,
         entry=model.entry,
-        states=tuple(
-            _state_assessment(model, state, trees[state.name], solved) for state in model.states
-        ),
-        mission=mission,
-        components=tuple(importances),
-        assumptions=tuple(assumptions),
+        states=tuple(_state_assessments(model, solved)),
+        mission=mission_figures(solved),
+        components=importances(model, solved),
+        assumptions=_assumptions(model, solved),
         findings=tuple(
             f"{state.name} is never reached from {model.entry} and adds nothing to the mission"
             for state in model.states
@@ -84,143 +66,75 @@ def solve_figures(model: HybridModel) -> ModelFigures:
 
     Raises ModelError as `solve` does.
     """
-    tops = {state.name: top_event(state) for state in model.states}
-    live = {name: tops[name] for name in model.reachable}
-    solved = solve_mission(model, live)
+    solved = solve_mission(model)
     return ModelFigures(
-        mission=mission_figures(model, live, solved),
-        top_events={name: top.p for name, top in tops.items()},
-        expected_visits={name: solved.visits.get(name, 0.0) for name in tops},
+        mission=mission_figures(solved),
+        top_events={
+            state.name: solved.tops[state.name] if state.name in solved.tops else top_event(state).p
+            for state in model.states
+        },
+        expected_visits={state.name: solved.visits.get(state.name, 0.0) for state in model.states},
     )
 
 
 def top_event(state: FunctionState) -> Probability:
-    """Return the probability that one visit to a function fails, and its complement.
+    """Return the probability that one visit to a function fails while no unit has failed before.
 
-    Raises ModelError when its fault tree shares events.
+    Raises ModelError when its fault tree cannot be solved.
     """
-    return _top(state, state.probabilities)
+    return tree_probability(state.name, state.tree, state.probabilities)
 
 
-def _state_assessment(
-    model: HybridModel, state: FunctionState, tree: _SolvedTree, solved: SolvedMission
-) -> StateAssessment:
-    return StateAssessment(
-        name=state.name,
-        call_sequence=state.call_sequence,
-        failure_state=model.failure_states[state.name],
-        top_event=tree.top.p,
-        expected_visits=solved.visits.get(state.name, 0.0),
-        absorption_probability=solved.absorption.get(state.name, 0.0),
-        components=tuple(
-            ComponentContribution(
+def _assumptions(model: HybridModel, solved: SolvedMission) -> tuple[str, ...]:
+    told = []
+    gates = [gate for state in model.states for gate in state.tree.gates]
+    latent = set(model.latent)
+    # What of a group is left to a gate without latent units is renewed at each visit.
+    if any(gate.threshold > 1 and not latent.issuperset(gate.inputs) for gate in gates):
+        told.append(RENEWED_REDUNDANCY)
+    if any(is_spare_group(event) for state in model.states for event in state.tree.events):
+        told.append(RENEWED_SPARES)
+    if any(function.parts for function in solved.states.functions):
+        told.append(HIDDEN_FAILURES)
+    if solved.states.most is not None:
+        told.append(bounded(solved.states.most, solved.least, solved.failure.p))
+    if model.has_cycle:
+        told.append(GEOMETRIC_CYCLES)
+    return tuple(told)
+
+
+def _state_assessments(model: HybridModel, solved: SolvedMission) -> list[StateAssessment]:
+    number_of = {f.state.name: number for number, f in enumerate(solved.states.functions)}
+    failures = model.failure_states
+    found = []
+    for state in model.states:
+        name, values = state.name, state.probabilities
+        if name in number_of:
+            top, drops = solved.tops[name], mean_drops(solved, number_of[name])
+        else:
+            top = top_event(state).p
+            drops = {each: state.tree.drop_without(each, values) for each in values}
+        found.append(
+            StateAssessment(
                 name=name,
-                units=sum(event.parameter == name for event in state.tree.events),
-                required=_required(state.tree, name),
-                probability=state.probabilities[name],
-                contribution=tree.drops[name],
+                call_sequence=state.call_sequence,
+                failure_state=failures[name],
+                top_event=top,
+                expected_visits=solved.visits.get(name, 0.0),
+                absorption_probability=solved.absorption.get(name, 0.0),
+                components=tuple(
+                    ComponentContribution(
+                        name=each,
+                        units=sum(event.parameter == each for event in state.tree.events),
+                        required=_required(state.tree, each),
+                        probability=values[each],
+                        contribution=drops[each],
+                    )
+                    for each in state.tree.parameters
+                ),
             )
-            for name in state.tree.parameters
-        ),
-    )
-
-
-def _importance(
-    model: HybridModel,
-    parameter: Parameter,
-    trees: Mapping[str, _SolvedTree],
-    solved: SolvedMission,
-) -> ComponentImportance:
-    """Return the importance of one parameter over the mission.
-
-    dF/dtheta = sum_s v_s (sum_j N_sj w_j) dt_s/dtheta, and
-    F - F0 = sum_s v_s (t_s - t0_s) sum_j N_sj w0_j, with v the expected visits, N `next`, w the
-    probability of success from a state, and 0 for theta = 0 (own derivation: subtract the two
-    chains' first-step equations and solve for the difference).
-    """
-    name = parameter.name
-    total = solved.failure.p
-    tops = {state: tree.top for state, tree in trees.items()}
-    without = solve_mission(model, _tops_with(model, tops, name, 0.0))
-    failed = solve_mission(model, _tops_with(model, tops, name, math.inf))
-    tenfold = solve_mission(model, _tops_with(model, tops, name, 10.0))
-    by_state: dict[str, float] = {}
-    by_unit: dict[str, float] = {}
-    falls = []
-    for state in model.states:
-        if name not in state.probabilities or state.name not in trees:
-            continue
-        visits = solved.visits[state.name]
-        factor = state.probabilities[name] / parameter.theta if parameter.theta > 0.0 else 1.0
-        weight = visits * _onward(state, solved.done_from) * factor
-        tree = trees[state.name]
-        parts = {
-            event.name: weight * tree.sensitivities[event.name]
-            for event in state.tree.events
-            if event.parameter == name
-        }
-        for unit, part in parts.items():
-            by_unit[unit] = by_unit.get(unit, 0.0) + part
-        by_state[state.name] = math.fsum(parts.values())
-        falls.append(visits * tree.drops[name] * _onward(state, without.done_from))
-    birnbaum = math.fsum(by_state.values())
-    scale = parameter.theta / total if total > 0.0 else 0.0
-    return ComponentImportance(
-        name=name,
-        theta=parameter.theta,
-        birnbaum=birnbaum,
-        criticality=birnbaum * scale,
-        fussell_vesely=math.fsum(falls) / total if total > 0.0 else 0.0,
-        without=without.failure.p,
-        risk_reduction_worth=_ratio(total, without.failure.p),
-        risk_achievement_worth=_ratio(failed.failure.p, total),
-        tenfold=_ratio(tenfold.failure.p, total),
-        by_state=_shares(by_state, scale),
-        by_unit=_shares(by_unit, scale),
-    )
-
-
-def _solve_tree(state: FunctionState) -> _SolvedTree:
-    top = _top(state, state.probabilities)
-    values = state.probabilities
-    drops = {name: state.tree.drop_without(name, values) for name in state.tree.parameters}
-    return _SolvedTree(top, state.tree.sensitivities(values), drops)
-
-
-def _top(state: FunctionState, values: Mapping[str, float]) -> Probability:
-    try:
-        return state.tree.probability(values)
-    except ModelError as error:
-        raise ModelError(f"state '{state.name}': {error.message}", error.location) from error
-
-
-def _tops_with(
-    model: HybridModel, tops: Mapping[str, Probability], name: str, factor: float
-) -> dict[str, Probability]:
-    """Return the tops with one parameter multiplied: 0 never fails, infinity always."""
-    changed = dict(tops)
-    for state in model.states:
-        if state.name in tops and name in state.probabilities:
-            value = 1.0 if factor == math.inf else min(1.0, factor * state.probabilities[name])
-            changed[state.name] = _top(state, {**state.probabilities, name: value})
-    return changed
-
-
-def _onward(state: FunctionState, done_from: Mapping[str, float]) -> float:
-    """Return the probability of success of a mission that has just left `state` unharmed."""
-    return math.fsum(
-        float(step.weight) * done_from[step.target] for step in state.next if step.weight > 0
-    )
-
-
-def _shares(parts: Mapping[str, float], scale: float) -> tuple[ImportanceShare, ...]:
-    return tuple(ImportanceShare(name, part, part * scale) for name, part in parts.items())
-
-
-def _ratio(above: float, below: float) -> float:
-    if below > 0.0:
-        return above / below
-    return math.inf if above > 0.0 else 1.0
+        )
+    return found
 
 
 def _required(tree: FaultTree, parameter: str) -> int | None:

@@ -13,7 +13,7 @@ from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind
 from tracerisk.prm.hybrid import FunctionState, HybridModel, NextStep, Parameter
 
 SCHEMA = "tracerisk-hybrid-model"
-VERSION = 0
+VERSION = 1
 
 # Bounded, for Fraction("1e999999999") would build a number of a thousand million digits.
 _WEIGHT = re.compile(r"\d{1,40}(?:/\d{1,40}|\.\d{1,40})?")
@@ -30,6 +30,7 @@ def model_data(model: HybridModel) -> dict[str, Any]:
         "entry": model.entry,
         "parameters": [{"name": p.name, "theta": p.theta} for p in model.parameters],
         "states": [_state_to_json(state) for state in model.states],
+        "latent": list(model.latent),
     }
 
 
@@ -87,20 +88,33 @@ def _gate_to_json(gate: Gate) -> dict[str, Any]:
 
 
 def _model(top: _Element) -> HybridModel:
-    found = top.fields({"schema", "version", "name", "entry", "parameters", "states"})
-    if found["schema"].value != SCHEMA:
-        found["schema"].fail(f"is {found['schema'].value!r}; expected '{SCHEMA}'")
-    version = found["version"].value
-    if version != VERSION or isinstance(version, bool):
-        found["version"].fail(
-            f"is {version!r}; this version of tracerisk reads {VERSION}: build the model again"
-        )
+    _check_version(top.entries())
+    found = top.fields({"schema", "version", "name", "entry", "parameters", "states", "latent"})
     return HybridModel(
         name=found["name"].string(),
         entry=found["entry"].string(),
         states=found["states"].each(_state),
         parameters=found["parameters"].each(_parameter),
+        latent=found["latent"].each(_Element.string),
     )
+
+
+def _check_version(found: Mapping[str, _Element]) -> None:
+    """Raise ModelError at another schema or version, whatever else such a document holds."""
+    if "schema" in found and found["schema"].value != SCHEMA:
+        found["schema"].fail(f"is {found['schema'].value!r}; expected '{SCHEMA}'")
+    if "version" not in found:
+        return
+    version = found["version"].value
+    if version == 0 and not isinstance(version, bool):
+        found["version"].fail(
+            f"is 0; this version of tracerisk reads {VERSION}: build the model again "
+            "(version 0 does not tell whether failures of redundant units stay hidden)"
+        )
+    if version != VERSION or isinstance(version, bool):
+        found["version"].fail(
+            f"is {version!r}; this version of tracerisk reads {VERSION}: build the model again"
+        )
 
 
 def _parameter(element: _Element) -> Parameter:

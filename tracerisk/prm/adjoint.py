@@ -1,0 +1,155 @@
+"""What the mission's success hangs on: one backward pass over the chain with hidden failures.
+
+W is the probability that a mission succeeds which leaves a function f in a hidden state x, and
+D(f, x, c) how much lower it is with one more failed unit of class c.
+D is no difference of two numbers. Take two missions that meet the same failures but of the one
+unit, which has failed in the second and not yet in the first: they end differently only if that
+unit does not fail in the first before the second fails by its want. So d = D of a state solves
+
+    d(f, m) = (1-t) (1-p) sum_x K(m, x) (W(f, x) if x with one more fails f, else
+                                        sum_g N(f, g) d(g, x))
+
+with t the failure of the rest of f's tree, p that of the unit, K the failures of the other latent
+units, N `next`: a chain of its own with positive terms only (own derivation).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from tracerisk.prm.binomial import failure_counts, failure_tails
+from tracerisk.prm.elimination import Elimination
+from tracerisk.prm.hidden_chain import Flow, HiddenChain, Spread
+from tracerisk.prm.hidden_states import Hidden
+from tracerisk.prm.probability import Probability
+
+
+class Adjoint:
+    """The success of missions from each state of a chain, and what one more failed unit costs.
+
+    Failures of more units than the states hold count as the mission's.
+    """
+
+    def __init__(self, chain: HiddenChain) -> None:
+        self.chain = chain
+        states = chain.states
+        self._success = [
+            [chain.onward(number, row) for number in range(len(states.functions))]
+            for row in chain.successes()
+        ]
+        self._worse: dict[int, list[list[float]]] = {}
+
+    def success_after(self, spread: Spread, number: int) -> float:
+        """Return the mean success of missions that leave a function so."""
+        return math.fsum(weight * self._success[to][number] for to, weight in spread)
+
+    def loss_after(self, spread: Spread, number: int, unit_class: int) -> float:
+        """Return the mean success that one more failed unit costs those that leave so."""
+        worse = self._worse_by(unit_class)
+        return math.fsum(
+            weight * self._loss(worse, number, to, unit_class) for to, weight in spread
+        )
+
+    def unit_loss(self, number: int, hidden: Hidden, unit_class: int) -> float:
+        """Return what the failure of one working unit in a visit costs, against its survival."""
+        spread = self.chain.spread(
+            number, hidden, {unit_class: self._others(number, hidden, unit_class)}
+        )
+        return self.chain.rest[number].q * self.loss_after(spread, number, unit_class)
+
+    def fall(self, zeros: Sequence[str], without: HiddenChain, flow: Flow) -> float:
+        """Return F - F0, F0 with the parameters `zeros` zero: that of `without`, with its flow.
+
+        F - F0 = sum_i v0_i sum_j (P0_ij - P_ij) w_j, with v0 the visits without, w the success
+        with them. Within a visit one kind of failure after the other is let in, the rest of the
+        tree first, then a class at a time; and of a class one failed unit at a time, j units at
+        least with probability P(j): each step costs what `loss_after` says.
+        """
+        chain, parts = self.chain, []
+        for number, function in enumerate(chain.states.functions):
+            values = chain.values[number]
+            named = [name for name in zeros if name in function.rest.parameters]
+            drop = (
+                function.rest.difference(values, {**values, **dict.fromkeys(named, 0.0)})
+                if named
+                else 0.0
+            )
+            classes = [c for c, name in function.parameters.items() if name in zeros]
+            for hidden, row in zip(chain.states.hidden, flow.visits, strict=False):
+                visits = row[number]
+                if visits == 0.0 or not (named or classes):
+                    continue
+                parts.append(
+                    visits * drop * self.success_after(without.spread(number, hidden), number)
+                )
+                chosen: dict[int, Sequence[float]] = {}
+                for unit_class in classes:
+                    units = len(chain.states.classes[unit_class]) - hidden[unit_class]
+                    p = chain.units[number][unit_class]
+                    tails = failure_tails(units, p, units)
+                    spread = chain.spread(number, hidden, {**chosen, unit_class: tails})
+                    parts.append(
+                        visits * chain.rest[number].q * self.loss_after(spread, number, unit_class)
+                    )
+                    chosen[unit_class] = (1.0,)
+        return math.fsum(parts)
+
+    def _loss(
+        self, worse: Sequence[Sequence[float]], number: int, layer: int, unit_class: int
+    ) -> float:
+        states = self.chain.states
+        function = states.functions[number]
+        more = states.with_one_more(states.hidden[layer], unit_class)
+        if not states.is_held(function, more):
+            return self._success[layer][number]
+        return math.fsum(weight * worse[layer][target] for target, weight in function.steps)
+
+    def _others(self, number: int, hidden: Hidden, unit_class: int) -> tuple[float, ...]:
+        """Return how many units of a class fail in a visit, one of the working ones left aside."""
+        units = len(self.chain.states.classes[unit_class]) - hidden[unit_class] - 1
+        return failure_counts(units, self.chain.units[number][unit_class], units)
+
+    def _worse_by(self, unit_class: int) -> list[list[float]]:
+        """Return d by layer and function; a layer that cannot hold one more unit has none."""
+        if unit_class not in self._worse:
+            states = self.chain.states
+            found: list[list[float]] = [[] for _ in states.hidden]
+            for layer in range(len(found) - 1, -1, -1):
+                hidden = states.hidden[layer]
+                if (
+                    hidden[unit_class] < len(states.classes[unit_class])
+                    and states.with_one_more(hidden, unit_class) in states.index
+                ):
+                    found[layer] = self._layer(found, layer, unit_class)
+            self._worse[unit_class] = found
+        return self._worse[unit_class]
+
+    def _layer(self, found: Sequence[Sequence[float]], layer: int, unit_class: int) -> list[float]:
+        chain = self.chain
+        hidden = chain.states.hidden[layer]
+        rows: list[Mapping[int, float]] = []
+        exits, rewards = [], []
+        for number, function in enumerate(chain.states.functions):
+            unit, fewer, chosen = Probability(0.0, 1.0), None, None
+            if unit_class in function.parameters:
+                unit, fewer = Probability.of(chain.units[number][unit_class]), unit_class
+                chosen = {unit_class: self._others(number, hidden, unit_class)}
+            survival = unit.q * chain.rest[number].q
+            leave = [
+                unit.p,
+                unit.q * chain.visit(number, hidden, fewer).p,
+                survival * chain.exceeding(number, hidden, fewer),
+            ]
+            stay, gains = 0.0, []
+            for to, weight in chain.spread(number, hidden, chosen):
+                more = chain.states.with_one_more(chain.states.hidden[to], unit_class)
+                if to == layer and chain.states.is_held(function, more):
+                    stay = survival * weight
+                else:
+                    leave.append(survival * weight)
+                    gains.append(weight * self._loss(found, number, to, unit_class))
+            rows.append({t: stay * weight for t, weight in function.steps if t != number})
+            exits.append(math.fsum(leave) + stay * function.done)
+            rewards.append(survival * math.fsum(gains))
+        return Elimination(chain.states.pattern, rows, exits).values(rewards)

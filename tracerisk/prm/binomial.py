@@ -1,0 +1,54 @@
+"""How many of equal independent units fail: probabilities and tails without a subtraction."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+_EXACT_POWER = 16
+_EXACT_CHOICE = 1_000
+
+
+@lru_cache(maxsize=65_536)
+def failure_counts(units: int, p: float, most: int) -> tuple[float, ...]:
+    """Return the probabilities that 0, 1, ... up to `most` of the units fail."""
+    return tuple(_count(units, p, failed) for failed in range(min(units, most) + 1))
+
+
+@lru_cache(maxsize=65_536)
+def failure_tails(units: int, p: float, most: int) -> tuple[float, ...]:
+    """Return the probabilities that at least 1, 2, ... up to `most` of the units fail."""
+    most = min(units, most)
+    if most < 1:
+        return ()
+    tails = [_tail(units, p, most)]
+    for failed in range(most - 1, 0, -1):
+        tails.append(tails[-1] + _count(units, p, failed))
+    return tuple(reversed(tails))
+
+
+def _tail(units: int, p: float, least: int) -> float:
+    total = 0.0
+    for failed in range(least, units + 1):
+        term = _count(units, p, failed)
+        total += term
+        # Past the mean the terms fall faster and faster.
+        if failed > units * p and term < 1e-20 * total:
+            break
+    return min(total, 1.0)
+
+
+def _count(units: int, p: float, failed: int) -> float:
+    working = units - failed
+    if p in (0.0, 1.0):
+        return 1.0 if failed == units * p else 0.0
+    if units > _EXACT_CHOICE:
+        choices = math.lgamma(units + 1) - math.lgamma(failed + 1) - math.lgamma(working + 1)
+        return math.exp(choices + failed * math.log(p) + working * math.log1p(-p))
+    survival = (1.0 - p) ** working if working <= _EXACT_POWER else _power(p, working)
+    return math.comb(units, failed) * p**failed * survival
+
+
+def _power(p: float, working: int) -> float:
+    """Return (1-p)^working; 1-p rounded first would be off by the sum of its errors."""
+    return math.exp(working * math.log1p(-p))
