@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.collection import collection_paused
@@ -13,9 +12,6 @@ from tracerisk.prm.fault_tree import BasicEvent, FaultTree, HouseEvent
 from tracerisk.prm.forest import Forest
 from tracerisk.prm.gates import Gate, GateKind
 from tracerisk.prm.logic_model import ALWAYS, NEVER, GroupDefinition, LogicModel
-
-if TYPE_CHECKING:
-    from tracerisk.prm.event_tree_solution import EventTreeSolution
 
 
 def tree_below(
@@ -59,27 +55,6 @@ def forest(model: LogicModel, *, common_cause: bool = True, mission_time_h: floa
     if common_cause and model.groups:
         _expand(model, gates, events, mission_time_h)
     return Forest(gates, events, houses)
-
-
-def solved_event_trees(
-    model: LogicModel, mission_time_h: float, *, common_cause: bool = True
-) -> tuple[EventTreeSolution, ...]:
-    """Return the solutions of the event trees that have an initiating event, or of all if none has.
-
-    Raises ModelError as `EventTree.solve` does, and for substitutions, which are not applied to
-    event trees.
-    """
-    if not model.event_trees:
-        return ()
-    if model.substitutions:
-        raise ModelError("substitutions are not applied to event trees; leave them out")
-    found = forest(model, common_cause=common_cause, mission_time_h=mission_time_h)
-    values = found.values_at(mission_time_h)
-    trees = [each.tree for each in model.event_trees]
-    begun = [tree for tree in trees if tree.initiating is not None] or trees
-    return tuple(
-        tree.solve(found, values, mission_time_h=mission_time_h, linked=trees) for tree in begun
-    )
 
 
 def basic_events(model: LogicModel) -> Iterable[BasicEvent]:

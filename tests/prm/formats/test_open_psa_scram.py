@@ -8,7 +8,8 @@ import pytest
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.formats.open_psa import dumps_open_psa, loads_open_psa, read_open_psa
-from tracerisk.prm.logic_trees import solved_event_trees, solved_tops
+from tracerisk.prm.logic_event_trees import solved_event_trees
+from tracerisk.prm.logic_trees import solved_tops
 
 MISSION_H = 8760.0
 
