@@ -397,6 +397,35 @@ def test_an_unknown_sequence_is_refused_with_those_there_are():
         LEAK.solve([DETECTION, VALVES], VALUES)["S9"]
 
 
+def test_an_outcome_is_a_fault_tree_with_importances():
+    tree = LEAK.outcome_tree("release", [DETECTION, VALVES])
+    solution = LEAK.solve([DETECTION, VALVES], VALUES)
+    solved = tree.solve(VALUES)
+    assert 0.25 * solved.probability == pytest.approx(solution.outcomes["release"], rel=1e-15)
+    # What remains without the valves' first unit is that nothing is detected.
+    undetected = 1e-9 + 1e-12
+    assert solved.importance()["a"].fussell_vesely == pytest.approx(1e-20 / undetected, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("tree", "message"),
+    [
+        (LEAK, "event tree 'leak': no path ends in 'S'; allowed: release, safe"),
+        (
+            event_tree(Branch(End("S"), (Weight(0.5),))),
+            "sequence 'S': a path has a probability of its own, which is no event",
+        ),
+        (
+            event_tree(Branch(End("S"))),
+            "sequence 'S': a path has no condition; its outcome is certain",
+        ),
+    ],
+)
+def test_an_outcome_that_is_no_fault_tree_is_refused(tree, message):
+    with pytest.raises(ModelError, match=message):
+        tree.outcome_tree("S", [DETECTION, VALVES])
+
+
 class Halving:
     """Fails with half the mission time."""
 

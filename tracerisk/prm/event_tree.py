@@ -9,7 +9,7 @@ The vocabulary is that of the Open-PSA Model Exchange Format 2.0d, its event tre
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -176,15 +176,13 @@ class EventTree:
     _sequences: Mapping[str, EventSequence] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        _check_once(self.name, "functional event", self.functional_events)
-        _check_once(self.name, "sequence", (sequence.name for sequence in self.sequences))
-        _check_once(self.name, "branch", (branch.name for branch in self.branches))
+        from tracerisk.prm.event_tree_checks import check_names, check_order, check_targets
+
+        check_names(self)
         object.__setattr__(self, "_branches", {branch.name: branch for branch in self.branches})
         object.__setattr__(self, "_sequences", {each.name: each for each in self.sequences})
-        for branch in (self.start, *self.branches):
-            for target in _targets(branch):
-                self._check_target(target)
-        self._check_order()
+        check_targets(self)
+        check_order(self)
 
     @classmethod
     def of(
@@ -255,84 +253,21 @@ class EventTree:
         given = {**forest.values_at(mission_time_h), **(values or {})}
         return solve_event_tree(self, forest, given, mission_time_h, linked)
 
-    def _check_target(self, target: Target) -> None:
-        where = f"event tree '{self.name}'"
-        match target:
-            case End(sequence) if sequence not in self._sequences:
-                raise ModelError(
-                    f"{where}: a path ends in '{sequence}', which is no sequence; "
-                    f"{one_of(self._sequences, sequence)}"
-                )
-            case Resume(branch) if branch not in self._branches:
-                raise ModelError(
-                    f"{where}: a path goes on as '{branch}', which is no branch; "
-                    f"{one_of(self._branches, branch)}"
-                )
-            case Fork(functional_event, paths):
-                if functional_event not in self.functional_events:
-                    raise ModelError(
-                        f"{where}: a fork over '{functional_event}', which is no functional "
-                        f"event; {one_of(self.functional_events, functional_event)}"
-                    )
-                fork = f"{where}: fork over '{functional_event}'"
-                if not paths:
-                    raise ModelError(f"{fork}: a path is missing; give it one for each state")
-                seen: set[str] = set()
-                for path in paths:
-                    if path.state in seen:
-                        raise ModelError(
-                            f"{fork}: two paths of the state '{path.state}'; "
-                            "join them, or rename one state"
-                        )
-                    seen.add(path.state)
+    def outcome_tree(
+        self,
+        outcome: str,
+        trees: Forest | FaultTree | Iterable[FaultTree],
+        *,
+        linked: Iterable[EventTree] = (),
+    ) -> FaultTree:
+        """Return the fault tree whose top is that a course, once begun, ends in an outcome.
 
-    def _check_order(self) -> None:
-        """Check that no path forks twice over an event, against the order, or without end."""
-        rank = {name: index for index, name in enumerate(self.functional_events)}
-        waiting: list[tuple[Target, int, tuple[str, ...]]] = [(self.start.target, -1, ())]
-        waiting += [(branch.target, -1, (branch.name,)) for branch in self.branches]
-        seen: set[tuple[Target, int]] = set()
-        while waiting:
-            target, last, resumed = waiting.pop()
-            match target:
-                case Resume(name):
-                    if name in resumed:
-                        raise ModelError(
-                            f"event tree '{self.name}': the branch '{name}' resumes itself; "
-                            "lead it to the end of a sequence"
-                        )
-                    waiting.append((self._branches[name].target, last, (*resumed, name)))
-                case Fork(name, paths):
-                    if rank[name] <= last:
-                        raise ModelError(
-                            f"event tree '{self.name}': a path forks over '{name}' after "
-                            f"'{self.functional_events[last]}'; each path forks over each "
-                            "functional event once at most, in their order"
-                        )
-                    if (target, last) not in seen:
-                        seen.add((target, last))
-                        waiting.extend((path.target, rank[name], resumed) for path in paths)
-                case _:
-                    pass
+        It has the outcome's importances and cut sets; see `solve` for the arguments.
+        Raises ModelError when no path ends so, or a path has a probability of its own, which is
+        no event.
+        """
+        from tracerisk.prm.event_tree_solution import outcome_tree
+        from tracerisk.prm.forest import Forest
 
-
-def _check_once(tree: str, kind: str, names: Iterable[str]) -> None:
-    seen: set[str] = set()
-    for name in names:
-        if not name or not name.isprintable():
-            raise ModelError(
-                f"event tree '{tree}': {kind} {name!r}: a name needs printable characters"
-            )
-        if name in seen:
-            raise ModelError(f"event tree '{tree}': {kind} '{name}' stands twice; rename one")
-        seen.add(name)
-
-
-def _targets(branch: Branch) -> Iterator[Target]:
-    """Yield the targets of a branch and of all forks in it."""
-    waiting: list[Target] = [branch.target]
-    while waiting:
-        target = waiting.pop()
-        yield target
-        if isinstance(target, Fork):
-            waiting.extend(path.target for path in reversed(target.paths))
+        forest = trees if isinstance(trees, Forest) else Forest.of(trees)
+        return outcome_tree(self, outcome, forest, linked)

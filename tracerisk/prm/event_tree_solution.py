@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.event_tree import EventTree, InitiatingEvent
 from tracerisk.prm.event_tree_paths import CollectedPath, collected_paths
+from tracerisk.prm.fault_tree import FaultTree
 from tracerisk.prm.forest import Forest
 
 _TOLERANCE = 1e-9
@@ -98,6 +99,31 @@ def solve_event_tree(
         value = initiating.value * probability
         figures.append(SequenceFigure(name, sequence, paths[0].end_state, probability, value))
     return EventTreeSolution(tree.name, initiating, tuple(figures))
+
+
+def outcome_tree(
+    tree: EventTree, outcome: str, forest: Forest, linked: Iterable[EventTree] = ()
+) -> FaultTree:
+    """Return the fault tree of an outcome; see EventTree.outcome_tree."""
+    initiating = tree.initiating or InitiatingEvent(tree.name)
+    paths = list(collected_paths(tree, linked, initiating.name))
+    ending = [path for path in paths if path.end_state == outcome]
+    if not ending:
+        outcomes = {path.end_state for path in paths}
+        raise ModelError(
+            f"event tree '{tree.name}': no path ends in '{outcome}'; {one_of(outcomes, outcome)}"
+        )
+    for path in ending:
+        _check_names(path, forest)
+        where = f"event tree '{path.event_tree}': sequence '{path.sequence}'"
+        if path.weights:
+            raise ModelError(
+                f"{where}: a path has a probability of its own, which is no event; "
+                "state a gate or event there"
+            )
+        if not path.occurrences:
+            raise ModelError(f"{where}: a path has no condition; its outcome is certain")
+    return forest.joined([path.occurrences for path in ending])
 
 
 def _check_names(path: CollectedPath, forest: Forest) -> None:
