@@ -1,5 +1,7 @@
 """Markov chains whose absorption, visits and times are computed without a subtraction."""
 
-from tracerisk.prm.markov.chain import ChainSolution, MarkovChain
+from tracerisk.prm.markov.chain import MarkovChain
+from tracerisk.prm.markov.cycles import CycleFigures
+from tracerisk.prm.markov.solution import ChainSolution
 
-__all__ = ["ChainSolution", "MarkovChain"]
+__all__ = ["ChainSolution", "CycleFigures", "MarkovChain"]

@@ -1,13 +1,19 @@
-"""Absorbing Markov chains in discrete time, solved without a single subtraction."""
+"""Absorbing Markov chains in discrete time, by the names of their states."""
 
 from __future__ import annotations
 
 import math
-import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.markov.solution import ChainSolution
+from tracerisk.prm.markov.solver import solver_of
+from tracerisk.prm.markov.steps import distribution_after
+
+if TYPE_CHECKING:
+    from tracerisk.prm.markov.matrix_chain import MatrixChain
 
 _ROW_TOLERANCE = 1e-9
 
@@ -27,14 +33,26 @@ class MarkovChain:
     absorbing: tuple[str, ...]
 
     def __post_init__(self) -> None:
-        known: set[str] = set()
-        for name in (*self.transitions, *self.absorbing):
-            if name in known:
-                raise ModelError(f"state '{name}' stands twice in the chain; rename one")
-            known.add(name)
+        known = distinct_names(self.transitions, self.absorbing)
         for state, row in self.transitions.items():
-            _check_row(state, row, known)
-        _check_absorbed(self)
+            check_targets(state, row, known, "probability")
+            _check_sum(state, row)
+        check_absorbed(self.transitions, self.absorbing)
+
+    @staticmethod
+    def from_matrix(
+        matrix: Any, absorbing: Any = None, names: Sequence[str] | None = None
+    ) -> MatrixChain:
+        """Return the chain of a square matrix, whose results are arrays by state.
+
+        matrix: (n, n), a NumPy array or a SciPy sparse array, `matrix[i, j]` the probability of
+        going from i to j; absorbing: the indices of the absorbing states, or (n,) of booleans,
+        or `None` for all that lead to nothing but themselves; names: n names, or none.
+        Raises ModelError as MarkovChain does.
+        """
+        from tracerisk.prm.markov.matrix_chain import MatrixChain
+
+        return MatrixChain.from_matrix(matrix, absorbing, names)
 
     def solve(self, entry: str) -> ChainSolution:
         """Solve the chain that starts in the transient state `entry`.
@@ -45,144 +63,99 @@ class MarkovChain:
         probability of staying.
         Each result then has a relative error of a few units in the last place for each state,
         whatever the size of the numbers and however rarely the chain is absorbed.
+        Chains of more than 500 states go through compiled code, and where elimination would
+        fill in through certified iteration; see `MatrixChain`.
         Raises ModelError when `entry` is no transient state, or when some state is left less
-        often than the smallest number of double precision.
+        often than the smallest number of double precision; TooLargeError when an iteration
+        cannot be certified.
         """
-        if entry not in self.transitions:
-            raise ModelError(
-                f"the entry '{entry}' is no transient state; {one_of(self.transitions, entry)}"
-            )
-        return ChainSolution(self, entry, _eliminate(self, entry))
+        check_entry(entry, self.transitions)
+        states = tuple(self.transitions)
+        index = {state: number for number, state in enumerate(states)}
+        ways, slack = split_rows(self.transitions, index)
+        solver = solver_of(ways, slack, lambda state: f"'{states[state]}'", "probability")
+        totals = [math.fsum(row.values()) for row in self.transitions.values()]
+        return ChainSolution(self.transitions, self.absorbing, entry, solver, tuple(totals))
 
+    def transient(self, entry: str, steps: int) -> dict[str, float]:
+        """Return the probability of each state after `steps` steps from `entry`.
 
-@dataclass(frozen=True, slots=True)
-class _Elimination:
-    """One state leaving the chain: who led to it, and where it leads once it is left."""
-
-    state: str
-    incoming: Mapping[str, float]
-    leaving: float
-    outgoing: Mapping[str, float]
-
-
-@dataclass(frozen=True, slots=True)
-class ChainSolution:
-    """An absorbing chain after elimination; `entry` was eliminated last."""
-
-    chain: MarkovChain
-    entry: str
-    _steps: tuple[_Elimination, ...]
-
-    def expected_visits(self) -> dict[str, float]:
-        """Return how often each transient state is visited, the start counted as a visit."""
-        visits: dict[str, float] = {}
-        for step in reversed(self._steps):
-            arrivals = math.fsum(visits[state] * p for state, p in step.incoming.items())
-            # The entry comes first here, with no state left that leads to it but the start.
-            start = 1.0 if step.state == self.entry else 0.0
-            visits[step.state] = (start + arrivals) / step.leaving
-        return {state: visits[state] for state in self.chain.transitions}
-
-    def absorption(self) -> dict[str, float]:
-        """Return for each absorbing state the probability of ending there."""
-        outgoing = self._steps[-1].outgoing
-        return {state: outgoing.get(state, 0.0) for state in self.chain.absorbing}
-
-    def absorption_from_each(self, targets: Iterable[str]) -> dict[str, float]:
-        """Return from each transient state the probability of ending in one of `targets`.
-
-        Raises ModelError when a target is no absorbing state.
+        Stepping, or repeated squaring where that is less work: sums of products of
+        probabilities, nothing is subtracted.
+        Raises ModelError when `entry` is no transient state or `steps` is below zero.
         """
-        reached = dict.fromkeys(self.chain.absorbing, 0.0)
-        for target in targets:
-            if target not in reached:
-                raise ModelError(
-                    f"'{target}' is no absorbing state; {one_of(self.chain.absorbing, target)}"
-                )
-            reached[target] = 1.0
-        for step in reversed(self._steps):
-            reached[step.state] = math.fsum(
-                p * reached[state] for state, p in step.outgoing.items()
-            )
-        return {state: reached[state] for state in self.chain.transitions}
+        check_entry(entry, self.transitions)
+        if steps < 0:
+            raise ModelError(f"{steps} steps: a chain takes none or more")
+        return distribution_after(self.transitions, self.absorbing, entry, steps)
 
 
-def _check_row(state: str, row: Mapping[str, float], known: set[str]) -> None:
-    for target, p in row.items():
+def distinct_names(
+    transitions: Mapping[str, Mapping[str, float]], absorbing: Sequence[str]
+) -> set[str]:
+    """Return the names of all states; raise ModelError when one stands twice."""
+    known: set[str] = set()
+    for name in (*transitions, *absorbing):
+        if name in known:
+            raise ModelError(f"state '{name}' stands twice in the chain; rename one")
+        known.add(name)
+    return known
+
+
+def check_targets(state: str, row: Mapping[str, float], known: set[str], kind: str) -> None:
+    """Raise ModelError when a row leads to an unknown state, or with an impossible weight."""
+    for target, weight in row.items():
         if target not in known:
             raise ModelError(
                 f"state '{state}': '{target}' is no state of the chain; {one_of(known, target)}"
             )
-        if not 0.0 <= p < math.inf:
-            raise ModelError(f"state '{state}': {p!r} to '{target}' is no probability")
-    total = math.fsum(row.values())
-    if abs(total - 1.0) > _ROW_TOLERANCE:
-        raise ModelError(f"state '{state}': its transitions sum to {total!r}; they must sum to 1")
+        if not 0.0 <= weight < math.inf:
+            raise ModelError(f"state '{state}': {weight!r} to '{target}' is no {kind}")
 
 
-def _check_absorbed(chain: MarkovChain) -> None:
+def check_absorbed(
+    transitions: Mapping[str, Mapping[str, float]], absorbing: Sequence[str]
+) -> None:
+    """Raise ModelError, naming the states, when some can never be absorbed."""
     sources: dict[str, list[str]] = {}
-    for state, row in chain.transitions.items():
-        for target, p in row.items():
-            if p > 0.0:
+    for state, row in transitions.items():
+        for target, weight in row.items():
+            if weight > 0.0:
                 sources.setdefault(target, []).append(state)
-    absorbed = set(chain.absorbing)
-    waiting = list(chain.absorbing)
+    absorbed = set(absorbing)
+    waiting = list(absorbing)
     while waiting:
         for state in sources.get(waiting.pop(), []):
             if state not in absorbed:
                 absorbed.add(state)
                 waiting.append(state)
-    caught = [state for state in chain.transitions if state not in absorbed]
+    caught = [state for state in transitions if state not in absorbed]
     if caught:
         raise ModelError(
             f"the chain never ends once in {', '.join(caught)}; "
-            f"lead each to an absorbing state ({', '.join(chain.absorbing) or 'there is none'})"
+            f"lead each to an absorbing state ({', '.join(absorbing) or 'there is none'})"
         )
 
 
-def _eliminate(chain: MarkovChain, entry: str) -> tuple[_Elimination, ...]:
-    """Take the transient states out of the chain, `entry` last.
+def check_entry(entry: str, transitions: Mapping[str, Mapping[str, float]]) -> None:
+    """Raise ModelError when `entry` is no transient state."""
+    if entry not in transitions:
+        raise ModelError(f"the entry '{entry}' is no transient state; {one_of(transitions, entry)}")
 
-    The chain without a state k leads from i to j by P_ij + P_ik P_kj / S_k, where S_k is the
-    sum of the ways out of k.
-    The way back to oneself is never stored: S_k holds all that is needed of it.
-    """
-    rows: dict[str, dict[str, float]] = {}
-    columns: dict[str, set[str]] = {state: set() for state in chain.transitions}
-    for state, given in chain.transitions.items():
-        total = math.fsum(given.values())
-        rows[state] = {t: p / total for t, p in given.items() if p > 0.0 and t != state}
-        for target in rows[state]:
-            if target in columns:
-                columns[target].add(state)
-    rank = {state: index for index, state in enumerate(rows)}
-    remaining = set(rows)
-    steps = []
-    while remaining:
-        # Least fill-in first: any order is as exact, this one keeps sparse chains sparse.
-        candidates = remaining - {entry} or {entry}
-        state = min(candidates, key=lambda s: (len(rows[s]) * len(columns[s]), rank[s]))
-        row = rows.pop(state)
-        leaving = math.fsum(row.values())
-        if leaving < sys.float_info.min:
-            raise ModelError(
-                f"state '{state}' is left with a probability below {sys.float_info.min:.0e}, "
-                "too small for a number of double precision; leave out what never happens"
-            )
-        outgoing = {target: p / leaving for target, p in row.items()}
-        incoming = {}
-        for source in sorted(columns.pop(state), key=rank.__getitem__):
-            p = rows[source].pop(state)
-            incoming[source] = p
-            for target, share in outgoing.items():
-                if target != source:
-                    rows[source][target] = rows[source].get(target, 0.0) + p * share
-                    if target in columns:
-                        columns[target].add(source)
-        for target in outgoing:
-            if target in columns:
-                columns[target].discard(state)
-        remaining.discard(state)
-        steps.append(_Elimination(state, incoming, leaving, outgoing))
-    return tuple(steps)
+
+def split_rows(
+    transitions: Mapping[str, Mapping[str, float]], index: Mapping[str, int]
+) -> tuple[list[dict[int, float]], list[float]]:
+    """Return the ways between the states of `index`, and the weight that leaves them all."""
+    ways = []
+    slack = []
+    for state, row in transitions.items():
+        ways.append({index[t]: p for t, p in row.items() if t in index and t != state})
+        slack.append(math.fsum(p for t, p in row.items() if t not in index))
+    return ways, slack
+
+
+def _check_sum(state: str, row: Mapping[str, float]) -> None:
+    total = math.fsum(row.values())
+    if abs(total - 1.0) > _ROW_TOLERANCE:
+        raise ModelError(f"state '{state}': its transitions sum to {total!r}; they must sum to 1")
