@@ -29,7 +29,8 @@ class Settings:
     `robot`, `scene` and `hardware` are names or paths, `None` for the default of the robot.
     `scenario` is the file of what the controller's world gives it, `params` files of parameters.
     `launch` is the launch file that starts the controller, `True` for that of its workspace,
-    `False` for none.
+    `False` for none. `companions`: whether nodes of its workspace are started beside it that
+    provide what it waits for.
     `args` are the controller's arguments, `answers` what its questions get, in turn.
     `states` and `helpers` override, by qualified name, which functions are relevant.
     `max_risk` is the greatest failure probability of a mission that `check` lets pass;
@@ -49,6 +50,7 @@ class Settings:
     mission_cycles: int = 10
     params: tuple[str, ...] = ()
     launch: str | bool = True
+    companions: bool = True
     states: tuple[str, ...] = ()
     helpers: tuple[str, ...] = ()
     args: tuple[str, ...] = ()
@@ -204,7 +206,7 @@ class _Reader:
             if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= 1:
                 self._fail(key, f"expected a probability from 0 to 1, found {value!r}")
             return float(value)
-        if key == "require_reason":
+        if key in ("require_reason", "companions"):
             if not isinstance(value, bool):
                 self._fail(key, f"expected true or false, found {value!r}")
             return value

@@ -54,6 +54,13 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         help="give it nothing from a launch file",
     )
     group.add_argument(
+        "--no-companions",
+        dest="companions",
+        action="store_const",
+        const=False,
+        help="start no other node of its workspace that provides what it waits for",
+    )
+    group.add_argument(
         "--duration",
         dest="duration_s",
         metavar="S",
@@ -159,6 +166,7 @@ def run_settings(options: argparse.Namespace) -> dict[str, Any]:
         "scene",
         "scenario",
         "launch",
+        "companions",
         "hardware",
         "active",
         "duration_s",

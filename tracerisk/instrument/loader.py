@@ -119,7 +119,7 @@ def _program(script: Path, tracer: Tracer, argv: Sequence[str]) -> Iterator[Modu
         __cached__=None,
         __annotations__={},
     )
-    package, above = _package_of(script)
+    package, above = package_of(script)
     if package:
         # As `python -m package.module`, so that its relative imports work.
         module.__dict__["__package__"] = package
@@ -139,7 +139,7 @@ def _program(script: Path, tracer: Tracer, argv: Sequence[str]) -> Iterator[Modu
         sys.setrecursionlimit(old_limit)
 
 
-def _package_of(script: Path) -> tuple[str, Path]:
+def package_of(script: Path) -> tuple[str, Path]:
     """Return the dotted name of the package a script stands in, and the folder that holds it."""
     parts: list[str] = []
     folder = script.parent

@@ -108,7 +108,8 @@ class Tracer:
     """Follows the functions of one run of a controller.
 
     `on_first_run` is told of each function the first time that it runs; `on_iteration` (an
-    attribute) of file and line of an endless loop at the begin of each iteration.
+    attribute) of file and line of an endless loop at the begin of each iteration. `on_behalf` (an
+    attribute) tells the stack of another function for whose sake the running code runs, if any.
     """
 
     def __init__(self, on_first_run: Callable[[FunctionRef, int], None] | None = None) -> None:
@@ -116,6 +117,7 @@ class Tracer:
         self._next_activation = itertools.count(1).__next__
         self._on_first_run = on_first_run
         self.on_iteration: Callable[[str, int], None] | None = None
+        self.on_behalf: Callable[[], tuple[Frame, ...]] | None = None
         self._ran: dict[FunctionRef, int] = {}
         self._files: dict[str, str] = {}
         self._main_file = "<controller>"
@@ -205,6 +207,8 @@ class Tracer:
         A lambda given as a callback stands for the function that wrote it; a callback that is no
         controller code at all for `<module>` of the script.
         """
+        if self.on_behalf is not None and (asking := self.on_behalf()):
+            return asking
         frames = self._frames()
         if frames:
             return frames

@@ -11,16 +11,19 @@ from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings
 from tracerisk.hardware.binding import bind
+from tracerisk.pipeline.companions import find_companions
 from tracerisk.pipeline.controller import Controller
-from tracerisk.pipeline.controller_run import run_controller
+from tracerisk.pipeline.controller_run import ControllerRun, run_controller
 from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
 from tracerisk.pipeline.robot_choice import choose_launched_robot
+from tracerisk.pipeline.run_files import Companion
 from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
     from tracerisk.hardware.model import Hardware
     from tracerisk.pipeline.stages import Progress
 
+_MOST_COMPANIONS = 4
 _ROBOTS_TRIED = 3  # for the names that a run shows, of an arm and then of its gripper
 
 
@@ -38,17 +41,34 @@ def trace_attempts(
     that has them: no source tells the names that a controller puts together as it runs.
     A run that shows no risk with what a launch file gives is done again without it: the file was
     found, not asked for, and must not keep a controller from running.
+    A run that shows no risk for want of something that other nodes of the workspace provide is
+    done again with these beside it.
     """
+    began = time.monotonic()
+
+    def has_time() -> bool:
+        return time.monotonic() - began < settings.wall_limit_s / 2
+
+    def run(
+        choice: LaunchChoice, keep: Path | None, companions: tuple[Companion, ...] = ()
+    ) -> ControllerRun:
+        return _with_robot(controller, settings, choice, hardware_of, companions, keep, progress)
 
     def attempt(choice: LaunchChoice, keep: Path | None) -> Trace:
-        return _with_robot(controller, settings, choice, hardware_of, keep, progress)
+        done = run(choice, keep)
+        if not settings.companions or _shows_risk(done.trace):
+            return done.trace
+        found = _with_companions(
+            controller, settings, done, lambda companions: run(choice, None, companions), has_time
+        )
+        if found is None or keep is None:
+            return done.trace if found is None else found[0]
+        return run(choice, keep, found[1]).trace
 
     choice = choose_launch(controller, settings)
-    began = time.monotonic()
     trace = attempt(choice, keep)
     is_found = choice.setup is not None and settings.launch is True
-    has_time = time.monotonic() - began < settings.wall_limit_s / 2
-    if not is_found or not has_time or _shows_risk(trace):
+    if not is_found or not has_time() or _shows_risk(trace):
         return trace
     assert choice.setup is not None
     without = LaunchChoice(
@@ -68,14 +88,41 @@ def _shows_risk(trace: Trace) -> bool:
     return trace.end.is_good and bool(trace.functions)
 
 
+def _with_companions(
+    controller: Controller,
+    settings: Settings,
+    done: ControllerRun,
+    run: Callable[[tuple[Companion, ...]], ControllerRun],
+    has_time: Callable[[], bool],
+) -> tuple[Trace, tuple[Companion, ...]] | None:
+    """Run a controller with the nodes beside it that provide what a run lacked.
+
+    Return the trace and the companions; None where no run shows risk, or where a companion moved
+    the robot unasked: then it is a controller itself.
+    """
+    companions: tuple[Companion, ...] = ()
+    while done.needs and len(companions) < _MOST_COMPANIONS and has_time():
+        more = find_companions(controller, done.needs, settings, companions)
+        if not more:
+            return None
+        companions = (*companions, *more)[:_MOST_COMPANIONS]
+        done = run(companions)
+        if _shows_risk(done.trace):
+            theirs = {each.told for each in companions}
+            is_own = not any(each.ref.file in theirs for each in done.trace.functions)
+            return (done.trace, companions) if is_own else None
+    return None
+
+
 def _with_robot(
     controller: Controller,
     settings: Settings,
     launch: LaunchChoice,
     hardware_of: Callable[[Settings, str], Hardware],
+    companions: tuple[Companion, ...],
     keep: Path | None,
     progress: Progress | None,
-) -> Trace:
+) -> ControllerRun:
     """Run the controller on the robot of its names, then on that of the names its run shows."""
     asked: tuple[str, ...] = ()
     choice = choose_launched_robot(controller, settings, launch.setup)
@@ -83,7 +130,13 @@ def _with_robot(
         # What the robot has no place for is told before a minute is spent on simulation.
         bind(hardware_of(settings, choice.robot.name), choice.robot.elements)
         done = run_controller(
-            controller, choice.robot, settings, launch, keep=keep, progress=progress
+            controller,
+            choice.robot,
+            settings,
+            launch,
+            companions=companions,
+            keep=keep,
+            progress=progress,
         )
         if settings.robot is not None or not set(done.joints_asked) - set(asked):
             break
@@ -94,4 +147,5 @@ def _with_robot(
         choice = other
     root = controller.root.resolve()
     read = {Path(os.path.relpath(file.resolve(), root)).as_posix() for file in choice.files}
-    return replace(done.trace, inputs=tuple(sorted({*done.trace.inputs, *read})))
+    inputs = tuple(sorted({*done.trace.inputs, *read}))
+    return replace(done, trace=replace(done.trace, inputs=inputs))

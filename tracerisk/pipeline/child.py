@@ -21,6 +21,7 @@ from tracerisk.instrument.import_finder import ControllerFinder, controller_impo
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Tracer
+from tracerisk.pipeline.companion_run import Companions
 from tracerisk.pipeline.controller_end import ControllerEnd
 from tracerisk.pipeline.entry_point import find_entry_point
 from tracerisk.pipeline.launch.records import NOTHING_LAUNCHED
@@ -152,6 +153,7 @@ def _run_recorded(
         ),
         packages=workspace.packages,
     )
+    companions = Companions(request.companions, runtime, recorder)
     watch = RunWatch(scheduler, recorder)
     recorder.watch, tracer.on_iteration = watch, watch.looped
     is_ros2 = ros_version(script, root) == 2
@@ -202,8 +204,10 @@ def _run_recorded(
         # The controller's own modules leave no `__pycache__` in its folder.
         sys.dont_write_bytecode = True
         recorder.note(STARTED)
-        if request.launch_notes:
-            recorder.note(LAUNCH, notes=request.launch_notes, inputs=launch.sources)
+        lines = (*request.launch_notes, *(each.line for each in request.companions))
+        if lines:
+            read = (file for each in request.companions for file in each.files)
+            recorder.note(LAUNCH, notes=lines, inputs=(*launch.sources, *read))
         os.environ.update(
             {"ROS_DISTRO": "jazzy", "ROS_VERSION": "2"}
             if is_ros2
@@ -212,8 +216,13 @@ def _run_recorded(
         os.environ.update(launch.environment)
         if entry is not None:
             recorder.note(ENTRY, function=entry.function, named_in=entry.named_in)
+
+        def begin() -> None:
+            companions.start()
+            run()
+
         began = wall_clock()
-        end.run(lambda: scheduler.run_main(run))
+        end.run(lambda: scheduler.run_main(begin))
         twin.close()
         WallTime(wall_clock() - began, world.seconds).write(folder)
 

@@ -16,7 +16,7 @@ from types import FrameType, TracebackType
 
 from tracerisk.errors import Location, SourceError, UnsafeRewriteError
 from tracerisk.instrument.recording import Recorder
-from tracerisk.pipeline.run_files import SCENARIO
+from tracerisk.pipeline.run_files import NEEDS, SCENARIO
 from tracerisk.pipeline.unmet_needs import JudgedEnd
 from tracerisk.ros.controller_frames import is_library
 from tracerisk.ros.virtual_time import RunOver
@@ -81,6 +81,9 @@ class ControllerEnd:
         judged = self._judge(cause, message, location)
         if judged.scenario:
             self._recorder.note(SCENARIO, lines=judged.scenario)
+        if judged.needs:
+            needs = [[each.kind, each.name, each.type_name] for each in judged.needs]
+            self._recorder.note(NEEDS, needs=needs)
         self._run_over(judged.cause)
         self._recorder.run_ended(judged.cause, judged.message, judged.location)
 

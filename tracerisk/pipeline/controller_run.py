@@ -23,14 +23,17 @@ from tracerisk.pipeline.left_running import RUN_MARK, end_left_running
 from tracerisk.pipeline.run_files import (
     EVENTS,
     JOINTS_ASKED,
+    NEEDS,
     ROBOT,
     SCENARIO,
     STACKS,
     STARTED,
+    Companion,
     RunRequest,
 )
 from tracerisk.pipeline.run_trace import make_trace
 from tracerisk.pipeline.run_watch import MISSION_END
+from tracerisk.ros.needs import Need
 from tracerisk.trace import RunEnd, Trace
 
 if TYPE_CHECKING:
@@ -46,10 +49,11 @@ _STACK_LINE = re.compile(r'  File "(?P<file>.*)", line (?P<line>\d+) in ')
 
 @dataclass(frozen=True, slots=True)
 class ControllerRun:
-    """What one run showed: its trace, and the joints that it moved and the robot has not."""
+    """What one run showed: its trace, joints that it moved and the robot lacks, unmet `needs`."""
 
     trace: Trace
     joints_asked: tuple[str, ...] = ()
+    needs: tuple[Need, ...] = ()
 
 
 def run_controller(
@@ -58,12 +62,13 @@ def run_controller(
     settings: Settings,
     choice: LaunchChoice,
     *,
+    companions: tuple[Companion, ...] = (),
     keep: Path | None = None,
     progress: Progress | None = None,
 ) -> ControllerRun:
     """Run the controller on the twin of `robot`, and return what the run showed.
 
-    `choice` is what a launch file gives it.
+    `choice` is what a launch file gives it, `companions` are started beside it.
     Raises SourceError, RobotError or another error of the input when nothing could run.
     """
     from tracerisk.twin.robot_file import dump_robot
@@ -84,6 +89,7 @@ def run_controller(
             params=settings.params,
             launch=launch,
             launch_notes=choice.notes,
+            companions=companions,
             duration_s=settings.duration_s,
             memory_limit_mb=settings.memory_limit_mb,
             seed=settings.seed,
@@ -102,7 +108,9 @@ def run_controller(
             if note.kind == JOINTS_ASKED
             for name in note.data["names"]
         ]
-        return ControllerRun(trace, tuple(dict.fromkeys(asked)))
+        told = recording.note(NEEDS) or {"needs": ()}
+        needs = tuple(Need(kind, name, type_name) for kind, name, type_name in told["needs"])
+        return ControllerRun(trace, tuple(dict.fromkeys(asked)), needs)
 
 
 @dataclass(frozen=True, slots=True)

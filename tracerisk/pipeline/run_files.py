@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from tracerisk.pipeline.launch.records import LaunchSetup
 
@@ -27,7 +29,40 @@ SCENARIO = "scenario"
 """The note of the scenario lines that would give a controller what it lacked: `lines`."""
 JOINTS_ASKED = "joints_asked"
 """The note of a motion of joints that the robot has not: `names`, all of them."""
+NEEDS = "needs"
+"""The note of what a run lacked: `needs`, the kind, name and type of each."""
+COMPANION = "companion"
+"""The note of a companion that `ended` before its time: how it is `told`, and how it ended."""
 _WALL_TIME = "wall_time.json"
+
+
+@dataclass(frozen=True, slots=True)
+class Companion:
+    """A node of the workspace that is started beside a controller, and what it provides.
+
+    `script` is its file, `root` the folder of its own sources, `told` its path from the
+    controller's root. `launch` is what a launch file gives it. `provides` are the needs that its
+    source shows it to meet, in words; `files` what a run with it depends on, from that root.
+    """
+
+    script: str
+    root: str
+    told: str
+    provides: tuple[str, ...]
+    files: tuple[str, ...] = ()
+    launch: LaunchSetup | None = None
+
+    @property
+    def line(self) -> str:
+        """The line of the report that tells of it."""
+        return f"started beside: {self.told}, which provides {', '.join(self.provides)}"
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Companion:
+        """Read what `dataclasses.asdict` made of one, through JSON."""
+        launch = None if data["launch"] is None else LaunchSetup.from_json(data["launch"])
+        lists = {name: tuple(data[name]) for name in ("provides", "files")}
+        return cls(**{**data, **lists, "launch": launch})
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +70,7 @@ class RunRequest:
     """What the child is asked to run; `folder` is that of the recording, `parent` who asks.
 
     `argv` holds what `launch` adds to it; `launch_notes` are the lines that tell of `launch`.
+    `companions` are started beside the controller.
     """
 
     controller: str
@@ -47,6 +83,7 @@ class RunRequest:
     params: tuple[str, ...]
     launch: LaunchSetup | None
     launch_notes: tuple[str, ...]
+    companions: tuple[Companion, ...]
     duration_s: float
     memory_limit_mb: int
     seed: int
@@ -63,7 +100,8 @@ class RunRequest:
         names = ("argv", "answers", "params", "launch_notes")
         lists = {name: tuple(data[name]) for name in names}
         launch = None if data["launch"] is None else LaunchSetup.from_json(data["launch"])
-        return cls(**{**data, **lists, "launch": launch})
+        companions = tuple(Companion.from_json(each) for each in data["companions"])
+        return cls(**{**data, **lists, "launch": launch, "companions": companions})
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from typing import Any
 
 from tracerisk.errors import Location
 from tracerisk.ros.action_graph import Actions
-from tracerisk.ros.needs import Missed, NeedKind
+from tracerisk.ros.needs import Missed, Need, NeedKind
 from tracerisk.ros.runtime import Runtime
 from tracerisk.ros.scenario_lines import scenario_lines
 from tracerisk.ros.service_types import service_type
@@ -26,12 +26,13 @@ _LASTING: frozenset[NeedKind] = frozenset({"topic", "service", "action"})
 
 @dataclass(frozen=True, slots=True)
 class JudgedEnd:
-    """How a run ended in the light of what it lacked; `scenario` are the lines that give it."""
+    """How a run ended in the light of the `needs` it lacked; `scenario` lines would give them."""
 
     cause: EndCause
     message: str
     location: Location | None
     scenario: str = ""
+    needs: tuple[Need, ...] = ()
 
 
 class UnmetNeeds:
@@ -55,6 +56,12 @@ class UnmetNeeds:
         self._interfaces = interfaces
         self._root = root
         self._has_commanded = has_commanded
+        self._at_end: tuple[tuple[Missed, ...], tuple[Missed, ...]] | None = None
+        runtime.scheduler.on_over = self._keep
+
+    def _keep(self) -> None:
+        """Keep what is lacking now: a controller that is ended may still take down its node."""
+        self._at_end = self._missed_now(), self._all_now()
 
     def waited_for(self) -> tuple[Missed, ...]:
         """Return what a controller that only waits may be waiting for."""
@@ -82,12 +89,13 @@ class UnmetNeeds:
         unmet = tuple(_typed(each) for each in found)
         for before, after in zip(found, unmet, strict=True):
             message = message.replace(f"{before.need.told},", f"{after.need.told},")
-        plain = replace(plain, message=message)
+        plain = replace(plain, message=message, needs=tuple(each.need for each in unmet))
         plain = replace(plain, location=location or self.below_root(unmet[0].location))
         lines = scenario_lines([each.need for each in unmet], self._interfaces)
         if cause == "quiescent":
             told = f"nothing was commanded, and nothing provides {self.told(unmet)}"
-            return JudgedEnd("no_motion", told, self.below_root(unmet[0].location), lines)
+            asked_at = self.below_root(unmet[0].location)
+            return JudgedEnd("no_motion", told, asked_at, lines, plain.needs)
         if cause in _DONE:
             told = f"{message}; nothing provides {self.told(unmet)}"
             return replace(plain, message=told, scenario=lines)
@@ -137,11 +145,17 @@ class UnmetNeeds:
         return ()
 
     def _all(self) -> tuple[Missed, ...]:
+        return self._all_now() if self._at_end is None else self._at_end[1]
+
+    def _missed(self) -> tuple[Missed, ...]:
+        return self._missed_now() if self._at_end is None else self._at_end[0]
+
+    def _all_now(self) -> tuple[Missed, ...]:
         """Return what was asked for in vain, then the topics on which nobody publishes.
 
         Where there is neither, what the controller serves and nobody calls.
         """
-        missed = self._missed()
+        missed = self._missed_now()
         names = {(each.need.kind, each.need.name) for each in missed}
         topics: dict[str, Missed] = {}
         for each in self._runtime.graph.unpublished():
@@ -152,7 +166,7 @@ class UnmetNeeds:
         graph, actions = self._runtime.graph, self._runtime.client(Actions)
         return lacking or (*graph.uncalled(), *actions.uncalled())
 
-    def _missed(self) -> tuple[Missed, ...]:
+    def _missed_now(self) -> tuple[Missed, ...]:
         graph, actions = self._runtime.graph, self._runtime.client(Actions)
         given: dict[NeedKind, Callable[[Missed], bool]] = {
             "service": lambda each: graph.service(each.need.name) is not None,

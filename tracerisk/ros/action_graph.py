@@ -358,8 +358,8 @@ class ActionClientEnd:
             self.copy(message),
             self.actions.stack(),
             scheduler.now_ns,
-            on_change,
-            on_feedback,
+            scheduler.bound(on_change),
+            scheduler.bound(on_feedback),
             data=data,
         )
         if server is not None:
@@ -399,6 +399,8 @@ class Actions:
     scenario's, that before the twin's, and of two the later one.
     """
 
+    is_of_world = True
+
     def __init__(self, runtime: Runtime) -> None:
         self.scheduler = runtime.scheduler
         self._runtime = runtime
@@ -437,6 +439,9 @@ class Actions:
         is_scenario: bool = False,
     ) -> ActionServerEnd:
         """Serve an action of a type: `control_msgs/FollowJointTrajectory`."""
+        if by_controller:
+            on_goal = self.scheduler.bound(on_goal, asks=True)
+            on_cancel = self.scheduler.bound(on_cancel)
         server = ActionServerEnd(
             self, name, type_name, node, on_goal, on_cancel, copy, by_controller, is_scenario
         )

@@ -10,6 +10,7 @@ from types import FrameType
 from typing import Any, Literal, Protocol
 
 from tracerisk.errors import Location
+from tracerisk.ros.node_process import NodeProcess
 from tracerisk.trace import EndCause
 
 WaitKind = Literal["blocked", "idle", "unmet"]
@@ -69,7 +70,7 @@ class Wait:
 
 @dataclass(slots=True, eq=False)
 class ControllerThread:
-    """A thread under the baton."""
+    """A thread under the baton; `process` is the companion whose code it runs, None for none."""
 
     name: str
     number: int
@@ -86,6 +87,7 @@ class ControllerThread:
     calls_ns: int = -1
     raises: int = 0
     interrupt: BaseException | None = None
+    process: NodeProcess | None = None
     at_finish: list[Callable[[], None]] = field(default_factory=list)
 
 

@@ -18,6 +18,7 @@ from typing import Any, Literal
 from tracerisk.errors import Location
 from tracerisk.ros.names import ANY_TYPE
 from tracerisk.ros.needs import Missed, Need, asking_place
+from tracerisk.ros.node_process import NodeProcess
 from tracerisk.ros.parameters import ParameterTree
 from tracerisk.ros.virtual_time import CallTracer, Scheduler
 
@@ -134,6 +135,7 @@ class ServiceServer:
     is_callback: bool
     place: Location | None = None
     is_called: bool = False
+    process: NodeProcess | None = None
 
     def close(self) -> None:
         """Stop serving; calls that run go on."""
@@ -214,6 +216,11 @@ class Graph:
 
         `by_controller` is False for a scenario's: what it publishes commands nothing.
         """
+        bound = self.scheduler.bound
+        if on_connect is not None:
+            on_connect = bound(on_connect)
+        if on_disconnect is not None:
+            on_disconnect = bound(on_disconnect)
         publication = Publication(
             self, topic, type_name, node, latch, copy, on_connect, on_disconnect, by_controller
         )
@@ -242,6 +249,10 @@ class Graph:
         `by_controller` is False for the twin's own: they make no controller listen.
         """
         place = asking_place() if by_controller else None
+        if by_controller:
+            deliver = self.scheduler.bound(deliver, asks=True)
+        if on_disconnect is not None:
+            on_disconnect = self.scheduler.bound(on_disconnect)
         subscription = Subscription(
             self, topic, type_name, node, deliver, on_disconnect, by_controller, place
         )
@@ -316,6 +327,7 @@ class Graph:
         """
         place = asking_place() if is_callback else None
         server = ServiceServer(self, name, type_name, node, handle, is_callback, place)
+        server.process = self.scheduler.process if is_callback else None
         self._services[name] = server
         self._tell("served", name, type_name)
         return server
@@ -405,12 +417,14 @@ class Graph:
         server.is_called = True
         if not server.is_callback:
             return server.handle(request)
+        self.scheduler.ask(server.process)
         answer = _Answer()
         thread = self.scheduler.spawn(
             lambda: self._handle(server, request, answer),
             f"service {server.name}",
             inherit=False,
             is_controllers=False,
+            process=server.process,
         )
         self.scheduler.wait_until(
             lambda: thread.finished, reason=f"the response of service {server.name}", on=thread

@@ -82,6 +82,8 @@ class MoveGroupServer(RobotGroups):
     `models` are bodies that the simulated world has and planning knows nothing of.
     """
 
+    is_of_world = True
+
     def __init__(self, runtime: Runtime) -> None:
         super().__init__(runtime.twin.robot, runtime.seed)
         self._runtime = runtime

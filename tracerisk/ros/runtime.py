@@ -27,7 +27,9 @@ class Runtime:
     `argv` is the controller's command line, `seed` that of everything random.
     `parameters` are those of the scenario and of parameter files, later ones first in rank.
     `packages` are those of the controller's workspace, each name with its folder.
-    `clients` holds the state of each client library, by the class of that state.
+    `clients` holds the state of each client library, by the class of that state. `beside` is the
+    runtime of the controller where this one is that of a companion: what is the world's of the
+    states, and no process's own (its class says `is_of_world`), they share.
     """
 
     scheduler: Scheduler
@@ -40,9 +42,12 @@ class Runtime:
     packages: Mapping[str, Path] = field(default_factory=dict)
     parameters: tuple[Parameter, ...] = ()
     clients: dict[type, Any] = field(default_factory=dict)
+    beside: Runtime | None = None
 
     def client(self, kind: Callable[[Runtime], State]) -> State:
         """Return the state of a client library, made by its class when first asked for."""
+        if self.beside is not None and getattr(kind, "is_of_world", False):
+            return self.beside.client(kind)
         if kind not in self.clients:
             self.clients[kind] = kind(self)  # type: ignore[index]
         state: State = self.clients[kind]  # type: ignore[index]
@@ -53,14 +58,15 @@ _active: list[Runtime] = []
 
 
 def current() -> Runtime:
-    """Return the runtime that is active.
+    """Return the runtime that is active: in the code of a companion its own.
 
     Raises:
         RuntimeError: none is; a stand-in was used outside a run.
     """
     if not _active:
         raise RuntimeError("no run is active: the ROS stand-ins work inside `tracerisk run` only")
-    return _active[-1]
+    process = _active[-1].scheduler.process
+    return _active[-1] if process is None else process.runtime
 
 
 @contextmanager

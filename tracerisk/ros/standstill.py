@@ -18,10 +18,11 @@ def end_of_standstill(threads: Iterable[ControllerThread], *, listens: bool) -> 
     It is a deadlock where a thread waits for a thing that nothing provides, where threads hold
     each other's locks, or where nothing listens to the world outside (`listens`: the controller
     subscribes to a topic or serves something).
-    Else it is a quiet end, as of a node that spins.
+    Else it is a quiet end, as of a node that spins. What a companion waits for is none of it.
     """
     waiting = sorted(
-        (thread for thread in threads if thread.wait is not None), key=lambda thread: _since(thread)
+        (thread for thread in threads if thread.wait is not None and thread.process is None),
+        key=lambda thread: _since(thread),
     )
     for thread in waiting:
         if _kind(thread) == "unmet":

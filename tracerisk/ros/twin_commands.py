@@ -37,6 +37,8 @@ class TwinCommands:
     A command is recorded with the stack of the code that sent the goal or published the message.
     """
 
+    is_of_world = True
+
     def __init__(self, runtime: Runtime) -> None:
         self.scheduler: Scheduler = runtime.scheduler
         self.twin: Twin = runtime.twin

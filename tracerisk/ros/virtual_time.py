@@ -17,7 +17,7 @@ from _thread import get_ident, start_new_thread
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from sys import _getframe
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 from tracerisk.errors import Location
 from tracerisk.ros.controller_thread import (
@@ -30,6 +30,7 @@ from tracerisk.ros.controller_thread import (
 from tracerisk.ros.event_queue import EventQueue, ScheduledCall
 from tracerisk.ros.exit_calls import ExitCalls
 from tracerisk.ros.needs import Need, NeedLedger
+from tracerisk.ros.node_process import NodeProcess
 from tracerisk.ros.standstill import end_of_duration, end_of_standstill
 from tracerisk.ros.world import CallTracer, World
 from tracerisk.trace import EndCause
@@ -70,6 +71,9 @@ class Scheduler:
     outside, so that a standstill is no hang. `failed_threads` names those that died of an error.
     `on_stuck` is called in the main thread when it has swallowed the end of the run a thousand
     times; it should end the process.
+    `on_over` (an attribute) is called when the run is over before the controller has ended.
+    `process` (an attribute) is the companion whose code runs, None for the controller's;
+    `has_companions` says that there may be any, and `on_process_change` is told of each change.
     """
 
     def __init__(
@@ -99,8 +103,64 @@ class Scheduler:
         self._stirred_ns = 0
         self._over: RunOver | None = None
         self._fault: BaseException | None = None
+        self.on_over: Callable[[], None] | None = None
+        self.has_companions = False
+        self.process: NodeProcess | None = None
+        self.on_process_change: Callable[[NodeProcess | None], None] | None = None
         self.exit_calls = ExitCalls()
         self.needs = NeedLedger()
+
+    # Companions
+
+    def bound(self, call: Callable[..., Result], *, asks: bool = False) -> Callable[..., Result]:
+        """Return `call` such that it runs as code of the process that asks for this.
+
+        Whoever calls it: with `asks`, what it commands there is the doing of the controller's code
+        that did. Hooks of the twin are left unbound: they act for whoever calls them.
+        """
+        if not self.has_companions:
+            return call
+        process = self.process
+
+        def run(*args: Any, **kwargs: Any) -> Result:
+            if asks:
+                self.ask(process)
+            with self._within(process):
+                return call(*args, **kwargs)
+
+        return run
+
+    def ask(self, process: NodeProcess | None) -> None:
+        """Note that the code which runs asks something of a companion."""
+        if process is None or process is self.process or self._kernel_depth:
+            return
+        if self.process is not None:
+            process.asked_by = self.process.asked_by or process.asked_by
+        elif self.tracer is not None:
+            process.asked_by = self.tracer.capture().frames or process.asked_by
+
+    @contextmanager
+    def _within(self, process: NodeProcess | None) -> Iterator[None]:
+        thread, before = self.current, self.process
+        if process is before:
+            yield
+            return
+        of_thread = None if thread is None else thread.process
+        if thread is not None and not self._kernel_depth:
+            thread.process = process
+        self._enter(process)
+        try:
+            yield
+        finally:
+            if thread is not None and not self._kernel_depth:
+                thread.process = of_thread
+            self._enter(before)
+
+    def _enter(self, process: NodeProcess | None) -> None:
+        if process is not self.process:
+            self.process = process
+            if self.on_process_change is not None:
+                self.on_process_change(process)
 
     # The clock
 
@@ -216,6 +276,7 @@ class Scheduler:
         Background events (a sensor's stream) alone do not keep the run going for long.
         """
         sequence = next(self._sequence)
+        callback = self.bound(callback)
         return self._events.add(ScheduledCall(time_ns, sequence, callback, background))
 
     def raise_if_over(self) -> None:
@@ -248,14 +309,17 @@ class Scheduler:
         daemon: bool = True,
         inherit: bool = True,
         is_controllers: bool = True,
+        process: NodeProcess | Literal["inherited"] | None = "inherited",
     ) -> ControllerThread:
         """Start a thread under the baton; it first runs when the caller waits.
 
         It inherits the caller's stack of traced functions if `inherit`. `is_controllers` is
         False for threads of a client library, which wait for work all their life.
+        `process` is whose code it runs, that of the caller's unless given.
         """
         thread = self._add_thread(name, daemon=daemon)
-        thread.is_controllers = is_controllers
+        thread.process = self.process if process == "inherited" else process
+        thread.is_controllers = is_controllers and thread.process is None
         thread.wait = self._new_wait(None, self._now_ns, "its start", "blocked", None)
         captured = self.tracer.capture() if self.tracer is not None and inherit else None
         ident = start_new_thread(self._run_thread, (thread, target, captured))
@@ -306,7 +370,12 @@ class Scheduler:
     def end(self, cause: EndCause, message: str, location: Location | None = None) -> None:
         """End the run: every thread's next wait raises `RunOver`."""
         if self._over is None:
-            self._over = RunOver(cause, message, location)
+            self._end_with(RunOver(cause, message, location))
+
+    def _end_with(self, over: RunOver) -> None:
+        self._over = over
+        if self.on_over is not None:
+            self.on_over()
 
     @contextmanager
     def kernel(self) -> Iterator[None]:
@@ -364,6 +433,7 @@ class Scheduler:
         if following is not thread:
             following.gate.release()
             self._park(thread)
+        self._enter(thread.process)
         thread.wait = wait.frame = None
         self._raise_if_over(thread)
         if thread.interrupt is not None:
@@ -378,6 +448,7 @@ class Scheduler:
             except BaseException as error:  # noqa: BLE001 - a signal's; raised with the baton
                 thread.interrupt = error
             else:
+                self._enter(thread.process)
                 return
 
     def _next_thread(self, thread: ControllerThread | None) -> ControllerThread:
@@ -414,6 +485,7 @@ class Scheduler:
             wait = thread.wait
             if wait is None:
                 continue
+            self._enter(thread.process)
             if wait.predicate is not None and wait.predicate():
                 wait.satisfied = True
                 return thread
@@ -443,13 +515,13 @@ class Scheduler:
         if deadlines or self._events.is_expecting or self.world.busy:
             self._stirred_ns = self._now_ns
         elif next_event_ns is None or self._now_ns - self._stirred_ns >= STREAM_PATIENCE_NS:
-            self._over = end_of_standstill(self._threads, listens=self.listens())
+            self._end_with(end_of_standstill(self._threads, listens=self.listens()))
             return
         if next_event_ns is not None:
             deadlines.append(next_event_ns)
         self._advance(min([*deadlines, self.duration_ns]))
         if self._now_ns >= self.duration_ns:
-            self._over = end_of_duration(self._main, self.duration_ns)
+            self._end_with(end_of_duration(self._main, self.duration_ns))
 
     def _advance(self, target_ns: int) -> None:
         before_ns = self.world.time_ns

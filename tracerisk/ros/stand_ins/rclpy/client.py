@@ -85,6 +85,7 @@ class Client(Entity):
         service = getattr(server.handle, "__self__", None)
         if isinstance(service, Service):
             server.is_called = True
+            run().scheduler.ask(server.process)
             service._enqueue(sent, lambda response: self._responses.append((future, response)))
         else:
             # The twin's: it acts on behalf of the code that calls here.

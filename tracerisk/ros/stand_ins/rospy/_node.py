@@ -41,7 +41,7 @@ class NodeState:
         self.logged_at: dict[tuple[str, int, int], int] = {}
         self.logged_text: dict[tuple[str, int, int], str] = {}
         self.rosout: Any = None
-        self.scheduler.exit_calls.at_exit(_shut_down)
+        self.scheduler.exit_calls.at_exit(self.scheduler.bound(_shut_down))
 
     def set_name(self, name: str) -> None:
         """Take a resolved name, and resolve the remappings with it."""

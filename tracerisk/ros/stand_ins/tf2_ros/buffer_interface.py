@@ -40,6 +40,8 @@ class NotImplementedException(Exception):
 class _Registered:
     """The functions that were registered in this run."""
 
+    is_of_world = True  # filled by modules, which are imported once for all programs of a run
+
     def __init__(self, runtime: Runtime) -> None:
         self.transform: dict[Any, Callable[..., Any]] = {}
         self.to_msg: dict[Any, Callable[..., Any]] = {}

@@ -1,0 +1,230 @@
+"""Controllers that wait for what another node of their workspace provides, run end to end."""
+
+from __future__ import annotations
+
+import pytest
+
+from tracerisk import trace_json
+from tracerisk.config import Settings
+from tracerisk.pipeline.companions import find_companions
+from tracerisk.pipeline.controller import load_controller
+from tracerisk.pipeline.freshness import run_inputs, stale_reasons
+from tracerisk.ros.needs import Need
+
+PACKAGE = "<package><name>{}</name></package>\n"
+PICK = """\
+import moveit_commander, rospy
+from std_srvs.srv import Trigger
+
+rospy.init_node("pick")
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+
+
+def reach(angle):
+    joints = arm.get_current_joint_values()
+    joints[0] = angle
+    arm.go(joints, wait=True)
+
+
+def turn():
+    rospy.wait_for_service("/turn")
+    rospy.ServiceProxy("/turn", Trigger)()
+
+
+rospy.wait_for_service("find_part")
+reach(float(rospy.ServiceProxy("find_part", Trigger)().message))
+turn()
+"""
+FINDER = """\
+import sys
+import rospy
+from std_srvs.srv import Trigger, TriggerResponse
+
+FIND = "find_part"
+
+
+def find(request):
+    return TriggerResponse(True, str(rospy.get_param("~angle", 0.4)))
+
+
+if __name__ == "__main__":
+    rospy.init_node("finder")
+    rospy.loginfo("%s %s", rospy.get_name(), sys.argv[0].rpartition("/")[2])
+    rospy.Service(FIND, Trigger, find)
+    rospy.spin()
+"""
+TURNER = """\
+import moveit_commander, rospy
+from std_srvs.srv import Trigger, TriggerResponse
+
+rospy.init_node("turner")
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+
+
+def turn(request):
+    joints = arm.get_current_joint_values()
+    joints[5] -= 0.3
+    return TriggerResponse(arm.go(joints, wait=True), "")
+
+
+rospy.Service("turn", Trigger, turn)
+rospy.spin()
+"""
+LAUNCH = """\
+<launch>
+  <node pkg="cell" type="finder.py" name="left_finder"><param name="angle" value="0.7"/></node>
+</launch>
+"""
+SERVER = """\
+import rclpy
+from builtin_interfaces.msg import Duration
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+
+class Server(Node):
+    def __init__(self):
+        super().__init__("server")
+        self.out = self.create_publisher(JointTrajectory, "/panda_arm_controller/goals", 1)
+        self.create_service(Trigger, "go", self.go)
+
+    def go(self, request, response):
+        point = JointTrajectoryPoint(positions=[0.5], time_from_start=Duration(sec=1))
+        self.out.publish(JointTrajectory(joint_names=["panda_joint1"], points=[point]))
+        response.success = True
+        return response
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(Server())
+
+
+if __name__ == "__main__":
+    main()
+"""
+CALLER = """\
+import rclpy
+from std_srvs.srv import Trigger
+
+rclpy.init()
+node = rclpy.create_node("caller")
+client = node.create_client(Trigger, "go")
+client.wait_for_service()
+future = client.call_async(Trigger.Request())
+rclpy.spin_until_future_complete(node, future)
+node.destroy_node()
+rclpy.shutdown()
+"""
+
+
+@pytest.fixture
+def cell(example):
+    example.write("package.xml", PACKAGE.format("cell"))
+    example.write("scripts/pick.py", PICK)
+    example.write("scripts/finder.py", FINDER)
+    example.write("scripts/turner.py", TURNER)
+    example.write("launch/cell.launch", LAUNCH)
+    return example
+
+
+def trace(example, script, *options):
+    outcome = example.run("trace", "-o", "trace.json", "--robot", "panda", *options, script)
+    return outcome, trace_json.loads(example.read("trace.json").decode(), "trace.json")
+
+
+def names(found):
+    return [each.ref.name for each in found.functions]
+
+
+def test_nodes_of_the_workspace_are_started_beside_a_controller_that_waits_for_them(cell, capfd):
+    outcome, found = trace(cell, "scripts/pick.py")
+    assert outcome.code == 0, outcome.err
+    # What the turner moves is the doing of the function that asked it.
+    assert names(found) == ["reach", "turn"]
+    assert "panda_joint6" in found.visits[1].exposures
+    for line in (
+        "started beside: scripts/finder.py, which provides service /find_part (std_srvs/Trigger)",
+        "started beside: scripts/turner.py, which provides service /turn (std_srvs/Trigger)",
+    ):
+        assert line in found.assumptions
+    # A node, a command line and parameters of its own.
+    assert "/left_finder finder.py" in outcome.err + capfd.readouterr().err
+    assert found.visits[0].exposures["panda_joint1"].moving_s > 0.0
+    assert found.inputs == ("launch/cell.launch", "scripts/finder.py", "scripts/turner.py")
+
+
+def test_a_run_with_companions_is_the_same_twice_and_stale_when_one_changes(cell):
+    _, found = trace(cell, "scripts/pick.py")
+    _, again = trace(cell, "scripts/pick.py")
+    assert trace_json.dumps(found) == trace_json.dumps(again)
+    controller, settings = load_controller(cell.folder / "scripts/pick.py"), Settings(robot="panda")
+    inputs = run_inputs(controller, found, settings)
+    assert stale_reasons(inputs, controller, settings) == ()
+    cell.write("scripts/turner.py", TURNER.replace("0.3", "0.2"))
+    reasons = stale_reasons(inputs, controller, settings)
+    assert reasons == ("scripts/turner.py has changed",)
+
+
+def test_without_companions_it_stops_with_the_lines_that_would_give_it(cell):
+    outcome, found = trace(cell, "scripts/pick.py", "--no-companions")
+    assert outcome.code == 4
+    assert found.end.cause == "deadlock"
+    assert "- name: /find_part" in found.end.scenario
+    assert not [line for line in found.assumptions if line.startswith("started beside")]
+
+
+def test_a_companion_that_fails_is_told_and_does_not_end_the_run(example):
+    example.write("pick.py", PICK.replace("turn()\n", "", 2))
+    example.write("finder.py", FINDER.replace("rospy.spin()", "rospy.sleep(0.1)\n    1 / 0"))
+    outcome, found = trace(example, "pick.py")
+    assert outcome.code == 0, outcome.err
+    told = [each.message for each in found.findings if each.kind == "companion_failed"]
+    assert told == [
+        "finder.py, started beside the controller, died of ZeroDivisionError: division by zero"
+    ]
+
+
+def test_a_server_is_asked_by_the_client_of_its_workspace(example):
+    example.write("package.xml", PACKAGE.format("cell"))
+    example.write("cell/server.py", SERVER)
+    example.write("cell/caller.py", CALLER)
+    outcome, found = trace(example, "cell/server.py")
+    assert outcome.code == 0, outcome.err
+    assert names(found) == ["Server.go"]
+    assert (
+        "started beside: cell/caller.py, which provides calls of service /go (std_srvs/Trigger)"
+    ) in found.assumptions
+
+
+def test_a_node_that_moves_the_robot_unasked_is_no_companion(example):
+    example.write("pick.py", PICK.replace("turn()\n", "", 2))
+    moves = "import turner\n    turner.turn(None)\n    rospy.Service(FIND"
+    example.write("finder.py", FINDER.replace("rospy.Service(FIND", moves))
+    example.write(
+        "turner.py", TURNER.replace('rospy.init_node("turner")\n', "").split("rospy.S")[0]
+    )
+    outcome, found = trace(example, "pick.py")
+    assert outcome.code == 4
+    assert found.functions == ()
+
+
+def test_the_nearer_node_goes_first_and_one_that_asks_a_person_is_none(cell):
+    need = Need("service", "/find_part", "std_srvs/Trigger")
+    controller = load_controller(cell.folder / "scripts/pick.py")
+
+    def found():
+        return [each.told for each in find_companions(controller, [need], Settings())]
+
+    cell.write("scripts/a_finder.py", FINDER.replace("rospy.spin()", "input('Ready? ')"))
+    other = 'import rclpy\nrclpy.init()\nnode.create_service(Trigger, "find_part", found)\n'
+    cell.write("scripts/b_finder.py", other)
+    cell.write("scripts/finders.py", FINDER.split("if __name__")[0])
+    cell.write("test/finder.py", FINDER)
+    assert found() == ["scripts/finder.py"]
+    cell.write("more/eye.py", FINDER)
+    assert found() == ["more/eye.py"]
+    both = '<node pkg="cell" type="pick.py" name="pick"/></launch>'
+    cell.write("launch/cell.launch", LAUNCH.replace("</launch>", both))
+    assert found() == ["scripts/finder.py"]

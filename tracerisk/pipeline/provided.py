@@ -1,0 +1,157 @@
+"""What the source of a node provides to others, by literal names: services, topics, actions, ..."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+from tracerisk.ros.needs import Need, NeedKind
+
+
+@dataclass(frozen=True, slots=True)
+class _Signature:
+    """Of a call that provides something: where its name and its type stand, and their keywords."""
+
+    kind: NeedKind
+    name: int
+    type: int | None
+    names: tuple[str, ...] = ("name",)
+    types: tuple[str, ...] = ()
+
+
+_OF_ACTION = ("ActionSpec", "action_type")
+_NAMES_OF_ACTION = ("name", "ns", "action_name")
+_SIGNATURES: dict[int, dict[str, _Signature]] = {
+    1: {
+        "Service": _Signature("service", 0, 1, types=("service_class",)),
+        "ServiceProxy": _Signature("call", 0, 1, types=("service_class",)),
+        "Publisher": _Signature("topic", 0, 1, types=("data_class",)),
+        "SimpleActionServer": _Signature("action", 0, 1, _NAMES_OF_ACTION, _OF_ACTION),
+        "ActionServer": _Signature("action", 0, 1, _NAMES_OF_ACTION, _OF_ACTION),
+        "SimpleActionClient": _Signature("goal", 0, 1, _NAMES_OF_ACTION, _OF_ACTION),
+        "ActionClient": _Signature("goal", 0, 1, _NAMES_OF_ACTION, _OF_ACTION),
+        "set_param": _Signature("parameter", 0, None, ("param_name",)),
+    },
+    2: {
+        "create_service": _Signature("service", 1, 0, ("srv_name",), ("srv_type",)),
+        "create_client": _Signature("call", 1, 0, ("srv_name",), ("srv_type",)),
+        "create_publisher": _Signature("topic", 1, 0, ("topic",), ("msg_type",)),
+        "ActionServer": _Signature("action", 2, 1, _NAMES_OF_ACTION, _OF_ACTION),
+        "ActionClient": _Signature("goal", 2, 1, _NAMES_OF_ACTION, _OF_ACTION),
+    },
+}
+_BROADCASTS = frozenset(
+    {"TransformBroadcaster", "StaticTransformBroadcaster", "sendTransform", "sendTransformMessage"}
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Provided:
+    """What a source provides: kind, name as written, and the last name of the type (or empty).
+
+    `frames` are its strings where it broadcasts transforms, else none.
+    """
+
+    offers: frozenset[tuple[NeedKind, str, str]]
+    frames: frozenset[str]
+
+    def meets(self, need: Need) -> bool:
+        """Tell whether it provides what is needed, under that name and of that type."""
+        if need.kind == "frame":
+            return need.name.strip("/") in self.frames
+        return any(
+            kind == need.kind and _names(name, need.name) and _agree(type_name, need.type_name)
+            for kind, name, type_name in self.offers
+        )
+
+
+def provided_by(tree: ast.Module, ros: Literal[1, 2]) -> Provided:
+    """Return what a source of one ROS provides; names that it puts together are not known."""
+    texts = _constants(tree)
+    calls = [(_called(node), node) for node in ast.walk(tree) if isinstance(node, ast.Call)]
+    offers = {
+        offer
+        for name, call in calls
+        if (signature := _SIGNATURES[ros].get(name)) is not None
+        for offer in _offers(call, signature, texts)
+    }
+    frames: set[str] = set()
+    if any(name in _BROADCASTS for name, _ in calls):
+        frames = {
+            node.value.strip("/")
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Constant) and isinstance(node.value, str)
+        }
+    return Provided(frozenset(offers), frozenset(frames - {""}))
+
+
+def _offers(
+    call: ast.Call, signature: _Signature, texts: dict[str, str]
+) -> Iterator[tuple[NeedKind, str, str]]:
+    name = _argument(call, signature.name, signature.names)
+    text = _text(name, texts)
+    if not text:
+        return
+    kind = None if signature.type is None else _argument(call, signature.type, signature.types)
+    yield signature.kind, text, "" if kind is None else _last_name(kind)
+
+
+def _called(call: ast.Call) -> str:
+    return _last_name(call.func)
+
+
+def _last_name(node: ast.expr) -> str:
+    if isinstance(node, ast.Attribute):
+        return node.attr
+    return node.id if isinstance(node, ast.Name) else ""
+
+
+def _argument(call: ast.Call, position: int, keywords: tuple[str, ...]) -> ast.expr | None:
+    for each in call.keywords:
+        if each.arg in keywords:
+            return each.value
+    if position < len(call.args) and not any(isinstance(a, ast.Starred) for a in call.args):
+        return call.args[position]
+    return None
+
+
+def _constants(tree: ast.Module) -> dict[str, str]:
+    """Return the names, also of attributes, that are given one text and never anything else."""
+    given: dict[str, set[str | None]] = {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Assign):
+            targets, value = node.targets, node.value
+        elif isinstance(node, ast.AnnAssign) and node.value is not None:
+            targets, value = [node.target], node.value
+        else:
+            continue
+        is_text = isinstance(value, ast.Constant) and isinstance(value.value, str)
+        text = value.value if is_text and isinstance(value, ast.Constant) else None
+        for target in targets:
+            given.setdefault(_last_name(target), set()).add(str(text) if is_text else None)
+    return {
+        name: text
+        for name, texts in given.items()
+        if name and len(texts) == 1 and (text := next(iter(texts))) is not None
+    }
+
+
+def _text(node: ast.expr | None, texts: dict[str, str]) -> str:
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        return node.value
+    return "" if node is None else texts.get(_last_name(node), "")
+
+
+def _names(written: str, full: str) -> bool:
+    """Tell whether a name as written in a source may be the full name of what is needed."""
+    if written.startswith("/"):
+        return written == full
+    relative = written.lstrip("~").strip("/")
+    return bool(relative) and f"/{full.strip('/')}".endswith(f"/{relative}")
+
+
+def _agree(written: str, needed: str) -> bool:
+    wanted = needed.rpartition("/")[2]
+    return not written or not wanted or written in (wanted, f"{wanted}Action")
