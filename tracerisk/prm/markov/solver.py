@@ -1,0 +1,183 @@
+"""Which way a chain is solved: elimination in Python, compiled elimination, or iteration."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Protocol
+
+from tracerisk.errors import ModelError, TooLargeError
+from tracerisk.prm.markov.elimination import StuckStateError, eliminate
+
+if TYPE_CHECKING:
+    from tracerisk.prm.markov.certificate import Array, Certified
+    from tracerisk.prm.markov.factors import Budget, Factors, Plan, Weights
+
+SMALL = 500
+"""Chains of up to so many states are solved with no array library imported."""
+SMALL_WAYS = 5_000
+_TRUSTED = 1e-13
+_BOUND = 1e-9
+"""An iteration is an answer only with a certified relative error below this."""
+
+
+Label = Callable[[int], str]
+"""The words for a state, by its index."""
+
+
+class WeightSolver(Protocol):
+    """Solves u G = start and G x = reward, G as in `factors`, for numbers that are not negative."""
+
+    def left(self, start: Sequence[float]) -> Sequence[float]:
+        """Return u with u G = start."""
+
+    def right(self, reward: Sequence[float]) -> Sequence[float]:
+        """Return x with G x = reward."""
+
+
+class CertifiedSolver:
+    """Solves a large chain, refines each solution and bounds its relative error.
+
+    By elimination, or by iteration where elimination would fill in.
+    Raises ModelError when a state is left with less than the smallest normal double;
+    TooLargeError from a solve by iteration whose error cannot be bounded by 1e-9.
+    """
+
+    def __init__(
+        self, weights: Weights, label: Label, kind: str, budget: Budget | None = None
+    ) -> None:
+        from tracerisk.prm.markov import factors
+
+        self._weights = weights
+        self._label = label
+        self._kind = kind
+        self._eliminated: Factors | None = None
+        limits = budget or factors.Budget()
+        self._plan = factors.plan(weights, limits)
+        if self._plan is not None and self._plan.products <= limits.iterate_first:
+            self._eliminate(self._plan)
+
+    @property
+    def method(self) -> str:
+        """How the chain is solved: `elimination` or `iteration`."""
+        return "iteration" if self._eliminated is None else "elimination"
+
+    def left(self, start: Array) -> Certified:
+        """Return u with u G = start; both: (n,)."""
+        return self._solve(start, left=True)
+
+    def right(self, reward: Array) -> Certified:
+        """Return x with G x = reward; both: (n,)."""
+        return self._solve(reward, left=False)
+
+    def _eliminate(self, how: Plan) -> Factors:
+        from tracerisk.prm.markov import factors
+
+        try:
+            self._eliminated = factors.eliminate(self._weights, how)
+        except StuckStateError as error:
+            raise stuck(self._label(error.state), self._kind) from error
+        return self._eliminated
+
+    def _solve(self, given: Array, *, left: bool) -> Certified:
+        from tracerisk.prm.markov.certificate import certify
+
+        eliminated = self._eliminated
+        if eliminated is None:
+            iterated = self._iterate(given, left=left)
+            if iterated is not None:
+                return iterated
+            assert self._plan is not None
+            eliminated = self._eliminate(self._plan)
+        solver = eliminated.left if left else eliminated.right
+        return certify(self._weights, given, solver, left=left, rounds=2, positive=True)
+
+    def _iterate(self, given: Array, *, left: bool) -> Certified | None:
+        """Return an iteration's certified result, or `None` where elimination is to be used."""
+        from tracerisk.prm.markov import iteration
+        from tracerisk.prm.markov.certificate import certify
+
+        trial = self._plan is not None
+        steps = iteration.TRIAL_STEPS if trial else iteration.STEPS
+        found = iteration.Iteration(self._weights, steps)
+        try:
+            certified = certify(
+                self._weights,
+                given,
+                found.left if left else found.right,
+                left=left,
+                rounds=iteration.ROUNDS,
+                positive=False,
+            )
+            bound = certified.bound
+            reached = f"a relative error of {bound:.0e}" if math.isfinite(bound) else "no bound"
+        except iteration.NotConvergedError as error:
+            bound, reached = math.inf, f"a residual of {error}"
+        if bound <= (_TRUSTED if trial else _BOUND):
+            return certified
+        if trial:
+            return None
+        raise TooLargeError(
+            f"a chain of {self._weights.size} transient states: elimination would fill it in "
+            f"beyond its budget, and iteration came to {reached} where a relative error of "
+            f"{_BOUND:.0e} was asked for; merge states, or raise the budget of elimination"
+        )
+
+
+def solver_of(
+    ways: Sequence[Mapping[int, float]], slack: Sequence[float], label: Label, kind: str
+) -> WeightSolver:
+    """Return what solves a chain of the given weights; see `elimination.eliminate`.
+
+    `label` gives the words for a state by its index, `kind` what a weight is, for messages.
+    Raises ModelError when a state is left with less than the smallest normal double.
+    """
+    if len(ways) <= SMALL and sum(map(len, ways)) <= SMALL_WAYS:
+        try:
+            return eliminate(ways, slack)
+        except StuckStateError as error:
+            raise stuck(label(error.state), kind) from error
+    import numpy as np
+
+    from tracerisk.prm.markov.factors import Weights
+
+    rows = [
+        sorted((target, p) for target, p in row.items() if p > 0.0 and target != state)
+        for state, row in enumerate(ways)
+    ]
+    counts = np.array([len(row) for row in rows], dtype=np.int64)
+    weights = Weights(
+        indptr=np.concatenate((np.zeros(1, np.int64), np.cumsum(counts))),
+        indices=np.array([target for row in rows for target, _ in row], dtype=np.int32),
+        data=np.array([p for row in rows for _, p in row], dtype=np.float64),
+        slack=np.array(slack, dtype=np.float64),
+    )
+    return _ListSolver(CertifiedSolver(weights, label, kind))
+
+
+class _ListSolver:
+    """A large chain that is asked for lists of numbers."""
+
+    def __init__(self, solver: CertifiedSolver) -> None:
+        self._solver = solver
+
+    def left(self, start: Sequence[float]) -> list[float]:
+        import numpy as np
+
+        found: list[float] = self._solver.left(np.array(start, dtype=float)).values.tolist()
+        return found
+
+    def right(self, reward: Sequence[float]) -> list[float]:
+        import numpy as np
+
+        found: list[float] = self._solver.right(np.array(reward, dtype=float)).values.tolist()
+        return found
+
+
+def stuck(state: str, kind: str) -> ModelError:
+    """Return the error of a state that is left with next to nothing."""
+    return ModelError(
+        f"state {state} is left with a {kind} below {sys.float_info.min:.0e}, "
+        "too small for a number of double precision; leave out what never happens"
+    )

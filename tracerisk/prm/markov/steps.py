@@ -1,0 +1,104 @@
+"""The distribution of a small chain after a number of steps, without a subtraction."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+_RENORMALISED_EVERY = 64
+
+Rows = Sequence[Mapping[int, float]]
+
+
+def distribution_after(
+    transitions: Mapping[str, Mapping[str, float]],
+    absorbing: Sequence[str],
+    entry: str,
+    steps: int,
+) -> dict[str, float]:
+    """Return the probability of each state after `steps` steps from `entry`.
+
+    Rows are read as divided by their sums; absorbing states keep what reaches them.
+    """
+    names = (*transitions, *absorbing)
+    index = {name: number for number, name in enumerate(names)}
+    rows: list[dict[int, float]] = []
+    for row in transitions.values():
+        total = math.fsum(row.values())
+        rows.append({index[t]: p / total for t, p in row.items() if p > 0.0})
+    rows.extend({index[name]: 1.0} for name in absorbing)
+    found = power_of_rows(rows, index[entry], steps)
+    return dict(zip(names, found, strict=True))
+
+
+def power_of_rows(rows: Rows, entry: int, steps: int) -> list[float]:
+    """Return row `entry` of the `steps`-th power of a stochastic matrix.
+
+    Each product is divided by its sum, which is one but for rounding: so what rounding does to
+    all entries alike does not add up over the steps.
+    """
+    start = [0.0] * len(rows)
+    start[entry] = 1.0
+    ways = sum(map(len, rows))
+    squaring = (len(rows) ** 3 + len(rows) ** 2) * max(1, steps).bit_length()
+    if steps * ways <= squaring:
+        return _step(start, rows, steps)
+    if len(rows) <= 24:
+        return _square_in_python(start, rows, steps)
+    return _in_arrays(start, rows, steps, squaring)
+
+
+def _step(start: list[float], rows: Rows, steps: int) -> list[float]:
+    now = start
+    for number in range(1, steps + 1):
+        following = [0.0] * len(now)
+        for mass, row in zip(now, rows, strict=True):
+            if mass:
+                for target, p in row.items():
+                    following[target] += mass * p
+        now = _normalised(following) if number % _RENORMALISED_EVERY == 0 else following
+    return _normalised(now)
+
+
+def _square_in_python(start: list[float], rows: Rows, steps: int) -> list[float]:
+    size = range(len(rows))
+    matrix = [[row.get(j, 0.0) for j in size] for row in rows]
+    now = start
+    while steps:
+        if steps & 1:
+            now = _times(now, matrix)
+        steps >>= 1
+        if steps:
+            matrix = [_times(row, matrix) for row in matrix]
+    return now
+
+
+def _times(row: Sequence[float], matrix: Sequence[Sequence[float]]) -> list[float]:
+    columns = zip(*matrix, strict=True)
+    return _normalised([math.fsum(map(float.__mul__, row, column)) for column in columns])
+
+
+def _normalised(row: Sequence[float]) -> list[float]:
+    total = math.fsum(row)
+    return [p / total for p in row]
+
+
+def _in_arrays(start: list[float], rows: Rows, steps: int, squaring: int) -> list[float]:
+    """Step or square with NumPy, whichever takes fewer operations."""
+    import numpy as np
+
+    from tracerisk.prm.markov.array_steps import power_by_squaring, power_by_steps
+
+    now = np.array(start)
+    counts = [len(row) for row in rows]
+    sources = np.repeat(np.arange(len(rows)), counts)
+    targets = np.fromiter((j for row in rows for j in row), dtype=np.int64)
+    values = np.fromiter((p for row in rows for p in row.values()), dtype=np.float64)
+    # A product of dense matrices takes far less time for each operation than a sparse one.
+    if len(rows) <= 2_000 and squaring < 50 * steps * len(values):
+        matrix = np.zeros((len(rows), len(rows)))
+        matrix[sources, targets] = values
+        squared: list[float] = power_by_squaring(now, matrix, steps).tolist()
+        return squared
+    stepped: list[float] = power_by_steps(now, sources, targets, values, steps).tolist()
+    return stepped
