@@ -11,7 +11,18 @@ import numpy as np
 import pytest
 
 from tracerisk.errors import ModelError
-from tracerisk.prm import build_model, solve
+from tracerisk.prm import (
+    BasicEvent,
+    FaultTree,
+    FunctionState,
+    Gate,
+    GateKind,
+    HybridModel,
+    NextStep,
+    Parameter,
+    build_model,
+    solve,
+)
 from tracerisk.prm.distributions import Beta, Gamma, Lognormal, Normal, Uniform
 from tracerisk.prm.input_shares import first_order_shares
 from tracerisk.prm.sampled_chain import absorption_samples
@@ -277,3 +288,45 @@ def test_importing_uncertainty_needs_nothing_heavy():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_hidden_failures_are_part_of_each_draw(block, component):
+    parts = (
+        component("power", 1e-3, 3, "required 2, detected mission_start"),
+        component("motor", 1e-6, 2),
+    )
+    others = (component("power", 2e-3, 3, "required 2, detected mission_start"),)
+    blocks = [
+        block("a", 1, parts, after={"b": 1}),
+        block("b", 2, others, after={"a": "9/10", "done": "1/10"}),
+    ]
+    model = build_model(blocks, name="m")
+    assert model.latent
+    thetas = {"power": np.array([2e-3, 1e-5, 0.3]), "motor": np.array([1e-6, 1e-2, 1e-9])}
+    expected = [
+        solve(
+            with_values(model, {"power": float(power), "motor": float(motor)})
+        ).mission.failure_probability
+        for power, motor in zip(*thetas.values(), strict=True)
+    ]
+    assert failure_samples(model, thetas) == pytest.approx(expected, rel=1e-12)
+
+
+def test_trees_that_share_events_are_drawn_too():
+    tree = FaultTree(
+        "top",
+        (
+            Gate("top", GateKind.OR, ("left", "right")),
+            Gate("left", GateKind.AND, ("a", "b")),
+            Gate("right", GateKind.AND, ("a", "c")),
+        ),
+        (BasicEvent("a"), BasicEvent("b"), BasicEvent("c")),
+    )
+    state = FunctionState(
+        "s", 1, tree, {"a": 0.5, "b": 0.25, "c": 0.125}, (NextStep("done", Fraction(1)),)
+    )
+    thetas = tuple(Parameter(name, value) for name, value in state.probabilities.items())
+    model = HybridModel("m", "s", (state,), thetas)
+    drawn = np.array([1e-9, 0.5, 1.0])
+    expected = drawn * (1 - 0.75 * 0.875)
+    assert failure_samples(model, {"a": drawn}) == pytest.approx(expected, rel=1e-12)

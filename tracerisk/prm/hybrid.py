@@ -13,6 +13,7 @@ from tracerisk.prm.latent_units import check_latent
 
 if TYPE_CHECKING:
     from tracerisk.prm.distributions import Distribution
+    from tracerisk.prm.linked import LinkedModel
 
 DONE = "done"
 """The absorbing state of a mission that succeeded."""
@@ -96,6 +97,15 @@ class HybridModel:
                 f"'{DONE}' cannot be reached from {', '.join(caught)}; "
                 f"lead 'next' of one of them to '{DONE}'"
             )
+
+    def to_linked(self) -> LinkedModel:
+        """Return the model as parameters, fault trees and a chain joined by expressions.
+
+        Raises TooLargeError when its hidden failures make too many states for that.
+        """
+        from tracerisk.prm.linked import linked
+
+        return linked(self)
 
     @property
     def reachable(self) -> tuple[str, ...]:

@@ -5,7 +5,8 @@ Entries are arrays over the draws, or plain numbers where nothing is sampled.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping
+from heapq import heapify, heappop, heappush
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
@@ -17,8 +18,8 @@ if TYPE_CHECKING:
 
 
 def absorption_samples(
-    rows: Mapping[str, Mapping[str, Values]], entry: str
-) -> Mapping[str, Values]:
+    rows: Mapping[Hashable, Mapping[Hashable, Values]], entry: Hashable
+) -> Mapping[Hashable, Values]:
     """Return for each absorbing state the probability of ending there from `entry`: (n,).
 
     `rows` gives each transient state its ways out, of which at least one is not zero; what is no
@@ -30,11 +31,21 @@ def absorption_samples(
         for state, row in rows.items()
     }
     sources = _sources(left)
-    while len(left) > 1:
-        state = min(
-            (name for name in left if name != entry),
-            key=lambda name: len(left[name]) * len(sources[name]),
-        )
+    rank = {state: number for number, state in enumerate(left)}
+    names = list(left)
+
+    def fill_in(state: Hashable) -> int:
+        return len(left[state]) * len(sources[state])
+
+    # Least fill-in first; an entry of the heap that has grown since goes back with what it is now.
+    waiting = [(fill_in(state), rank[state]) for state in left if state != entry]
+    heapify(waiting)
+    while waiting:
+        weight, number = heappop(waiting)
+        state = names[number]
+        if fill_in(state) > weight:
+            heappush(waiting, (fill_in(state), number))
+            continue
         row = left.pop(state)
         leaving = _total(row.values())
         outgoing = {target: p / leaving for target, p in row.items()}
@@ -55,9 +66,11 @@ def absorption_samples(
     return {target: p / leaving for target, p in row.items()}
 
 
-def _sources(rows: Mapping[str, Mapping[str, Values]]) -> dict[str, dict[str, None]]:
+def _sources(
+    rows: Mapping[Hashable, Mapping[Hashable, Values]],
+) -> dict[Hashable, dict[Hashable, None]]:
     """Return for each transient state those that lead to it, in order."""
-    found: dict[str, dict[str, None]] = {state: {} for state in rows}
+    found: dict[Hashable, dict[Hashable, None]] = {state: {} for state in rows}
     for state, row in rows.items():
         for target in row:
             if target in found:

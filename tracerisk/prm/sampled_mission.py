@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Hashable, Mapping
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tracerisk.prm.fault_tree import FaultTree
 from tracerisk.prm.gates import gate_probability
+from tracerisk.prm.hidden_states import Hidden, HiddenStates, hidden_states
 from tracerisk.prm.hybrid import DONE, FunctionState, HybridModel
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.probability import Probability, at_least
 from tracerisk.prm.sampled_chain import absorption_samples
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Samples = NDArray[np.float64]
+    from tracerisk.prm.sampled_chain import Samples, Values
 
 _CELLS = 2_000_000
 """How many numbers one pass may hold; more draws are taken in passes."""
+
+MOST_STATES = 2_000
+"""How many states the chain may have, with hidden failures; more failed units count as failure."""
+
+_FAILED = "failed"
 
 
 def failure_samples(model: HybridModel, thetas: Mapping[str, Samples]) -> Samples:
@@ -27,51 +33,107 @@ def failure_samples(model: HybridModel, thetas: Mapping[str, Samples]) -> Sample
 
     `thetas` gives the drawn parameters their values, (n,) each; the others keep theirs.
     """
+    states = hidden_states(model, MOST_STATES)
     count = len(next(iter(thetas.values())))
-    events = sum(len(state.tree.events) + len(state.next) for state in model.states)
-    step = max(64, _CELLS // max(events, 1))
-    parts = [
-        _failures(model, {name: values[start : start + step] for name, values in thetas.items()})
-        for start in range(0, count, step)
-    ]
+    events = sum(len(f.state.tree.events) + len(f.steps) + 1 for f in states.functions)
+    step = max(64, _CELLS // (events * len(states.hidden)))
+    before = {parameter.name: parameter.theta for parameter in model.parameters}
+    parts = []
+    for start in range(0, count, step):
+        drawn = {name: values[start : start + step] for name, values in thetas.items()}
+        rows: dict[Hashable, Mapping[Hashable, Values]] = {}
+        for number in range(len(states.functions)):
+            _add_rows(rows, states, number, before, drawn)
+        entry = (states.entry, states.hidden[0])
+        failed = absorption_samples(rows, entry).get(_FAILED, 0.0)
+        parts.append(np.broadcast_to(failed, len(next(iter(drawn.values())))))
     return np.concatenate(parts)
 
 
-def _failures(model: HybridModel, thetas: Mapping[str, Samples]) -> Samples:
-    before = {parameter.name: parameter.theta for parameter in model.parameters}
-    count = len(next(iter(thetas.values())))
-    reached = set(model.reachable)
-    rows = {}
-    failures = model.failure_states
-    for state in model.states:
-        if state.name in reached:
-            top = _top(state, before, thetas)
-            rows[state.name] = {failures[state.name]: top.p} | {
-                step.target: top.q * float(step.weight) for step in state.next if step.weight > 0
-            }
-    absorbed = absorption_samples(rows, model.entry)
-    total = np.zeros(count)
-    for target, p in absorbed.items():
-        if target != DONE:
-            total += p
-    return total
+def _add_rows(
+    rows: dict[Hashable, Mapping[Hashable, Values]],
+    states: HiddenStates,
+    number: int,
+    before: Mapping[str, float],
+    drawn: Mapping[str, Samples],
+) -> None:
+    """Add the ways out of a function in each hidden state, by (function, hidden state)."""
+    function = states.functions[number]
+    values = _values(function.state, before, drawn)
+    rest = tree_samples(function.rest, values)
+    units = {c: values[name] for c, name in function.parameters.items()}
+    held = set(states.hidden)
+    for hidden in states.hidden:
+        row: dict[Hashable, Values] = {}
+        if any(sum(hidden[c] for c in part.classes) >= part.threshold for part in function.parts):
+            rows[number, hidden] = {_FAILED: 1.0}
+            continue
+        fails, spread = _visit(states, number, hidden, units)
+        row[_FAILED] = at_least(1, [rest, *fails]).p
+        for after, weight in spread:
+            through = rest.q * weight
+            if after not in held:
+                row[_FAILED] = row[_FAILED] + through
+                continue
+            ways = [*function.steps, (DONE, function.done)]
+            for target, share in ways:
+                if share > 0.0:
+                    key = DONE if target == DONE else (target, after)
+                    way = through * share
+                    row[key] = row[key] + way if key in row else way
+        rows[number, hidden] = row
 
 
-def _top(
-    state: FunctionState, before: Mapping[str, float], thetas: Mapping[str, Samples]
-) -> Probability:
-    values: dict[str, float | Samples] = {}
+def _visit(
+    states: HiddenStates, number: int, hidden: Hidden, units: Mapping[int, Values]
+) -> tuple[list[Probability], list[tuple[Hidden, Values]]]:
+    """Return the failure of each part of latent units, and the hidden states that are left."""
+    fails: list[Probability] = []
+    spread: list[tuple[Hidden, Values]] = [(hidden, 1.0)]
+    for part in states.functions[number].parts:
+        room = part.threshold - sum(hidden[c] for c in part.classes)
+        working = [len(states.classes[c]) - hidden[c] for c in part.classes]
+        p: Values = 0.0
+        q: Values = 0.0
+        grown: list[tuple[Hidden, Values]] = []
+        for more in product(*(range(count + 1) for count in working)):
+            weight: Values = 1.0
+            for c, count, failed in zip(part.classes, working, more, strict=True):
+                weight = weight * _binomial(count, failed, units[c])
+            if sum(more) >= room:
+                p = p + weight
+                continue
+            q = q + weight
+            added = dict(zip(part.classes, more, strict=True))
+            grown += [
+                (tuple(n + added.get(c, 0) for c, n in enumerate(state)), share * weight)
+                for state, share in spread
+            ]
+        spread = grown
+        fails.append(Probability(p, q))  # type: ignore[arg-type]
+    return fails, spread
+
+
+def _binomial(units: int, failed: int, p: Values) -> Values:
+    found: Values = math.comb(units, failed) * p**failed * (1.0 - p) ** (units - failed)
+    return found
+
+
+def _values(
+    state: FunctionState, before: Mapping[str, float], drawn: Mapping[str, Samples]
+) -> dict[str, Values]:
+    values: dict[str, Values] = {}
     for name, value in state.probabilities.items():
-        if name not in thetas:
+        if name not in drawn:
             values[name] = value
         elif before[name] == 0.0:
-            values[name] = thetas[name]
+            values[name] = drawn[name]
         else:
-            values[name] = thetas[name] * (value / before[name])
-    return tree_samples(state.tree, values)
+            values[name] = drawn[name] * (value / before[name])
+    return values
 
 
-def tree_samples(tree: FaultTree, values: Mapping[str, float | Samples]) -> Probability:
+def tree_samples(tree: FaultTree, values: Mapping[str, Values]) -> Probability:
     """Return the top's pair (p, 1-p), each half an array over the draws or a number.
 
     `values` gives each parameter its probability.
@@ -86,7 +148,7 @@ def tree_samples(tree: FaultTree, values: Mapping[str, float | Samples]) -> Prob
     return nodes[tree.top]
 
 
-def _shared(tree: FaultTree, values: Mapping[str, float | Samples]) -> Probability:
+def _shared(tree: FaultTree, values: Mapping[str, Values]) -> Probability:
     from tracerisk.prm.bdd import compiled
 
     count = max((len(v) for v in values.values() if isinstance(v, np.ndarray)), default=1)
@@ -99,6 +161,6 @@ def _shared(tree: FaultTree, values: Mapping[str, float | Samples]) -> Probabili
     return Probability(found[:, 0], found[:, 1])
 
 
-def _pair(value: float | Samples) -> Probability:
+def _pair(value: Values) -> Probability:
     # The pair's type is of numbers; its algebra is that of arrays as well.
     return Probability(value, 1.0 - value)  # type: ignore[arg-type]

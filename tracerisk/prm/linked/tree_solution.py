@@ -1,0 +1,200 @@
+"""Fault trees within a linked model: transfers resolved, solved on pairs, differentiated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.expressions import Expression
+from tracerisk.prm.fault_tree import BasicEvent, FaultTree, HouseEvent
+from tracerisk.prm.gates import Gate, gate_probability, gate_shares
+from tracerisk.prm.linked.elements import LinkedTree
+from tracerisk.prm.linked.links import Link
+from tracerisk.prm.linked.rules import along
+from tracerisk.prm.probability import Probability
+
+if TYPE_CHECKING:
+    from tracerisk.prm.bdd import SharedTree
+
+_LOSES = 1e-2
+"""An event whose probability changes by a smaller part is integrated over in a shared tree."""
+
+
+@dataclass(frozen=True, slots=True)
+class TreeToSolve:
+    """A linked tree as one fault tree; `inputs` are the expressions of its events."""
+
+    name: str
+    tree: FaultTree
+    inputs: tuple[Expression, ...]
+
+    def check(self, link: Link) -> None:
+        """Accept any link: a tree has one figure."""
+
+    def solve(self, inputs: Sequence[Probability], mission_time_h: float) -> SolvedTree:  # noqa: ARG002
+        """Return the tree solved; raise ModelError when an event has no probability."""
+        for event, pair in zip(self.tree.events, inputs, strict=True):
+            if not 0.0 <= pair.p <= 1.0 + 1e-15:
+                raise ModelError(
+                    f"fault tree '{self.name}', event '{event.name}': probability {pair.p!r} is "
+                    "outside [0, 1]"
+                )
+        return SolvedTree(self.tree, tuple(inputs))
+
+
+def tree_to_solve(tree: LinkedTree, trees: Mapping[str, LinkedTree]) -> TreeToSolve:
+    """Return a tree with those that it transfers to joined in.
+
+    Gates of the others are named `tree/gate`.
+    Raises ModelError when a transfer leads to no tree, an event has two values, or the tree does
+    not hold together.
+    """
+    gates: list[Gate] = []
+    events: dict[str, Expression] = {}
+    origin: dict[str, str] = {}
+    houses: dict[str, HouseEvent] = {}
+    tops: dict[str, str] = {}
+    for part in _parts(tree, trees):
+        lead = "" if part is tree else f"{part.name}/"
+        own = {gate.name: f"{lead}{gate.name}" for gate in part.gates}
+        own |= {transfer.name: tops[transfer.tree] for transfer in part.transfers}
+        tops[part.name] = own.get(part.top, part.top)
+        for event in part.events:
+            if events.setdefault(event.name, event.value) != event.value:
+                raise ModelError(
+                    f"{tree.key}: event '{event.name}' has one value in "
+                    f"'{origin[event.name]}' and another in '{part.name}', which transfers join; "
+                    "rename one"
+                )
+            origin.setdefault(event.name, part.name)
+        for house in part.houses:
+            if houses.setdefault(house.name, house) != house:
+                raise ModelError(
+                    f"{tree.key}: house event '{house.name}' has two states in trees that "
+                    "transfers join; rename one"
+                )
+        gates += [
+            replace(gate, name=own[gate.name], inputs=tuple(own.get(i, i) for i in gate.inputs))
+            for gate in part.gates
+        ]
+    try:
+        joined = FaultTree(
+            tops[tree.name],
+            tuple(gates),
+            tuple(BasicEvent(name) for name in events),
+            tuple(houses.values()),
+        )
+    except ModelError as error:
+        raise ModelError(f"{tree.key}: {error.message}") from error
+    return TreeToSolve(tree.name, joined, tuple(events.values()))
+
+
+def _parts(tree: LinkedTree, trees: Mapping[str, LinkedTree]) -> list[LinkedTree]:
+    """Return the tree and those that it transfers to, each after those below it."""
+    order: list[LinkedTree] = []
+    stack = [(tree, False)]
+    opened: list[str] = []
+    while stack:
+        part, ready = stack.pop()
+        if ready:
+            opened.pop()
+            order.append(part)
+            continue
+        if part in order:
+            continue
+        if part.name in opened:
+            path = " -> ".join(f"'{name}'" for name in [*opened, part.name])
+            raise ModelError(f"{tree.key}: transfers lead back ({path}); break the cycle")
+        opened.append(part.name)
+        stack.append((part, True))
+        for transfer in reversed(part.transfers):
+            if transfer.tree not in trees:
+                raise ModelError(
+                    f"{part.key}, transfer '{transfer.name}': there is no fault tree "
+                    f"'{transfer.tree}'; {one_of(trees, transfer.tree)}"
+                )
+            stack.append((trees[transfer.tree], False))
+    return order
+
+
+class SolvedTree:
+    """A fault tree solved for one set of its events' probabilities, in their order."""
+
+    def __init__(self, tree: FaultTree, inputs: tuple[Probability, ...]) -> None:
+        self._tree = tree
+        self._inputs = inputs
+        self._nodes: dict[str, Probability] | None = None
+
+    def figure(self, link: Link) -> Probability:  # noqa: ARG002 - a tree has one figure
+        """Return the top event's probability."""
+        if self._tree.shared:
+            return self._shared().probability(self._named(self._inputs))
+        return self._swept()[self._tree.top]
+
+    def gradient(self, link: Link) -> Sequence[float]:  # noqa: ARG002
+        """Return the derivative of the top event's probability by each event's."""
+        return self._slopes(self._inputs)
+
+    def change(self, low: SolvedTree, changes: Sequence[float], link: Link) -> float:  # noqa: ARG002
+        """Return the top event's probability less that of `low`."""
+        if self._tree.shared:
+            return self._change_of_shared(low, changes)
+        before, after = self._swept(), low._swept()
+        grown = dict.fromkeys((house.name for house in self._tree.houses), 0.0)
+        grown |= {event.name: each for event, each in zip(self._tree.events, changes, strict=True)}
+        for gate in self._tree.upwards:
+            shares = gate_shares(
+                gate,
+                [before[name] for name in gate.inputs],
+                [after[name] for name in gate.inputs],
+            )
+            grown[gate.name] = sum(
+                share * grown[name] for name, share in zip(gate.inputs, shares, strict=True)
+            )
+        return grown[self._tree.top]
+
+    def _change_of_shared(self, low: SolvedTree, changes: Sequence[float]) -> float:
+        """Take the difference inside the diagram, unless an event's own has lost its digits."""
+        lossless = all(
+            abs(each) >= _LOSES * min(pair.p, pair.q)
+            for each, pair in zip(changes, self._inputs, strict=True)
+            if each
+        )
+        if lossless:
+            return self._shared().difference(self._named(self._inputs), self._named(low._inputs))
+        return along(self._slopes, low._inputs, changes)
+
+    def _slopes(self, inputs: Sequence[Probability]) -> Sequence[float]:
+        if self._tree.shared:
+            found = self._shared().sensitivities(self._named(inputs))
+            return [found[event.name] for event in self._tree.events]
+        nodes = self._swept() if inputs is self._inputs else self._sweep(inputs)
+        weights = {self._tree.top: 1.0}
+        for gate in reversed(self._tree.upwards):
+            values = [nodes[name] for name in gate.inputs]
+            for name, share in zip(gate.inputs, gate_shares(gate, values, values), strict=True):
+                weights[name] = weights[gate.name] * share
+        return [weights[event.name] for event in self._tree.events]
+
+    def _swept(self) -> dict[str, Probability]:
+        if self._nodes is None:
+            self._nodes = self._sweep(self._inputs)
+        return self._nodes
+
+    def _sweep(self, inputs: Sequence[Probability]) -> dict[str, Probability]:
+        nodes = self._named(inputs)
+        for house in self._tree.houses:
+            nodes[house.name] = Probability.of(float(house.state))
+        for gate in self._tree.upwards:
+            nodes[gate.name] = gate_probability(gate, [nodes[name] for name in gate.inputs])
+        return nodes
+
+    def _named(self, inputs: Sequence[Probability]) -> dict[str, Probability]:
+        return {event.name: pair for event, pair in zip(self._tree.events, inputs, strict=True)}
+
+    def _shared(self) -> SharedTree:
+        from tracerisk.prm.bdd import compiled
+
+        return compiled(self._tree)
