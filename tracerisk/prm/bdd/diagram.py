@@ -55,6 +55,15 @@ class Diagram:
         """The number of nodes, that of the constant included."""
         return len(self.level)
 
+    def happens_at(self, happened: Sequence[bool]) -> bool:
+        """Say whether the root happens when of the inputs, by level, just these have happened."""
+        edge = self.root
+        while edge >> 1:
+            node = edge >> 1
+            side = self.high if happened[self.level[node]] else self.low
+            edge = int(side[node]) ^ (edge & 1)
+        return edge == 0
+
     def sweep(self, p: Sequence[float], q: Sequence[float]) -> tuple[Any, Any]:
         """Return each node's probability and its complement; `p` and `q` are by level."""
         loops = self.loops
@@ -235,7 +244,7 @@ def _built(local: _Local, budget: int, loops: Loops) -> Diagram | None:
     """Return the diagram, or nothing when it outgrows the budget."""
     levels = len(local.order)
     level, low, high = (loops.integers(budget) for _ in range(3))
-    used = loops.integers(1)
+    used = loops.integers(2)
     root = loops.build(
         levels,
         loops.listed(local.offsets),

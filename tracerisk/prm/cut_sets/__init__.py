@@ -1,0 +1,5 @@
+"""Minimal cut sets, and prime implicants of trees that are not coherent."""
+
+from tracerisk.prm.cut_sets.cut_sets import CutSet, CutSets, minimal_cut_sets, prime_implicants
+
+__all__ = ["CutSet", "CutSets", "minimal_cut_sets", "prime_implicants"]

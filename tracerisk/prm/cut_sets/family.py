@@ -1,0 +1,201 @@
+"""The family of the minimal solutions of one module, by the literals of its inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from tracerisk.errors import TooLargeError
+from tracerisk.prm.bdd.diagram import Diagram
+from tracerisk.prm.bdd.logic import LogicGraph
+from tracerisk.prm.bdd.modules import Module
+from tracerisk.prm.bdd.speed import compiled_by_numba
+from tracerisk.prm.cut_sets import kernel
+
+NO_SET = 0
+EMPTY_SET = 1
+PLAIN_NODES = 1_000
+"""Decision diagrams up to this size are done before numba has started."""
+
+
+@dataclass(frozen=True, slots=True)
+class SetLoops:
+    """The functions of `kernel`, and how the sequences that they take are made."""
+
+    minimal_solutions: Callable[..., int]
+    compact: Callable[..., int]
+    totals: Callable[..., None]
+    greatest: Callable[..., None]
+    integers: Callable[[int], Any]
+    floats: Callable[[int], Any]
+    listed: Callable[[Any], Any]
+    listed_floats: Callable[[list[float]], Any]
+
+
+PLAIN = SetLoops(
+    kernel.minimal_solutions,
+    kernel.compact,
+    kernel.totals,
+    kernel.greatest,
+    integers=lambda size: [0] * size,
+    floats=lambda size: [0.0] * size,
+    listed=lambda items: [int(item) for item in items],
+    listed_floats=list,
+)
+
+
+@cache
+def compiled_loops() -> SetLoops:
+    """Return the loops compiled; each is compiled when first called, then kept on disk."""
+    import numpy as np
+
+    return SetLoops(
+        compiled_by_numba(kernel.minimal_solutions),
+        compiled_by_numba(kernel.compact),
+        compiled_by_numba(kernel.totals),
+        compiled_by_numba(kernel.greatest),
+        integers=lambda size: np.zeros(size, dtype=np.int32),
+        floats=lambda size: np.zeros(size, dtype=np.float64),
+        listed=lambda items: np.asarray(items, dtype=np.int32),
+        listed_floats=lambda items: np.asarray(items, dtype=np.float64),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Family:
+    """A family of sets of literals, see `kernel`; `literals` are its elements by level."""
+
+    root: int
+    literals: tuple[int, ...]
+    level: Any
+    low: Any
+    high: Any
+    loops: SetLoops
+
+    @property
+    def size(self) -> int:
+        """The number of nodes, the two constants included."""
+        return len(self.level)
+
+    def totals(self, values: Mapping[int, float]) -> Any:
+        """Return by node the sum over its sets of the products of their literals' values."""
+        return self._filled(self.loops.totals, values)
+
+    def greatest(self, values: Mapping[int, float]) -> Any:
+        """Return by node the greatest product of the literals' values of one of its sets."""
+        return self._filled(self.loops.greatest, values)
+
+    def counts(self, of_literal: Mapping[int, Sequence[int]]) -> list[int]:
+        """Return how many sets there are of each order, exactly.
+
+        `of_literal` gives the same of each literal: (0, 1) for an event, one set of order one.
+        """
+        polynomials: list[list[int]] = [[], [1]]
+        for node in range(2, self.size):
+            factor = of_literal[self.literals[self.level[node]]]
+            grown = list(polynomials[self.low[node]])
+            above = polynomials[self.high[node]]
+            grown += [0] * (len(factor) + len(above) - 1 - len(grown))
+            for i, of_factor in enumerate(factor):
+                if of_factor:
+                    for j, of_above in enumerate(above):
+                        grown[i + j] += of_factor * of_above
+            polynomials.append(grown)
+        return polynomials[self.root]
+
+    def _filled(self, loop: Callable[..., None], values: Mapping[int, float]) -> Any:
+        by_level = self.loops.listed_floats([values[literal] for literal in self.literals])
+        found = self.loops.floats(self.size)
+        loop(self.level, self.low, self.high, by_level, found)
+        return found
+
+
+def of_conjunction(literals: Sequence[int]) -> Family:
+    """Return the family of the one set of all the literals."""
+    count = len(literals)
+    level = [count, count, *range(count - 1, -1, -1)]
+    high = [0, 0, *range(1, count + 1)]
+    return Family(count + 1, tuple(literals), level, [0] * (count + 2), high, PLAIN)
+
+
+def of_disjunction(literals: Sequence[int]) -> Family:
+    """Return the family of one set for each of the literals."""
+    count = len(literals)
+    level = [count, count, *range(count - 1, -1, -1)]
+    low = [0, 0, 0, *range(2, count + 1)]
+    return Family(count + 1, tuple(literals), level, low, [0, 0] + [1] * count, PLAIN)
+
+
+def phases(graph: LogicGraph, module: Module) -> dict[int, int] | None:
+    """Return for each input of a module the sign with which it makes the root happen.
+
+    `None` where an input stands with both signs: the module is not monotone in it.
+    """
+    signs = {module.root: 1}
+    for gate in reversed(module.gates):
+        sign = signs[gate]
+        for argument in graph.arguments[gate]:
+            found = sign if argument > 0 else -sign
+            if signs.setdefault(abs(argument), found) != found:
+                return None
+    return {node: signs[node] for node in module.inputs}
+
+
+def of_diagram(
+    diagram: Diagram,
+    sign: int,
+    literals: tuple[int, ...],
+    weights: Mapping[int, int],
+    most: int | None,
+    budget: int,
+) -> Family:
+    """Return the minimal solutions of a module's diagram, or of its complement (`sign` -1).
+
+    `literals` are what can be in a solution, by level: the input, or its complement; `weights`
+    give each literal the least order of what it stands for, and sets that weigh more than `most`
+    are left out.
+    Raises TooLargeError when more than `budget` nodes are needed.
+    """
+    rising = [int(literal > 0) for literal in literals]
+    heavy = [weights[literal] if most is not None else 0 for literal in literals]
+    columns = 1 if most is None else most + 1
+    # Each edge may hold a family of its own for each of the weights that are left.
+    size = max(2_000, 4 * diagram.size)
+    while True:
+        size = min(size, budget)
+        plain = diagram.size * columns <= PLAIN_NODES and size <= 16 * PLAIN_NODES
+        loops = PLAIN if plain else compiled_loops()
+        level, low, high = (loops.integers(size) for _ in range(3))
+        used = loops.integers(1)
+        root = loops.minimal_solutions(
+            diagram.root ^ int(sign < 0),
+            loops.listed(diagram.level),
+            loops.listed(diagram.low),
+            loops.listed(diagram.high),
+            loops.listed(rising),
+            loops.listed(heavy),
+            columns - 1,
+            loops.integers(2 * diagram.size * columns),
+            loops.integers(2 * diagram.size * columns),
+            level,
+            low,
+            high,
+            loops.integers(1 << (size + size // 4).bit_length()),
+            loops.integers(3 << (size - 1).bit_length()),
+            loops.integers(4 * (len(literals) + 3)),
+            used,
+        )
+        if root != kernel.OUT_OF_NODES:
+            count = int(used[0])
+            kept = loops.compact(root, count, level, low, high, loops.integers(count))
+            # The root is the last of those kept, but for the constants.
+            root = root if root <= EMPTY_SET else kept - 1
+            return Family(root, literals, level[:kept], low[:kept], high[:kept], loops)
+        if size >= budget:
+            raise TooLargeError(
+                f"the minimal cut sets of a part with {len(literals)} inputs need more than "
+                f"{budget} nodes; limit their order (max_order), or give a larger budget"
+            )
+        size *= 4
