@@ -12,6 +12,7 @@ from tracerisk.prm.solve import solve
 
 if TYPE_CHECKING:
     from tracerisk.prm.bayes import BayesianNetwork, Given
+    from tracerisk.prm.cut_sets import CutSet, CutSets, minimal_cut_sets, prime_implicants
     from tracerisk.prm.event_tree import EventTree
     from tracerisk.prm.failure_models import (
         GLM,
@@ -31,6 +32,8 @@ __all__ = [
     "BasicEvent",
     "BayesianNetwork",
     "Constant",
+    "CutSet",
+    "CutSets",
     "Erlang",
     "EventTree",
     "Exponential",
@@ -48,13 +51,19 @@ __all__ = [
     "PeriodicTest",
     "Weibull",
     "build_model",
+    "minimal_cut_sets",
+    "prime_implicants",
     "solve",
 ]
 
 _ON_DEMAND = {
     "BayesianNetwork": "bayes",
+    "CutSet": "cut_sets",
+    "CutSets": "cut_sets",
     "EventTree": "event_tree",
     "Given": "bayes",
+    "minimal_cut_sets": "cut_sets",
+    "prime_implicants": "cut_sets",
 } | dict.fromkeys(
     (
         "GLM",
