@@ -162,6 +162,16 @@ def test_a_sequence_gives_each_its_turn():
     assert made.probability(1.0).p == pytest.approx(phases(1e-6, 2e-6, 4e-6)[0], rel=1e-13)
 
 
+def test_a_sequence_holds_where_its_inputs_make_no_difference_any_more():
+    made = tree(
+        [Gate("top", AND, ("late", "other", "g")), Gate("g", OR, ("early", "x"))],
+        [event("early", 2.0), event("late", 0.5), event("other", 0.25), event("x", 0.125)],
+        Restriction("order", SEQUENCE, ("early", "late")),
+    )
+    expected = phases(2.0, 0.5)[0] * -math.expm1(-0.25)
+    assert made.probability(1.0).p == pytest.approx(expected, rel=1e-13)
+
+
 def test_an_exclusion_lets_only_one_happen():
     made = tree(
         [Gate("top", OR, ("both", "a")), Gate("both", AND, ("a", "b"))],

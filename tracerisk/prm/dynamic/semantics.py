@@ -213,7 +213,8 @@ def _without_the_forgotten(layout: Layout, row: bytearray) -> bytes:
                 _mark(layout, row, counts, [trigger])
                 grown = True
         for _, inputs in layout.restrictions:
-            if _any_open(row, counts, inputs) and not all(counts[each] for each in inputs):
+            # Those that failed, too: what may happen now depends on them.
+            if any(counts[each] for each in inputs) and not all(counts[each] for each in inputs):
                 _mark(layout, row, counts, inputs)
                 grown = True
     for element, counted in enumerate(counts):
