@@ -4,6 +4,11 @@ The list is a CSV file with the columns `repo` (owner/name), `path`, `commit`. T
 checkouts below a folder: DIR/owner/name, or DIR/owner/name@commit where a list names several.
 Nothing is written into them.
 
+Controllers import third-party packages of their own (`pyquaternion`, `pin`, `transforms3d`,
+`opencv-python-headless`, `trimesh`, `scikit-image`, ...): install them beside tracerisk, as their
+users do. Those that a row missed are listed below the table; compiled parts of a controller's own
+workspace, and libraries that speak to hardware past ROS, cannot be installed so.
+
     python benchmarks/corpus.py --list controllers.csv --sources DIR [--jobs N] [--only TEXT]
 """
 
@@ -13,6 +18,7 @@ import argparse
 import csv
 import json
 import os
+import re
 import subprocess
 import sys
 import time
@@ -24,6 +30,7 @@ from typing import Any
 
 TIMEOUT_S = 240.0
 RULES = {"quiescent", "duration", "cycles"}
+_MISSED = re.compile(r"No module named '([\w.]+)'")
 
 
 @dataclass(frozen=True)
@@ -129,6 +136,10 @@ def main() -> None:
         f"{n} {outcome}" for outcome, n in Counter(r.outcome for r in rows).most_common()
     )
     print(f"\n{traced} of {len(rows)} gave a trace with a relevant function; {counts}")
+    missed = Counter(found[1] for row in rows if (found := _MISSED.search(row.cause)))
+    if missed:
+        told = ", ".join(f"{name} ({n})" for name, n in sorted(missed.items()))
+        print(f"\nModules that rows missed: {told}")
 
 
 if __name__ == "__main__":
