@@ -1,15 +1,18 @@
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from itertools import product
+from typing import Any
 
 import pytest
+from hypothesis import strategies as st
 
 from tracerisk.adder.block import ComponentEntry, Field, RiskBlock, Transition
 from tracerisk.adder.values import read_redundancy
-from tracerisk.prm import FaultTree, HybridModel
+from tracerisk.prm import FaultTree, HybridModel, build_model
 
 MakeComponent = Callable[..., ComponentEntry]
 MakeBlock = Callable[..., RiskBlock]
@@ -71,7 +74,8 @@ def case_study(block, component) -> tuple[RiskBlock, ...]:
 class Exact:
     """An independent solver: enumeration and Gauss-Jordan elimination in exact rationals."""
 
-    def __init__(self) -> None:
+    def __init__(self, number: Callable[..., Any] = Fraction) -> None:
+        self.number = number
         self._combinations: dict[FaultTree, Counter[tuple[int, ...]]] = {}
 
     def top(self, tree: FaultTree, values: Mapping[str, Fraction]) -> Fraction:
@@ -110,8 +114,8 @@ class Exact:
         """Solve v (I - Q) = e."""
         names = list(rows)
         matrix = [
-            [Fraction(int(i == j)) - rows[j].get(i, Fraction(0)) for j in names]
-            + [Fraction(int(i == entry))]
+            [self.number(int(i == j)) - rows[j].get(i, self.number(0)) for j in names]
+            + [self.number(int(i == entry))]
             for i in names
         ]
         size = len(names)
@@ -139,7 +143,7 @@ class Exact:
     def mission(self, model: HybridModel, scale: Mapping[str, Fraction] | None = None) -> Fraction:
         """Return the mission's failure probability, parameters multiplied by `scale`."""
         if model.latent:
-            return self._with_hidden_failures(model, scale or {})
+            return self.mission_by_events(model, scale or {})
         tops = {}
         rows = {}
         for state in model.states:
@@ -156,19 +160,19 @@ class Exact:
         visits = self.visits(rows, model.entry)
         return sum((visits[name] * tops[name] for name in tops), Fraction(0))
 
-    def _with_hidden_failures(self, model: HybridModel, scale: Mapping[str, Fraction]) -> Fraction:
+    def mission_by_events(self, model: HybridModel, scale: Mapping[str, Any]) -> Any:
         """Enumerate every combination of events in every function and set of failed units."""
         functions = {state.name: state for state in model.states}
         latent = set(model.latent)
         rows: dict[tuple, dict] = {}
-        tops: dict[tuple, Fraction] = {}
+        tops: dict[tuple, Any] = {}
         waiting = [(model.entry, frozenset())]
         while waiting:
             at = waiting.pop()
             if at in rows:
                 continue
             function, failed = functions[at[0]], at[1]
-            rows[at], tops[at] = {}, Fraction(0)
+            rows[at], tops[at] = {}, self.number(0)
             for happened, share in self._outcomes(function, failed, scale):
                 if self._happens(function.tree, function.tree.top, happened):
                     tops[at] += share
@@ -177,25 +181,66 @@ class Exact:
                 for step in function.next:
                     if step.target != "done" and step.weight > 0:
                         there = (step.target, now)
-                        rows[at][there] = rows[at].get(there, 0) + share * step.weight
+                        weight = self.number(step.weight.numerator) / step.weight.denominator
+                        rows[at][there] = rows[at].get(there, 0) + share * weight
                         waiting.append(there)
         visits = self.visits(rows, (model.entry, frozenset()))
-        return sum((visits[at] * tops[at] for at in tops), Fraction(0))
+        return sum((visits[at] * tops[at] for at in tops), self.number(0))
 
     def _outcomes(self, function, failed, scale):
         events = function.tree.events
         values = {
-            name: Fraction(p) * scale.get(name, 1) for name, p in function.probabilities.items()
+            name: self.number(p) * scale.get(name, 1) for name, p in function.probabilities.items()
         }
         for outcome in product((False, True), repeat=len(events)):
-            share = Fraction(1)
+            share = self.number(1)
             for event, happens in zip(events, outcome, strict=True):
-                p = Fraction(1) if event.name in failed else values[event.parameter]
+                p = self.number(1) if event.name in failed else values[event.parameter]
                 share *= p if happens else 1 - p
             if share:
                 yield {e.name: o for e, o in zip(events, outcome, strict=True)}, share
 
 
 @pytest.fixture(scope="session")
+def in_many_digits() -> Exact:
+    """The same solver in floats of 150 digits, for differences that fractions are too slow for."""
+    mpmath = pytest.importorskip("mpmath")
+    context = mpmath.mp.clone()
+    context.dps = 150
+    return Exact(context.mpf)
+
+
+@pytest.fixture(scope="session")
 def exact() -> Exact:
     return Exact()
+
+
+PARTS = {
+    "pair": (2, ("true", "true, detected each_visit", "false", "true, common_cause 0.25")),
+    "cell": (3, ("required 2", "true", "required 2, detected each_visit")),
+    "motor": (1, ("false",)),
+}
+
+
+@pytest.fixture(scope="session")
+def small_models(block, component):
+    """Draw models of one to three functions with groups of every kind, loops and branches."""
+
+    @st.composite
+    def models(draw, least=1e-20, functions=3):
+        names = [f"f{i}" for i in range(draw(st.integers(1, functions)))]
+        chance = st.one_of(st.floats(math.log10(least), -1.0).map(lambda x: 10**x), st.just(0.25))
+        blocks = []
+        for index, name in enumerate(names):
+            parts = []
+            for part in draw(st.lists(st.sampled_from(sorted(PARTS)), unique=True, max_size=2)):
+                quantity, kinds = PARTS[part]
+                parts.append(component(part, draw(chance), quantity, draw(st.sampled_from(kinds))))
+            weights = {target: draw(st.integers(0, 4)) for target in (*names, "done")}
+            weights["done"] += 1
+            total = sum(weights.values())
+            after = {target: Fraction(weight, total) for target, weight in weights.items()}
+            blocks.append(block(name, index + 1, parts, after=after))
+        return build_model(blocks, name="random")
+
+    return models

@@ -21,7 +21,6 @@ from collections.abc import Mapping, Sequence
 from tracerisk.prm.binomial import failure_counts, failure_tails
 from tracerisk.prm.elimination import Elimination
 from tracerisk.prm.hidden_chain import Flow, HiddenChain, Spread
-from tracerisk.prm.hidden_states import Hidden
 from tracerisk.prm.probability import Probability
 
 
@@ -51,10 +50,10 @@ class Adjoint:
             weight * self._loss(worse, number, to, unit_class) for to, weight in spread
         )
 
-    def unit_loss(self, number: int, hidden: Hidden, unit_class: int) -> float:
+    def unit_loss(self, number: int, layer: int, unit_class: int) -> float:
         """Return what the failure of one working unit in a visit costs, against its survival."""
         spread = self.chain.spread(
-            number, hidden, {unit_class: self._others(number, hidden, unit_class)}
+            number, layer, {unit_class: self._others(number, layer, unit_class)}
         )
         return self.chain.rest[number].q * self.loss_after(spread, number, unit_class)
 
@@ -68,46 +67,48 @@ class Adjoint:
         """
         chain, parts = self.chain, []
         for number, function in enumerate(chain.states.functions):
-            values = chain.values[number]
-            named = [name for name in zeros if name in function.rest.parameters]
-            drop = (
-                function.rest.difference(values, {**values, **dict.fromkeys(named, 0.0)})
-                if named
-                else 0.0
-            )
+            drop = self._drop(number, zeros)
             classes = [c for c, name in function.parameters.items() if name in zeros]
-            for hidden, row in zip(chain.states.hidden, flow.visits, strict=False):
+            if drop == 0.0 and not classes:
+                continue
+            for layer, row in enumerate(flow.visits[:-1]):
                 visits = row[number]
-                if visits == 0.0 or not (named or classes):
+                if visits == 0.0:
                     continue
                 parts.append(
-                    visits * drop * self.success_after(without.spread(number, hidden), number)
+                    visits * drop * self.success_after(without.spread(number, layer), number)
                 )
                 chosen: dict[int, Sequence[float]] = {}
                 for unit_class in classes:
-                    units = len(chain.states.classes[unit_class]) - hidden[unit_class]
-                    p = chain.units[number][unit_class]
-                    tails = failure_tails(units, p, units)
-                    spread = chain.spread(number, hidden, {**chosen, unit_class: tails})
+                    units = chain.states.working(layer, unit_class)
+                    tails = failure_tails(units, chain.units[number][unit_class], units)
+                    spread = chain.spread(number, layer, {**chosen, unit_class: tails})
                     parts.append(
                         visits * chain.rest[number].q * self.loss_after(spread, number, unit_class)
                     )
                     chosen[unit_class] = (1.0,)
         return math.fsum(parts)
 
+    def _drop(self, number: int, zeros: Sequence[str]) -> float:
+        rest, values = self.chain.states.functions[number].rest, self.chain.values[number]
+        named = [name for name in zeros if name in rest.parameters]
+        if len(named) < 2:
+            return self.chain.drop(number, named[0]) if named else 0.0
+        return rest.difference(values, {**values, **dict.fromkeys(named, 0.0)})
+
     def _loss(
         self, worse: Sequence[Sequence[float]], number: int, layer: int, unit_class: int
     ) -> float:
         states = self.chain.states
         function = states.functions[number]
-        more = states.with_one_more(states.hidden[layer], unit_class)
-        if not states.is_held(function, more):
+        more = states.more[layer][unit_class]
+        if more < 0 or not states.held[number][more]:
             return self._success[layer][number]
         return math.fsum(weight * worse[layer][target] for target, weight in function.steps)
 
-    def _others(self, number: int, hidden: Hidden, unit_class: int) -> tuple[float, ...]:
+    def _others(self, number: int, layer: int, unit_class: int) -> tuple[float, ...]:
         """Return how many units of a class fail in a visit, one of the working ones left aside."""
-        units = len(self.chain.states.classes[unit_class]) - hidden[unit_class] - 1
+        units = self.chain.states.working(layer, unit_class) - 1
         return failure_counts(units, self.chain.units[number][unit_class], units)
 
     def _worse_by(self, unit_class: int) -> list[list[float]]:
@@ -116,35 +117,30 @@ class Adjoint:
             states = self.chain.states
             found: list[list[float]] = [[] for _ in states.hidden]
             for layer in range(len(found) - 1, -1, -1):
-                hidden = states.hidden[layer]
-                if (
-                    hidden[unit_class] < len(states.classes[unit_class])
-                    and states.with_one_more(hidden, unit_class) in states.index
-                ):
+                if states.more[layer][unit_class] >= 0:
                     found[layer] = self._layer(found, layer, unit_class)
             self._worse[unit_class] = found
         return self._worse[unit_class]
 
     def _layer(self, found: Sequence[Sequence[float]], layer: int, unit_class: int) -> list[float]:
         chain = self.chain
-        hidden = chain.states.hidden[layer]
+        more = chain.states.more[layer][unit_class]
         rows: list[Mapping[int, float]] = []
         exits, rewards = [], []
         for number, function in enumerate(chain.states.functions):
             unit, fewer, chosen = Probability(0.0, 1.0), None, None
             if unit_class in function.parameters:
                 unit, fewer = Probability.of(chain.units[number][unit_class]), unit_class
-                chosen = {unit_class: self._others(number, hidden, unit_class)}
+                chosen = {unit_class: self._others(number, layer, unit_class)}
             survival = unit.q * chain.rest[number].q
             leave = [
                 unit.p,
-                unit.q * chain.visit(number, hidden, fewer).p,
-                survival * chain.exceeding(number, hidden, fewer),
+                unit.q * chain.visit(number, layer, fewer).p,
+                survival * chain.exceeding(number, layer, fewer),
             ]
             stay, gains = 0.0, []
-            for to, weight in chain.spread(number, hidden, chosen):
-                more = chain.states.with_one_more(chain.states.hidden[to], unit_class)
-                if to == layer and chain.states.is_held(function, more):
+            for to, weight in chain.spread(number, layer, chosen):
+                if to == layer and chain.states.held[number][more]:
                     stay = survival * weight
                 else:
                     leave.append(survival * weight)

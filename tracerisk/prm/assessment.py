@@ -4,6 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from tracerisk.prm.display import Displayed
+
+if TYPE_CHECKING:
+    from tracerisk.prm.table import Table
 
 FIGURE_STATEMENT = (
     "Probability of mission failure by hardware; not harm, software faults or people."
@@ -131,7 +137,7 @@ class ComponentImportance:
 
 
 @dataclass(frozen=True, slots=True)
-class Assessment:
+class Assessment(Displayed):
     """All figures of a model; `components` with the one that matters most first.
 
     `assumptions` are those of the model itself, `findings` what a person should look at.
@@ -145,3 +151,9 @@ class Assessment:
     assumptions: tuple[str, ...]
     findings: tuple[str, ...]
     statement: str = FIGURE_STATEMENT
+
+    def importance(self) -> Table[ComponentImportance]:
+        """Return the components as a table, whose columns are arrays."""
+        from tracerisk.prm.table import Table
+
+        return Table(self.components)

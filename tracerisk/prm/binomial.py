@@ -52,3 +52,27 @@ def _count(units: int, p: float, failed: int) -> float:
 def _power(p: float, working: int) -> float:
     """Return (1-p)^working; 1-p rounded first would be off by the sum of its errors."""
     return math.exp(working * math.log1p(-p))
+
+
+@lru_cache(maxsize=65_536)
+def group_failures(
+    units: tuple[tuple[int, float], ...], room: int
+) -> tuple[tuple[float, ...], float]:
+    """Return how many of unequal units fail, up to `room` - 1, and the chance of `room` or more.
+
+    `units` gives how many there are of each failure probability.
+    """
+    if room <= 0:
+        return (), 1.0
+    counts, reached = [1.0], 0.0
+    for number, p in units:
+        own = failure_counts(number, p, room - 1)
+        tails = (1.0, *failure_tails(number, p, room))
+        grown = [0.0] * min(room, len(counts) + len(own) - 1)
+        for before, share in enumerate(counts):
+            if room - before < len(tails):
+                reached += share * tails[room - before]
+            for failed, one in enumerate(own[: room - before]):
+                grown[before + failed] += share * one
+        counts = grown
+    return tuple(counts), reached

@@ -13,14 +13,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.binomial import failure_counts, failure_tails
+from tracerisk.prm.binomial import failure_counts, group_failures
 from tracerisk.prm.elimination import Elimination
 from tracerisk.prm.fault_tree import FaultTree
-from tracerisk.prm.hidden_states import Hidden, HiddenStates, Part
+from tracerisk.prm.hidden_states import HiddenStates, Part
 from tracerisk.prm.probability import Probability, at_least
 
 Spread = tuple[tuple[int, float], ...]
-"""The hidden states that a visit leaves, by number, each with its probability."""
+"""The layers to which a visit leads, each with its probability."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,9 +58,15 @@ class HiddenChain:
         self.values = [_scaled(f.state.probabilities, factors or {}) for f in states.functions]
         self.rest: list[Probability] = []
         self.units: list[dict[int, float]] = []
-        self._spreads: list[dict[Hidden, Spread]] = []
-        self._visits: dict[tuple[int, Hidden, int | None], Probability] = {}
+        self._spreads: list[dict[int, Spread]] = []
+        self._visits: dict[tuple[int, int, int | None], Probability] = {}
+        self._drops: dict[tuple[int, str], float] = {}
         self._layers: dict[tuple[int, bool], Elimination] = {}
+        # How many units may fail at once in a visit that is survived.
+        self._limits = [
+            max((part.threshold - 1 for part in function.parts), default=0)
+            for function in states.functions
+        ]
         for number, function in enumerate(states.functions):
             values = self.values[number]
             units = {c: values[name] for c, name in function.parameters.items()}
@@ -112,13 +118,12 @@ class HiddenChain:
                     failures[layer][number] = count * worst.p
                     leave(number, layer, count * worst.q, is_new=False)
                     continue
-                hidden = states.hidden[layer]
-                failures[layer][number] = count * self.visit(number, hidden).p
+                failures[layer][number] = count * self.visit(number, layer).p
                 through = count * self.rest[number].q
-                for reached, weight in self.spread(number, hidden):
+                for reached, weight in self.spread(number, layer):
                     leave(number, reached, through * weight, is_new=reached != layer)
                 if states.most is not None:
-                    more = self.exceeding(number, hidden)
+                    more = self.exceeding(number, layer)
                     leave(number, layers, through * more, is_new=True)
         return Flow(
             visits=tuple(visits),
@@ -135,12 +140,11 @@ class HiddenChain:
         """
         found: list[list[float]] = [[] for _ in self.states.hidden]
         for layer in range(len(found) - 1, -1, -1):
-            hidden = self.states.hidden[layer]
             reward = []
             for number, function in enumerate(self.states.functions):
                 parts = [
                     weight * (function.done if to == layer else self.onward(number, found[to]))
-                    for to, weight in self.spread(number, hidden)
+                    for to, weight in self.spread(number, layer)
                 ]
                 reward.append(self.rest[number].q * math.fsum(parts))
             found[layer] = self._layer(layer, cut=False).values(reward)
@@ -153,69 +157,76 @@ class HiddenChain:
             weight * from_each[target] for target, weight in function.steps
         )
 
-    def visit(self, number: int, hidden: Hidden, fewer: int | None = None) -> Probability:
+    def visit(self, number: int, layer: int, fewer: int | None = None) -> Probability:
         """Return the probability that one visit fails; class `fewer` has one working unit less."""
         parts = self.states.functions[number].parts
         if not parts:
             return self.rest[number]
-        key = (number, hidden, fewer)
+        key = (number, layer, fewer)
         if key not in self._visits:
-            pairs = [self.part_failure(number, part, hidden, fewer) for part in parts]
+            pairs = [self.part_failure(number, part, layer, fewer) for part in parts]
             self._visits[key] = at_least(1, [self.rest[number], *pairs])
         return self._visits[key]
 
     def part_failure(
-        self, number: int, part: Part, hidden: Hidden, fewer: int | None = None
+        self, number: int, part: Part, layer: int, fewer: int | None = None
     ) -> Probability:
         """Return the probability that so many units of a part fail that the visit does."""
-        counts, reached = self._part_counts(number, part, hidden, fewer)
+        counts, reached = self._failures(number, part, layer, fewer)
         return Probability(reached, math.fsum(counts))
 
     def spread(
-        self,
-        number: int,
-        hidden: Hidden,
-        chosen: Mapping[int, Sequence[float]] | None = None,
+        self, number: int, layer: int, chosen: Mapping[int, Sequence[float]] | None = None
     ) -> Spread:
-        """Return the hidden states that a visit leaves which the latent units do not fail.
+        """Return the layers to which a visit leads that the latent units do not fail.
 
         The failures of the other part of the tree are left aside. `chosen` replaces the
         distribution of how many units of a class fail.
         """
         cache = self._spreads[number]
-        if chosen is None and hidden in cache:
-            return cache[hidden]
-        states, function = self.states, self.states.functions[number]
-        found = [(hidden, 1.0)] if states.is_held(function, hidden) else []
+        if chosen is None and layer in cache:
+            return cache[layer]
+        states = self.states
+        held = states.held[number]
+        found = [(layer, 1.0)] if held[layer] else []
         for unit_class, p in self.units[number].items():
             if chosen is not None and unit_class in chosen:
                 counts = chosen[unit_class]
             else:
-                counts = failure_counts(self._working(hidden, unit_class), p, self._limit(number))
+                counts = failure_counts(states.working(layer, unit_class), p, self._limits[number])
             grown = []
-            for state, weight in found:
+            for reached, weight in found:
                 for failed, share in enumerate(counts):
                     if failed > 0:
-                        state = states.with_one_more(state, unit_class)
-                        if not states.is_held(function, state):
+                        reached = states.more[reached][unit_class]
+                        if reached < 0 or not held[reached]:
                             break
                     if share > 0.0:
-                        grown.append((state, weight * share))
+                        grown.append((reached, weight * share))
             found = grown
-        spread = tuple((states.index[state], weight) for state, weight in found)
+        spread = tuple(found)
         if chosen is None:
-            cache[hidden] = spread
+            cache[layer] = spread
         return spread
 
-    def exceeding(self, number: int, hidden: Hidden, fewer: int | None = None) -> float:
+    def drop(self, number: int, name: str) -> float:
+        """Return how much less the rest of a function's tree fails without a parameter."""
+        key = (number, name)
+        if key not in self._drops:
+            rest = self.states.functions[number].rest
+            is_there = name in rest.parameters
+            self._drops[key] = rest.drop_without(name, self.values[number]) if is_there else 0.0
+        return self._drops[key]
+
+    def exceeding(self, number: int, layer: int, fewer: int | None = None) -> float:
         """Return the probability that the latent units survive with more failed than is held."""
         most = self.states.most
         if most is None:
             return 0.0
-        room = most - sum(hidden)
+        room = most - sum(self.states.hidden[layer])
         counts, beyond = [1.0], 0.0
         for part in self.states.functions[number].parts:
-            own, _ = self._part_counts(number, part, hidden, fewer)
+            own, _ = self._failures(number, part, layer, fewer)
             beyond *= math.fsum(own)
             grown = [0.0] * (room + 1)
             for before, share in enumerate(counts):
@@ -227,34 +238,15 @@ class HiddenChain:
             counts = grown
         return beyond
 
-    def _part_counts(
-        self, number: int, part: Part, hidden: Hidden, fewer: int | None
-    ) -> tuple[list[float], float]:
+    def _failures(
+        self, number: int, part: Part, layer: int, fewer: int | None
+    ) -> tuple[tuple[float, ...], float]:
         """Return how many more units of a part fail, short of its failure, and that failure."""
-        room = part.threshold - sum(hidden[c] for c in part.classes)
-        if room <= 0:
-            return [], 1.0
-        counts, reached = [1.0], 0.0
-        for unit_class in part.classes:
-            units = self._working(hidden, unit_class) - (unit_class == fewer)
-            p = self.units[number][unit_class]
-            own = failure_counts(units, p, room - 1)
-            tails = (1.0, *failure_tails(units, p, room))
-            grown = [0.0] * min(room, len(counts) + len(own) - 1)
-            for before, share in enumerate(counts):
-                if room - before < len(tails):
-                    reached += share * tails[room - before]
-                for failed, one in enumerate(own[: room - before]):
-                    grown[before + failed] += share * one
-            counts = grown
-        return counts, reached
-
-    def _working(self, hidden: Hidden, unit_class: int) -> int:
-        return len(self.states.classes[unit_class]) - hidden[unit_class]
-
-    def _limit(self, number: int) -> int:
-        """Return how many units may fail at once in a visit that is survived."""
-        return max((part.threshold - 1 for part in self.states.functions[number].parts), default=0)
+        hidden, units = self.states.hidden[layer], self.units[number]
+        return group_failures(
+            tuple((self.states.working(layer, c) - (c == fewer), units[c]) for c in part.classes),
+            part.threshold - sum(hidden[c] for c in part.classes),
+        )
 
     def _layer(self, layer: int, *, cut: bool) -> Elimination:
         key = (layer, cut)
@@ -278,10 +270,9 @@ class HiddenChain:
         if layer == len(self.states.hidden):
             worst = self._beyond(number)
             return worst.q, worst.p
-        hidden = self.states.hidden[layer]
         q = self.rest[number].q
-        stay, leave = 0.0, [self.visit(number, hidden).p, q * self.exceeding(number, hidden)]
-        for reached, weight in self.spread(number, hidden):
+        stay, leave = 0.0, [self.visit(number, layer).p, q * self.exceeding(number, layer)]
+        for reached, weight in self.spread(number, layer):
             if reached == layer:
                 stay = q * weight
             else:

@@ -6,7 +6,7 @@ function treats alike make a class; a hidden state counts the failed units of ea
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from tracerisk.errors import ModelError
@@ -44,17 +44,16 @@ class Function:
     steps: tuple[tuple[int, float], ...]
     done: float
 
-    def survives(self, hidden: Hidden) -> bool:
-        """Return whether a visit goes on with so many failed units."""
-        return all(sum(hidden[c] for c in part.classes) < part.threshold for part in self.parts)
-
 
 @dataclass(frozen=True, slots=True)
 class HiddenStates:
     """The functions that the entry leads to, and the hidden states in which they are met.
 
-    `hidden` comes with fewer failed units first, the state without any at the start; `most` is
-    the greatest number of failed units among them where not all states fit, else `None`.
+    `hidden` comes with fewer failed units first, the state without any at the start; each is a
+    layer of the chain. `most` is the greatest number of failed units among them where not all
+    states fit, else `None`.
+    `more[l][c]` is the layer with one more failed unit of class c, -1 where there is none;
+    `held[f][l]` tells whether a visit of function f goes on with so many failed units.
     """
 
     functions: tuple[Function, ...]
@@ -63,15 +62,12 @@ class HiddenStates:
     hidden: tuple[Hidden, ...]
     most: int | None
     pattern: Pattern
-    index: Mapping[Hidden, int] = field(repr=False)
+    more: tuple[tuple[int, ...], ...] = field(repr=False)
+    held: tuple[tuple[bool, ...], ...] = field(repr=False)
 
-    def is_held(self, function: Function, hidden: Hidden) -> bool:
-        """Return whether a visit goes on and the state that it leaves is one of `hidden`."""
-        return function.survives(hidden) and (self.most is None or sum(hidden) <= self.most)
-
-    def with_one_more(self, hidden: Hidden, unit_class: int) -> Hidden:
-        """Return the state with one more failed unit of a class."""
-        return (*hidden[:unit_class], hidden[unit_class] + 1, *hidden[unit_class + 1 :])
+    def working(self, layer: int, unit_class: int) -> int:
+        """Return how many units of a class have not failed."""
+        return len(self.classes[unit_class]) - self.hidden[layer][unit_class]
 
 
 def hidden_states(model: HybridModel, limit: int = MOST_STATES) -> HiddenStates:
@@ -92,6 +88,12 @@ def hidden_states(model: HybridModel, limit: int = MOST_STATES) -> HiddenStates:
         for state, found in zip(states, parts, strict=True)
     )
     hidden, is_whole = _enumerate(functions, classes, limit // len(functions))
+    index = {state: number for number, state in enumerate(hidden)}
+    # Functions of the same parts hold the same states.
+    held = {
+        parts: tuple(_survives(parts, state) for state in hidden)
+        for parts in {function.parts: None for function in functions}
+    }
     return HiddenStates(
         functions=functions,
         entry=number_of[model.entry],
@@ -102,8 +104,20 @@ def hidden_states(model: HybridModel, limit: int = MOST_STATES) -> HiddenStates:
             [state.name for state in states],
             [[target for target, _ in function.steps] for function in functions],
         ),
-        index={state: number for number, state in enumerate(hidden)},
+        more=tuple(
+            tuple(index.get(_with_one_more(state, c), -1) for c in range(len(classes)))
+            for state in hidden
+        ),
+        held=tuple(held[function.parts] for function in functions),
     )
+
+
+def _survives(parts: Sequence[Part], hidden: Hidden) -> bool:
+    return all(sum(hidden[c] for c in part.classes) < part.threshold for part in parts)
+
+
+def _with_one_more(hidden: Hidden, unit_class: int) -> Hidden:
+    return (*hidden[:unit_class], hidden[unit_class] + 1, *hidden[unit_class + 1 :])
 
 
 def _parts(state: FunctionState, latent: set[str]) -> tuple[LatentPart, ...]:
@@ -166,11 +180,10 @@ def _enumerate(
     """
     level: dict[Hidden, None] = {(0,) * len(classes): None}
     found = list(level)
-    # Functions of the same parts leave the same states.
-    different = {function.parts: function for function in functions if function.parts}
+    different = list({function.parts: set(function.parameters) for function in functions}.items())
     while level:
         following: dict[Hidden, None] = {}
-        for one in _grown(level, different.values(), classes):
+        for one in _grown(level, different, classes):
             following[one] = None
             if len(found) + len(following) > limit:
                 return tuple(found), False
@@ -180,18 +193,18 @@ def _enumerate(
 
 
 def _grown(
-    level: Mapping[Hidden, None],
-    functions: Collection[Function],
+    level: Iterable[Hidden],
+    different: Collection[tuple[tuple[Part, ...], set[int]]],
     classes: Sequence[Sequence[str]],
 ) -> Iterator[Hidden]:
-    used = [(function, set(function.parameters)) for function in functions]
     seen: set[Hidden] = set()
     for state in level:
         for number, units in enumerate(classes):
-            if state[number] < len(units):
-                more = (*state[:number], state[number] + 1, *state[number + 1 :])
-                if more not in seen and any(
-                    number in those and function.survives(more) for function, those in used
-                ):
-                    seen.add(more)
-                    yield more
+            more = _with_one_more(state, number)
+            if (
+                state[number] < len(units)
+                and more not in seen
+                and any(number in used and _survives(parts, more) for parts, used in different)
+            ):
+                seen.add(more)
+                yield more

@@ -8,10 +8,13 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.display import DisplayedGraph
 from tracerisk.prm.fault_tree import FaultTree
 from tracerisk.prm.latent_units import check_latent
 
 if TYPE_CHECKING:
+    from tracerisk.prm.assessment import Assessment
+    from tracerisk.prm.building import Following
     from tracerisk.prm.distributions import Distribution
     from tracerisk.prm.linked import LinkedModel
 
@@ -58,7 +61,7 @@ class FunctionState:
 
 
 @dataclass(frozen=True, slots=True)
-class HybridModel:
+class HybridModel(DisplayedGraph):
     """A risk model: states in the order of their call sequence, the entry, the parameters.
 
     Each visit to a state fails with its tree's top probability and ends the mission there, else
@@ -106,6 +109,36 @@ class HybridModel:
         from tracerisk.prm.linked import linked
 
         return linked(self)
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        trees: Mapping[str, FaultTree],
+        following: Mapping[str, Following] | None = None,
+        *,
+        values: Mapping[str, float] | None = None,
+        visit_h: float | Mapping[str, float] | None = None,
+        entry: str | None = None,
+        latent: Iterable[str] = (),
+    ) -> HybridModel:
+        """Build a hybrid model from the fault tree of each state.
+
+        `following` gives each state what follows a visit that did not fail: a state or `done`,
+        or several with their shares; without it the states follow in their order.
+        Figures come from the events' models, for visits of `visit_h` hours, and from `values`.
+        The first state is the entry unless another is named.
+        Raises ModelError, naming the state, as the class does and when a figure is missing.
+        """
+        from tracerisk.prm.building import built_hybrid
+
+        return built_hybrid(name, trees, following, values or {}, visit_h, entry, tuple(latent))
+
+    def solve(self) -> Assessment:
+        """Return all figures of the model, see `tracerisk.prm.solve`."""
+        from tracerisk.prm.solve import solve
+
+        return solve(self)
 
     @property
     def reachable(self) -> tuple[str, ...]:

@@ -43,8 +43,8 @@ class _Base:
         # What a function that fails costs the mission, over all of its visits.
         self.cost = [
             math.fsum(
-                row[number] * self.adjoint.success_after(self.chain.spread(number, hidden), number)
-                for hidden, row in zip(self.chain.states.hidden, solved.flow.visits, strict=False)
+                row[number] * self.adjoint.success_after(self.chain.spread(number, layer), number)
+                for layer, row in enumerate(solved.flow.visits[:-1])
                 if row[number] > 0.0
             )
             for number in range(len(functions))
@@ -54,12 +54,12 @@ class _Base:
 def held_failure(chain: HiddenChain, flow: Flow) -> float:
     """Return the mission's failure where more failed units than the states hold count as one."""
     failed = [math.fsum(row) for row in flow.failures[:-1]]
-    for hidden, row in zip(chain.states.hidden, flow.visits, strict=False):
-        if chain.states.most is not None:
-            failed += [
-                count * chain.rest[number].q * chain.exceeding(number, hidden)
-                for number, count in enumerate(row)
-            ]
+    if chain.states.most is not None:
+        failed += [
+            count * chain.rest[number].q * chain.exceeding(number, layer)
+            for layer, row in enumerate(flow.visits[:-1])
+            for number, count in enumerate(row)
+        ]
     return math.fsum(failed)
 
 
@@ -122,13 +122,16 @@ def _slopes(base: _Base, parameter: Parameter) -> list[tuple[str, str, float]]:
 
 def _unit_slope(base: _Base, number: int, unit_class: int) -> float:
     """Return what the failure of a latent unit costs, over all visits and working units."""
-    units = len(base.chain.states.classes[unit_class])
+    working = [
+        base.chain.states.working(layer, unit_class)
+        for layer in range(len(base.chain.states.hidden))
+    ]
     return math.fsum(
-        row[number]
-        * (units - hidden[unit_class])
-        * base.adjoint.unit_loss(number, hidden, unit_class)
-        for hidden, row in zip(base.chain.states.hidden, base.solved.flow.visits, strict=False)
-        if row[number] > 0.0 and hidden[unit_class] < units
+        row[number] * units * base.adjoint.unit_loss(number, layer, unit_class)
+        for layer, (row, units) in enumerate(
+            zip(base.solved.flow.visits[:-1], working, strict=True)
+        )
+        if row[number] > 0.0 and units > 0
     )
 
 

@@ -52,7 +52,6 @@ def solve_mission(model: HybridModel, *, limit: int = MOST_STATES) -> SolvedMiss
     names = [function.state.name for function in chain.states.functions]
     visits = dict(zip(names, map(math.fsum, zip(*flow.visits, strict=True)), strict=True))
     absorption = dict(zip(names, map(math.fsum, zip(*flow.failures, strict=True)), strict=True))
-    sound = chain.states.hidden[0]
     return SolvedMission(
         chain=chain,
         flow=flow,
@@ -65,7 +64,7 @@ def solve_mission(model: HybridModel, *, limit: int = MOST_STATES) -> SolvedMiss
                 # Where no unit is latent, the visits are alike.
                 absorption[name] / visits[name]
                 if chain.states.functions[number].parts and visits[name] > 0.0
-                else chain.visit(number, sound).p
+                else chain.visit(number, 0).p
             )
             for number, name in enumerate(names)
         },
@@ -93,8 +92,7 @@ def _least(chain: HiddenChain, flow: Flow) -> float:
     held = math.fsum(math.fsum(row) for row in flow.failures[:-1])
     if not any(flow.beyond):
         return held
-    sound = chain.states.hidden[0]
-    tops = [chain.visit(number, sound) for number in range(len(chain.states.functions))]
+    tops = [chain.visit(number, 0) for number in range(len(chain.states.functions))]
     visits = _visits(chain.states, tops, flow.beyond)
     return held + math.fsum(count * top.p for count, top in zip(visits, tops, strict=True))
 

@@ -6,7 +6,7 @@ import math
 
 from tracerisk.prm.binomial import failure_counts
 from tracerisk.prm.hidden_chain import HiddenChain, tree_probability
-from tracerisk.prm.hidden_states import Hidden, Part
+from tracerisk.prm.hidden_states import Part
 from tracerisk.prm.mission import SolvedMission
 from tracerisk.prm.probability import Probability
 
@@ -20,10 +20,10 @@ def mean_drops(solved: SolvedMission, number: int) -> dict[str, float]:
     function = chain.states.functions[number]
     values = chain.values[number]
     if not function.parts:
-        return {name: function.rest.drop_without(name, values) for name in values}
+        return {name: chain.drop(number, name) for name in values}
     met = [
-        (hidden, row[number])
-        for hidden, row in zip(chain.states.hidden, solved.flow.visits, strict=False)
+        (layer, row[number])
+        for layer, row in enumerate(solved.flow.visits[:-1])
         if row[number] > 0.0
     ]
     total = math.fsum(count for _, count in met)
@@ -31,7 +31,7 @@ def mean_drops(solved: SolvedMission, number: int) -> dict[str, float]:
     for name in values:
         rest = _rest(chain, number, name)
         found[name] = math.fsum(
-            count / total * _drop(chain, number, hidden, name, rest) for hidden, count in met
+            count / total * _drop(chain, number, layer, name, rest) for layer, count in met
         )
     return found
 
@@ -46,16 +46,16 @@ def _rest(chain: HiddenChain, number: int, name: str) -> _Item:
     if name not in function.rest.parameters:
         return here, here, 0.0
     without = tree_probability(function.state.name, function.rest, {**values, name: 0.0})
-    return here, without, function.rest.drop_without(name, values)
+    return here, without, chain.drop(number, name)
 
 
-def _drop(chain: HiddenChain, number: int, hidden: Hidden, name: str, rest: _Item) -> float:
+def _drop(chain: HiddenChain, number: int, layer: int, name: str, rest: _Item) -> float:
     """Return the drop in one hidden state; the parts fail the visit independently.
 
     One part after the other loses the component: those before have, those after have it still.
     """
     function = chain.states.functions[number]
-    items = [rest, *(_part(chain, number, part, hidden, name) for part in function.parts)]
+    items = [rest, *(_part(chain, number, part, layer, name) for part in function.parts)]
     drops = []
     for index, (_, _, drop) in enumerate(items):
         if drop > 0.0:
@@ -65,14 +65,14 @@ def _drop(chain: HiddenChain, number: int, hidden: Hidden, name: str, rest: _Ite
     return math.fsum(drops)
 
 
-def _part(chain: HiddenChain, number: int, part: Part, hidden: Hidden, name: str) -> _Item:
-    here = chain.part_failure(number, part, hidden)
+def _part(chain: HiddenChain, number: int, part: Part, layer: int, name: str) -> _Item:
+    here = chain.part_failure(number, part, layer)
     function = chain.states.functions[number]
     if all(function.parameters[c] != name for c in part.classes):
         return here, here, 0.0
     own, others = [1.0], [1.0]
     for unit_class in part.classes:
-        counts = _failed(chain, number, unit_class, hidden)
+        counts = _failed(chain, number, unit_class, layer)
         if function.parameters[unit_class] == name:
             own = _convolved(own, counts)
         else:
@@ -85,10 +85,10 @@ def _part(chain: HiddenChain, number: int, part: Part, hidden: Hidden, name: str
     return here, without, drop
 
 
-def _failed(chain: HiddenChain, number: int, unit_class: int, hidden: Hidden) -> list[float]:
+def _failed(chain: HiddenChain, number: int, unit_class: int, layer: int) -> list[float]:
     """Return the distribution of the failed units of a class at the end of a visit."""
-    before = hidden[unit_class]
-    working = len(chain.states.classes[unit_class]) - before
+    before = chain.states.hidden[layer][unit_class]
+    working = chain.states.working(layer, unit_class)
     p = chain.units[number][unit_class]
     return [0.0] * before + list(failure_counts(working, p, working))
 
