@@ -6,30 +6,18 @@ import heapq
 import itertools
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.bdd.diagram import DEFAULT_LIMITS, Limits
 from tracerisk.prm.bdd.logic import FALSE, FIRST_EVENT, TRUE, LogicGraph
-from tracerisk.prm.bdd.modules import Module
-from tracerisk.prm.bdd.shared_tree import SharedTree
 from tracerisk.prm.cut_sets.family import (
     EMPTY_SET,
-    NO_SET,
     Family,
-    of_conjunction,
-    of_diagram,
-    of_disjunction,
-    phases,
 )
-from tracerisk.prm.cut_sets.primes import primes_of_diagram
 
 if TYPE_CHECKING:
-    from tracerisk.prm.fault_tree import FaultTree
-
-DEFAULT_BUDGET = 20_000_000
-"""The most nodes of the family of one module; a node takes 12 bytes, and 40 while it is made."""
+    pass
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,132 +159,6 @@ class CutSets:
                 )
             found[node], found[-node] = values[event], 1.0 - values[event]
         return found
-
-
-def minimal_cut_sets(
-    tree: FaultTree,
-    *,
-    max_order: int | None = None,
-    budget: int = DEFAULT_BUDGET,
-    limits: Limits = DEFAULT_LIMITS,
-) -> CutSets:
-    """Return the minimal cut sets: events that make the top happen when nothing else does.
-
-    Of a coherent tree these are its prime implicants; of another, `prime_implicants` also tells
-    which events must not happen.
-    A module's are found on its decision diagram; those of the whole are never written out, so
-    that a hundred million of them take little memory.
-    `max_order` leaves out sets of more events.
-    Raises TooLargeError when a module needs more than `budget` nodes, or as
-    `FaultTree.probability` does.
-    """
-    solved = _solved(tree, max_order, limits)
-    graph = solved.graph
-    # The literal of each node that is false while nothing has happened.
-    calm = list(range(len(graph.arguments)))
-    families: dict[int, Family] = {}
-    least = dict.fromkeys(range(FIRST_EVENT, graph.first_gate), 1)
-    for module in solved.modules:
-        root = module.root
-        if module.is_simple:
-            arguments = graph.arguments[root]
-            if all(calm[abs(argument)] != argument for argument in arguments):
-                calm[root] = -root
-                family = of_disjunction([-argument for argument in arguments])
-            else:
-                family = of_conjunction([a for a in arguments if calm[abs(a)] == a])
-        else:
-            diagram = solved.diagrams[root]
-            literals = tuple(calm[node] for node in diagram.order)
-            if diagram.happens_at([literal < 0 for literal in literals]):
-                calm[root] = -root
-            sign = 1 if calm[root] > 0 else -1
-            family = of_diagram(diagram, sign, literals, least, max_order, budget)
-        families[calm[root]] = family
-        least[calm[root]] = _least_order(family, least, max_order)
-    if abs(graph.top) != TRUE and calm[abs(graph.top)] != graph.top:
-        # The top happens while nothing has: the empty set, and no other is minimal.
-        return CutSets(max_order, replace(graph, top=TRUE), {})
-    return CutSets(max_order, graph, _below(graph.top, families))
-
-
-def prime_implicants(
-    tree: FaultTree,
-    *,
-    max_order: int | None = None,
-    budget: int = DEFAULT_BUDGET,
-    limits: Limits = DEFAULT_LIMITS,
-) -> CutSets:
-    """Return the prime implicants: what must happen, and what must not, for the top to happen.
-
-    Of a coherent tree these are the minimal cut sets.
-    Raises as `minimal_cut_sets` does.
-    """
-    solved = _solved(tree, max_order, limits)
-    graph = solved.graph
-    needed = {graph.top}
-    wanted: list[tuple[int, Module, dict[int, int] | None]] = []
-    for module in reversed(solved.modules):
-        phase = phases(graph, module)
-        for literal in (module.root, -module.root):
-            if literal not in needed:
-                continue
-            wanted.append((literal, module, phase))
-            for node in module.inputs:
-                if phase is None:
-                    needed |= {node, -node}
-                else:
-                    needed.add(node * phase[node] * _sign(literal))
-    families: dict[int, Family] = {}
-    least = {n * s: 1 for n in range(FIRST_EVENT, graph.first_gate) for s in (1, -1)}
-    for literal, module, phase in reversed(wanted):
-        sign = _sign(literal)
-        if module.is_simple:
-            arguments = graph.arguments[module.root]
-            if literal > 0:
-                family = of_conjunction(arguments)
-            else:
-                family = of_disjunction([-argument for argument in arguments])
-        elif phase is not None:
-            diagram = solved.diagrams[module.root]
-            literals = tuple(node * phase[node] * sign for node in diagram.order)
-            family = of_diagram(diagram, sign, literals, least, max_order, budget)
-        else:
-            family = primes_of_diagram(solved.diagrams[module.root], sign, budget)
-        families[literal] = family
-        least[literal] = _least_order(family, least, max_order)
-    return CutSets(max_order, graph, families)
-
-
-def _solved(tree: FaultTree, max_order: int | None, limits: Limits) -> SharedTree:
-    if max_order is not None and max_order < 1:
-        raise ModelError(f"max_order is {max_order}; give at least 1")
-    return SharedTree(tree, limits)
-
-
-def _sign(literal: int) -> int:
-    return 1 if literal > 0 else -1
-
-
-def _below(top: int, families: dict[int, Family]) -> dict[int, Family]:
-    """Return the families that the top's sets are made of, each after those it names."""
-    wanted = {top}
-    for literal in reversed(families):
-        if literal in wanted:
-            wanted.update(families[literal].literals)
-    return {literal: family for literal, family in families.items() if literal in wanted}
-
-
-def _least_order(family: Family, least: Mapping[int, int], max_order: int | None) -> int:
-    """Return the order of a family's smallest set; above `max_order` where it has none."""
-    none = (max_order or 0) + 1
-    orders = [none, 0]
-    for node in range(2, family.size):
-        element = family.literals[family.level[node]]
-        above = orders[family.high[node]] + least[element]
-        below = orders[family.low[node]] if family.low[node] != NO_SET else above
-        orders.append(min(above, below))
-    return orders[family.root]
 
 
 def _constant(top: int) -> list[int]:
