@@ -1,9 +1,11 @@
 from __future__ import annotations
 
+from fractions import Fraction
+
 import pytest
 
 from tracerisk.errors import ModelError
-from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind
+from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind, HybridModel, NextStep, Parameter
 from tracerisk.prm.failure_models import Constant, Exponential
 from tracerisk.prm.fault_tree import HouseEvent
 
@@ -80,3 +82,102 @@ def test_a_tree_may_be_one_event():
 def test_what_makes_no_tree_is_refused_with_its_element(gates, events, message):
     with pytest.raises(ModelError, match=message):
         FaultTree.of("top", gates, events)
+
+
+PICK = FaultTree.of("pick", {"pick": ("or", "gripper", "motor")}, {"gripper": 7e-8, "motor": 9e-8})
+PLACE = FaultTree.of("place", {"place": ("or", "motor", "arm")}, {"motor": 1.3e-7, "arm": None})
+
+
+def test_a_hybrid_model_is_a_fault_tree_for_each_state_and_what_follows():
+    model = HybridModel.of(
+        "robot",
+        {"pick": PICK, "place": PLACE},
+        {"pick": "place", "place": {"pick": 0.9, "done": 0.1}},
+        values={"arm": 1e-9},
+    )
+    first, second = model.states
+    assert model.entry == "pick"
+    assert first.probabilities == {"gripper": 7e-8, "motor": 9e-8}
+    assert second.probabilities == {"motor": 1.3e-7, "arm": 1e-9}
+    assert first.next == (NextStep("place", Fraction(1)),)
+    assert second.next == (NextStep("pick", Fraction(9, 10)), NextStep("done", Fraction(1, 10)))
+    assert model.parameters == (
+        Parameter("gripper", 7e-8),
+        Parameter("motor", 1.3e-7),
+        Parameter("arm", 1e-9),
+    )
+    # Ten cycles on average of 1.6e-7 and 1.31e-7.
+    assert model.solve().mission.failure_probability == pytest.approx(2.91e-6, rel=1e-5)
+    assert model.solve().importance()["motor"].theta == 1.3e-7
+
+
+def test_states_follow_in_their_order_and_the_last_leads_to_done():
+    model = HybridModel.of("robot", {"pick": PICK, "again": PICK}, entry="again")
+    assert [state.next[0].target for state in model.states] == ["again", "done"]
+    assert model.entry == "again"
+
+
+def test_shares_that_sum_to_one_but_for_rounding_are_taken_as_summing_to_one():
+    third = 1.0 / 3.0
+    model = HybridModel.of(
+        "robot",
+        {"pick": PICK, "again": PICK},
+        {"pick": {"pick": third, "again": third, "done": third}, "again": "done"},
+    )
+    assert sum(step.weight for step in model.states[0].next) == 1
+
+
+def test_figures_are_those_of_a_visits_length():
+    wearing = FaultTree.of("wearing", {}, {"wearing": Exponential(0.5)})
+    model = HybridModel.of("robot", {"a": wearing, "b": wearing}, visit_h={"a": 1.0, "b": 2.0})
+    found = [state.probabilities["wearing"] for state in model.states]
+    assert found == [Exponential(0.5).probability(hours).p for hours in (1.0, 2.0)]
+    assert model.parameters == (Parameter("wearing", found[1]),)
+
+
+def test_latent_units_are_handed_on():
+    pair = FaultTree.of("pair", {"pair": ("and", "a", "b")}, {"a": 1e-4, "b": 1e-4})
+    assert HybridModel.of("robot", {"run": pair}, latent=["a", "b"]).latent == ("a", "b")
+
+
+@pytest.mark.parametrize(
+    ("trees", "more", "message"),
+    [
+        ({}, {}, "model 'm': no state; give a fault tree for each"),
+        (
+            {"pick": PICK},
+            {"following": {"pik": "done"}},
+            "next of 'pik', which is no state; did you",
+        ),
+        (
+            {"pick": PICK},
+            {"following": {}},
+            "state 'pick': no next; say what follows it, or 'done'",
+        ),
+        (
+            {"pick": PICK},
+            {"following": {"pick": {"done": float("nan")}}},
+            "state 'pick': next 'done' is nan; give a finite share",
+        ),
+        (
+            {"pick": PICK},
+            {"following": {"pick": {"done": 0.5}}},
+            "state 'pick': next sums to 1/2; it must sum to 1",
+        ),
+        ({"pick": PICK}, {"visit_h": {"place": 1.0}}, "visit_h of 'place', which is no state"),
+        (
+            {"pick": PICK},
+            {"values": {"gripr": 1.0}},
+            "value of 'gripr', which is no parameter; did",
+        ),
+        ({"place": PLACE}, {}, "state 'place': no probability for arm; give each one"),
+        (
+            {"run": FaultTree.of("e", {}, {"e": Exponential(1.0)})},
+            {},
+            "state 'run': event 'e' depends on how long a visit is; give visit_h, in hours",
+        ),
+    ],
+)
+def test_what_makes_no_hybrid_model_is_refused_with_its_element(trees, more, message):
+    with pytest.raises(ModelError, match=message):
+        HybridModel.of("m", trees, **more)

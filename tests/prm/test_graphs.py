@@ -5,8 +5,7 @@ import builtins
 import pytest
 
 from tracerisk.errors import ModelError
-from tracerisk.prm import FaultTree, MarkovChain
-from tracerisk.prm.building import built_hybrid
+from tracerisk.prm import FaultTree, HybridModel, MarkovChain
 from tracerisk.prm.failure_models import Constant
 from tracerisk.prm.graphs import graph_of
 
@@ -39,10 +38,10 @@ def test_a_chain_is_a_graph_of_its_transitions():
 
 def test_a_hybrid_model_is_a_graph_of_what_follows_and_what_fails():
     pytest.importorskip("networkx", reason="networkx is not installed")
-    model = built_hybrid(
-        "arm", {"pick": TREE}, {"pick": {"pick": 0.75, "done": 0.25}}, {"b": 0.5}, None, None
+    model = HybridModel.of(
+        "arm", {"pick": TREE}, {"pick": {"pick": 0.75, "done": 0.25}}, values={"b": 0.5}
     )
-    graph = graph_of(model)
+    graph = model.to_networkx()
     assert graph.edges["pick", "done"]["weight"] == 0.25
     assert graph.nodes["pick_failure"]["kind"] == "failure"
     assert graph.nodes["pick"]["tree"] is TREE

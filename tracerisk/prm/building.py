@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, TypeAlias
@@ -18,7 +19,8 @@ Formula: TypeAlias = "Sequence[str | int | Formula]"
 """A kind of gate, its numbers if it has any, and its inputs: `("atleast", 2, "a", "b", "c")`."""
 Figure: TypeAlias = "float | FailureModel | None"
 """A probability, a failure model, or nothing: then a value is given when the tree is solved."""
-Weight: TypeAlias = "float | str | Fraction"
+Following: TypeAlias = "str | Mapping[str, float | Fraction]"
+"""What follows a state: one, or several with their shares."""
 
 _NUMBERS = {GateKind.ATLEAST: 1, GateKind.CARDINALITY: 2}
 _TOLERANCE = 1e-9
@@ -102,10 +104,11 @@ def _event(name: str, figure: Figure | BasicEvent) -> BasicEvent:
 def built_hybrid(
     name: str,
     trees: Mapping[str, FaultTree],
-    following: Mapping[str, str | Mapping[str, Weight]] | None,
+    following: Mapping[str, Following] | None,
     values: Mapping[str, float],
     visit_h: float | Mapping[str, float] | None,
     entry: str | None,
+    latent: tuple[str, ...],
 ) -> HybridModel:
     """Return the hybrid model of some fault trees; see HybridModel.of."""
     from tracerisk.prm.hybrid import DONE, FunctionState, HybridModel, NextStep, Parameter
@@ -118,17 +121,27 @@ def built_hybrid(
     for state in following:
         if state not in trees:
             raise ModelError(f"next of '{state}', which is no state; {one_of(trees, state)}")
+    hours_of = visit_h if isinstance(visit_h, Mapping) else {}
+    for state in hours_of:
+        if state not in trees:
+            raise ModelError(f"visit_h of '{state}', which is no state; {one_of(trees, state)}")
+    known = {parameter for tree in trees.values() for parameter in tree.parameters}
+    for parameter in values:
+        if parameter not in known:
+            raise ModelError(
+                f"value of '{parameter}', which is no parameter; {one_of(known, parameter)}"
+            )
     states = []
     theta: dict[str, float] = {}
     for rank, (state, tree) in enumerate(trees.items(), 1):
         if state not in following:
             raise ModelError(f"state '{state}': no next; say what follows it, or '{DONE}'")
-        hours = visit_h.get(state) if isinstance(visit_h, Mapping) else visit_h
+        hours = hours_of.get(state) if isinstance(visit_h, Mapping) else visit_h
         found = _visit_values(state, tree, values, hours)
         for parameter, value in found.items():
             theta[parameter] = max(theta.get(parameter, 0.0), value)
         steps = tuple(
-            NextStep(target, weight) for target, weight in _shares(following[state]).items()
+            NextStep(target, share) for target, share in _shares(state, following[state]).items()
         )
         states.append(FunctionState(state, rank, tree, found, steps))
     return HybridModel(
@@ -136,6 +149,7 @@ def built_hybrid(
         names[0] if entry is None else entry,
         tuple(states),
         tuple(Parameter(parameter, value) for parameter, value in theta.items()),
+        latent,
     )
 
 
@@ -160,14 +174,15 @@ def _visit_values(
     return {name: known[name] for name in tree.parameters if name in known}
 
 
-def _shares(given: str | Mapping[str, Weight]) -> dict[str, Fraction]:
+def _shares(state: str, given: Following) -> dict[str, Fraction]:
     """Return the fractions of `next`; decimals are read as written, and a rounded sum is one."""
     if isinstance(given, str):
         return {given: Fraction(1)}
-    shares = {
-        target: Fraction(repr(float(weight)) if isinstance(weight, float) else weight)
-        for target, weight in given.items()
-    }
+    shares = {}
+    for target, share in given.items():
+        if not math.isfinite(share):
+            raise ModelError(f"state '{state}': next '{target}' is {share!r}; give a finite share")
+        shares[target] = Fraction(repr(float(share)) if isinstance(share, float) else share)
     total = sum(shares.values(), Fraction(0))
     if total and abs(total - 1) <= _TOLERANCE:
         return {target: share / total for target, share in shares.items()}

@@ -4,8 +4,7 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from tracerisk.prm import FaultTree, HybridModel, MarkovChain, solve
-from tracerisk.prm.building import built_hybrid
+from tracerisk.prm import FaultTree, HybridModel, MarkovChain
 from tracerisk.prm.drawing import html_of, svg_of
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -35,13 +34,10 @@ def arm() -> HybridModel:
     pick = FaultTree.of(
         "pick", {"pick": ("or", "gripper", "motor")}, {"gripper": 7e-8, "motor": 9e-8}
     )
-    return built_hybrid(
+    return HybridModel.of(
         "<arm>",
         {"init": pick, "pick": pick},
         {"init": "pick", "pick": {"pick": 0.9, "done": 0.1}},
-        {},
-        None,
-        None,
     )
 
 
@@ -91,23 +87,23 @@ def test_of_a_large_chain_the_first_states_are_drawn_and_the_rest_told():
 
 
 def test_a_hybrid_model_is_drawn_with_its_failures(arm):
-    words = texts(svg_of(arm))
+    words = texts(arm._repr_svg_())
     assert {"init", "pick", "done", "init_failure", "pick_failure", "↻0.9", "0.1"} <= set(words)
 
 
 def test_html_escapes_names_and_tells_the_size(arm):
-    assert "<figcaption>&lt;arm&gt;: 2 functions, 2 parameters</figcaption>" in html_of(arm)
+    assert "<figcaption>&lt;arm&gt;: 2 functions, 2 parameters</figcaption>" in arm._repr_html_()
     assert "Fault tree top: 6 gates, 8 events" in TREE._repr_html_()
     chain = MarkovChain({"a": {"end": 1.0}}, ("end",))
     assert "1 transient and 1 absorbing states" in html_of(chain)
 
 
 def test_an_assessment_is_shown_by_its_figures_and_shares(arm):
-    assessment = solve(arm)
-    html = html_of(assessment)
+    assessment = arm.solve()
+    html = assessment._repr_html_()
     assert f"{assessment.mission.failure_probability:.6g}" in html
     assert "<h4>&lt;arm&gt;</h4>" in html
-    words = texts(svg_of(assessment))
+    words = texts(assessment._repr_svg_())
     assert words[0] == "motor"
     assert f"{assessment.components[0].fussell_vesely:.3g}" in words
 
