@@ -114,6 +114,23 @@ def test_a_cartesian_path_out_of_reach_is_followed_in_part(
     assert reached[0] - here[0] == pytest.approx(fraction, abs=2e-3)
 
 
+def test_a_cartesian_path_leads_out_of_a_singularity():
+    # Upright: the elbow is stretched and the axes of the wrist are in line.
+    robot = load_robot("ur10e")
+    planner = Planner(robot, Kinematics(robot), Clearance(robot))
+    start = {**robot.initial_state, **robot.named_state("ur_manipulator", "home")}
+    goal = Pose((0.4, 0.0, 0.3), (0.0, 0.0, 0.0, 1.0))
+    trajectory, fraction = planner.cartesian("ur_manipulator", [goal], start, eef_step=0.02)
+    assert fraction == 1.0
+    last = dict(zip(trajectory.joints, trajectory.position[-1].tolist(), strict=True))
+    assert planner._kinematics.forward(last, "tool0").position == pytest.approx(
+        goal.position, abs=1e-4
+    )
+    # Once off it, no joint jumps.
+    steps = np.abs(np.diff(trajectory.position, axis=0)).max(axis=1)
+    assert steps.max() <= np.pi / 2
+
+
 def test_a_target_outside_the_limits_is_an_invalid_goal(
     panda: Robot, kinematics: Kinematics, ready: dict[str, float]
 ):

@@ -6,7 +6,7 @@ A move in joint space is straight where that is free, else it leads around what 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -23,6 +23,9 @@ _LIMIT_SLACK = 1e-6  # a target this far past a limit is a rounding error [rad o
 _MAX_WAYPOINTS = 20_000  # of one Cartesian path
 _TURN_STEP = 0.1  # the greatest turn between two points of a Cartesian path [rad]
 _JUMP = 0.8  # a joint that turns further between them has changed branch [rad]
+_LEAVING = 0.5 * math.pi  # how far one may turn to leave the singularity in which a path begins
+_NUDGES = (0.1, -0.1, 0.3, -0.3)  # by which a joint is moved off a singularity [rad or m]
+_Reached = tuple[float, NDArray[np.float64]]  # the furthest move of a joint [rad or m], and where
 
 
 class Planner:
@@ -185,29 +188,51 @@ class Planner:
         targets = _straight_steps([here, *waypoints], eef_step)
         path = [np.array([start[name] for name in names])]
         for target in targets:
-            try:
-                found = self._kinematics.inverse(
-                    group,
-                    target,
-                    link=tip,
-                    seed={**start, **_onward(names, path)},
-                    position_tolerance=1e-6,
-                    orientation_tolerance=1e-5,
-                    restarts=0,
-                )
-            except PlanningError as failure:
-                if failure.failure != "no_ik_solution":
-                    raise
+
+            def reach(guess: NDArray[np.float64], target: Pose = target) -> _Reached | None:
+                seed = {**start, **dict(zip(names, guess.tolist(), strict=True))}
+                return self._reach(group, target, tip, names, seed, path[-1])
+
+            found = reach(_onward(path))
+            if len(path) == 1 and (found is None or found[0] > _JUMP):
+                # Stretched out or with wrist axes in line, a descent leads nowhere or far off.
+                near = [found, *(reach(guess) for guess in _nudged(path[-1]))]
+                found = min((each for each in near if each), key=lambda each: each[0], default=None)
+            if found is None or found[0] > (_LEAVING if len(path) == 1 else _JUMP):
                 break
-            reached = np.array([found[name] for name in names])
-            if float(np.abs(reached - path[-1]).max()) > _JUMP:
-                break
-            path.append(reached)
+            path.append(found[1])
         if avoid_collisions:
             path = path[: self._clearance.free_share(members, start, path)]
         fraction = (len(path) - 1) / len(targets) if targets else 1.0
         limits = self._limits(members, velocity_scaling, acceleration_scaling)
         return JointTrajectory(names, *along_path(np.array(path), *limits)), fraction
+
+    def _reach(
+        self,
+        group: str,
+        target: Pose,
+        tip: str,
+        names: Sequence[str],
+        seed: Mapping[str, float],
+        here: NDArray[np.float64],
+    ) -> _Reached | None:
+        """Return how the joints come from `here` to a pose near by, None where they cannot."""
+        try:
+            found = self._kinematics.inverse(
+                group,
+                target,
+                link=tip,
+                seed=seed,
+                position_tolerance=1e-6,
+                orientation_tolerance=1e-5,
+                restarts=0,
+            )
+        except PlanningError as failure:
+            if failure.failure != "no_ik_solution":
+                raise
+            return None
+        reached = np.array([found[name] for name in names])
+        return float(np.abs(reached - here).max()), reached
 
     def retime(
         self,
@@ -236,10 +261,18 @@ class Planner:
         )
 
 
-def _onward(names: Sequence[str], path: Sequence[NDArray[np.float64]]) -> dict[str, float]:
+def _onward(path: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
     """Return where the joints come if they go on as in the last step: a start near the goal."""
-    guess = 2 * path[-1] - path[-2] if len(path) > 1 else path[-1]
-    return dict(zip(names, guess.tolist(), strict=True))
+    return 2 * path[-1] - path[-2] if len(path) > 1 else path[-1]
+
+
+def _nudged(here: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
+    """Yield positions near by, one joint moved a little in either direction."""
+    for offset in _NUDGES:
+        for joint in range(len(here)):
+            guess = here.copy()
+            guess[joint] += offset
+            yield guess
 
 
 def _scaling(what: str, value: float) -> float:
