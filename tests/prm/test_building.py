@@ -5,7 +5,16 @@ from fractions import Fraction
 import pytest
 
 from tracerisk.errors import ModelError
-from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind, HybridModel, NextStep, Parameter
+from tracerisk.prm import (
+    BasicEvent,
+    FaultTree,
+    Gate,
+    GateKind,
+    HybridModel,
+    MarkovChain,
+    NextStep,
+    Parameter,
+)
 from tracerisk.prm.failure_models import Constant, Exponential
 from tracerisk.prm.fault_tree import HouseEvent
 
@@ -82,6 +91,12 @@ def test_a_tree_may_be_one_event():
 def test_what_makes_no_tree_is_refused_with_its_element(gates, events, message):
     with pytest.raises(ModelError, match=message):
         FaultTree.of("top", gates, events)
+
+
+def test_states_of_a_chain_without_a_row_absorb():
+    chain = MarkovChain.of({"a": {"b": 0.5, "x": 0.5}, "b": {"a": 0.25, "y": 0.5, "x": 0.25}})
+    assert chain == MarkovChain(chain.transitions, ("x", "y"))
+    assert chain.solve("a").absorption()["y"] == pytest.approx(2 / 7, rel=1e-15)
 
 
 PICK = FaultTree.of("pick", {"pick": ("or", "gripper", "motor")}, {"gripper": 7e-8, "motor": 9e-8})

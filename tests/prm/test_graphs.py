@@ -31,7 +31,7 @@ def test_a_fault_tree_is_a_graph_from_its_gates_to_their_inputs():
 
 def test_a_chain_is_a_graph_of_its_transitions():
     pytest.importorskip("networkx", reason="networkx is not installed")
-    graph = graph_of(MarkovChain({"a": {"a": 0.25, "end": 0.75}}, ("end",)))
+    graph = MarkovChain.of({"a": {"a": 0.25, "end": 0.75}}).to_networkx()
     assert graph.edges["a", "end"]["probability"] == 0.75
     assert graph.nodes["end"]["kind"] == "absorbing"
 

@@ -71,7 +71,7 @@ def test_a_chain_is_drawn_with_its_probabilities_and_ways_back():
         {"a": {"b": 0.875, "fail": 0.125}, "b": {"a": 0.5, "done": 0.375, "b": 0.125}},
         ("fail", "done"),
     )
-    words = texts(svg_of(chain))
+    words = texts(chain._repr_svg_())
     assert {"a", "b", "fail", "done", "0.875", "0.5", "0.375", "↻0.125"} <= set(words)
 
 
@@ -81,7 +81,7 @@ def test_of_a_large_chain_the_first_states_are_drawn_and_the_rest_told():
         {f"s{index}": {f"s{(index + 1) % size}": 0.5, "end": 0.5} for index in range(size)},
         ("end",),
     )
-    words = texts(svg_of(chain))
+    words = texts(chain._repr_svg_())
     assert "s99" in words
     assert "201 more states" in words
 
@@ -95,7 +95,7 @@ def test_html_escapes_names_and_tells_the_size(arm):
     assert "<figcaption>&lt;arm&gt;: 2 functions, 2 parameters</figcaption>" in arm._repr_html_()
     assert "Fault tree top: 6 gates, 8 events" in TREE._repr_html_()
     chain = MarkovChain({"a": {"end": 1.0}}, ("end",))
-    assert "1 transient and 1 absorbing states" in html_of(chain)
+    assert "1 transient and 1 absorbing states" in chain._repr_html_()
 
 
 def test_an_assessment_is_shown_by_its_figures_and_shares(arm):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.display import DisplayedGraph
 from tracerisk.prm.markov.solution import ChainSolution
 from tracerisk.prm.markov.solver import solver_of
 from tracerisk.prm.markov.steps import distribution_after
@@ -19,7 +20,7 @@ _ROW_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
-class MarkovChain:
+class MarkovChain(DisplayedGraph):
     """An absorbing chain: a row of transition probabilities per transient state.
 
     `transitions[s][t]` is the probability of going from `s` to `t`, a transient or an absorbing
@@ -38,6 +39,15 @@ class MarkovChain:
             check_targets(state, row, known, "probability")
             _check_sum(state, row)
         check_absorbed(self.transitions, self.absorbing)
+
+    @classmethod
+    def of(cls, rows: Mapping[str, Mapping[str, float]]) -> MarkovChain:
+        """Return the chain whose absorbing states are those that have no row.
+
+        Raises ModelError as the class does.
+        """
+        ends = dict.fromkeys(target for row in rows.values() for target in row)
+        return cls(rows, tuple(name for name in ends if name not in rows))
 
     @staticmethod
     def from_matrix(
