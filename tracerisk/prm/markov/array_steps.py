@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -42,3 +43,27 @@ def power_by_steps(
         if number % _RENORMALISED_EVERY == 0:
             now = now / now.sum()
     return np.asarray(now / now.sum())
+
+
+def weighted_steps(
+    start: Sequence[float],
+    rows: Sequence[Mapping[int, float]],
+    first: int,
+    weights: Sequence[float],
+) -> Array:
+    """Return the sum of the distributions after `first` steps and on, weighed: (n,)."""
+    from scipy.sparse import csr_array
+
+    size = len(rows)
+    sources = np.repeat(np.arange(size), [len(row) for row in rows])
+    targets = np.fromiter((j for row in rows for j in row), dtype=np.int64)
+    values = np.fromiter((p for row in rows for p in row.values()), dtype=np.float64)
+    turned = csr_array((values, (targets, sources)), shape=(size, size))
+    now = np.array(start)
+    for _ in range(first):
+        now = turned @ now
+    total = weights[0] * now
+    for weight in weights[1:]:
+        now = turned @ now
+        total = total + weight * now
+    return np.asarray(total / total.sum())

@@ -51,13 +51,10 @@ def power_of_rows(rows: Rows, entry: int, steps: int) -> list[float]:
 def _step(start: list[float], rows: Rows, steps: int) -> list[float]:
     now = start
     for number in range(1, steps + 1):
-        following = [0.0] * len(now)
-        for mass, row in zip(now, rows, strict=True):
-            if mass:
-                for target, p in row.items():
-                    following[target] += mass * p
-        now = _normalised(following) if number % _RENORMALISED_EVERY == 0 else following
-    return _normalised(now)
+        now = multiplied(now, rows)
+        if number % _RENORMALISED_EVERY == 0:
+            now = normalised(now)
+    return normalised(now)
 
 
 def _square_in_python(start: list[float], rows: Rows, steps: int) -> list[float]:
@@ -75,10 +72,21 @@ def _square_in_python(start: list[float], rows: Rows, steps: int) -> list[float]
 
 def _times(row: Sequence[float], matrix: Sequence[Sequence[float]]) -> list[float]:
     columns = zip(*matrix, strict=True)
-    return _normalised([math.fsum(map(float.__mul__, row, column)) for column in columns])
+    return normalised([math.fsum(map(float.__mul__, row, column)) for column in columns])
 
 
-def _normalised(row: Sequence[float]) -> list[float]:
+def multiplied(now: Sequence[float], rows: Rows) -> list[float]:
+    """Return a distribution after one step."""
+    following = [0.0] * len(now)
+    for mass, row in zip(now, rows, strict=True):
+        if mass:
+            for target, p in row.items():
+                following[target] += mass * p
+    return following
+
+
+def normalised(row: Sequence[float]) -> list[float]:
+    """Return a distribution divided by its sum."""
     total = math.fsum(row)
     return [p / total for p in row]
 
