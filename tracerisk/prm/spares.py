@@ -1,12 +1,15 @@
-"""A group of units with spares, as a small Markov chain over one visit.
+"""A group of like units with spares, as a small Markov chain over one visit.
 
 Source: the models of standby systems of M. Rausand, A. Hoyland, "System Reliability Theory",
-2nd ed. (2004); solved by uniformisation (A. Jensen, 1953), whose terms are all positive.
+2nd ed. (2004). Groups of unlike units, and spares that several groups share, are in
+`tracerisk.prm.dynamic`.
 """
 
 from __future__ import annotations
 
 import math
+
+from tracerisk.prm.failure_chain import FailureChain
 
 
 def spare_group_failure(
@@ -26,29 +29,13 @@ def spare_group_failure(
         # Without failures nothing happens; a unit that fails at once takes every spare with it.
         return p
     rate = -math.log1p(-p)
+    working = required * rate
     spares = units - required
-    working = [required * rate] * (spares + 1)
-    dormant = [(spares - lost) * dormancy * rate for lost in range(spares + 1)]
-    fastest = max(one + other for one, other in zip(working, dormant, strict=True))
-    # The chance of each number of lost units, and of a failed group, after so many events.
-    chance = [1.0] + [0.0] * spares
-    failed = 0.0
-    weight, total, count = math.exp(-fastest), 0.0, 0
-    while True:
-        total += weight * failed
-        # Past its peak what is left of the series is below the next weight times a small factor.
-        if count > fastest + spares + 1 and weight <= 1e-18 * total:
-            return min(total, 1.0)
-        following = [0.0] * (spares + 1)
-        for lost, now in enumerate(chance):
-            take_over = working[lost] * (1.0 - switch) + dormant[lost]
-            break_down = working[lost] * switch
-            if lost == spares:
-                take_over, break_down = 0.0, working[lost]
-            else:
-                following[lost + 1] += now * take_over / fastest
-            failed += now * break_down / fastest
-            following[lost] += now * (1.0 - (take_over + break_down) / fastest)
-        chance = following
-        count += 1
-        weight *= fastest / count
+    # State 0 is the failed group, state 1 + k that with k units lost.
+    transitions = [(1 + spares, 0, working)]
+    for lost in range(spares):
+        dormant = (spares - lost) * dormancy * rate
+        transitions.append((1 + lost, 2 + lost, working * (1.0 - switch) + dormant))
+        transitions.append((1 + lost, 0, working * switch))
+    chain = FailureChain(spares + 2, ((1, 1.0),), tuple(transitions))
+    return chain.failed_by(1.0).p

@@ -6,7 +6,7 @@ from itertools import product
 from math import prod
 
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.dynamic.absorption import FailureChain
+from tracerisk.prm.failure_chain import FailureChain
 from tracerisk.prm.dynamic.layout import FAILED, SAFE, Layout
 from tracerisk.prm.dynamic.semantics import after_failure, is_in_service, start
 

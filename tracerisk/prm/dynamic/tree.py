@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.dynamic.absorption import FailureChain
+from tracerisk.prm.failure_chain import FailureChain
 from tracerisk.prm.dynamic.elements import (
     Dependency,
     DynamicEvent,
