@@ -65,6 +65,21 @@ def test_of_two_robots_the_one_that_the_controller_names_is_taken(tmp_path):
     assert chosen(script).robot.name == "other"
 
 
+@pytest.mark.parametrize("has_groups", [True, False])
+def test_the_only_robot_is_not_that_of_another_packages_tests(tmp_path, has_groups):
+    folder, script = workspace(tmp_path, "pass\n")
+    (folder / "test").mkdir()
+    (folder / "test" / "tiny.urdf").write_text(texts.RATED)
+    if has_groups:
+        (folder / "test" / "tiny.srdf").write_text(texts.SRDF)
+    assert chosen(script).robot.name == "generic"
+    # A script of these tests drives it, and so does one that names it.
+    (folder / "test" / "pick.py").write_text("pass\n")
+    assert chosen(folder / "test" / "pick.py").robot.name == "tiny"
+    script.write_text('joint = "shoulder"\n')
+    assert chosen(script).robot.name == "tiny"
+
+
 def test_xacro_finds_the_packages_of_the_workspace(tmp_path):
     folder, script = workspace(tmp_path)
     (folder / "parts.xacro").write_text(texts.RATED)

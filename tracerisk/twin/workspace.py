@@ -28,6 +28,7 @@ _MOST_EXPANDED = 8  # xacro files a controller; each costs up to a second
 _NOT_SEARCHED = frozenset(
     {"build", "devel", "install", "log", "node_modules", "__pycache__", "venv"}
 )
+_TESTS = frozenset({"test", "tests"})
 _FITS = 0.6  # the share of an SRDF's names that its URDF must have
 _ROBOT_NAME = re.compile(r"<robot\b[^>]*\bname\s*=\s*[\"']([^\"']+)[\"']", re.DOTALL)
 _XACRO_ARGUMENT = re.compile(r"(\w+):=(\S+)")
@@ -81,7 +82,7 @@ def find_workspace_robot(
     `packages` are the ROS packages that xacro files may find, `strings` those of the controller:
     of several robots the one is taken whose names the controller uses most, then the one that is
     nearest to the script. A robot of which the controller names nothing is taken only if it is
-    the only one.
+    the only one; one of tests is not, unless the script is of them too.
     """
     search = _Search(tuple(roots), packages, strings, script)
     return search.run()
@@ -138,10 +139,10 @@ class _Search:
             except RobotError as error:
                 self._skip(file, error)
         ranked = sorted(read, key=lambda each: self._srdf_rank(*each))
-        only = len({srdf.name for _, srdf in read}) == 1
+        only = len({srdf.name for file, srdf in read if not self._is_of_tests(file)}) == 1
         for file, srdf in ranked:
             speaks = sorted((srdf.words & self._words) - _SAYS_NOTHING)
-            if not speaks and not only:
+            if not speaks and (not only or self._is_of_tests(file)):
                 self._skipped.append(f"{file.shown}: the controller names nothing of it")
                 continue
             why = f"names {', '.join(speaks[:4])}" if speaks else "it is the only one"
@@ -226,8 +227,9 @@ class _Search:
     def _from_urdf(
         self, _srdf_files: list[_File], urdf_files: list[_File]
     ) -> tuple[Robot, str, tuple[_File, ...]] | None:
-        only = len({file.robot_name for file in urdf_files}) == 1
+        names_of = {file.robot_name for file in urdf_files if not self._is_of_tests(file)}
         for file in sorted(urdf_files, key=self._rank):
+            only = len(names_of) == 1 and not self._is_of_tests(file)
             speaks = sorted((file.words & self._words) - _SAYS_NOTHING)
             if not speaks and not only and not self._is_named(file):
                 continue
@@ -244,6 +246,13 @@ class _Search:
             completed = named_as_ours(completed_as_ours(robot))
             return completed, f"{file.shown} in the workspace ({why})", (file,)
         return None
+
+    def _is_of_tests(self, file: _File) -> bool:
+        """Tell whether a file belongs to tests of which the script is none."""
+        return any(
+            folder.name in _TESTS and not self._script.is_relative_to(folder)
+            for folder in file.path.resolve().parents
+        )
 
     def _is_named(self, file: _File) -> bool:
         return bool({file.robot_name, file.stem} & self._words)
