@@ -187,8 +187,8 @@ class BayesianNetwork:
     ) -> tuple[Case, ...]:
         """Return the joint states of the conditions that bear on some parameters.
 
-        Whatever is linear in probabilities, a top event, an event tree's outcome or the failure
-        of a mission, is the sum over these cases of its value times the case's probability.
+        Any probability, of a top event, an event tree's outcome or a mission's failure, is the
+        sum of its values in these cases, weighed by their probabilities.
         Parameters that no event of the network names are left to the caller.
         Raises as `joint` does, and ModelError when a failure model needs the mission's length.
         """
