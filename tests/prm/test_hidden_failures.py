@@ -240,6 +240,22 @@ def test_a_group_that_one_function_renews_and_another_does_not_stays_failed(bloc
     assert failure(model) == close((1 - Fraction(3, 4) ** 2) ** 2)
 
 
+def test_a_function_that_counts_one_unit_of_a_group_uses_the_first(block, component):
+    p = Fraction(1, 4)
+    model = build_model(
+        [
+            block("a", 1, (component("power", 0.25, 2, "true"),)),
+            block("b", 2, (component("power", 0.25, 1), component("gripper", 0.0))),
+        ],
+        name="m",
+    )
+    assert [event.name for event in model.states[1].tree.events] == ["power[1]", "gripper"]
+    # The second function fails whenever the first unit has failed by then.
+    assert failure(model) == close(1 - (1 - p) ** 2)
+    first, second = solve(model).states
+    assert (first.top_event, second.components[0].units) == (close(p**2), 1)
+
+
 def _state(tree, names=("a",)):
     values = dict.fromkeys(tree.parameters, 0.125)
     return FunctionState("s", 1, tree, values, (NextStep("done", Fraction(1)),))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from typing import NoReturn
 
@@ -69,9 +70,14 @@ def model_of_states(
     function is the same failed unit in every other, however often a group is renewed there.
     """
     latent: dict[str, None] = {}
+    groups = set()
     for each in components:
-        if not each.omitted:
-            latent |= dict.fromkeys(latent_units(each))
+        units = () if each.omitted else latent_units(each)
+        if units:
+            latent |= dict.fromkeys(units)
+            groups.add(each.name)
+    if groups:
+        states = [_with_first_units(state, groups) for state in states]
     return HybridModel(name, entry, tuple(states), _parameters(states), tuple(latent))
 
 
@@ -111,6 +117,25 @@ def component_tree(function: str, components: Sequence[ComponentEntry]) -> Fault
     # A blank keeps the top's name apart from that of any component.
     top = Gate(f"{function} fails", GateKind.OR, tuple(inputs))
     return FaultTree(top.name, (top, *gates), tuple(events))
+
+
+def _with_first_units(state: FunctionState, groups: Collection[str]) -> FunctionState:
+    """Return the state with the first unit of a group where it counts one unit of it only."""
+    single = {event.name for event in state.tree.events if event.name in groups}
+    if not single:
+        return state
+    tree = FaultTree(
+        state.tree.top,
+        (
+            *state.tree.gates,
+            *(Gate(name, GateKind.OR, (f"{name}[1]",)) for name in sorted(single)),
+        ),
+        tuple(
+            replace(event, name=f"{event.name}[1]") if event.name in single else event
+            for event in state.tree.events
+        ),
+    )
+    return replace(state, tree=tree)
 
 
 def _parameters(states: Sequence[FunctionState]) -> tuple[Parameter, ...]:

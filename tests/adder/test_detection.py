@@ -1,0 +1,101 @@
+"""When hidden failures are detected: from the hardware description into blocks."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from tracerisk.adder.computed import compute_blocks
+from tracerisk.errors import HardwareError
+from tracerisk.hardware.reader import read_hardware
+from tracerisk.trace import Cycle, FunctionRef, QualifiedName, RunEnd, Trace, TracedFunction, Visit
+
+PLACE = FunctionRef("cell.py", QualifiedName("place"))
+
+
+def trace_of(*durations: float | None, cycle: Cycle | None = None) -> Trace:
+    return Trace(
+        controller="cell.py",
+        robot="panda",
+        scene="bench",
+        end=RunEnd("ended", "returned", 1.0),
+        elements=(),
+        functions=(TracedFunction(PLACE, 1, 1),),
+        visits=tuple(Visit(PLACE, 0.0, seconds, "done", {}) for seconds in durations),
+        cycle=cycle,
+    )
+
+
+@pytest.fixture
+def power(tmp_path):
+    """Compute the entry of a redundant power system, and the assumptions told of it."""
+
+    def make(trace, detected="", figure="{value: 0.125, per: hour}"):
+        path = tmp_path / "hardware.yaml"
+        path.write_text(
+            "components:\n"
+            f"  power: {{probability: {figure}, quantity: 2, redundancy: true, active: always"
+            f"{detected}}}\n"
+        )
+        hardware = read_hardware(path, shown="hardware.yaml")
+        computed = compute_blocks(trace, hardware, active="moving+holding")
+        (entry,) = computed.blocks[PLACE].components
+        return entry, computed.assumptions
+
+    return make
+
+
+def test_a_block_says_only_what_is_not_the_default(power):
+    trace = trace_of(60.0)
+    assert power(trace)[0].redundancy.text == "true"
+    assert power(trace, ", detected: mission_start")[0].redundancy.text == "true"
+    entry, _ = power(trace, ", detected: each_visit")
+    assert entry.redundancy.text == "true, detected each_visit"
+    assert entry.redundancy.value.detected == "each_visit"
+    # Figures per visit are the published reading.
+    assert power(trace, figure="0.125")[0].redundancy.text == "true, detected each_visit"
+
+
+def test_visits_of_unequal_length_weigh_as_the_hidden_failures_do(power):
+    # Over both visits a unit survives 4 minutes, 2 a visit; renewed, the longer visit weighs more.
+    trace = trace_of(60.0, 180.0)
+    two_minutes = -math.expm1(math.log1p(-0.125) / 30)
+    assert power(trace)[0].probability.value == pytest.approx(two_minutes, rel=1e-3)
+    renewed = power(trace, ", detected: each_visit")[0].probability.value
+    assert renewed == pytest.approx(two_minutes * math.sqrt((1 + 9) / 8), rel=5e-3)
+
+
+TESTED = ", detected: {test_interval: 0.1, per: hour}"
+
+
+@pytest.mark.parametrize(
+    "trace",
+    [
+        trace_of(360.0),
+        trace_of(100.0, 100.0, 200.0),
+        # The cycle of 60 s comes six times in a mission, as often as it was seen in the run.
+        trace_of(1.0, 60.0, 60.0, 60.0, cycle=Cycle(1, 1, 6)),
+    ],
+)
+def test_tests_within_the_mission_are_left_out_and_told(power, trace):
+    entry, assumptions = power(trace, TESTED)
+    assert entry.redundancy.text == "true"
+    (line,) = assumptions
+    assert line.startswith("power: tests within the mission are not counted")
+
+
+@pytest.mark.parametrize(
+    ("trace", "found"),
+    [
+        (trace_of(359.0), "longer than the mission of 359 s"),
+        (trace_of(1.0, 60.0, 60.0, 60.0, cycle=Cycle(1, 1, 5)), "longer than the mission of 301 s"),
+        (trace_of(None), "longer than the time of a mission, which this trace does not tell"),
+    ],
+)
+def test_a_test_rarer_than_missions_is_an_error_that_says_what_to_write(power, trace, found):
+    with pytest.raises(HardwareError) as caught:
+        power(trace, TESTED, figure="0.125")
+    assert str(caught.value).startswith("hardware.yaml:2")
+    assert found in str(caught.value)
+    assert "write 'detected: mission_start'" in str(caught.value)
