@@ -12,7 +12,21 @@ from tracerisk.prm.solve import solve
 
 if TYPE_CHECKING:
     from tracerisk.prm.bayes import BayesianNetwork, Given
+    from tracerisk.prm.common_cause import (
+        CommonCauseGroup,
+        CommonCauseLaw,
+        expand_common_cause,
+    )
     from tracerisk.prm.cut_sets import CutSet, CutSets, minimal_cut_sets, prime_implicants
+    from tracerisk.prm.dynamic import (
+        Dependency,
+        DynamicEvent,
+        DynamicGate,
+        DynamicKind,
+        DynamicTree,
+        Restriction,
+        RestrictionKind,
+    )
     from tracerisk.prm.event_tree import EventTree
     from tracerisk.prm.failure_models import (
         GLM,
@@ -31,9 +45,16 @@ __all__ = [
     "Assessment",
     "BasicEvent",
     "BayesianNetwork",
+    "CommonCauseGroup",
+    "CommonCauseLaw",
     "Constant",
     "CutSet",
     "CutSets",
+    "Dependency",
+    "DynamicEvent",
+    "DynamicGate",
+    "DynamicKind",
+    "DynamicTree",
     "Erlang",
     "EventTree",
     "Exponential",
@@ -49,33 +70,54 @@ __all__ = [
     "Parameter",
     "PerDemand",
     "PeriodicTest",
+    "Restriction",
+    "RestrictionKind",
     "Weibull",
     "build_model",
+    "expand_common_cause",
     "minimal_cut_sets",
     "prime_implicants",
     "solve",
 ]
 
-_ON_DEMAND = {
-    "BayesianNetwork": "bayes",
-    "CutSet": "cut_sets",
-    "CutSets": "cut_sets",
-    "EventTree": "event_tree",
-    "Given": "bayes",
-    "minimal_cut_sets": "cut_sets",
-    "prime_implicants": "cut_sets",
-} | dict.fromkeys(
-    (
-        "GLM",
-        "Constant",
-        "Erlang",
-        "Exponential",
-        "Lognormal",
-        "PerDemand",
-        "PeriodicTest",
-        "Weibull",
-    ),
-    "failure_models",
+_ON_DEMAND = (
+    {
+        "BayesianNetwork": "bayes",
+        "CommonCauseGroup": "common_cause",
+        "CommonCauseLaw": "common_cause",
+        "CutSet": "cut_sets",
+        "CutSets": "cut_sets",
+        "EventTree": "event_tree",
+        "Given": "bayes",
+        "expand_common_cause": "common_cause",
+        "minimal_cut_sets": "cut_sets",
+        "prime_implicants": "cut_sets",
+    }
+    | dict.fromkeys(
+        (
+            "GLM",
+            "Constant",
+            "Erlang",
+            "Exponential",
+            "Lognormal",
+            "PerDemand",
+            "PeriodicTest",
+            "Weibull",
+        ),
+        "failure_models",
+    )
+    | dict.fromkeys(
+        (
+            "Dependency",
+            "DynamicEvent",
+            "DynamicGate",
+            "DynamicKind",
+            "DynamicTree",
+            "Restriction",
+            "RestrictionKind",
+        ),
+        "dynamic",
+    )
 )
 """The modules of names that most programs do not use: imported when they are."""
 
