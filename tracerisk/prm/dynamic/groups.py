@@ -23,9 +23,15 @@ def find_groups(tree: DynamicTree) -> dict[str, tuple[str, ...]]:
 
     The parts are disjoint, and as small as they can be.
     """
+    ties = tree.ties
+    seeds: list[tuple[str, ...]] = [
+        (gate.name,) for gate in tree.gates if isinstance(gate, DynamicGate)
+    ]
+    seeds += [tie.inputs for tie in ties]
+    if not seeds:
+        return {}
     inputs = {gate.name: gate.inputs for gate in tree.gates}
     above, depth = _dominators(tree, inputs)
-    ties = tree.ties
     links = {name: list(below) for name, below in inputs.items()}
     for tie in ties:
         for name in tie.inputs:
@@ -35,10 +41,6 @@ def find_groups(tree: DynamicTree) -> dict[str, tuple[str, ...]]:
             # Tied to the tree from the side: the dominators do not see it.
             for name in gate.inputs:
                 links.setdefault(name, []).append(gate.name)
-    seeds: list[tuple[str, ...]] = [
-        (gate.name,) for gate in tree.gates if isinstance(gate, DynamicGate)
-    ]
-    seeds += [tie.inputs for tie in ties]
     groups: dict[str, tuple[str, ...]] = {}
     for seed in seeds:
         if any(set(seed) <= {top, *members} for top, members in groups.items()):
