@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +10,7 @@ from tracerisk.errors import TooLargeError
 from tracerisk.prm.bdd.kernel import OUT_OF_NODES
 from tracerisk.prm.bdd.logic import LogicGraph
 from tracerisk.prm.bdd.modules import Module
-from tracerisk.prm.bdd.orders import orders
+from tracerisk.prm.bdd.orders import Order, drawn_orders, walked_orders
 from tracerisk.prm.bdd.speed import PLAIN, Loops, compiled_loops
 
 
@@ -18,15 +18,15 @@ from tracerisk.prm.bdd.speed import PLAIN, Loops, compiled_loops
 class Limits:
     """What the exact solution of a tree that shares events may use.
 
-    `nodes` are the budgets of nodes for one module's diagram, tried in turn, each with every
-    order of variables; a node takes about 40 bytes while the diagram is built.
+    `nodes` are the budgets of nodes for one module's diagram, tried in turn with several orders
+    of its events; a node takes about 40 bytes while the diagram is built.
     `plain_nodes` is the budget up to which numba is not needed, `pairs` the most pairs of nodes
     kept for a difference, 16 bytes each, and `samples_bytes` what the sweep of many samples holds
     at once.
-    `skip_orders` leaves out the first orders, which gives a second diagram to check a first by.
+    `skip_orders` leaves out the first walks, which gives a second diagram to check a first by.
     """
 
-    nodes: tuple[int, ...] = (20_000, 200_000, 2_000_000, 20_000_000)
+    nodes: tuple[int, ...] = (20_000, 100_000, 500_000, 2_500_000, 12_000_000, 25_000_000)
     plain_nodes: int = 2_000
     pairs: int = 1 << 24
     samples_bytes: int = 1 << 26
@@ -195,26 +195,56 @@ class Diagram:
 def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LIMITS) -> Diagram:
     """Return a module's diagram, by the first order that fits the least budget that any fits.
 
-    Raises TooLargeError when none does.
+    The first budget is given to the orders by walks, the next also to those by FORCE; after
+    that the orders that came farthest go first, and half of them, but two at least, go on.
+    Raises TooLargeError when none fits the last budget.
     """
-    tried = list(orders(graph, module))
-    kept = tried[limits.skip_orders :] or tried[-1:]
-    first = _local(graph, module, kept[0][1])
-    if limits.plain_nodes and (found := _built(first, limits.plain_nodes, PLAIN)):
-        return found
+    walked = dict(walked_orders(graph, module))
+    for skipped in list(walked)[: min(limits.skip_orders, len(walked) - 1)]:
+        del walked[skipped]
+    if limits.plain_nodes:
+        first = next(iter(walked.values()))
+        found, _ = _built(_local(graph, module, first), limits.plain_nodes, PLAIN)
+        if found is not None:
+            return found
     loops = compiled_loops()
-    locals_of = {name: _local(graph, module, order) for name, order in kept}
-    for budget in limits.nodes:
-        for name, _ in kept:
-            if found := _built(locals_of[name], budget, loops):
+    trials = _trials(graph, module, walked)
+    tried = set(trials)
+    for number, budget in enumerate(limits.nodes):
+        if number == 1:
+            drawn = dict(drawn_orders(graph, module))
+            trials |= _trials(graph, module, drawn, known=walked.values())
+            tried |= set(trials)
+        reached = {}
+        for name, local in trials.items():
+            found, reached[name] = _built(local, budget, loops)
+            if found is not None:
                 return found
-    names = ", ".join(locals_of)
+        if number:
+            ranked = sorted(trials, key=lambda name: -reached[name])
+            trials = {name: trials[name] for name in ranked[: max(2, len(ranked) // 2)]}
     raise TooLargeError(
         f"a part of {len(module.inputs)} events and {len(module.gates)} gates that share them "
-        f"outgrew every budget of its decision diagram: {max(limits.nodes, default=0)} nodes in "
-        f"each of {len(kept)} orders of the events ({names}); give larger budgets "
+        f"outgrew every budget of its decision diagram: {', '.join(map(str, limits.nodes))} nodes "
+        f"with {len(tried)} orders of the events ({'; '.join(sorted(tried))}); give larger budgets "
         "(Limits.nodes), or divide the tree"
     )
+
+
+def _trials(
+    graph: LogicGraph,
+    module: Module,
+    named: Mapping[str, Order],
+    known: Iterable[Order] = (),
+) -> dict[str, _Local]:
+    """Return what is needed to build with each order, equal orders once."""
+    seen = set(known)
+    trials = {}
+    for name, order in named.items():
+        if order not in seen:
+            seen.add(order)
+            trials[name] = _local(graph, module, order)
+    return trials
 
 
 @dataclass(frozen=True, slots=True)
@@ -240,8 +270,8 @@ def _local(graph: LogicGraph, module: Module, order: tuple[int, ...]) -> _Local:
     return _Local(order, offsets, literals)
 
 
-def _built(local: _Local, budget: int, loops: Loops) -> Diagram | None:
-    """Return the diagram, or nothing when it outgrows the budget."""
+def _built(local: _Local, budget: int, loops: Loops) -> tuple[Diagram | None, int]:
+    """Return the diagram, or nothing when it outgrows the budget, and how many gates are done."""
     levels = len(local.order)
     level, low, high = (loops.integers(budget) for _ in range(3))
     used = loops.integers(2)
@@ -259,14 +289,14 @@ def _built(local: _Local, budget: int, loops: Loops) -> Diagram | None:
         used,
     )
     if root == OUT_OF_NODES:
-        return None
+        return None, int(used[1])
     count = int(used[0])
     number = loops.integers(count)
     kept = loops.compact(root, count, level, low, high, number)
     # The root is the last of those kept: nothing below it stands after it.
     root = 2 * (kept - 1) + (root & 1)
     level, low, high = (loops.listed(sequence[:kept]) for sequence in (level, low, high))
-    return Diagram(local.order, root, level, low, high, loops)
+    return Diagram(local.order, root, level, low, high, loops), int(used[1])
 
 
 def _power_of_two(least: int) -> int:

@@ -49,7 +49,7 @@ def build(
     table: (power of two, over budget) zeros, the hash table of the nodes.
     cache: (3 times a power of two) zeros, the results of conjunctions: f, g, result.
     frames: (6 (levels + 2)) the stack.
-    used: (1) out, how many nodes were made.
+    used: (2) out, how many nodes were made, and how many gates are done.
     """
     budget = len(level)
     table_mask = len(table) - 1
@@ -60,6 +60,7 @@ def build(
     count = 1
     for gate in range(len(offsets) - 1):
         joined = 0
+        used[1] = gate
         for place in range(offsets[gate], offsets[gate + 1]):
             literal = literals[place]
             item = literal >> 1
@@ -198,6 +199,7 @@ def build(
                 break
         edges[gate] = joined
     used[0] = count
+    used[1] = len(offsets) - 1
     return int(edges[len(offsets) - 2])
 
 
