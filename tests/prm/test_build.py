@@ -286,6 +286,21 @@ def test_units_that_must_work_and_common_causes(
     assert state.top_event == pytest.approx(expected, rel=1e-14)
 
 
+@pytest.mark.parametrize(
+    ("quantity", "required"),
+    [(quantity, required) for quantity in range(2, 7) for required in range(1, quantity + 1)],
+)
+def test_units_that_must_work_keep_their_digits_when_rare(block, component, quantity, required):
+    """Against every state of the units, in exact rationals: 3 of 4 and 1 of n among them."""
+    p, expected = Fraction(6.674e-08), Fraction(0)
+    for state in itertools.product((False, True), repeat=quantity):
+        if quantity - sum(state) < required:
+            expected += math.prod((p if failed else 1 - p for failed in state), start=Fraction(1))
+    unit = component("unit", 6.674e-08, quantity, f"required {required}")
+    (found,) = solve(build_model([block("a", 1, (unit,))], name="m")).states
+    assert found.top_event == pytest.approx(float(expected), rel=1e-14, abs=0)
+
+
 def test_a_common_cause_of_a_rare_failure_keeps_its_digits(block, component):
     pair = component("power", 6.674e-08, 2, "true, common_cause 0.1")
     (state,) = solve(build_model([block("a", 1, (pair,))], name="m")).states

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import random
 import re
+from pathlib import Path
 
 import pytest
 
 from tracerisk.errors import ModelError
-from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind
+from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind, build_model
 from tracerisk.prm.dynamic import (
     Dependency,
     DynamicEvent,
@@ -29,6 +30,8 @@ from tracerisk.prm.failure_models import (
 )
 from tracerisk.prm.fault_tree import HouseEvent
 from tracerisk.prm.formats import galileo
+
+DOCS = Path(__file__).parents[3] / "docs" / "formats.md"
 
 TEXT = """\
 /* A pump with a spare,
@@ -81,6 +84,14 @@ def test_text_is_read_with_all_its_kinds():
         ),
         (Restriction("Order", RestrictionKind.SEQUENCE, ("S2", "S3")),),
     )
+
+
+def test_the_documented_text_is_read_and_solved():
+    documented = re.findall(r"```text\n(toplevel.*?)```", DOCS.read_text(), re.DOTALL)
+    assert len(documented) == 1
+    found = galileo.loads(documented[0], "docs/formats.md")
+    assert [event.name for event in found.static_tree().events] == ["V1", "V2", "V3", "Pumps"]
+    assert 3e-4 < found.probability(10.0).p < 5e-4
 
 
 def test_what_was_written_reads_back_the_same():
@@ -176,6 +187,16 @@ def test_a_model_without_a_word_is_written_for_a_mission():
     )
     with pytest.raises(ModelError, match="event 'e': Galileo has no word for PeriodicTest; give a"):
         galileo.dumps(made)
+
+
+def test_the_published_case_keeps_its_figures(case_study):
+    model = build_model(case_study, name="case study")
+    for state in model.states:
+        text = galileo.dumps(state.tree, state.probabilities)
+        found = galileo.loads(text, state.name).probability(1.0)
+        expected = state.tree.probability(state.probabilities)
+        assert found.p == pytest.approx(expected.p, rel=1e-15)
+        assert found.q == pytest.approx(expected.q, rel=1e-15)
 
 
 @pytest.mark.parametrize(
