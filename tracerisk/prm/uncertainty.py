@@ -28,6 +28,15 @@ PERCENTILES = (5.0, 50.0, 95.0)
 
 
 @dataclass(frozen=True, slots=True)
+class UncertainInput:
+    """A parameter that is drawn: its point value, its distribution, whether it ends at one."""
+
+    value: float
+    distribution: Distribution
+    is_probability: bool = True
+
+
+@dataclass(frozen=True, slots=True)
 class InputShare:
     """An uncertain parameter: its point value, its percentiles, its share in the result's spread.
 
@@ -96,14 +105,14 @@ def propagate(
     for name, distribution in (distributions or {}).items():
         for parameter in parameters_of(model, name):
             given[parameter.name] = distribution
-    inputs: dict[str, tuple[float, Distribution]] = {}
+    inputs: dict[str, UncertainInput] = {}
     shares: dict[str, dict[str, float]] = {}
     for name, parts in groups_of(model).items():
         stated = (given.get(part.name, part.distribution) for part in parts)
         known = next((each for each in stated if each is not None), None)
         if known is not None:
             value = math.fsum(part.theta for part in parts)
-            inputs[name] = (value, known)
+            inputs[name] = UncertainInput(value, known)
             shares[name] = {
                 part.name: part.theta / value if value > 0.0 else 1.0 / len(parts) for part in parts
             }
@@ -125,13 +134,12 @@ def propagate(
 def spread_of(
     figure: Callable[[Mapping[str, Samples]], Samples],
     point: float,
-    inputs: Mapping[str, tuple[float, Distribution]],
+    inputs: Mapping[str, UncertainInput],
     *,
     samples: int,
     seed: int,
-    are_probabilities: bool = True,
 ) -> Uncertainty:
-    """Draw `inputs` (point value, distribution) and return the spread of a figure of them.
+    """Draw `inputs` and return the spread of a figure of them.
 
     `figure` takes an array of values per input, (n,) each, and returns (n,).
     Raises ModelError when there are no inputs, or `samples` is below 2.
@@ -148,22 +156,23 @@ def spread_of(
     uniform = latin_hypercube(samples, tuple(inputs), seed)
     drawn: dict[str, Samples] = {}
     cut: dict[str, int] = {}
-    for name, (value, distribution) in inputs.items():
-        found = distribution.quantiles(uniform[name], value)
-        cut[name] = int((found > 1.0).sum()) if are_probabilities else 0
-        drawn[name] = np.minimum(found, 1.0) if are_probabilities else found
+    for name, each in inputs.items():
+        found = each.distribution.quantiles(uniform[name], each.value)
+        cut[name] = int((found > 1.0).sum()) if each.is_probability else 0
+        drawn[name] = np.minimum(found, 1.0) if each.is_probability else found
     results = figure(drawn)
     shares = first_order_shares(np.column_stack(list(drawn.values())), results)
-    scale = float(results.max()) or 1.0
+    # Scaled by the largest, for the squares of 1e-200 are no numbers.
+    scale = float(np.abs(results).max()) or 1.0
     found_inputs = [
         InputShare(
             name=name,
-            value=value,
+            value=each.value,
             percentiles=_percentiles(drawn[name]),
             share=float(share),
             cut=cut[name],
         )
-        for (name, (value, _)), share in zip(inputs.items(), shares, strict=True)
+        for (name, each), share in zip(inputs.items(), shares, strict=True)
     ]
     found_inputs.sort(key=lambda each: (-each.share, each.name))
     return Uncertainty(

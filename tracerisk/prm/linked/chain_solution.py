@@ -15,6 +15,7 @@ from tracerisk.prm.linked.occupancy import (
     Occupied,
     Place,
     Steps,
+    check_steps,
     poisson_weights,
     uniformised,
 )
@@ -253,6 +254,7 @@ class SolvedChain:
                 or {index[state]: 1.0}
                 for state, row in zip(index, given, strict=True)
             ]
+            check_steps(link.steps or 0, rows)
             weights = [0.0] * (link.steps or 0) + [1.0]
             scales = {state: 1.0 / total for state, total in self._totals.items()}
         else:
@@ -262,6 +264,7 @@ class SolvedChain:
                     rates[index[state]][index[target]] = self._inputs[place].p
             rows, each = uniformised(rates, self._fastest if pace is None else pace)
             time_h = self._mission_time_h if link.time_h is None else link.time_h
+            check_steps(each * time_h, rows)
             weights = poisson_weights(each * time_h, len(index))
             scales = dict.fromkeys(self._made.rows, 1.0 / each)
         places: list[Place] = [Place(0, 0, {}, 0.0)] * len(self._inputs)

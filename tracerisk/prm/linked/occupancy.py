@@ -16,10 +16,11 @@ from tracerisk.errors import TooLargeError
 from tracerisk.prm.linked.rules import apart
 from tracerisk.prm.probability import Probability
 
-_SPARE = 1.25
+SPARE = 1.25
 """Lambda over the greatest rate of leaving: no state's probability of staying is a small rest."""
 _NEGLIGIBLE = 1e-80
-_MOST_NUMBERS = 20_000_000
+_MOST_NUMBERS = 5_000_000
+"""How many numbers may be held: steps times states and transitions."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,12 +51,6 @@ class Occupied:
     """The probability of being in the targets, with all that its derivatives need."""
 
     def __init__(self, steps: Steps) -> None:
-        numbers = len(steps.weights) * (len(steps.rows) + sum(len(row) for row in steps.rows))
-        if numbers > _MOST_NUMBERS:
-            raise TooLargeError(
-                f"{len(steps.weights)} steps of {len(steps.rows)} states; allowed are about "
-                f"{_MOST_NUMBERS:.0e} steps times transitions: give a shorter time, or slower rates"
-            )
         self._steps = steps
         self._forward = _forward(steps)
         self._backward: list[list[Probability]] | None = None
@@ -146,6 +141,16 @@ def _forward(steps: Steps) -> list[list[float]]:
     return found
 
 
+def check_steps(count: float, rows: Sequence[Mapping[int, float]]) -> None:
+    """Raise TooLargeError when so many steps of a chain are more than can be held."""
+    numbers = count * (len(rows) + sum(len(row) for row in rows))
+    if numbers > _MOST_NUMBERS:
+        raise TooLargeError(
+            f"about {count:.3g} steps of {len(rows)} states; allowed are {_MOST_NUMBERS:.0e} "
+            "numbers, steps times states and transitions: give a shorter time, or slower rates"
+        )
+
+
 def poisson_weights(mean: float, least: int) -> list[float]:
     """Return the probabilities of 0, 1, 2... events, up to those that are negligible.
 
@@ -171,7 +176,7 @@ def uniformised(
 
     `fastest` is the greatest rate of leaving that Lambda must exceed.
     """
-    pace = _SPARE * fastest if fastest > 0.0 else 1.0
+    pace = SPARE * fastest if fastest > 0.0 else 1.0
     rows = []
     for state, row in enumerate(rates):
         stay = (pace - math.fsum(row.values())) / pace
