@@ -257,6 +257,22 @@ def test_a_topic_on_which_nobody_publishes_is_told_when_a_node_only_spins(exampl
     assert outcome.json["trace"]["end"]["cause"] == "no_motion"
 
 
+def test_what_is_lacking_is_told_when_the_controller_takes_down_its_node_at_its_end(example):
+    example.write(
+        "listen.py",
+        "import rclpy\nfrom std_msgs.msg import String\n\nrclpy.init()\n"
+        'node = rclpy.create_node("listener")\n'
+        'parts = node.create_subscription(String, "/part", print, 1)\n'
+        "try:\n    rclpy.spin(node)\n"
+        "finally:\n    node.destroy_subscription(parts)\n    node.destroy_node()\n"
+        "    rclpy.shutdown()\n",
+    )
+    outcome = example.run("trace", "listen.py", "--robot", "panda")
+    assert outcome.code == 4
+    assert "nothing provides messages on /part (std_msgs/String), asked for at" in outcome.err
+    assert "- topic: /part" in outcome.err
+
+
 def test_a_loop_that_only_waits_stops_after_a_minute(example):
     example.write("c.py", LISTENER + POLL)
     outcome = example.run("run", "c.py", "--json")
