@@ -1,0 +1,298 @@
+"""Explicit files of transitions (.tra) and labels (.lab), as Storm and PRISM read them.
+
+Storm: the kind of chain on the first line; labels by `#DECLARATION` and `#END`.
+PRISM (manual, appendix "Explicit Model Files"): the numbers of states and transitions on the
+first line; labels by numbers, `0="init"`. Reading tells them apart by themselves.
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+import re
+from collections.abc import Iterator
+
+from tracerisk.errors import Location, ModelError, TooLargeError
+from tracerisk.prm.formats.explicit_chain import (
+    INITIAL,
+    ChainKind,
+    ExplicitChain,
+    names_from_labels,
+)
+
+MOST_STATES = 10_000_000
+_DECLARED = re.compile(r'(\d+)="([^"]+)"')
+
+
+class Dialect(enum.Enum):
+    """Whose files."""
+
+    STORM = "storm"
+    PRISM = "prism"
+
+
+def write_transitions(chain: ExplicitChain, dialect: Dialect = Dialect.STORM) -> str:
+    """Return the text of a .tra file; each number reads back to the same bits.
+
+    An absorbing state leads to itself with 1, as both tools ask.
+    """
+    rows = [
+        sorted((t, p) for t, p in row.items() if p > 0.0) or [(state, 1.0)]
+        for state, row in enumerate(chain.rows)
+    ]
+    if dialect is Dialect.STORM:
+        head = chain.kind.value
+    else:
+        head = f"{len(rows)} {sum(map(len, rows))}"
+    lines = [f"{state} {t} {p!r}" for state, row in enumerate(rows) for t, p in row]
+    return "\n".join((head, *lines)) + "\n"
+
+
+def write_labels(chain: ExplicitChain, dialect: Dialect = Dialect.STORM) -> str:
+    """Return the text of a .lab file."""
+    if dialect is Dialect.STORM:
+        of_state: dict[int, list[str]] = {}
+        for label, states in chain.labels.items():
+            for state in states:
+                of_state.setdefault(state, []).append(label)
+        lines = [f"{state} {' '.join(of_state[state])}" for state in sorted(of_state)]
+        return "\n".join(("#DECLARATION", " ".join(chain.labels), "#END", *lines)) + "\n"
+    labels = list(chain.labels)
+    numbers: dict[int, list[str]] = {}
+    for number, label in enumerate(labels):
+        for state in chain.labels[label]:
+            numbers.setdefault(state, []).append(str(number))
+    head = " ".join(f'{number}="{label}"' for number, label in enumerate(labels))
+    lines = [f"{state}: {' '.join(numbers[state])}" for state in sorted(numbers)]
+    return "\n".join((head, *lines)) + "\n"
+
+
+def read_explicit(
+    transitions: str,
+    labels: str,
+    *,
+    transitions_file: str = "transitions",
+    labels_file: str = "labels",
+    kind: ChainKind | None = None,
+    most_states: int = MOST_STATES,
+) -> ExplicitChain:
+    """Return the chain of a .tra and a .lab file, given as texts.
+
+    `kind` says what the numbers are where the file does not, as PRISM's do not (dtmc if not
+    given). States are named by the first label that they have alone, else `s` and their number.
+    Raises ModelError with the position of what is malformed; TooLargeError beyond `most_states`.
+    """
+    found, count, rows = _read_transitions(transitions, transitions_file, kind, most_states)
+    sets = _read_labels(labels, labels_file, count)
+    starts = sets.get(INITIAL, frozenset())
+    if len(starts) != 1:
+        what = f"{len(starts)} states have" if starts else "no state has"
+        raise ModelError(f"{what} the label '{INITIAL}'; label one", Location(labels_file, 1))
+    names = names_from_labels(count, sets)
+    (initial,) = starts
+    return ExplicitChain(found, initial, rows, sets, names)
+
+
+def _lines(text: str) -> Iterator[tuple[int, list[tuple[int, str]]]]:
+    """Yield the number of each line that is not blank, and its words with their columns."""
+    for number, line in enumerate(text.splitlines(), 1):
+        words = [(match.start() + 1, match.group()) for match in re.finditer(r"\S+", line)]
+        if words:
+            yield number, words
+
+
+def _read_transitions(
+    text: str, file: str, kind: ChainKind | None, most_states: int
+) -> tuple[ChainKind, int, tuple[dict[int, float], ...]]:
+    lines = list(_lines(text))
+    if not lines:
+        raise ModelError(
+            "the file is empty; it begins with dtmc, ctmc or the numbers of states and transitions",
+            Location(file, 1, 1),
+        )
+    declared: tuple[int, int] | None = None
+    first, words = lines[0]
+    if len(words) == 1:
+        word = words[0][1].lower()
+        if word not in ("dtmc", "ctmc"):
+            raise ModelError(
+                f"'{words[0][1]}' is no kind of chain that is read; allowed: ctmc, dtmc",
+                Location(file, first, words[0][0]),
+            )
+        stated = ChainKind(word)
+        if kind is not None and kind is not stated:
+            raise ModelError(
+                f"the file holds a {stated.value}, not a {kind.value}", Location(file, first, 1)
+            )
+        kind = stated
+        del lines[0]
+    elif len(words) == 2:
+        declared = (_whole(words[0], file, first), _whole(words[1], file, first))
+        del lines[0]
+    entries: dict[tuple[int, int], float] = {}
+    highest = -1
+    for number, row in lines:
+        source, target, weight = _transition(row, file, number)
+        highest = max(highest, source, target)
+        if highest >= most_states:
+            raise TooLargeError(
+                f"{file}:{number}: state {highest}; at most {most_states} states are read"
+            )
+        if declared is not None and highest >= declared[0]:
+            raise ModelError(
+                f"state {highest}, but the file has {declared[0]} states",
+                Location(file, number, row[0][0]),
+            )
+        if (source, target) in entries:
+            raise ModelError(
+                f"the transition from {source} to {target} stands twice; add the two up",
+                Location(file, number, row[0][0]),
+            )
+        entries[source, target] = weight
+    if declared is not None and len(lines) != declared[1]:
+        raise ModelError(
+            f"{declared[1]} transitions are announced and {len(lines)} are there; "
+            "the file is cut off or its first line is wrong",
+            Location(file, lines[-1][0] if lines else first),
+        )
+    count = declared[0] if declared is not None else highest + 1
+    if count == 0:
+        raise ModelError("the file holds no transition", Location(file, first))
+    rows: list[dict[int, float]] = [{} for _ in range(count)]
+    for (source, target), weight in entries.items():
+        if weight > 0.0:
+            rows[source][target] = weight
+    kind = kind or ChainKind.DTMC
+    if kind is ChainKind.DTMC:
+        _check_sums(rows, lines, file)
+    return kind, count, tuple({} if set(row) <= {i} else row for i, row in enumerate(rows))
+
+
+def _transition(words: list[tuple[int, str]], file: str, line: int) -> tuple[int, int, float]:
+    if len(words) not in (3, 4):
+        raise ModelError(
+            f"{len(words)} words; a transition is a state, the next state and a number",
+            Location(file, line, words[0][0]),
+        )
+    column, text = words[2]
+    try:
+        weight = float(text)
+    except ValueError:
+        weight = math.nan
+    if not 0.0 <= weight < math.inf:
+        raise ModelError(
+            f"'{text}' is no probability or rate; give a number of 0 or more",
+            Location(file, line, column),
+        )
+    return _whole(words[0], file, line), _whole(words[1], file, line), weight
+
+
+def _whole(word: tuple[int, str], file: str, line: int) -> int:
+    column, text = word
+    if not text.isascii() or not text.isdigit():
+        raise ModelError(f"'{text}' is no whole number of 0 or more", Location(file, line, column))
+    return int(text)
+
+
+def _check_sums(
+    rows: list[dict[int, float]], lines: list[tuple[int, list[tuple[int, str]]]], file: str
+) -> None:
+    for state, row in enumerate(rows):
+        total = math.fsum(row.values())
+        if row and abs(total - 1.0) > 1e-9:
+            first = next(number for number, words in lines if words[0][1] == str(state))
+            raise ModelError(
+                f"the probabilities from state {state} sum to {total!r}; they must sum to 1",
+                Location(file, first),
+            )
+
+
+def _read_labels(text: str, file: str, count: int) -> dict[str, frozenset[int]]:
+    lines = list(_lines(text))
+    if not lines:
+        raise ModelError(
+            'the file is empty; it begins with #DECLARATION or 0="init"', Location(file, 1, 1)
+        )
+    if lines[0][1][0][1].startswith("#"):
+        return _storm_labels(lines, file, count)
+    return _prism_labels(text, lines, file, count)
+
+
+def _storm_labels(
+    lines: list[tuple[int, list[tuple[int, str]]]], file: str, count: int
+) -> dict[str, frozenset[int]]:
+    number, words = lines[0]
+    if [word for _, word in words] != ["#DECLARATION"]:
+        raise ModelError(
+            f"'{words[0][1]}' where #DECLARATION is expected", Location(file, number, words[0][0])
+        )
+    sets: dict[str, set[int]] = {}
+    position = 1
+    while position < len(lines) and lines[position][1][0][1] != "#END":
+        for column, label in lines[position][1]:
+            if label.startswith("#"):
+                raise ModelError(
+                    f"'{label}' where #END is expected", Location(file, lines[position][0], column)
+                )
+            sets.setdefault(label, set())
+        position += 1
+    if position == len(lines):
+        raise ModelError("#END is missing after the labels", Location(file, lines[-1][0]))
+    for number, words in lines[position + 1 :]:
+        state = _state(words[0], file, number, count)
+        for column, label in words[1:]:
+            if label not in sets:
+                raise ModelError(
+                    f"label '{label}' is not declared; declared: {', '.join(sets) or 'none'}",
+                    Location(file, number, column),
+                )
+            sets[label].add(state)
+    return {label: frozenset(states) for label, states in sets.items()}
+
+
+def _prism_labels(
+    text: str, lines: list[tuple[int, list[tuple[int, str]]]], file: str, count: int
+) -> dict[str, frozenset[int]]:
+    first = lines[0][0]
+    head = text.splitlines()[first - 1]
+    declared: dict[int, str] = {}
+    for column, word in lines[0][1]:
+        match = _DECLARED.fullmatch(word)
+        if match is None:
+            raise ModelError(
+                f"'{word}' is no declaration such as 0=\"init\"", Location(file, first, column)
+            )
+        label = int(match[1])
+        if label in declared or match[2] in declared.values():
+            raise ModelError(
+                f"{word} is declared twice", Location(file, first, head.index(word) + 1)
+            )
+        declared[label] = match[2]
+    sets: dict[str, set[int]] = {label: set() for label in declared.values()}
+    for number, words in lines[1:]:
+        column, word = words[0]
+        if not word.endswith(":"):
+            raise ModelError(
+                f"'{word}' where a state and a colon are expected", Location(file, number, column)
+            )
+        state = _state((column, word[:-1]), file, number, count)
+        for place in words[1:]:
+            label = _whole(place, file, number)
+            if label not in declared:
+                raise ModelError(
+                    f"label {label} is not declared; declared: "
+                    f"{', '.join(map(str, sorted(declared)))}",
+                    Location(file, number, place[0]),
+                )
+            sets[declared[label]].add(state)
+    return {label: frozenset(states) for label, states in sets.items()}
+
+
+def _state(word: tuple[int, str], file: str, line: int, count: int) -> int:
+    state = _whole(word, file, line)
+    if state >= count:
+        raise ModelError(
+            f"state {state}, but the chain has states 0 to {count - 1}",
+            Location(file, line, word[0]),
+        )
+    return state

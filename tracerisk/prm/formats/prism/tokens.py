@@ -1,0 +1,59 @@
+"""The words of the PRISM language, with their positions."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import NoReturn
+
+from tracerisk.errors import Location, ModelError
+
+_WORD = re.compile(
+    r"""(?P<space>\s+|//[^\n]*)
+    |(?P<number>\d+\.\d+(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?|\d+[eE][+-]?\d+|\d+)
+    |(?P<name>[A-Za-z_][A-Za-z0-9_]*)
+    |(?P<text>"[^"\n]*")
+    |(?P<sign><=>|->|\.\.|<=|>=|!=|=>|[-=<>&|!+*/()\[\]{}:;,'?])""",
+    re.VERBOSE,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """A word of the text: its kind (number, name, text, sign or end) and where it stands."""
+
+    kind: str
+    text: str
+    location: Location
+
+    def refuse(self, expected: str) -> NoReturn:
+        """Raise ModelError: something else was expected here."""
+        found = f"'{self.text}'" if self.kind != "end" else "the file ends"
+        raise ModelError(f"{found} where {expected} is expected", self.location)
+
+
+def tokens_of(text: str, file: str) -> list[Token]:
+    """Return the words of a text, then an end; raise ModelError where there is no word."""
+    found: list[Token] = []
+    position, line, line_start = 0, 1, 0
+    while position < len(text):
+        location = Location(file, line, position - line_start + 1)
+        # Two dots part a range; one before digits belongs to a number.
+        match = _WORD.match(text, position)
+        if text.startswith("..", position):
+            found.append(Token("sign", "..", location))
+            position += 2
+            continue
+        if match is None:
+            raise ModelError(f"{text[position]!r} begins no word of the PRISM language", location)
+        kind = str(match.lastgroup)
+        if kind != "space":
+            found.append(Token(kind, match.group(), location))
+        else:
+            breaks = match.group().count("\n")
+            if breaks:
+                line += breaks
+                line_start = match.start() + match.group().rindex("\n") + 1
+        position = match.end()
+    found.append(Token("end", "", Location(file, line, position - line_start + 1)))
+    return found
