@@ -31,6 +31,9 @@ class Eye:
         self.client = actionlib.SimpleActionClient("/drop", PickAction)
         self.proxy = rospy.ServiceProxy("count", Trigger)
         rospy.Service(rospy.get_param("~name"), Trigger, self.find)
+        rospy.Service(rospy.get_param("~other", "clear"), Trigger, self.find)
+        stream = rospy.get_param("~stream", "/eye/stream")
+        rospy.Publisher(stream, PoseStamped, queue_size=1)
         rospy.set_param("/cell/width", 2.0)
         tf.TransformBroadcaster().sendTransform((0, 0, 1), (0, 0, 0, 1), now, "marker", "world")
 """
@@ -49,6 +52,13 @@ class Eye(Node):
         self.create_service(srv_type=Trigger, srv_name="/cell/count", callback=self.find)
         self.create_service(Trigger, name, self.find)
         self.create_client(Trigger, "ask")
+        self.declare_parameter("service", "weigh")
+        self.declare_parameter("topic", "/mass")
+        self.declare_parameter("count", 3)
+        self.create_service(Trigger, self.get_parameter("service").value, self.find)
+        topic = self.get_parameter("topic").get_parameter_value().string_value
+        self.create_publisher(Float64, topic, 1)
+        self.create_service(Trigger, self.get_parameter("count").value, self.find)
         self.server = ActionServer(self, Pick, "pick", self.run)
         self.client = ActionClient(self, Pick, "/drop")
 """
@@ -67,6 +77,8 @@ def met(source, ros, *need):
         (("service", "/find", "std_srvs/Empty"), False),
         (("service", "/unfind", "std_srvs/Trigger"), False),
         (("service", "/eye/place", "cell/Place"), True),
+        (("service", "/clear", "std_srvs/Trigger"), True),  # the default of a parameter
+        (("topic", "/eye/stream", "geometry_msgs/PoseStamped"), True),
         (("topic", "/camera/part", "geometry_msgs/PoseStamped"), True),
         (("topic", "/eye/ready", "geometry_msgs/PoseStamped"), True),
         (("topic", "/cell/eye/ready", "geometry_msgs/PoseStamped"), False),
@@ -91,6 +103,8 @@ def test_a_node_of_ros_1_provides_what_it_names(need, is_met):
         (("service", "/cell/count", "std_srvs/Trigger"), True),
         (("service", "/two", "std_srvs/Trigger"), False),  # the name is given two texts
         (("call", "/ask", "std_srvs/Trigger"), True),
+        (("service", "/weigh", "std_srvs/Trigger"), True),  # the default of a parameter
+        (("topic", "/mass", "std_msgs/Float64"), True),
         (("action", "/pick", "cell/Pick"), True),
         (("goal", "/drop", "cell/Pick"), True),
         (("frame", "eye", ""), False),  # it broadcasts nothing

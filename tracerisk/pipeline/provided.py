@@ -42,6 +42,7 @@ _SIGNATURES: dict[int, dict[str, _Signature]] = {
         "ActionClient": _Signature("goal", 2, 1, _NAMES_OF_ACTION, _OF_ACTION),
     },
 }
+_VALUES = frozenset({"value", "string_value"})
 _BROADCASTS = frozenset(
     {"TransformBroadcaster", "StaticTransformBroadcaster", "sendTransform", "sendTransformMessage"}
 )
@@ -69,13 +70,13 @@ class Provided:
 
 def provided_by(tree: ast.Module, ros: Literal[1, 2]) -> Provided:
     """Return what a source of one ROS provides; names that it puts together are not known."""
-    texts = _constants(tree)
+    texts, declared = _constants(tree), _declared(tree)
     calls = [(_called(node), node) for node in ast.walk(tree) if isinstance(node, ast.Call)]
     offers = {
         offer
         for name, call in calls
         if (signature := _SIGNATURES[ros].get(name)) is not None
-        for offer in _offers(call, signature, texts)
+        for offer in _offers(call, signature, texts, declared)
     }
     frames: set[str] = set()
     if any(name in _BROADCASTS for name, _ in calls):
@@ -88,10 +89,10 @@ def provided_by(tree: ast.Module, ros: Literal[1, 2]) -> Provided:
 
 
 def _offers(
-    call: ast.Call, signature: _Signature, texts: dict[str, str]
+    call: ast.Call, signature: _Signature, texts: dict[str, str], declared: dict[str, str]
 ) -> Iterator[tuple[NeedKind, str, str]]:
     name = _argument(call, signature.name, signature.names)
-    text = _text(name, texts)
+    text = _text(name, texts, declared)
     if not text:
         return
     kind = None if signature.type is None else _argument(call, signature.type, signature.types)
@@ -119,7 +120,8 @@ def _argument(call: ast.Call, position: int, keywords: tuple[str, ...]) -> ast.e
 
 def _constants(tree: ast.Module) -> dict[str, str]:
     """Return the names, also of attributes, that are given one text and never anything else."""
-    given: dict[str, set[str | None]] = {}
+    declared = _declared(tree)
+    given: dict[str, set[str]] = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.Assign):
             targets, value = node.targets, node.value
@@ -127,21 +129,52 @@ def _constants(tree: ast.Module) -> dict[str, str]:
             targets, value = [node.target], node.value
         else:
             continue
-        is_text = isinstance(value, ast.Constant) and isinstance(value.value, str)
-        text = value.value if is_text and isinstance(value, ast.Constant) else None
         for target in targets:
-            given.setdefault(_last_name(target), set()).add(str(text) if is_text else None)
+            given.setdefault(_last_name(target), set()).add(_literal(value, declared))
     return {
-        name: text
+        name: next(iter(texts))
         for name, texts in given.items()
-        if name and len(texts) == 1 and (text := next(iter(texts))) is not None
+        if name and len(texts) == 1 and "" not in texts
     }
 
 
-def _text(node: ast.expr | None, texts: dict[str, str]) -> str:
-    if isinstance(node, ast.Constant) and isinstance(node.value, str):
-        return node.value
-    return "" if node is None else texts.get(_last_name(node), "")
+def _declared(tree: ast.Module) -> dict[str, str]:
+    """Return the parameters of a node of ROS 2 whose default is a text."""
+    found: dict[str, str] = {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and _called(node) == "declare_parameter":
+            name, default = (_constant(each) for each in (*node.args, None, None)[:2])
+            if name and default:
+                found[name] = default
+    return found
+
+
+def _literal(node: ast.expr, declared: dict[str, str]) -> str:
+    """Return the text that an expression is, a parameter's default included; empty for none."""
+    text = _constant(node)
+    if text or not isinstance(node, ast.Call | ast.Attribute):
+        return text
+    if isinstance(node, ast.Attribute):
+        # `self.get_parameter("topic").value`, or `.get_parameter_value().string_value`.
+        return _literal(node.value, declared) if node.attr in _VALUES else ""
+    if _called(node) in ("get_param", "declare_parameter") and len(node.args) > 1:
+        return _constant(node.args[1])
+    if _called(node) == "get_parameter" and node.args:
+        return declared.get(_constant(node.args[0]), "")
+    if _called(node) == "get_parameter_value" and isinstance(node.func, ast.Attribute):
+        return _literal(node.func.value, declared)
+    return ""
+
+
+def _constant(node: ast.expr | None) -> str:
+    is_text = isinstance(node, ast.Constant) and isinstance(node.value, str)
+    return str(node.value) if is_text and isinstance(node, ast.Constant) else ""
+
+
+def _text(node: ast.expr | None, texts: dict[str, str], declared: dict[str, str]) -> str:
+    if node is None:
+        return ""
+    return _literal(node, declared) or texts.get(_last_name(node), "")
 
 
 def _names(written: str, full: str) -> bool:
