@@ -53,3 +53,12 @@ def test_unknown_rows_and_columns_are_refused_with_those_there_are():
         TABLE["motr"]
     with pytest.raises(ModelError, match="'share' is no column; did you mean 'risk_share'"):
         TABLE.column("share")
+
+
+def test_of_a_long_table_the_first_rows_are_shown_and_the_rest_told():
+    table = Table(tuple(Row(f"r{index}", 0.5) for index in range(100)))
+    assert str(table).splitlines()[-1] == "and 40 more"
+    assert "r59" in str(table)
+    assert "r60" not in str(table)
+    assert table._repr_html_().endswith("</table><p>and 40 more</p>")
+    assert len(table.to_dict()["name"]) == 100

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from tracerisk.prm.bdd import SharedTree
     from tracerisk.prm.building import Figure, Formula
+    from tracerisk.prm.conditional_tops import Conditional
     from tracerisk.prm.fault_tree_solution import FaultTreeSolution
 
 __all__ = ["BasicEvent", "FailureModel", "FaultTree", "Gate", "GateKind", "HouseEvent"]
@@ -213,6 +214,18 @@ class FaultTree(DisplayedGraph):
                 weights[name] = weights[gate.name] * share
         return {event.name: weights[event.name] for event in self.events}
 
+    def conditional_tops(self, values: Mapping[str, float]) -> dict[str, Conditional]:
+        """Return for each event the top's pair given that it happens, and that it does not.
+
+        Where nothing is shared one pass gives all.
+        Raises as `probability` does.
+        """
+        from tracerisk.prm.conditional_tops import conditional_tops, shared_conditional_tops
+
+        if self._shared:
+            return shared_conditional_tops(self._compiled(), self._event_values(values))
+        return conditional_tops(self, self._sweep(values))
+
     def drop_without(self, parameter: str, values: Mapping[str, float]) -> float:
         """Return how much the top's probability falls when `parameter` is set to zero.
 
@@ -255,15 +268,16 @@ class FaultTree(DisplayedGraph):
 
     def _event_values(self, values: Mapping[str, float]) -> dict[str, Probability]:
         """Return the probability of each basic event."""
-        found = {}
+        pairs: dict[str, Probability] = {}
         for event in self.events:
-            if event.parameter not in values:
-                raise ModelError(
-                    f"event '{event.name}': parameter '{event.parameter}' has no value; "
-                    f"{one_of(values)}"
-                )
-            found[event.name] = Probability.of(values[event.parameter])
-        return found
+            if event.parameter not in pairs:
+                if event.parameter not in values:
+                    raise ModelError(
+                        f"event '{event.name}': parameter '{event.parameter}' has no value; "
+                        f"{one_of(values)}"
+                    )
+                pairs[event.parameter] = Probability.of(values[event.parameter])
+        return {event.name: pairs[event.parameter] for event in self.events}
 
     def _sweep(self, values: Mapping[str, float]) -> dict[str, Probability]:
         """Return the probability of every event and gate of a tree that shares none."""
@@ -271,7 +285,16 @@ class FaultTree(DisplayedGraph):
         for house in self.houses:
             nodes[house.name] = Probability(1.0, 0.0) if house.state else Probability(0.0, 1.0)
         for gate in self._upwards:
-            nodes[gate.name] = gate_probability(gate, [nodes[name] for name in gate.inputs])
+            inputs = gate.inputs
+            if len(inputs) == 2 and (gate.kind is GateKind.OR or gate.kind is GateKind.AND):
+                # The commonest gates, without the way through the general ones.
+                (p, q), (p_other, q_other) = nodes[inputs[0]], nodes[inputs[1]]
+                if gate.kind is GateKind.OR:
+                    nodes[gate.name] = Probability(p + q * p_other, q * q_other)
+                else:
+                    nodes[gate.name] = Probability(p * p_other, q + p * q_other)
+            else:
+                nodes[gate.name] = gate_probability(gate, [nodes[name] for name in inputs])
         return nodes
 
 

@@ -63,25 +63,42 @@ class FaultTreeSolution:
             events = tuple(replace(event, parameter=event.name) for event in tree.events)
             values = {event.name: values[event.parameter] for event in tree.events}
             tree = replace(tree, events=events)
-        slopes: dict[str, list[float]] = {}
-        for event, slope in zip(tree.events, tree.sensitivities(values).values(), strict=True):
-            slopes.setdefault(event.parameter, []).append(slope)
-        rows = [self._row(tree, values, name, math.fsum(slopes[name])) for name in tree.parameters]
+        events_of: dict[str, list[str]] = {}
+        for event in tree.events:
+            events_of.setdefault(event.parameter, []).append(event.name)
+        slopes = tree.sensitivities(values)
+        conditionals = tree.conditional_tops(values)
+        rows = []
+        for name, members in events_of.items():
+            slope = math.fsum(slopes[member] for member in members)
+            if len(members) == 1:
+                # The top is linear in the probability of one event.
+                failed, without = (pair.p for pair in conditionals[members[0]])
+                drop = values[name] * slope
+            else:
+                failed, without = (
+                    tree.probability({**values, name: value}).p for value in (1.0, 0.0)
+                )
+                drop = tree.drop_without(name, values)
+            rows.append(self._row(name, values[name], slope, drop, without, failed))
         rows.sort(key=lambda row: (-abs(row.fussell_vesely), -abs(row.criticality), row.name))
         return Table(tuple(rows))
 
     def _row(
-        self, tree: FaultTree, values: Mapping[str, float], name: str, birnbaum: float
+        self,
+        name: str,
+        probability: float,
+        birnbaum: float,
+        drop: float,
+        without: float,
+        failed: float,
     ) -> EventImportance:
         total = self.top.p
-        drop = tree.drop_without(name, values)
-        without = tree.probability({**values, name: 0.0}).p
-        failed = tree.probability({**values, name: 1.0}).p
         return EventImportance(
             name=name,
-            probability=values[name],
+            probability=probability,
             birnbaum=birnbaum,
-            criticality=birnbaum * values[name] / total if total > 0.0 else 0.0,
+            criticality=birnbaum * probability / total if total > 0.0 else 0.0,
             fussell_vesely=drop / total if total > 0.0 else 0.0,
             risk_reduction_worth=_ratio(total, without),
             risk_achievement_worth=_ratio(failed, total),
@@ -97,10 +114,11 @@ def solve_tree(
     tree: FaultTree, values: Mapping[str, float], mission_time_h: float | None
 ) -> FaultTreeSolution:
     """Solve a fault tree; see FaultTree.solve."""
+    parameters = dict.fromkeys(tree.parameters)
     for name in values:
-        if name not in tree.parameters:
+        if name not in parameters:
             raise ModelError(
-                f"value of '{name}', which is no parameter; {one_of(tree.parameters, name)}"
+                f"value of '{name}', which is no parameter; {one_of(parameters, name)}"
             )
     given = {**tree.values_at(mission_time_h), **values}
     for event in tree.events:
@@ -109,7 +127,7 @@ def solve_tree(
                 f"event '{event.name}' depends on the mission time; give mission_time_h, in hours"
             )
     top = tree.probability(given)
-    return FaultTreeSolution(tree, {name: float(given[name]) for name in tree.parameters}, top)
+    return FaultTreeSolution(tree, {name: float(given[name]) for name in parameters}, top)
 
 
 def _ratio(above: float, below: float) -> float:

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+_MOST_SHOWN = 60
+
 
 class Named(Protocol):
     """A frozen dataclass with a name, whose other fields are the columns."""
@@ -83,27 +85,31 @@ class Table(Generic[Row]):
 
     def __str__(self) -> str:
         lines = _texts(self)
+        more = [f"and {len(self) - _MOST_SHOWN} more"] if len(self) > _MOST_SHOWN else []
         widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-        return "\n".join(
+        shown = [
             "  ".join(
                 text.ljust(width) if rank == 0 else text.rjust(width)
                 for rank, (text, width) in enumerate(zip(line, widths, strict=True))
             ).rstrip()
             for line in lines
-        )
+        ]
+        return "\n".join(shown + more)
 
     def _repr_html_(self) -> str:
         head, *body = _texts(self)
+        more = f"<p>and {len(self) - _MOST_SHOWN} more</p>" if len(self) > _MOST_SHOWN else ""
         return (
             f"<table><thead>{_html_row('th', head)}</thead>"
-            f"<tbody>{''.join(_html_row('td', line) for line in body)}</tbody></table>"
+            f"<tbody>{''.join(_html_row('td', line) for line in body)}</tbody></table>{more}"
         )
 
 
 def _texts(table: Table[Any]) -> list[list[str]]:
     head = ["name", *(name.replace("_", " ") for name in table.columns)]
     return [head] + [
-        [row.name, *(f"{getattr(row, name):.6g}" for name in table.columns)] for row in table.rows
+        [row.name, *(f"{getattr(row, name):.6g}" for name in table.columns)]
+        for row in table.rows[:_MOST_SHOWN]
     ]
 
 

@@ -1,0 +1,132 @@
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import count, product
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind
+from tracerisk.prm.fault_tree import HouseEvent
+
+MANY = [
+    GateKind.OR,
+    GateKind.AND,
+    GateKind.NAND,
+    GateKind.NOR,
+    GateKind.XOR,
+    GateKind.ATLEAST,
+    GateKind.CARDINALITY,
+]
+TWO = [GateKind.IFF, GateKind.IMPLY, GateKind.INHIBIT]
+ONE = [GateKind.NOT, GateKind.TRANSFER]
+
+
+@st.composite
+def trees(draw):
+    """Draw a tree of every kind of gate that shares nothing, of up to seven events."""
+    numbers = count()
+    gates, events, houses = [], [], []
+
+    def grow(size, depth):
+        name = f"n{next(numbers)}"
+        if size == 1 and (depth > 2 or draw(st.booleans())):
+            if draw(st.integers(0, 9)):
+                events.append(BasicEvent(name))
+            else:
+                houses.append(HouseEvent(name, draw(st.booleans())))
+            return name
+        width = size if depth > 3 else draw(st.integers(1, min(size, 4)))
+        sizes = [size // width + (rank < size % width) for rank in range(width)]
+        inputs = tuple(grow(part, depth + 1) for part in sizes)
+        kind = draw(
+            st.sampled_from(
+                MANY[: 7 if width > 1 else 4]
+                + (TWO if width == 2 else [])
+                + (ONE if width == 1 else [])
+            )
+        )
+        k = most = None
+        if kind is GateKind.ATLEAST:
+            k = draw(st.integers(1, width))
+        elif kind is GateKind.CARDINALITY:
+            k = draw(st.integers(0, width))
+            most = draw(st.integers(k, width))
+        gates.append(Gate(name, kind, inputs, k, most))
+        return name
+
+    top = grow(draw(st.integers(1, 7)), 0)
+    return FaultTree(top, tuple(gates), tuple(events), tuple(houses))
+
+
+def happens(tree, outcome):
+    """Whether the top happens, by the words that define each kind of gate."""
+    states = dict(outcome) | {house.name: house.state for house in tree.houses}
+    for gate in tree.upwards:
+        inputs = [states[name] for name in gate.inputs]
+        number = sum(inputs)
+        states[gate.name] = {
+            GateKind.OR: number > 0,
+            GateKind.AND: number == len(inputs),
+            GateKind.INHIBIT: number == len(inputs),
+            GateKind.TRANSFER: inputs[0],
+            GateKind.NAND: number < len(inputs),
+            GateKind.NOR: number == 0,
+            GateKind.NOT: not inputs[0],
+            GateKind.XOR: number % 2 == 1,
+            GateKind.IFF: inputs[0] == inputs[-1],
+            GateKind.IMPLY: not inputs[0] or inputs[-1],
+            GateKind.ATLEAST: number >= (gate.k or 0),
+            GateKind.CARDINALITY: (gate.k or 0) <= number <= (gate.most or 0),
+        }[gate.kind]
+    return states[tree.top]
+
+
+probabilities = st.one_of(st.sampled_from([0.0, 1.0, 1e-20, 1.0 - 2.0**-53]), st.floats(1e-25, 1.0))
+
+
+@settings(max_examples=70, deadline=None)
+@given(tree=trees(), data=st.data())
+def test_the_top_given_each_event_equals_exact_enumeration(tree, data):
+    names = [event.name for event in tree.events]
+    values = {name: data.draw(probabilities) for name in names}
+    found = tree.conditional_tops(values)
+    assert list(found) == names
+    for name in names:
+        for state, pair in ((True, found[name].given), (False, found[name].without)):
+            exact = [Fraction(0), Fraction(0)]
+            others = [each for each in names if each != name]
+            for outcome in product((False, True), repeat=len(others)):
+                weight = Fraction(1)
+                for other, happened in zip(others, outcome, strict=True):
+                    p = Fraction(values[other])
+                    weight *= p if happened else 1 - p
+                exact[happens(tree, {**dict(zip(others, outcome, strict=True)), name: state})] += (
+                    weight
+                )
+            assert pair.p == pytest.approx(float(exact[1]), rel=1e-14, abs=0.0)
+            assert pair.q == pytest.approx(float(exact[0]), rel=1e-14, abs=0.0)
+
+
+def test_the_top_given_a_shared_event_counts_all_that_it_feeds():
+    tree = FaultTree.of("top", {"top": ("or", ("and", "a", "b"), ("and", "a", "c"))})
+    found = tree.conditional_tops({"a": 0.25, "b": 0.5, "c": 0.5})
+    assert found["a"].given == (0.75, 0.25)
+    assert found["a"].without == (0.0, 1.0)
+    assert found["b"].given.p == 0.25
+    assert found["b"].without.p == 0.125
+
+
+def test_importance_of_a_wide_tree_takes_one_pass():
+    # One pass for each of them would take hours.
+    events = {f"e{index}": 1e-9 for index in range(20_000)}
+    tree = FaultTree.of(
+        "top", {"top": ("or", ("and", *list(events)[:2]), *list(events)[2:])}, events
+    )
+    table = tree.solve().importance()
+    assert len(table) == 20_000
+    assert table["e0"].birnbaum == pytest.approx(1e-9, rel=1e-4)
+    assert table["e5"].risk_achievement_worth == pytest.approx(
+        1 / tree.solve().probability, rel=1e-12
+    )
