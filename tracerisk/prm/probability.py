@@ -8,10 +8,16 @@ Nowhere is 1-x taken of an x that was computed.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
+from itertools import accumulate
+from operator import mul
 from typing import NamedTuple
 
 from tracerisk.errors import ModelError
+
+MANY = 64
+"""From so many inputs on, products of complements are taken by logarithms."""
 
 
 class Probability(NamedTuple):
@@ -37,6 +43,18 @@ class Probability(NamedTuple):
         return Probability(self.q, self.p)
 
 
+def total(values: Iterable[float]) -> float:
+    """Return the sum, correctly rounded.
+
+    Numbers with a derivative as imaginary part (see `pair_importance`) are summed as they come.
+    """
+    listed = list(values)
+    try:
+        return math.fsum(listed)
+    except TypeError:
+        return sum(listed)
+
+
 def at_least(k: int, inputs: Sequence[Probability]) -> Probability:
     """Return the probability that at least `k` of the independent inputs happen.
 
@@ -45,10 +63,7 @@ def at_least(k: int, inputs: Sequence[Probability]) -> Probability:
     if k <= 0:
         return Probability(1.0, 0.0)
     if k == 1:
-        p, q = 0.0, 1.0
-        for pair in inputs:
-            p, q = p + q * pair.p, q * pair.q
-        return Probability(p, q)
+        return any_of(inputs)
     dual = len(inputs) - k + 1
     if dual < k:
         # "At least k happen" is the complement of "at least n-k+1 do not": the shorter count.
@@ -60,6 +75,33 @@ def at_least(k: int, inputs: Sequence[Probability]) -> Probability:
             reached += counts[-1] * pair.p
         counts = _convolve(counts, pair, k)
     return Probability(reached, sum(counts))
+
+
+def any_of(inputs: Sequence[tuple[float, float]]) -> Probability:
+    """Return the probability that any of the independent inputs happens, pairs (p, 1-p).
+
+    The rounding of many factors adds up, so that the complements of many are multiplied as a
+    sum of their logarithms, which itself is rounded once.
+    """
+    if len(inputs) < MANY or not _are_numbers(inputs):
+        p, q = 0.0, 1.0
+        for p_input, q_input in inputs:
+            p, q = p + q * p_input, q * q_input
+        return Probability(p, q)
+    logarithm = math.fsum(_log_complement(pair) for pair in inputs)
+    return Probability(-math.expm1(logarithm), math.exp(logarithm))
+
+
+def _are_numbers(inputs: Sequence[tuple[float, float]]) -> bool:
+    """Whether the pairs are plain numbers, not samples nor numbers with a derivative."""
+    return all(isinstance(p, float) for p, _ in inputs)
+
+
+def _log_complement(pair: tuple[float, float]) -> float:
+    p, q = pair
+    if p < 0.5:
+        return math.log1p(-p)
+    return math.log(q) if q else -math.inf
 
 
 def counted(least: int, most: int, inputs: Sequence[Probability]) -> Probability:
@@ -83,6 +125,8 @@ def deciding(
     """
     if not before:
         return ()
+    if k == 1:
+        return _only(before, after)
     dual = len(before) - k + 1
     if dual < k:
         return deciding(
@@ -102,6 +146,39 @@ def deciding(
         )
         for head, tail in zip(heads, reversed(tails), strict=True)
     )
+
+
+def _only(before: Sequence[Probability], after: Sequence[Probability]) -> tuple[float, ...]:
+    """Return for each input the probability that none of the others happens; see `deciding`."""
+    if len(before) < MANY or not (_are_numbers(before) and _are_numbers(after)):
+        heads = accumulate((pair.q for pair in before[:-1]), mul, initial=1.0)
+        tails = list(accumulate((pair.q for pair in after[:0:-1]), mul, initial=1.0))
+        return tuple(map(mul, heads, reversed(tails)))
+    log_heads = _log_products(before[:-1])
+    log_tails = _log_products(after[:0:-1])
+    return tuple(
+        math.exp(head + tail) for head, tail in zip(log_heads, reversed(log_tails), strict=True)
+    )
+
+
+def _log_products(pairs: Sequence[Probability]) -> list[float]:
+    """Return the logarithms of the running products of complements, that of none first.
+
+    The rounding of each sum is carried on to the next (Kahan 1965).
+    """
+    sums = [0.0]
+    total, lost = 0.0, 0.0
+    for pair in pairs:
+        term = _log_complement(pair)
+        if term == -math.inf:
+            sums.extend([-math.inf] * (len(pairs) + 1 - len(sums)))
+            break
+        term -= lost
+        grown = total + term
+        lost = (grown - total) - term
+        total = grown
+        sums.append(total)
+    return sums
 
 
 def _convolve(counts: list[float], pair: Probability, limit: int) -> list[float]:
