@@ -263,6 +263,45 @@ def test_paths_that_may_overlap_are_not_counted_twice():
     )
 
 
+def test_paths_of_one_sequence_add_up_where_they_exclude_each_other_and_are_joined_else():
+    trees = [FaultTree(name, (), (BasicEvent(name),)) for name in "xyz"]
+    # x and y, or not x and z; beside it y and z, which overlaps with both.
+    tree = event_tree(
+        Branch(
+            fork(
+                "f",
+                one=(End("S"), Condition("x"), Condition("y")),
+                two=(End("S"), Condition("x", False), Condition("z")),
+                three=(End("S"), Condition("y"), Condition("z")),
+            )
+        )
+    )
+    found = tree.solve(trees, {"x": 0.5, "y": 0.25, "z": 0.125})["S"]
+    assert found == pytest.approx(0.5 * 0.25 + 0.5 * 0.125, rel=1e-15)
+
+
+def test_sequences_of_thousands_of_paths_are_parted_by_what_they_choose():
+    functions = [f"f{index}" for index in range(11)]
+    branches = tuple(
+        Branch(
+            fork(
+                name,
+                up=(Resume(f"b{index + 1}"), Weight(0.25)),
+                down=(Resume(f"b{index + 1}"), Weight(0.25, complement=True)),
+            ),
+            (),
+            f"b{index}",
+        )
+        for index, name in enumerate(functions)
+    )
+    tree = event_tree(
+        Branch(Resume("b0")),
+        functions=tuple(functions),
+        branches=(*branches, Branch(End("S"), (), "b11")),
+    )
+    assert tree.solve()["S"] == pytest.approx(1.0, rel=1e-15)
+
+
 def test_a_path_that_collects_nothing_is_always_taken():
     x = FaultTree("x", (), (BasicEvent("x"),))
     tree = event_tree(Branch(fork("f", bypass=End("S"), failure=(End("S"), Condition("x")))))

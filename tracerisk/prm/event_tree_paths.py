@@ -68,17 +68,18 @@ class CollectedPath:
             product *= pair.q if weight.complement else pair.p
         return product
 
-    def excludes(self, other: CollectedPath) -> bool:
-        """Whether the two cannot both be: one needs what the other rules out."""
-        mine = set(self.occurrences)
-        if any((name, not happens, houses) in mine for name, happens, houses in other.occurrences):
-            return True
-        weighed = {taken[:2]: taken.state for taken, _ in self.weights if taken}
-        return any(
-            weighed.get(taken[:2], taken.state) != taken.state
-            for taken, _ in other.weights
-            if taken
-        )
+    @property
+    def choices(self) -> dict[object, object]:
+        """What the path needs, by key: paths with different values of one key exclude each other.
+
+        Keys are gates and events under their settings of house events, and forks whose paths
+        have probabilities.
+        """
+        found: dict[object, object] = {
+            (name, houses): happens for name, happens, houses in self.occurrences
+        }
+        found.update((taken[:2], taken.state) for taken, _ in self.weights if taken)
+        return found
 
 
 def collected_paths(

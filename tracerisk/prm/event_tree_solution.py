@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.event_tree import EventTree, InitiatingEvent
@@ -19,6 +20,8 @@ from tracerisk.prm.fault_tree import FaultTree
 from tracerisk.prm.forest import Forest
 
 _TOLERANCE = 1e-9
+
+_Choosing: TypeAlias = tuple[CollectedPath, dict[object, object]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,16 +146,48 @@ def _check_names(path: CollectedPath, forest: Forest) -> None:
 
 def _overlapping(paths: Sequence[CollectedPath]) -> list[list[CollectedPath]]:
     """Part the paths into groups; paths of different groups exclude each other."""
-    groups: list[list[CollectedPath]] = []
-    for path in paths:
-        apart, joined = [], [path]
-        for group in groups:
-            if all(path.excludes(other) for other in group):
-                apart.append(group)
+    found: list[list[CollectedPath]] = []
+    waiting = [[(path, path.choices) for path in paths]]
+    while waiting:
+        group = waiting.pop()
+        parts = _parted(group)
+        if len(parts) > 1:
+            waiting.extend(reversed(parts))
+        else:
+            found.extend(_compared(group))
+    return found
+
+
+def _parted(group: list[_Choosing]) -> list[list[_Choosing]]:
+    """Return the paths by their value of a key that all of them have, if they differ in one."""
+    for key in group[0][1]:
+        parts: dict[object, list[_Choosing]] = {}
+        for path, choices in group:
+            if key not in choices:
+                break
+            parts.setdefault(choices[key], []).append((path, choices))
+        else:
+            if len(parts) > 1:
+                return list(parts.values())
+    return [group]
+
+
+def _compared(group: list[_Choosing]) -> list[list[CollectedPath]]:
+    """Return the paths in groups, each path compared with all others."""
+    groups: list[list[_Choosing]] = []
+    for path, choices in group:
+        apart, joined = [], [(path, choices)]
+        for other in groups:
+            if all(_exclude(choices, others) for _, others in other):
+                apart.append(other)
             else:
-                joined = group + joined
+                joined = other + joined
         groups = [*apart, joined]
-    return groups
+    return [[path for path, _ in each] for each in groups]
+
+
+def _exclude(choices: Mapping[object, object], others: Mapping[object, object]) -> bool:
+    return any(choices.get(key, value) != value for key, value in others.items())
 
 
 def _probability(
