@@ -285,6 +285,22 @@ def test_a_chain_of_thousands_of_states_keeps_its_digits(rate):
     assert group.probability(1.0).p == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.parametrize("phases", [1, 2])
+def test_only_how_many_of_like_units_failed_is_counted(phases):
+    names = tuple(f"u{number}" for number in range(30))
+    made = tree(
+        [Gate("top", GateKind.ATLEAST, names, 28)],
+        [DynamicEvent(name, Erlang(0.5, phases)) for name in names] + [event("power", 1e-3)],
+        Dependency("lost", "power", names, 0.5),
+    )
+    group = DynamicGroup(made)
+    assert group.chain.states < 2500
+    unit = Erlang(0.5, phases).probability(1.0)
+    hit = -math.expm1(-1e-3) / 2
+    rest = math.fsum(math.comb(30, k) * unit.p**k * unit.q ** (30 - k) for k in range(28, 31))
+    assert group.probability(1.0).p == pytest.approx(hit + (1 - hit) * rest, rel=1e-12)
+
+
 def test_only_what_is_dynamic_goes_to_a_markov_model():
     made = tree(
         [
@@ -344,11 +360,11 @@ def test_a_tree_of_static_gates_is_left_as_it_is():
 
 
 def test_too_many_states_are_refused():
-    names = tuple(f"u{number}" for number in range(12))
+    names = tuple("u" * number for number in range(1, 13))
     made = DynamicTree(
         "top",
         (DynamicGate("top", PAND, ("x", "y")), Gate("x", AND, names)),
-        tuple(event(name, 1e-3) for name in (*names, "y")),
+        tuple(event(name, 1e-3 * len(name)) for name in (*names, "y")),
         state_limit=1000,
     )
     with pytest.raises(TooLargeError, match="below 'top', with 13 events, has more than 1000"):

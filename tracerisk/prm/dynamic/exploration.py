@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from itertools import product
+from itertools import pairwise, product
 from math import prod
 
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.failure_chain import FailureChain
 from tracerisk.prm.dynamic.layout import FAILED, SAFE, Layout
-from tracerisk.prm.dynamic.semantics import after_failure, is_in_service, start
+from tracerisk.prm.dynamic.semantics import after_failure, after_phase, is_in_service, start
+from tracerisk.prm.failure_chain import FailureChain
 
 FAILED_STATE = 0
 
@@ -81,9 +81,17 @@ def _starts(layout: Layout) -> list[tuple[float, bytes]]:
 
 def _moves(layout: Layout, state: bytes) -> list[tuple[bytes, float]]:
     """Return what can follow a state, each with its rate."""
-    moves = []
+    moves: list[tuple[bytes, float]] = []
+    # Of events that are alike and as far, one stands for all.
+    stands_for = [1] * len(layout.rates)
+    for members in layout.alike:
+        for first, second in pairwise(members):
+            if state[first] == state[second]:
+                stands_for[second] += stands_for[first]
+                stands_for[first] = 0
     for event, rate in enumerate(layout.rates):
         phase = state[event]
+        rate *= stands_for[event]
         if rate == 0.0 or phase >= SAFE:
             continue
         if not is_in_service(layout, state, event):
@@ -91,7 +99,7 @@ def _moves(layout: Layout, state: bytes) -> list[tuple[bytes, float]]:
             if rate == 0.0:
                 continue
         if phase + 1 < layout.phases[event]:
-            moves.append((state[:event] + bytes((phase + 1,)) + state[event + 1 :], rate))
+            moves.append((after_phase(layout, state, event), rate))
         else:
             moves += [
                 (following, rate * chance)

@@ -37,8 +37,9 @@ class Layout:
     """The events of a group, then its gates from below upwards, and their bytes in a state.
 
     `owner` is for each element the innermost spare whose part it is, if any, and `parts` the
-    elements of each spare; `rates` the rate of each phase
-    of an event in service, `starting` its probability of being failed from the start.
+    elements of each spare; `rates` the rate of each phase of an event in service, `starting` its
+    probability of being failed from the start. Events that can change places without a difference
+    are `alike`.
     """
 
     names: tuple[str, ...]
@@ -56,6 +57,7 @@ class Layout:
     starting: Mapping[int, float]
     spare_gates: tuple[int, ...]
     parts: Mapping[int, tuple[int, ...]]
+    alike: tuple[tuple[int, ...], ...]
 
     @property
     def first_dependency_slot(self) -> int:
@@ -121,6 +123,7 @@ def lay_out(
             unit: tuple(element for element, one in enumerate(owner) if one == unit)
             for unit in units
         },
+        alike=_alike(names, events, gates, dependencies, restrictions, owner),
     )
 
 
@@ -209,3 +212,30 @@ def _owners(
         for element in inside:
             owner[element] = unit
     return tuple(owner)
+
+
+def _alike(
+    names: Sequence[str],
+    events: Sequence[DynamicEvent],
+    gates: Sequence[AnyGate],
+    dependencies: Sequence[Dependency],
+    restrictions: Sequence[Restriction],
+    owner: Sequence[int | None],
+) -> tuple[tuple[int, ...], ...]:
+    """Return the sets of events of one law that stand in the same static gates and dependencies."""
+    place = {name: number for number, name in enumerate(names)}
+    above: list[list[str]] = [[] for _ in events]
+    single = {name for tie in restrictions for name in tie.inputs}
+    single |= {tie.trigger for tie in dependencies}
+    for user in (*gates, *dependencies):
+        if isinstance(user, DynamicGate):
+            single.update(user.inputs)
+        for name in user.inputs:
+            if place[name] < len(events):
+                above[place[name]].append(user.name)
+    classes: dict[object, list[int]] = {}
+    for number, event in enumerate(events):
+        if event.name not in single:
+            key = (event.model, event.dormancy, owner[number], tuple(sorted(above[number])))
+            classes.setdefault(key, []).append(number)
+    return tuple(tuple(members) for members in classes.values() if len(members) > 1)

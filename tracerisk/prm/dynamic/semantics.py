@@ -35,6 +35,13 @@ def after_failure(layout: Layout, state: bytes, event: int) -> list[Outcome]:
     return list(_settle(layout, row, _fail(layout, row, (event,)), 1.0))
 
 
+def after_phase(layout: Layout, state: bytes, event: int) -> bytes:
+    """Return what becomes of a state when a phase of an event ends that is not its last."""
+    row = bytearray(state)
+    row[event] += 1
+    return _in_order(layout, row)
+
+
 def is_in_service(layout: Layout, state: bytes | bytearray, element: int) -> bool:
     """Return whether an element is in service, and not part of a spare that waits."""
     owner = layout.owner[element]
@@ -223,14 +230,26 @@ def _without_the_forgotten(layout: Layout, row: bytearray) -> bytes:
     for number, (_, dependents, _) in enumerate(layout.dependencies):
         if not _any_open(row, counts, dependents):
             row[layout.first_dependency_slot + number] = 1
-    open_parts = {
-        layout.owner[element]
-        for element, counted in enumerate(counts)
-        if counted and row[element] < SAFE
-    }
+    open_parts = (
+        {
+            layout.owner[element]
+            for element, counted in enumerate(counts)
+            if counted and row[element] < SAFE
+        }
+        if layout.spare_slots
+        else set()
+    )
     for unit, slot in layout.spare_slots.items():
         if unit not in open_parts:
             row[slot] = 0
+    return _in_order(layout, row)
+
+
+def _in_order(layout: Layout, row: bytearray) -> bytes:
+    """Return the state with events that are alike in order: only how many failed counts."""
+    for members in layout.alike:
+        for member, status in zip(members, sorted(row[each] for each in members), strict=True):
+            row[member] = status
     return bytes(row)
 
 

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.failure_chain import FailureChain
 from tracerisk.prm.dynamic.elements import (
     Dependency,
     DynamicEvent,
@@ -16,6 +15,7 @@ from tracerisk.prm.dynamic.elements import (
 from tracerisk.prm.dynamic.exploration import explore
 from tracerisk.prm.dynamic.groups import find_groups
 from tracerisk.prm.dynamic.layout import AnyGate, lay_out
+from tracerisk.prm.failure_chain import FailureChain
 from tracerisk.prm.fault_tree import BasicEvent, FaultTree
 from tracerisk.prm.gates import Gate, check_gate
 from tracerisk.prm.probability import Probability
