@@ -3,6 +3,7 @@ from __future__ import annotations
 from fractions import Fraction
 from itertools import count, product
 
+import mpmath
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -116,6 +117,26 @@ def test_the_top_given_a_shared_event_counts_all_that_it_feeds():
     assert found["a"].without == (0.0, 1.0)
     assert found["b"].given.p == 0.25
     assert found["b"].without.p == 0.125
+
+
+@pytest.mark.parametrize("kind", [GateKind.OR, GateKind.AND, GateKind.NOR])
+@pytest.mark.parametrize("p", [1e-12, 1e-4, 0.75, 1.0])
+def test_of_many_inputs_the_rounding_does_not_add_up(kind, p):
+    size = 5000
+    values = [p, 0.0, 0.5] + [p] * (size - 3)
+    names = [f"e{index}" for index in range(size)]
+    tree = FaultTree("top", (Gate("top", kind, tuple(names)),), tuple(map(BasicEvent, names)))
+    found = tree.conditional_tops(dict(zip(names, values, strict=True)))["e1"]
+    with mpmath.workdps(60):
+        any_other = 1 - (1 - mpmath.mpf(p)) ** (size - 2) / 2
+        all_others = mpmath.mpf(p) ** (size - 2) / 2
+        expected = {
+            GateKind.OR: (1, any_other),
+            GateKind.AND: (all_others, 0),
+            GateKind.NOR: (0, 1 - any_other),
+        }[kind]
+        assert found.given.p == pytest.approx(float(expected[0]), rel=1e-13)
+        assert found.without.p == pytest.approx(float(expected[1]), rel=1e-13)
 
 
 def test_importance_of_a_wide_tree_takes_one_pass():

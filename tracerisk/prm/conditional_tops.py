@@ -8,12 +8,13 @@ where its difference to the top would not (own derivation).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from itertools import accumulate
 from typing import TYPE_CHECKING, NamedTuple
 
 from tracerisk.prm.gates import Gate, GateKind, gate_probability
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.probability import MANY, Probability, log_products
 
 if TYPE_CHECKING:
     from tracerisk.prm.bdd import SharedTree
@@ -75,9 +76,10 @@ def gate_conditionals(gate: Gate, inputs: Sequence[Probability]) -> list[Conditi
             for place in range(count)
         ]
     if gate.threshold == 1:
-        joined = [Conditional(SURE, other) for other in _others(inputs, _any, NEVER)]
+        joined = [Conditional(SURE, other) for other in _any_others(inputs)]
     else:
-        joined = [Conditional(other, NEVER) for other in _others(inputs, _all, SURE)]
+        dual = _any_others([pair.complement for pair in inputs])
+        joined = [Conditional(other.complement, NEVER) for other in dual]
     if kind in (GateKind.NOT, GateKind.NAND, GateKind.NOR):
         return [each.complement for each in joined]
     return joined
@@ -101,12 +103,19 @@ def _others(
     return [join(head, tail) for head, tail in zip(heads, reversed(tails), strict=True)]
 
 
+def _any_others(inputs: Sequence[Probability]) -> list[Probability]:
+    """Return for each input whether any other happens; of many by logarithms, see `any_of`."""
+    if len(inputs) < MANY:
+        return _others(inputs, _any, NEVER)
+    heads, tails = log_products(inputs[:-1]), log_products(inputs[:0:-1])
+    return [
+        Probability(-math.expm1(head + tail), math.exp(head + tail))
+        for head, tail in zip(heads, reversed(tails), strict=True)
+    ]
+
+
 def _any(a: Probability, b: Probability) -> Probability:
     return Probability(a.p + a.q * b.p, a.q * b.q)
-
-
-def _all(a: Probability, b: Probability) -> Probability:
-    return Probability(a.p * b.p, a.q + a.p * b.q)
 
 
 def _either(a: Probability, b: Probability) -> Probability:

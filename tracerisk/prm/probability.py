@@ -154,14 +154,14 @@ def _only(before: Sequence[Probability], after: Sequence[Probability]) -> tuple[
         heads = accumulate((pair.q for pair in before[:-1]), mul, initial=1.0)
         tails = list(accumulate((pair.q for pair in after[:0:-1]), mul, initial=1.0))
         return tuple(map(mul, heads, reversed(tails)))
-    log_heads = _log_products(before[:-1])
-    log_tails = _log_products(after[:0:-1])
+    log_heads = log_products(before[:-1])
+    log_tails = log_products(after[:0:-1])
     return tuple(
         math.exp(head + tail) for head, tail in zip(log_heads, reversed(log_tails), strict=True)
     )
 
 
-def _log_products(pairs: Sequence[Probability]) -> list[float]:
+def log_products(pairs: Sequence[Probability]) -> list[float]:
     """Return the logarithms of the running products of complements, that of none first.
 
     The rounding of each sum is carried on to the next (Kahan 1965).
