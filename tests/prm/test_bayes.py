@@ -187,8 +187,25 @@ def test_evidence_is_respected():
     assert network.distribution("season", {"heat": "cool"})["summer"] == pytest.approx(
         1 / 7, rel=1e-15
     )
-    with pytest.raises(ModelError, match="it is impossible that season winter, heat hot; correct"):
+    with pytest.raises(
+        ModelError, match=r"it is impossible, or less .* season winter, heat hot; correct"
+    ):
         network.solve(PAIR, evidence={"season": "winter", "heat": "hot"})
+
+
+def test_what_is_known_may_be_as_unlikely_as_can_be():
+    rare = {"no": 1.0, "yes": 1e-150}
+    network = inference_of(
+        BayesianNetwork(
+            {
+                "cause": {"a": 0.75, "b": 0.25},
+                "first": Given("cause", {"a": rare, "b": {"no": 1.0, "yes": 3e-150}}),
+                "second": Given("cause", {"a": rare, "b": rare}),
+            },
+        )
+    )
+    found = network.distribution("cause", {"first": "yes", "second": "yes"})
+    assert found == {"a": pytest.approx(0.5, rel=1e-15), "b": pytest.approx(0.5, rel=1e-15)}
 
 
 def test_a_basic_event_may_be_a_condition_itself():

@@ -155,6 +155,31 @@ def test_latent_units_are_handed_on():
     assert HybridModel.of("robot", {"run": pair}, latent=["a", "b"]).latent == ("a", "b")
 
 
+def test_missions_of_many_figures_are_solved_at_once_as_each_alone():
+    model = HybridModel.of("robot", {"pick": PICK, "place": PLACE}, values={"arm": 1e-9})
+    motors = [1e-20, 1e-6, 0.5]
+    found = model.failure_probabilities({"motor": motors, "arm": 1e-12})
+    assert found.shape == (3,)
+    for motor, failure in zip(motors, found, strict=True):
+        share = 9e-8 / 1.3e-7
+        survival = (
+            (1 - Fraction(7e-8))
+            * (1 - Fraction(motor * share))
+            * (1 - Fraction(motor))
+            * (1 - Fraction(1e-12))
+        )
+        assert failure == pytest.approx(float(1 - survival), rel=1e-13)
+    assert model.failure_probabilities({}) == pytest.approx(
+        [model.solve().mission.failure_probability], rel=1e-14
+    )
+    with pytest.raises(
+        ModelError, match="value of 'moter', which is no parameter; did you mean 'motor'"
+    ):
+        model.failure_probabilities({"moter": 0.5})
+    with pytest.raises(ModelError, match="parameter 'motor': a probability is outside"):
+        model.failure_probabilities({"motor": [1.5]})
+
+
 @pytest.mark.parametrize(
     ("trees", "more", "message"),
     [

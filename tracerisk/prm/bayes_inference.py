@@ -51,7 +51,9 @@ def joint_probabilities(
     inference.makeInference()
     if known and not inference.evidenceProbability() > 0.0:
         told = ", ".join(f"{name} {state}" for name, state in evidence.items())
-        raise ModelError(f"it is impossible that {told}; correct what is known")
+        raise ModelError(
+            f"it is impossible, or less likely than 1e-308, that {told}; correct what is known"
+        )
     if not open_conditions:
         return {tuple(domain[0] for domain in domains): 1.0}
     if len(wanted) > 1:

@@ -13,6 +13,9 @@ from tracerisk.prm.fault_tree import FaultTree
 from tracerisk.prm.latent_units import check_latent
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
     from tracerisk.prm.assessment import Assessment
     from tracerisk.prm.building import Following
     from tracerisk.prm.distributions import Distribution
@@ -139,6 +142,18 @@ class HybridModel(DisplayedGraph):
         from tracerisk.prm.solve import solve
 
         return solve(self)
+
+    def failure_probabilities(self, values: Mapping[str, ArrayLike]) -> NDArray[np.float64]:
+        """Return the mission's failure probability for n samples at once, (n,).
+
+        `values` gives parameters n probabilities theta, (n,), or one for all samples; the others
+        keep theirs, and in each state the fixed share of it.
+        Raises ModelError when a name is unknown, a value outside [0, 1] or arrays differ in
+        length.
+        """
+        from tracerisk.prm.sampled_tree import failure_samples_of
+
+        return failure_samples_of(self, values)
 
     @property
     def reachable(self) -> tuple[str, ...]:
