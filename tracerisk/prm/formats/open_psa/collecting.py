@@ -98,6 +98,7 @@ class Collector:
             "define-component": {*inside, "define-CCF-group", "define-component"},
         }
         self._inside: list[str] = []
+        self._members: dict[str, str] = {}
 
     def enter(self, element: Element) -> None:
         """Go into a container."""
@@ -298,6 +299,12 @@ class Collector:
                         member.unexpected(("basic-event",))
                     short = self._short(member)
                     path = f"{place.home}.{short}" if place.private else short
+                    if path in self._members:
+                        member.fail(
+                            f"'{path}' is a member of common cause group "
+                            f"'{self._members[path]}' already; take one out"
+                        )
+                    self._members[path] = name
                     if self.events.kinds.get(path) == "basic event":
                         self.findings.append(
                             f"{member.location}: '{path}' has a definition of its own; that of its "

@@ -75,10 +75,10 @@ def accepted_form(gate: Gate) -> Form:
         return form
     if kind is GateKind.IFF:
         first, second = _apart(inputs)
-        return Form(GateKind.XOR, (_negated(first), second))
+        return Form(GateKind.XOR, _apart((_negated(first), second)))
     if kind is GateKind.IMPLY:
         first, second = _apart(inputs)
-        return Form(GateKind.OR, (_negated(first), second))
+        return Form(GateKind.OR, _apart((_negated(first), second)))
     if kind is GateKind.ATLEAST:
         return _at_least(gate.k or 1, inputs)
     return _counted(gate)
@@ -133,13 +133,20 @@ def _negated(input_: str | Form) -> str | Form:
     return Form(GateKind.NOT, (input_,))
 
 
-def _apart(inputs: Iterable[str]) -> tuple[str | Form, ...]:
+def _apart(inputs: Iterable[str | Form]) -> tuple[str | Form, ...]:
     """Return the inputs, what stands there again as a formula of its own."""
-    seen: set[str] = set()
+    seen: set[str | Form] = set()
     found: list[str | Form] = []
-    for name in inputs:
-        found.append(Form(GateKind.AND, (name, ALWAYS)) if name in seen else name)
-        seen.add(name)
+    for each in inputs:
+        if isinstance(each, str) and each in seen:
+            found.append(
+                Form(GateKind.AND, (each, ALWAYS))
+                if each == NEVER
+                else Form(GateKind.OR, (each, NEVER))
+            )
+        else:
+            found.append(each)
+        seen.add(each)
     return tuple(found)
 
 

@@ -178,6 +178,9 @@ def expression_node(expression: Expression, name_of: Callable[[str], str]) -> No
     if isinstance(expression, MissionTime):
         return "system-mission-time", {}, []
     parts = [expression_node(argument, name_of) for argument in expression.arguments]
+    if len(parts) == 1 and _is_its_term(expression):
+        # SCRAM takes two or more.
+        return parts[0]
     if isinstance(expression, Histogram):
         count = len(expression.boundaries)
         bins: list[Node] = [
@@ -200,6 +203,13 @@ def expression_node(expression: Expression, name_of: Callable[[str], str]) -> No
             "give the figure as a number"
         )
     return tag, {}, parts
+
+
+def _is_its_term(expression: Expression) -> bool:
+    """Whether an operation on any number of terms is, on one, that term."""
+    if isinstance(expression, Call):
+        return expression.function in ("min", "max", "mean", "switch")
+    return isinstance(expression, Sum | Difference | Product | Quotient)
 
 
 def _number_node(number: Number) -> Node:

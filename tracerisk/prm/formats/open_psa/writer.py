@@ -221,6 +221,11 @@ class _Writer:
     def _trees(self) -> list[Node]:
         """Return the fault trees, with all that is defined in them."""
         inside: dict[str, list[Node]] = {each.path: [] for each in self._model.containers}
+        if NO_HOME in inside:
+            raise ModelError(
+                f"the fault tree '{NO_HOME}' has the name of what holds the gates in none; "
+                "rename it"
+            )
         for home, node in self._contents():
             if home not in inside:
                 raise ModelError(
