@@ -8,7 +8,8 @@ from tracerisk.cli import options as shared
 from tracerisk.cli import what_if as asked
 from tracerisk.cli.assessment import print_assessment, risk_exit
 from tracerisk.cli.output import print_json
-from tracerisk.cli.sources import model_of_files
+from tracerisk.cli.sources import linked_model, model_of_files
+from tracerisk.errors import InputError
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -29,6 +30,15 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
+    model_of_links = linked_model(options.files)
+    if model_of_links is not None:
+        from tracerisk.cli.linked import solve_linked
+
+        if options.profile:
+            raise InputError("--profile goes with sources; a linked model has its own chains")
+        return solve_linked(model_of_links, options)
+    if options.figure is not None:
+        raise InputError("--figure goes with a linked model; leave it out")
     from tracerisk.prm.formats.assessment_json import assessment_to_json
     from tracerisk.prm.solve import solve
 

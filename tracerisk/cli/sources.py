@@ -11,6 +11,7 @@ from tracerisk.errors import InputError, Location
 
 if TYPE_CHECKING:
     from tracerisk.prm.hybrid import HybridModel
+    from tracerisk.prm.linked import LinkedModel
 
 
 def read_file(name: str) -> bytes:
@@ -43,11 +44,27 @@ def model_of_files(files: Sequence[str], profile: ProfileText) -> HybridModel:
     return model_of_sources(files, profile)
 
 
+def linked_model(files: Sequence[str]) -> LinkedModel | None:
+    """Return the linked model that one JSON file holds; `None` where it holds none."""
+    if len(files) != 1:
+        return None
+    data = read_file(files[0])
+    if not data.lstrip().startswith(b"{") or b"tracerisk-linked-model" not in data:
+        return None
+    from tracerisk.prm.formats import linked_json
+
+    text = _decoded(data, files[0])
+    return linked_json.loads(text, files[0]) if linked_json.is_linked(text) else None
+
+
 def _read_model(data: bytes, name: str) -> HybridModel:
     from tracerisk.prm.formats import model_json
 
+    return model_json.loads(_decoded(data, name), name)
+
+
+def _decoded(data: bytes, name: str) -> str:
     try:
-        text = data.decode("utf-8")
+        return data.decode("utf-8")
     except UnicodeDecodeError as error:
         raise InputError("is not UTF-8 text", Location(name)) from error
-    return model_json.loads(text, name)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from tracerisk.prm.assessment import Assessment
     from tracerisk.prm.distributions import Distribution
     from tracerisk.prm.hybrid import HybridModel
+    from tracerisk.prm.linked.what_if import FigureSweep
     from tracerisk.prm.uncertainty import Uncertainty
     from tracerisk.prm.what_if import SetValue, Sweep
 
@@ -65,6 +67,9 @@ def add_what_if(parser: argparse.ArgumentParser) -> None:
         "--samples", metavar="N", type=shared.count, help="samples of --uncertainty (10000)"
     )
     group.add_argument("--seed", metavar="S", type=shared.count, help="seed of --uncertainty (0)")
+    group.add_argument(
+        "--figure", metavar="NAME", help="of a linked model, the figure that is asked about"
+    )
 
 
 def set_in(model: HybridModel, options: argparse.Namespace) -> tuple[HybridModel, list[SetValue]]:
@@ -72,17 +77,23 @@ def set_in(model: HybridModel, options: argparse.Namespace) -> tuple[HybridModel
 
     Raises InputError when a value is malformed, or a name unknown.
     """
-    if not options.set_values:
+    values = parse_set(options, probability)
+    if not values:
         return model, []
     from tracerisk.prm.what_if import set_values, with_values
 
+    return with_values(model, values), list(set_values(model, values))
+
+
+def parse_set(options: argparse.Namespace, read: Callable[[str, str], float]) -> dict[str, float]:
+    """Return the values of `--set` by name; `read` takes a text and where it stands."""
     values: dict[str, float] = {}
     for text in options.set_values:
-        name, number = _named(text, "--set", "NAME=P, such as gripper=1e-6")
+        name, value = _named(text, "--set", "NAME=P, such as gripper=1e-6")
         if name in values:
             raise InputError(f"--set names '{name}' twice; set it once")
-        values[name] = _probability(number, f"--set {text}")
-    return with_values(model, values), list(set_values(model, values))
+        values[name] = read(value, f"--set {text}")
+    return values
 
 
 def swept(model: HybridModel, options: argparse.Namespace) -> list[Sweep]:
@@ -90,10 +101,18 @@ def swept(model: HybridModel, options: argparse.Namespace) -> list[Sweep]:
 
     Raises InputError when a range is malformed, or a name unknown.
     """
-    if not options.sweeps:
+    ranges = parse_sweeps(options, probability)
+    if not ranges:
         return []
     from tracerisk.prm.what_if import log_spaced, sweep
 
+    return [sweep(model, name, log_spaced(low, high, count)) for name, low, high, count in ranges]
+
+
+def parse_sweeps(
+    options: argparse.Namespace, read: Callable[[str, str], float]
+) -> list[tuple[str, float, float, int]]:
+    """Return the name, the ends and the number of values of each `--sweep`."""
     found = []
     for text in options.sweeps:
         form = "NAME=LOW:HIGH[:N], such as motor=1e-9:1e-5:9"
@@ -101,13 +120,14 @@ def swept(model: HybridModel, options: argparse.Namespace) -> list[Sweep]:
         parts = scale.split(":")
         if len(parts) not in (2, 3):
             raise InputError(f"--sweep {text}: expected {form}")
-        low, high = (_probability(part, f"--sweep {text}") for part in parts[:2])
+        low, high = (read(part, f"--sweep {text}") for part in parts[:2])
         if not 0.0 < low < high:
             raise InputError(f"--sweep {text}: give 0 < LOW < HIGH, the steps are logarithmic")
         points = parts[2] if len(parts) == 3 else str(POINTS)
-        if not points.isascii() or not points.isdigit() or not 2 <= int(points) <= MOST_POINTS:
+        is_count = points.isascii() and points.isdigit() and len(points) < 9
+        if not is_count or not 2 <= int(points) <= MOST_POINTS:
             raise InputError(f"--sweep {text}: '{points}' points; allowed: 2 to {MOST_POINTS}")
-        found.append(sweep(model, name, log_spaced(low, high, int(points))))
+        found.append((name, low, high, int(points)))
     return found
 
 
@@ -117,24 +137,66 @@ def uncertainty_of(model: HybridModel, options: argparse.Namespace) -> Uncertain
     Raises InputError when an error factor is malformed, a name unknown, or what goes with
     `--uncertainty` is given without it.
     """
-    if not options.uncertainty:
-        for option in ("error_factors", "samples", "seed"):
-            if getattr(options, option) not in (None, []):
-                name = option.replace("_factors", "-factor")
-                raise InputError(f"--{name} goes with --uncertainty; add it")
+    if not wants_uncertainty(options):
         return None
     from tracerisk.prm.uncertainty import SAMPLES, propagate
+    from tracerisk.prm.what_if import groups_of, parameters_of
+
+    def known(name: str) -> str:
+        parameters_of(model, name)
+        return name
 
     return propagate(
         model,
         samples=SAMPLES if options.samples is None else options.samples,
         seed=options.seed or 0,
-        distributions=_distributions(model, options.error_factors),
+        distributions=parse_error_factors(options.error_factors, groups_of(model), known),
     )
 
 
+def wants_uncertainty(options: argparse.Namespace) -> bool:
+    """Return whether `--uncertainty` is given; raise InputError for what goes with it alone."""
+    if not options.uncertainty:
+        for option in ("error_factors", "samples", "seed"):
+            if getattr(options, option) not in (None, []):
+                name = option.replace("_factors", "-factor")
+                raise InputError(f"--{name} goes with --uncertainty; add it")
+    return bool(options.uncertainty)
+
+
+def parse_error_factors(
+    texts: list[str], everything: Iterable[str], known: Callable[[str], str]
+) -> dict[str, Distribution]:
+    """Return the distributions that `--error-factor` gives by name.
+
+    `everything` are the names that one for all is for; `known` checks a name.
+    """
+    from tracerisk.prm.distributions import Lognormal
+
+    general: dict[str, Distribution] = {}
+    own: dict[str, Distribution] = {}
+    for text in texts:
+        name, equals, value = text.rpartition("=")
+        try:
+            factor = float(value)
+        except ValueError:
+            raise InputError(
+                f"--error-factor {text}: expected [NAME=]F, such as 3 or gripper=3"
+            ) from None
+        into = own if equals else general
+        for each in (known(name),) if equals else everything:
+            if each in into:
+                raise InputError(
+                    f"--error-factor {text}: {name or 'every component'} has one; give it once"
+                )
+            into[each] = Lognormal(factor)
+    return general | own
+
+
 def what_if_data(
-    changes: list[SetValue], sweeps: list[Sweep], found: Uncertainty | None
+    changes: list[SetValue],
+    sweeps: Sequence[Sweep | FigureSweep],
+    found: Uncertainty | None,
 ) -> dict[str, Any]:
     """Return what was asked as plain data for `--json`, only what was asked for."""
     data: dict[str, Any] = {}
@@ -179,33 +241,6 @@ def print_set(changes: list[SetValue]) -> None:
         )
 
 
-def _distributions(model: HybridModel, texts: list[str]) -> dict[str, Distribution]:
-    """Return the distributions that `--error-factor` gives, one for all first."""
-    from tracerisk.prm.distributions import Lognormal
-    from tracerisk.prm.what_if import groups_of, parameters_of
-
-    general: dict[str, Distribution] = {}
-    own: dict[str, Distribution] = {}
-    for text in texts:
-        name, equals, number = text.rpartition("=")
-        try:
-            factor = float(number)
-        except ValueError:
-            raise InputError(
-                f"--error-factor {text}: expected [NAME=]F, such as 3 or gripper=3"
-            ) from None
-        if equals:
-            parameters_of(model, name)
-        into = own if equals else general
-        for each in (name,) if equals else groups_of(model):
-            if each in into:
-                raise InputError(
-                    f"--error-factor {text}: {name or 'every component'} has one; give it once"
-                )
-            into[each] = Lognormal(factor)
-    return general | own
-
-
 def _named(text: str, option: str, form: str) -> tuple[str, str]:
     name, equals, rest = text.rpartition("=")
     if not equals or not name or not rest:
@@ -213,8 +248,20 @@ def _named(text: str, option: str, form: str) -> tuple[str, str]:
     return name, rest
 
 
-def _probability(text: str, where: str) -> float:
+def probability(text: str, where: str) -> float:
+    """Read a probability; raise InputError with `where` when it is none."""
     try:
         return shared.probability(text)
     except argparse.ArgumentTypeError as error:
         raise InputError(f"{where}: {error}") from error
+
+
+def number(text: str, where: str) -> float:
+    """Read a finite number; raise InputError with `where` when it is none."""
+    try:
+        value = float(text)
+    except ValueError:
+        raise InputError(f"{where}: '{text}' is not a number") from None
+    if not math.isfinite(value):
+        raise InputError(f"{where}: {text} is not finite; give a number")
+    return value

@@ -23,6 +23,9 @@ def first_order_shares(inputs: Samples, result: Samples) -> Samples:
     other inputs out of each, as estimators that look at one input at a time cannot
     (an additive high-dimensional model representation: Li, Rosenthal and Rabitz, J. Phys. Chem.
     A 105 (2001), with a basis of our own; measured in docs/theory.md#uncertainty).
+    A share is the covariance of its function with the result over the result's variance, so that
+    chance correlations of the sample are dealt out and the shares sum to at most one (Li and
+    others, J. Phys. Chem. A 114 (2010)).
     A result or an input that does not vary has shares of zero.
     """
     import numpy as np
@@ -46,7 +49,7 @@ def first_order_shares(inputs: Samples, result: Samples) -> Samples:
     for index, columns in enumerate(functions):
         fitted = columns @ weights[start : start + columns.shape[1]]
         start += columns.shape[1]
-        shares[index] = float(fitted @ fitted) / variance
+        shares[index] = max(0.0, float(fitted @ centred) / variance)
     return shares
 
 

@@ -36,6 +36,16 @@ def rendered(write: Callable[[Console], None], *, width: int = 80, color: bool =
     return "\n".join(lines) + "\n"
 
 
+def render_parts(parts: Sequence[RenderableType], *, width: int = 80, color: bool = False) -> str:
+    """Return tables and lines as text, one below the other; see `rendered`."""
+
+    def write(console: Console) -> None:
+        for part in parts:
+            console.print(part)
+
+    return rendered(write, width=width, color=color)
+
+
 def table_of(title: str) -> Table:
     """Return an empty table."""
     from rich import box

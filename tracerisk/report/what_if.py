@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 from tracerisk.prm.assessment import ComponentImportance
 from tracerisk.prm.uncertainty import Uncertainty
 from tracerisk.prm.what_if import SetValue, Sweep
-from tracerisk.report.tables import plain, rendered, table_of
+from tracerisk.report.tables import plain, render_parts, table_of
 
 if TYPE_CHECKING:
-    from rich.console import Console, RenderableType
     from rich.table import Table
 
 
@@ -23,12 +22,12 @@ def render_set_values(values: Sequence[SetValue], *, width: int = 80, color: boo
         table.add_column(heading, justify="right")
     for each in values:
         table.add_row(*plain([each.name, f"{each.before:.4g}", f"{each.now:.4g}"]))
-    return _printed([table], width, color)
+    return render_parts([table], width=width, color=color)
 
 
 def render_sweeps(sweeps: Sequence[Sweep], *, width: int = 80, color: bool = False) -> str:
     """Return the mission's figures along each sweep."""
-    return _printed([_sweep(each) for each in sweeps], width, color)
+    return render_parts([_sweep(each) for each in sweeps], width=width, color=color)
 
 
 def render_importances(
@@ -53,22 +52,26 @@ def render_importances(
                 ]
             )
         )
-    return _printed(
+    return render_parts(
         [
             measures,
             _shares("Criticality by function", "function", components),
             _shares("Criticality by unit", "unit", components),
         ],
-        width,
-        color,
+        width=width,
+        color=color,
     )
 
 
-def render_uncertainty(found: Uncertainty, *, width: int = 80, color: bool = False) -> str:
-    """Return the percentiles of the mission's failure probability, and each input's share."""
-    spread = table_of(
-        f"Mission failure probability, {found.samples} samples, seed {found.seed}",
-    )
+def render_uncertainty(
+    found: Uncertainty,
+    figure: str = "Mission failure probability",
+    *,
+    width: int = 80,
+    color: bool = False,
+) -> str:
+    """Return the percentiles of a figure, and the share of each input."""
+    spread = table_of(f"{figure}, {found.samples} samples, seed {found.seed}")
     headings = [f"{level:.0f} %" for level in found.levels]
     for heading in ("point", "mean", *headings, "std. deviation"):
         spread.add_column(heading, justify="right")
@@ -87,7 +90,7 @@ def render_uncertainty(found: Uncertainty, *, width: int = 80, color: bool = Fal
         for each in found.inputs
         if each.cut
     ]
-    return _printed([spread, inputs, *cut], width, color)
+    return render_parts([spread, inputs, *cut], width=width, color=color)
 
 
 def _sweep(swept: Sweep) -> Table:
@@ -115,11 +118,3 @@ def _shares(title: str, by: str, components: Sequence[ComponentImportance]) -> T
                 *plain([name, part.name, f"{part.birnbaum:.4g}", f"{part.criticality:.4g}"])
             )
     return table
-
-
-def _printed(parts: Sequence[RenderableType], width: int, color: bool) -> str:
-    def write(console: Console) -> None:
-        for part in parts:
-            console.print(part)
-
-    return rendered(write, width=width, color=color)

@@ -14,15 +14,16 @@ def assessment_to_json(assessment: Assessment) -> dict[str, Any]:
 
     An infinite ratio (without the component nothing fails at all) is `None`, JSON's null.
     """
-    plain: dict[str, Any] = _finite(asdict(assessment))
+    plain: dict[str, Any] = finite(asdict(assessment))
     return plain
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
+    """Return plain data with `None` for each number that is infinite or none."""
     if isinstance(value, dict):
-        return {key: _finite(entry) for key, entry in value.items()}
+        return {key: finite(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(entry) for entry in value]
+        return [finite(entry) for entry in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

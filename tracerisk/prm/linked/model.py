@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.expressions import Expression, MissionTime
+from tracerisk.prm.expressions import Expression, MissionTime, Number
 from tracerisk.prm.linked.chain_solution import chain_to_solve
 from tracerisk.prm.linked.elements import (
     Figure,
@@ -80,6 +80,19 @@ class LinkedModel:
                 return parameter
         names = [parameter.name for parameter in self.parameters]
         raise ModelError(f"no parameter '{name}' in '{self.name}'; {one_of(names, name)}")
+
+    def with_values(self, values: Mapping[str, float]) -> LinkedModel:
+        """Return the model with parameters set to numbers; a distribution stays about them.
+
+        Raises ModelError when a name is unknown or a number is not finite.
+        """
+        for name in values:
+            self.parameter(name)
+        parameters = tuple(
+            replace(each, value=Number(values[each.name])) if each.name in values else each
+            for each in self.parameters
+        )
+        return replace(self, parameters=parameters)
 
     def solve(self, values: Mapping[str, float] | None = None) -> LinkedSolution:
         """Solve every element once, in the order of their links.

@@ -1,0 +1,115 @@
+"""What `solve` does with a linked model."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.cli import what_if as asked
+from tracerisk.cli.output import print_json, terminal_width, use_color
+from tracerisk.errors import ExitCode, InputError, one_of
+
+if TYPE_CHECKING:
+    from tracerisk.prm.distributions import Distribution
+    from tracerisk.prm.linked import LinkedModel
+    from tracerisk.prm.uncertainty import Uncertainty
+
+
+def solve_linked(model: LinkedModel, options: argparse.Namespace) -> int:
+    """Solve a linked model as the options ask, print the result and return the exit code."""
+    from tracerisk.prm.formats.assessment_json import finite
+    from tracerisk.prm.linked.importance import importances
+    from tracerisk.prm.linked.what_if import sweep
+    from tracerisk.prm.what_if import SetValue, log_spaced
+
+    figure = _figure(model, options)
+    values = asked.parse_set(options, asked.number)
+    before = model.solve().parameters if values else {}
+    for name in values:
+        model.parameter(name)
+    changed = model.with_values(values)
+    solution = changed.solve()
+    changes = [SetValue(name, before[name], now) for name, now in values.items()]
+    sweeps = [
+        sweep(changed, name, log_spaced(low, high, count))
+        for name, low, high, count in asked.parse_sweeps(options, asked.number)
+    ]
+    ranked = importances(changed, figure) if options.importance else ()
+    spread = _spread(changed, figure, options)
+    risk = solution.figure(figure).p
+    code = _risk_exit(figure, risk, options.max_risk)
+    if options.json:
+        data: dict[str, Any] = {"model": model.name, "figures": solution.figures}
+        data |= {"parameters": solution.parameters, "figure": figure}
+        if options.importance:
+            data["importance"] = finite([asdict(each) for each in ranked])
+        data |= asked.what_if_data(changes, sweeps, spread)
+        print_json("solve", exit_code=int(code), **data)
+        return int(code)
+    asked.print_set(changes)
+    from tracerisk.report import linked as report
+    from tracerisk.report.what_if import render_uncertainty
+
+    _show(report.render_figures, model.name, solution.figures)
+    if ranked:
+        _show(report.render_importances, figure, ranked)
+    if sweeps:
+        _show(report.render_sweeps, figure, sweeps)
+    if spread is not None:
+        _show(render_uncertainty, spread, figure)
+    sys.stdout.flush()
+    return int(code)
+
+
+def _figure(model: LinkedModel, options: argparse.Namespace) -> str:
+    """Return the figure that is asked for, else the model's first."""
+    names = [each.name for each in model.figures]
+    if not names:
+        raise InputError(f"'{model.name}' has no figures; state one in the model")
+    if options.figure is None:
+        return names[0]
+    if options.figure not in names:
+        raise InputError(
+            f"--figure {options.figure}: no figure of '{model.name}'; "
+            f"{one_of(names, options.figure)}"
+        )
+    found: str = options.figure
+    return found
+
+
+def _spread(model: LinkedModel, figure: str, options: argparse.Namespace) -> Uncertainty | None:
+    if not asked.wants_uncertainty(options):
+        return None
+    from tracerisk.prm.expressions import Number
+    from tracerisk.prm.linked.uncertainty import distribution_of, propagate
+    from tracerisk.prm.uncertainty import SAMPLES
+
+    plain = [
+        each.name
+        for each in model.parameters
+        if isinstance(each.value, Number) and distribution_of(each) is None
+    ]
+    given: dict[str, Distribution] = asked.parse_error_factors(
+        options.error_factors, plain, lambda name: model.parameter(name).name
+    )
+    return propagate(
+        model,
+        figure,
+        samples=SAMPLES if options.samples is None else options.samples,
+        seed=options.seed or 0,
+        distributions=given,
+    )
+
+
+def _risk_exit(figure: str, risk: float, max_risk: float | None) -> ExitCode:
+    if max_risk is None or risk <= max_risk:
+        return ExitCode.FINE
+    print(f"tracerisk: {figure} {risk:.4g} is over --max-risk {max_risk:g}", file=sys.stderr)
+    return ExitCode.WOULD_CHANGE
+
+
+def _show(render: Callable[..., str], *what: object) -> None:
+    sys.stdout.write(render(*what, width=terminal_width(), color=use_color()) + "\n")
