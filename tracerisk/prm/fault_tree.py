@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.collection import collection_paused
 from tracerisk.prm.display import DisplayedGraph
 from tracerisk.prm.gates import Gate, GateKind, check_gate, gate_probability, gate_shares
 from tracerisk.prm.probability import Probability
@@ -284,17 +285,21 @@ class FaultTree(DisplayedGraph):
         nodes = self._event_values(values)
         for house in self.houses:
             nodes[house.name] = Probability(1.0, 0.0) if house.state else Probability(0.0, 1.0)
-        for gate in self._upwards:
-            inputs = gate.inputs
-            if len(inputs) == 2 and (gate.kind is GateKind.OR or gate.kind is GateKind.AND):
-                # The commonest gates, without the way through the general ones.
-                (p, q), (p_other, q_other) = nodes[inputs[0]], nodes[inputs[1]]
-                if gate.kind is GateKind.OR:
-                    nodes[gate.name] = Probability(p + q * p_other, q * q_other)
+        either, both = GateKind.OR, GateKind.AND
+        with collection_paused():
+            for gate in self._upwards:
+                kind, inputs = gate.kind, gate.inputs
+                if len(inputs) == 2 and (kind is either or kind is both):
+                    # The commonest gates, without the way through the general ones.
+                    p, q = nodes[inputs[0]]
+                    p_other, q_other = nodes[inputs[1]]
+                    if kind is either:
+                        pair = Probability(p + q * p_other, q * q_other)
+                    else:
+                        pair = Probability(p * p_other, q + p * q_other)
                 else:
-                    nodes[gate.name] = Probability(p * p_other, q + p * q_other)
-            else:
-                nodes[gate.name] = gate_probability(gate, [nodes[name] for name in inputs])
+                    pair = gate_probability(gate, [nodes[name] for name in inputs])
+                nodes[gate.name] = pair
         return nodes
 
 
