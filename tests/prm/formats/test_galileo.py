@@ -368,9 +368,51 @@ def drawn_tree(seed):
     return DynamicTree("top", tuple(gates), tuple(events), tuple(dependencies), tuple(restrictions))
 
 
-@pytest.mark.parametrize("seed", range(60))
-def test_storm_finds_the_same_unreliability(tmp_path, seed):
-    made = drawn_tree(seed)
+def drawn_spare(rng, name, gates, events, depth=0):
+    """A spare that is an event, or a gate over spares of its own."""
+    if depth > 1 or rng.random() < 0.5:
+        events.append(DynamicEvent(name, Exponential(0.5), rng.choice((0.0, 0.5, 1.0))))
+        return name
+    parts = tuple(drawn_spare(rng, f"{name}_{i}", gates, events, depth + 1) for i in range(2))
+    kind = rng.choice((GateKind.OR, GateKind.AND, DynamicKind.SPARE))
+    gates.append(Gate(name, kind, parts) if kind in GateKind else DynamicGate(name, kind, parts))
+    return name
+
+
+def drawn_tree_of_parts(seed):
+    """A random tree whose spares are gates, with dependencies between all that there is."""
+    rng = random.Random(seed)
+    gates, events = [], [DynamicEvent(name, Exponential(0.5)) for name in ("e0", "e1", "e2")]
+    pool = [drawn_spare(rng, f"s{i}", gates, events) for i in range(rng.randint(1, 2))]
+    parts = ["e0", "e1", "e2"]
+    for number in range(rng.randint(1, 2)):
+        first = drawn_spare(rng, f"p{number}", gates, events, 1)
+        gates.append(DynamicGate(f"spare{number}", DynamicKind.SPARE, (first, *pool)))
+        parts.append(f"spare{number}")
+    for number in range(2):
+        inputs = tuple(rng.sample(parts, 2))
+        kind = rng.choice((GateKind.OR, GateKind.AND, DynamicKind.PAND, DynamicKind.POR))
+        name = f"g{number}"
+        gates.append(
+            Gate(name, kind, inputs) if kind in GateKind else DynamicGate(name, kind, inputs)
+        )
+        parts.append(name)
+    below = {child for gate in gates for child in gate.inputs}
+    open_parts = tuple(name for name in parts if name not in below)
+    gates.append(Gate("top", rng.choice((GateKind.OR, GateKind.AND)), open_parts))
+    names = [event.name for event in events]
+    dependencies = []
+    for number in range(rng.randint(0, 2)):
+        trigger = rng.choice([*names, *(gate.name for gate in gates[:-1])])
+        hit = rng.choice([name for name in names if name != trigger])
+        dependencies.append(Dependency(f"d{number}", trigger, (hit,), rng.choice((1.0, 0.25))))
+    return DynamicTree("top", tuple(gates), tuple(events), tuple(dependencies))
+
+
+@pytest.mark.parametrize("draw", [drawn_tree, drawn_tree_of_parts])
+@pytest.mark.parametrize("seed", range(50))
+def test_storm_finds_the_same_unreliability(tmp_path, draw, seed):
+    made = draw(seed)
     path = tmp_path / "tree.dft"
     path.write_text(galileo.dumps(made))
     least, greatest = storm_figures(path, made, 1.0)
