@@ -17,6 +17,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Generic, TypeAlias, TypeVar
 
 from tracerisk.errors import ModelError, TooLargeError, one_of
+from tracerisk.prm.display import Displayed
 
 if TYPE_CHECKING:
     from tracerisk.prm.bayes_solution import BayesianSolution
@@ -72,7 +73,7 @@ class Case:
 
 
 @dataclass(frozen=True, slots=True)
-class BayesianNetwork:
+class BayesianNetwork(Displayed):
     """Conditions with their distributions, and basic events whose probability depends on them.
 
     `conditions` gives each condition the distribution over its states, alone or given others.

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.display import Displayed
 
 if TYPE_CHECKING:
     from tracerisk.prm.event_tree_building import Alternatives
@@ -158,7 +159,7 @@ class InitiatingEvent:
 
 
 @dataclass(frozen=True, slots=True)
-class EventTree:
+class EventTree(Displayed):
     """An event tree; `functional_events` in the order in which paths may fork over them.
 
     Raises ModelError, naming the element, when a name is used twice or unknown, a fork has no

@@ -72,6 +72,19 @@ class EventTreeSolution:
             "event, not 1: the paths of a fork overlap, or leave a case out",
         )
 
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        from tracerisk.prm.table import Table
+
+        unit = f" per {self.initiating.per}" if self.initiating.per else ""
+        outcomes = "".join(
+            f"<li>{escape(name)}: {value:.6g}{escape(unit)}</li>"
+            for name, value in self.outcomes.items()
+        )
+        notes = "".join(f"<p>{escape(note)}</p>" for note in self.findings)
+        return f"<ul>{outcomes}</ul>{Table(self.sequences)._repr_html_()}{notes}"
+
     def __getitem__(self, sequence: str) -> float:
         """Return the value of a sequence, summed where linked trees share the name."""
         found = [each.value for each in self.sequences if each.name == sequence]

@@ -4,8 +4,9 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from tracerisk.prm import FaultTree, HybridModel, MarkovChain
+from tracerisk.prm import BayesianNetwork, EventTree, FaultTree, Given, HybridModel, MarkovChain
 from tracerisk.prm.drawing import html_of, svg_of
+from tracerisk.prm.event_tree import Branch, Link, Resume
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -106,6 +107,69 @@ def test_an_assessment_is_shown_by_its_figures_and_shares(arm):
     words = texts(assessment._repr_svg_())
     assert words[0] == "motor"
     assert f"{assessment.components[0].fussell_vesely:.3g}" in words
+
+
+LEAK = EventTree.of(
+    "leak",
+    {"detected": "blind", "closed": 0.125},
+    {
+        "S1": {"detected": "success", "closed": "success"},
+        "S2": {"detected": "success", "closed": "failure"},
+        "S3": {"detected": "failure"},
+    },
+    end_states={"S1": "<safe>", "S2": "release"},
+    initiating=0.5,
+    per="year",
+)
+
+
+def test_an_event_tree_is_drawn_with_its_paths_from_the_first_state_up():
+    root = ET.fromstring(LEAK._repr_svg_())
+    at = {text.text: float(text.get("y")) for text in root.iter(f"{SVG}text")}
+    assert {"leak", "detected", "closed", "success", "failure", "<safe>", "release"} <= set(at)
+    assert at["S1"] < at["S2"] < at["S3"]
+    assert at["S1"] == at["<safe>"]
+    assert "<figcaption>Event tree leak: 3 sequences</figcaption>" in LEAK._repr_html_()
+
+
+def test_a_path_into_another_event_tree_ends_with_its_name():
+    shared = Branch(Link("second"), (), "on")
+    tree = EventTree("first", (), Branch(Resume("on")), (), (shared,))
+    assert "→ second" in texts(tree._repr_svg_())
+
+
+def test_of_a_large_event_tree_the_first_paths_are_drawn():
+    functions = {f"f{index}": 0.5 for index in range(7)}
+    rows = {
+        f"S{number}": {
+            name: "failure" if number >> index & 1 else "success"
+            for index, name in enumerate(functions)
+        }
+        for number in range(128)
+    }
+    words = texts(EventTree.of("t", functions, rows)._repr_svg_())
+    assert sum(word.startswith("S") for word in words) == 60
+    assert "and more paths" in words
+
+
+def test_a_solved_event_tree_shows_its_outcomes_and_sequences():
+    blind = FaultTree.of("blind", {}, {"blind": 0.25})
+    html = LEAK.solve(blind)._repr_html_()
+    assert "<li>&lt;safe&gt;: 0.328125 per year</li>" in html
+    assert "<td>S3</td><td>0.25</td><td>0.125</td>" in html
+
+
+def test_a_network_is_drawn_from_conditions_to_events():
+    network = BayesianNetwork(
+        {"heat": {"cool": 0.5, "hot": 0.5}},
+        {
+            "motor": Given("heat", {"cool": 0.1, "hot": 0.2}),
+            "heat": Given("heat", {"cool": 0.1, "hot": 0.2}),
+        },
+    )
+    words = texts(network._repr_svg_())
+    assert sorted(words) == ["heat", "heat (event)", "motor"]
+    assert "Bayesian network: 1 conditions, 2 events" in network._repr_html_()
 
 
 @pytest.mark.parametrize("of", [svg_of, html_of])

@@ -5,9 +5,12 @@ from __future__ import annotations
 from html import escape
 
 from tracerisk.prm.assessment import Assessment
+from tracerisk.prm.bayes import BayesianNetwork
 from tracerisk.prm.drawing.assessment import assessment_html, assessment_svg
-from tracerisk.prm.drawing.chain import chain_svg, hybrid_svg
+from tracerisk.prm.drawing.chain import chain_svg, hybrid_svg, network_svg
+from tracerisk.prm.drawing.event_tree import event_tree_svg
 from tracerisk.prm.drawing.fault_tree import fault_tree_svg
+from tracerisk.prm.event_tree import EventTree
 from tracerisk.prm.fault_tree import FaultTree
 from tracerisk.prm.hybrid import HybridModel
 from tracerisk.prm.markov import MarkovChain
@@ -24,6 +27,10 @@ def svg_of(shown: object) -> str:
             return chain_svg(shown.transitions, shown.absorbing, "Markov chain")
         case HybridModel():
             return hybrid_svg(shown)
+        case EventTree():
+            return event_tree_svg(shown)
+        case BayesianNetwork():
+            return network_svg(shown)
         case Assessment():
             return assessment_svg(shown)
     raise TypeError(f"{type(shown).__name__} has no drawing")
@@ -42,6 +49,12 @@ def html_of(shown: object) -> str:
         case HybridModel():
             told = (
                 f"{shown.name}: {len(shown.states)} functions, {len(shown.parameters)} parameters"
+            )
+        case EventTree():
+            told = f"Event tree {shown.name}: {len(shown.sequences)} sequences"
+        case BayesianNetwork():
+            told = (
+                f"Bayesian network: {len(shown.conditions)} conditions, {len(shown.events)} events"
             )
         case Assessment():
             return f"<div>{assessment_html(shown)}{assessment_svg(shown)}</div>"

@@ -1,10 +1,11 @@
-"""Markov chains and hybrid models as drawings."""
+"""Markov chains, hybrid models and Bayesian networks as drawings."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from tracerisk.prm.bayes import BayesianNetwork
 from tracerisk.prm.drawing.layout import Size, layered
 from tracerisk.prm.drawing.svg import ALARM, FAINT, PAPER, WORD_HEIGHT, Canvas, word_width
 from tracerisk.prm.hybrid import DONE, HybridModel
@@ -50,6 +51,21 @@ def hybrid_svg(model: HybridModel) -> str:
         arrows[state.name, failures[state.name]] = Arrow("", fails=True)
     ends = [DONE, *failures.values()]
     return _svg([*names, *ends], arrows, set(ends), set(failures.values()), model.name)
+
+
+def network_svg(network: BayesianNetwork) -> str:
+    """Return the drawing of a network: its conditions, and the events that depend on them."""
+    events = {
+        name: f"{name} (event)" if name in network.conditions else name for name in network.events
+    }
+    arrows = {
+        (parent, name): Arrow("") for name in network.conditions for parent in network.parents(name)
+    }
+    for name, shown in events.items():
+        for parent in network.events[name].names:
+            arrows[parent, shown] = Arrow("")
+    names = [*network.conditions, *events.values()]
+    return _svg(names, arrows, set(events.values()), set(), "Bayesian network")
 
 
 def _svg(
