@@ -219,9 +219,10 @@ class Scope:
             if name in self._open:
                 raise ModelError(f"formula '{name}' leads back to itself", expression.location)
             self._open.append(name)
-            compiled = self.compile(self.formulas[name])
-            self._open.pop()
-            return compiled
+            try:
+                return self.compile(self.formulas[name])
+            finally:
+                self._open.pop()
         known = (*self.places, *self.constants, *self.formulas)
         raise ModelError(
             f"'{name}' is no variable, constant or formula here; {one_of(known, name)}",

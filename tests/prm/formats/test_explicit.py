@@ -1,0 +1,284 @@
+"""Explicit files of transitions and labels, in the dialects of Storm and PRISM."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tracerisk.errors import ModelError, TooLargeError
+from tracerisk.prm import MarkovChain, build_model, solve
+from tracerisk.prm.formats.explicit import (
+    Dialect,
+    read_explicit,
+    write_labels,
+    write_transitions,
+)
+from tracerisk.prm.formats.explicit_chain import ChainKind, explicit_chain
+from tracerisk.prm.formats.prism import read_prism, write_prism
+from tracerisk.prm.markov import ContinuousChain
+from tracerisk.prm.mission_chain import mission_chain
+
+CHAIN = MarkovChain(
+    {
+        "Pick.place": {"Pick.place": 0.5, "lost": 1e-20, "b": 0.5},
+        "b": {"Pick.place": 0.9, "won": 0.1},
+    },
+    ("lost", "won"),
+)
+RATES = ContinuousChain({"up": {"down": 1e-9}, "down": {"up": 0.1, "gone": 1e-7}}, ("gone",))
+
+STORM_TRA = """dtmc
+0 0 0.5
+0 1 0.5
+0 2 1e-20
+1 0 0.9
+1 3 0.1
+2 2 1.0
+3 3 1.0
+"""
+STORM_LAB = """#DECLARATION
+init Pick_place b lost won failed
+#END
+0 init Pick_place
+1 b
+2 lost failed
+3 won
+"""
+PRISM_LAB = """0="init" 1="Pick_place" 2="b" 3="lost" 4="won" 5="failed"
+0: 0 1
+1: 2
+2: 3 5
+3: 4
+"""
+
+
+def read(transitions, labels=STORM_LAB, **options):
+    return read_explicit(
+        transitions, labels, transitions_file="m.tra", labels_file="m.lab", **options
+    )
+
+
+def test_storm_and_prism_have_their_own_first_lines_and_labels():
+    explicit = explicit_chain(CHAIN, "Pick.place", {"failed": ["lost"]})
+    assert write_transitions(explicit) == STORM_TRA
+    assert write_labels(explicit) == STORM_LAB
+    assert write_transitions(explicit, Dialect.PRISM) == STORM_TRA.replace("dtmc", "4 7")
+    assert write_labels(explicit, Dialect.PRISM) == PRISM_LAB
+
+
+@pytest.mark.parametrize("dialect", Dialect)
+def test_what_is_written_reads_back_to_the_same_bits(dialect):
+    explicit = explicit_chain(CHAIN, "Pick.place", {"failed": ["lost"]})
+    back = read(write_transitions(explicit, dialect), write_labels(explicit, dialect))
+    assert (back.kind, back.initial, back.rows) == (explicit.kind, 0, explicit.rows)
+    assert back.labels == explicit.labels
+    assert back.names == ("Pick_place", "b", "lost", "won")
+    assert back.labelled("failed") == ("lost",)
+    found = back.markov_chain().solve(back.entry).absorption()
+    assert found == CHAIN.solve("Pick.place").absorption()
+
+
+@settings(max_examples=50, deadline=None)
+@given(
+    weights=st.lists(
+        st.lists(st.one_of(st.just(0.0), st.floats(1e-300, 1.0)), min_size=4, max_size=4),
+        min_size=1,
+        max_size=3,
+    )
+)
+def test_any_chain_comes_back_from_all_three_formats(weights):
+    rows = {}
+    for number, row in enumerate(weights):
+        row = [*row[:3], row[3] + 0.5]
+        targets = [f"s{min(i, len(weights) - 1)}" for i in range(2)]
+        total = math.fsum(row)
+        rows[f"s{number}"] = {}
+        for target, p in zip([*targets, "failed", "done"], row, strict=True):
+            rows[f"s{number}"][target] = rows[f"s{number}"].get(target, 0.0) + p / total
+    explicit = explicit_chain(MarkovChain(rows, ("failed", "done")), "s0")
+    for back in (
+        read(write_transitions(explicit), write_labels(explicit)),
+        read(write_transitions(explicit, Dialect.PRISM), write_labels(explicit, Dialect.PRISM)),
+    ):
+        assert back == explicit
+    prism = read_prism(write_prism(explicit))
+    by_name = {
+        prism.names[i]: {prism.names[j]: p for j, p in row.items()}
+        for i, row in enumerate(prism.rows)
+    }
+    for state, row in by_name.items():
+        number = explicit.names.index(state)
+        assert row == {explicit.names[j]: p for j, p in explicit.rows[number].items()}
+
+
+def test_rates_come_back_as_rates():
+    explicit = explicit_chain(RATES, "up")
+    assert explicit.kind is ChainKind.CTMC
+    back = read(write_transitions(explicit), write_labels(explicit))
+    assert back.continuous_chain().solve("up").expected_time() == RATES.solve("up").expected_time()
+    prism = read(
+        write_transitions(explicit, Dialect.PRISM),
+        write_labels(explicit, Dialect.PRISM),
+        kind=ChainKind.CTMC,
+    )
+    assert prism.rows == explicit.rows
+    with pytest.raises(ModelError, match="a ctmc has rates, no probabilities"):
+        back.markov_chain()
+    with pytest.raises(ModelError, match="a dtmc has probabilities, no rates"):
+        read(STORM_TRA).continuous_chain()
+
+
+def test_the_published_case_comes_back_with_the_same_figures(case_study):
+    model = build_model(case_study, name="case")
+    chain = mission_chain(model)
+    failed = [state for state in chain.absorbing if state != "done"]
+    explicit = explicit_chain(chain, model.entry, {"failed": failed})
+    expected = solve(model).mission.failure_probability
+    for back in (
+        read(write_transitions(explicit), write_labels(explicit)),
+        read(write_transitions(explicit, Dialect.PRISM), write_labels(explicit, Dialect.PRISM)),
+        read_prism(write_prism(explicit)),
+    ):
+        absorption = back.markov_chain().solve(back.entry).absorption()
+        assert absorption == chain.solve(model.entry).absorption()
+        total = math.fsum(absorption[state] for state in back.labelled("failed"))
+        assert total == pytest.approx(expected, rel=1e-15)
+
+
+def test_storm_gives_the_same_figures_for_the_published_case(case_study, tmp_path):
+    stormpy = pytest.importorskip("stormpy", reason="stormpy is not installed")
+    model = build_model(case_study, name="case")
+    chain = mission_chain(model)
+    failed = [state for state in chain.absorbing if state != "done"]
+    explicit = explicit_chain(chain, model.entry, {"failed": failed})
+    (tmp_path / "m.tra").write_text(write_transitions(explicit), encoding="utf-8")
+    (tmp_path / "m.lab").write_text(write_labels(explicit), encoding="utf-8")
+    (tmp_path / "m.prism").write_text(write_prism(explicit), encoding="utf-8")
+    solution = chain.solve(model.entry)
+    expected = {state: p for state, p in solution.absorption().items() if state != "done"}
+    expected["failed"] = math.fsum(expected.values())
+    program = stormpy.parse_prism_program(str(tmp_path / "m.prism"))
+    for built in (
+        stormpy.build_model_from_explicit(tmp_path / "m.tra", tmp_path / "m.lab"),
+        stormpy.build_model(program),
+    ):
+        assert built.nr_states == len(explicit.rows)
+        for label, p in expected.items():
+            (question,) = stormpy.parse_properties(f'P=? [F "{label}"]')
+            answer = stormpy.model_checking(
+                built, question, environment=stormpy.environments.exact()
+            )
+            assert answer.get_value(built.initial_states[0]) == pytest.approx(p, rel=1e-12)
+
+
+def test_storm_reads_rates_and_a_time(tmp_path):
+    stormpy = pytest.importorskip("stormpy", reason="stormpy is not installed")
+    chain = ContinuousChain({"up": {"down": 0.01}, "down": {"up": 0.1, "gone": 0.02}}, ("gone",))
+    explicit = explicit_chain(chain, "up")
+    (tmp_path / "m.tra").write_text(write_transitions(explicit), encoding="utf-8")
+    (tmp_path / "m.lab").write_text(write_labels(explicit), encoding="utf-8")
+    (tmp_path / "m.prism").write_text(write_prism(explicit), encoding="utf-8")
+    program = stormpy.parse_prism_program(str(tmp_path / "m.prism"), prism_compatibility=True)
+    expected = chain.transient("up", 300.0)["gone"]
+    for built in (
+        stormpy.build_model_from_explicit(tmp_path / "m.tra", tmp_path / "m.lab"),
+        stormpy.build_model(program),
+    ):
+        (question,) = stormpy.parse_properties('P=? [F<=300 "gone"]')
+        answer = stormpy.model_checking(built, question)
+        # Storm answers to a precision of 1e-6.
+        assert answer.get_value(built.initial_states[0]) == pytest.approx(expected, rel=1e-5)
+    assert 0.3 < expected < 0.5
+
+
+def test_names_that_are_no_identifiers_get_labels_of_their_own():
+    chain = MarkovChain(
+        {"a.b": {"a-b": 1.0}, "a-b": {"1st": 0.5, "deadlock": 0.5}}, ("1st", "deadlock")
+    )
+    labels = explicit_chain(chain, "a.b").labels
+    assert list(labels) == ["init", "a_b", "a_b_2", "s1st", "deadlock_2"]
+
+
+@pytest.mark.parametrize(
+    ("labels", "message"),
+    [
+        ({"init": ["b"]}, "label 'init': a label is a name of letters"),
+        ({"so far": ["b"]}, "label 'so far': a label is a name of letters"),
+        ({"failed": ["loss"]}, "label 'failed': no state 'loss'; did you mean 'lost'"),
+    ],
+)
+def test_labels_that_cannot_be_written_are_refused(labels, message):
+    with pytest.raises(ModelError, match=message):
+        explicit_chain(CHAIN, "b", labels)
+    with pytest.raises(ModelError, match="the entry 'c' is no state"):
+        explicit_chain(CHAIN, "c")
+    with pytest.raises(ModelError, match="no label 'win'; did you mean 'won'"):
+        explicit_chain(CHAIN, "b").labelled("win")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "m.tra:1:1: the file is empty; it begins with dtmc, ctmc"),
+        ("mdp\n", "m.tra:1:1: 'mdp' is no kind of chain that is read; allowed: ctmc, dtmc"),
+        ("dtmc\n", "m.tra:1: the file holds no transition"),
+        ("dtmc\n0 1\n", "m.tra:2:1: 2 words; a transition is a state, the next state and a number"),
+        ("dtmc\n0 x 1\n", "m.tra:2:3: 'x' is no whole number of 0 or more"),
+        ("dtmc\n0 -1 1\n", "m.tra:2:3: '-1' is no whole number"),
+        ("dtmc\n0  1 0.5x\n", "m.tra:2:6: '0.5x' is no probability or rate"),
+        ("dtmc\n0 1 -0.5\n", "m.tra:2:5: '-0.5' is no probability or rate; give a number of 0"),
+        ("dtmc\n0 1 nan\n", "m.tra:2:5: 'nan' is no probability or rate"),
+        ("dtmc\n0 1 0.5\n\n0 1 0.5\n", "m.tra:4:1: the transition from 0 to 1 stands twice"),
+        ("dtmc\n1 1 1\n0 1 0.9\n", "m.tra:3: the probabilities from state 0 sum to 0.9"),
+        (
+            "2 3\n0 1 1\n1 1 1\n",
+            "m.tra:3: 3 transitions are announced and 2 are there; the file is",
+        ),
+        ("2 2\n0 2 1\n1 1 1\n", "m.tra:2:1: state 2, but the file has 2 states"),
+        ("2 x\n0 1 1\n", "m.tra:1:3: 'x' is no whole number"),
+    ],
+)
+def test_garbled_transitions_are_refused_with_their_position(text, message):
+    with pytest.raises(ModelError) as caught:
+        read(text)
+    assert str(caught.value).startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "m.lab:1:1: the file is empty; it begins with #DECLARATION"),
+        ("#DECLARATON\na\n#END\n", "m.lab:1:1: '#DECLARATON' where #DECLARATION is expected"),
+        ("#DECLARATION\ninit\n", "m.lab:2: #END is missing after the labels"),
+        ("#DECLARATION\ninit\n#EDN\n", "m.lab:3:1: '#EDN' where #END is expected"),
+        (
+            "#DECLARATION\ninit\n#END\n0 init x\n",
+            "m.lab:4:8: label 'x' is not declared; declared: i",
+        ),
+        (
+            "#DECLARATION\ninit\n#END\n9 init\n",
+            "m.lab:4:1: state 9, but the chain has states 0 to 3",
+        ),
+        ("#DECLARATION\ninit\n#END\ninit 0\n", "m.lab:4:1: 'init' is no whole number"),
+        ("#DECLARATION\na\n#END\n0 a\n", "m.lab:1: no state has the label 'init'; label one"),
+        ("#DECLARATION\ninit\n#END\n0 init\n1 init\n", "m.lab:1: 2 states have the label 'init'"),
+        ('0="init" 1=x\n0: 0\n', "m.lab:1:10: '1=x' is no declaration such as 0=\"init\""),
+        ('0="init" 0="x"\n0: 0\n', 'm.lab:1:10: 0="x" is declared twice'),
+        ('0="init"\n0 0\n', "m.lab:2:1: '0' where a state and a colon are expected"),
+        ('0="init"\n0: 1\n', "m.lab:2:4: label 1 is not declared; declared: 0"),
+    ],
+)
+def test_garbled_labels_are_refused_with_their_position(text, message):
+    with pytest.raises(ModelError) as caught:
+        read(STORM_TRA, text)
+    assert str(caught.value).startswith(message)
+
+
+def test_a_kind_that_the_file_contradicts_and_too_many_states_are_refused():
+    with pytest.raises(ModelError, match=r"m.tra:1:1: the file holds a dtmc, not a ctmc"):
+        read(STORM_TRA, kind=ChainKind.CTMC)
+    with pytest.raises(TooLargeError, match=r"m.tra:4: state 2; at most 2 states are read"):
+        read(STORM_TRA, most_states=2)
