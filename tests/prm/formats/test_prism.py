@@ -146,7 +146,7 @@ label "x" = s=1;
         ("= 0.5;", "= 1/0;", "m.pm:2:19: no value: "),
         ("= 0.5;", "= q;", "m.pm:2:18: 'q' is no variable, constant or formula here"),
         ("= 0.5;", "= 0.5; formula p = 1;", "m.pm:2:35: 'p' is declared twice; rename one"),
-        ("= 0.5;", "= f; formula f = f;", "m.pm:2:35: formula 'f' leads back to itself"),
+        ("= 0.5;", "= f; formula f = f;", "m.pm:2:33: formula 'f' leads back to itself"),
         ("= 0.5;", "= sin(1);", "m.pm:2:18: no function 'sin'; did you mean 'min'"),
         ("= 0.5;", "= pow(1);", "m.pm:2:18: pow takes 2 arguments"),
         ("[0..3]", "[3..0]", "m.pm:4:3: 's' ranges from 3 to 0; there is nothing between"),
