@@ -96,16 +96,7 @@ def test_the_top_given_each_event_equals_exact_enumeration(tree, data):
     assert list(found) == names
     for name in names:
         for state, pair in ((True, found[name].given), (False, found[name].without)):
-            exact = [Fraction(0), Fraction(0)]
-            others = [each for each in names if each != name]
-            for outcome in product((False, True), repeat=len(others)):
-                weight = Fraction(1)
-                for other, happened in zip(others, outcome, strict=True):
-                    p = Fraction(values[other])
-                    weight *= p if happened else 1 - p
-                exact[happens(tree, {**dict(zip(others, outcome, strict=True)), name: state})] += (
-                    weight
-                )
+            exact = exact_given(tree, values, name, state)
             assert pair.p == pytest.approx(float(exact[1]), rel=1e-14, abs=0.0)
             assert pair.q == pytest.approx(float(exact[0]), rel=1e-14, abs=0.0)
 
@@ -117,6 +108,48 @@ def test_the_top_given_a_shared_event_counts_all_that_it_feeds():
     assert found["a"].without == (0.0, 1.0)
     assert found["b"].given.p == 0.25
     assert found["b"].without.p == 0.125
+
+
+@st.composite
+def shared_trees(draw):
+    """Draw gates over six events and the gates before them, which may all be shared."""
+    gates = []
+    for index in range(draw(st.integers(2, 6))):
+        below = [*"abcdef", *(gate.name for gate in gates)]
+        inputs = draw(st.lists(st.sampled_from(below), min_size=2, max_size=3, unique=True))
+        kind = draw(st.sampled_from([GateKind.OR, GateKind.AND, GateKind.XOR, GateKind.NAND]))
+        gates.append(Gate(f"g{index}", kind, tuple(inputs)))
+    wanted, below = [gates[-1].name], set()
+    by_name = {gate.name: gate for gate in gates}
+    for name in wanted:
+        below.add(name)
+        wanted += [each for each in by_name[name].inputs if each in by_name and each not in below]
+    kept = tuple(gate for gate in gates if gate.name in below)
+    used = sorted({name for gate in kept for name in gate.inputs if name not in by_name})
+    return FaultTree(gates[-1].name, kept, tuple(map(BasicEvent, used)))
+
+
+def exact_given(tree, values, name, state):
+    """P(not top) and P(top), given that an event happens or does not, in rationals."""
+    exact = [Fraction(0), Fraction(0)]
+    others = [event.name for event in tree.events if event.name != name]
+    for outcome in product((False, True), repeat=len(others)):
+        weight = Fraction(1)
+        for other, happened in zip(others, outcome, strict=True):
+            weight *= Fraction(values[other]) if happened else 1 - Fraction(values[other])
+        exact[happens(tree, {**dict(zip(others, outcome, strict=True)), name: state})] += weight
+    return exact
+
+
+@settings(max_examples=100, deadline=None)
+@given(tree=shared_trees(), data=st.data())
+def test_the_top_of_shared_events_given_each_equals_exact_enumeration(tree, data):
+    values = {event.name: data.draw(probabilities) for event in tree.events}
+    for name, pairs in tree.conditional_tops(values).items():
+        for state, pair in ((True, pairs.given), (False, pairs.without)):
+            q, p = exact_given(tree, values, name, state)
+            assert pair.p == pytest.approx(float(p), rel=1e-14, abs=0.0)
+            assert pair.q == pytest.approx(float(q), rel=1e-14, abs=0.0)
 
 
 @pytest.mark.parametrize("kind", [GateKind.OR, GateKind.AND, GateKind.NOR])

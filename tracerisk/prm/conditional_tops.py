@@ -52,13 +52,27 @@ def conditional_tops(tree: FaultTree, nodes: Mapping[str, Probability]) -> dict[
 def shared_conditional_tops(
     shared: SharedTree, events: Mapping[str, Probability]
 ) -> dict[str, Conditional]:
-    """Return the top's pairs given each event, of a tree that shares gates or events."""
-    return {
-        name: Conditional(
-            shared.probability({**events, name: SURE}), shared.probability({**events, name: NEVER})
-        )
-        for name in events
-    }
+    """Return the top's pairs given each event, of a tree that shares gates or events.
+
+    The top changes by its derivative times the event's change; where that would take away more
+    than half of a figure, the tree is solved anew.
+    """
+    top, slopes = shared.probability(events), shared.sensitivities(events)
+    found = {}
+    for name, pair in events.items():
+        rise, fall = slopes[name] * pair.q, slopes[name] * pair.p
+        given = Probability(top.p + rise, top.q - rise)
+        without = Probability(top.p - fall, top.q + fall)
+        if not _kept(given, top):
+            given = shared.probability({**events, name: SURE})
+        if not _kept(without, top):
+            without = shared.probability({**events, name: NEVER})
+        found[name] = Conditional(given, without)
+    return found
+
+
+def _kept(found: Probability, top: Probability) -> bool:
+    return found.p >= top.p / 2 and found.q >= top.q / 2
 
 
 def gate_conditionals(gate: Gate, inputs: Sequence[Probability]) -> list[Conditional]:
