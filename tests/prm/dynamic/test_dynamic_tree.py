@@ -465,11 +465,19 @@ def test_groups_without_a_meaning_are_refused(gates, events, message):
         tree(gates, events).probability(1.0)
 
 
-def test_what_is_failed_from_the_start_may_not_be_ruled_out():
+@pytest.mark.parametrize("p", [1.0, 0.5])
+def test_what_is_failed_from_the_start_and_ruled_out_waits(p):
+    order = Restriction("order", SEQUENCE, ("a", "b"))
     made = tree(
         [Gate("top", AND, ("a", "b"))],
-        [event("a", 1.0), DynamicEvent("b", Constant(0.5))],
-        Restriction("order", SEQUENCE, ("a", "b")),
+        [event("a", 1e-6), DynamicEvent("b", Constant(p))],
+        order,
     )
-    with pytest.raises(ModelError, match="rules out what is failed from the start, 'b'; give it"):
-        made.probability(1.0)
+    assert made.probability(1.0).p == pytest.approx(p * -math.expm1(-1e-6), rel=1e-12)
+    # Whichever is named first: what has to be first is.
+    both = tree(
+        [Gate("top", AND, ("a", "b"))],
+        [DynamicEvent("b", Constant(0.4)), DynamicEvent("a", Constant(0.2))],
+        order,
+    )
+    assert both.probability(1.0).p == pytest.approx(0.08, rel=1e-14)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise, product
 from math import prod
 
-from tracerisk.errors import ModelError, TooLargeError
+from tracerisk.errors import TooLargeError
 from tracerisk.prm.dynamic.layout import FAILED, SAFE, Layout
 from tracerisk.prm.dynamic.semantics import after_failure, after_phase, is_in_service, start
 from tracerisk.prm.failure_chain import FailureChain
@@ -16,8 +16,7 @@ FAILED_STATE = 0
 def explore(layout: Layout, state_limit: int) -> FailureChain:
     """Return the chain of a group, state 0 being its failure.
 
-    Raises TooLargeError when there are more states than the limit, ModelError when what is failed
-    from the start is ruled out by a restriction.
+    Raises TooLargeError when there are more states than the limit.
     """
     numbers: dict[bytes, int] = {}
     order: list[bytes] = []
@@ -69,13 +68,7 @@ def _starts(layout: Layout) -> list[tuple[float, bytes]]:
             layout.starting[event] if happens else 1.0 - layout.starting[event]
             for event, happens in zip(open_events, outcome, strict=True)
         )
-        states = start(layout, (*certain, *failed))
-        if not states:
-            names = ", ".join(f"'{layout.names[event]}'" for event in (*certain, *failed))
-            raise ModelError(
-                f"a restriction rules out what is failed from the start, {names}; give it a rate"
-            )
-        found += [(chance * share, state) for share, state in states]
+        found += [(chance * share, state) for share, state in start(layout, (*certain, *failed))]
     return found
 
 

@@ -26,6 +26,8 @@ in order, of a SPARE it is the position of the input in use.
 TAKEN, IN_SERVICE = 1, 2
 """What the byte of a spare says of it."""
 LARGEST = 250
+START = -1
+"""The trigger of what is failed from the start, and waits where that is ruled out then."""
 
 AnyGate = Gate | DynamicGate
 
@@ -38,7 +40,8 @@ class Layout:
 
     `owner` is for each element the innermost spare whose part it is, if any, and `parts` the
     elements of each spare; `rates` the rate of each phase of an event in service, `starting` its
-    probability of being failed from the start. Events that can change places without a difference
+    probability of being failed from the start; each of these has a dependency of its own, where
+    there are restrictions. Events that can change places without a difference
     are `alike`.
     """
 
@@ -96,8 +99,9 @@ def lay_out(
         _check_gate(gate)
     spares = tuple(number for number, gate in by_place.items() if _is_spare(gate))
     units = tuple(dict.fromkeys(child for gate in spares for child in inputs[gate]))
-    first_unit = len(names) + len(dependencies)
     rates, phases, starting = _laws(events)
+    waiting = [event for event, p in starting.items() if p > 0.0 and restrictions]
+    first_unit = len(names) + len(dependencies) + len(waiting)
     owner = _owners(names, inputs, parents, spares, units)
     return Layout(
         names=names,
@@ -106,9 +110,12 @@ def lay_out(
         gates=by_place,
         inputs=inputs,
         parents=tuple(map(tuple, parents)),
-        dependencies=tuple(
-            (place[one.trigger], tuple(place[name] for name in one.dependents), one.probability)
-            for one in dependencies
+        dependencies=(
+            *(
+                (place[one.trigger], tuple(place[name] for name in one.dependents), one.probability)
+                for one in dependencies
+            ),
+            *((START, (event,), 1.0) for event in waiting),
         ),
         restrictions=tuple(
             (one.kind, tuple(place[name] for name in one.inputs)) for one in restrictions

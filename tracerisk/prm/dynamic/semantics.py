@@ -12,21 +12,38 @@ from heapq import heappop, heappush
 from itertools import pairwise
 
 from tracerisk.prm.dynamic.elements import DynamicGate, DynamicKind, RestrictionKind
-from tracerisk.prm.dynamic.layout import FAILED, GONE, IN_SERVICE, SAFE, TAKEN, Layout
+from tracerisk.prm.dynamic.layout import FAILED, GONE, IN_SERVICE, SAFE, START, TAKEN, Layout
 
 Outcome = tuple[float, bytes]
 """A probability and the state it leads to."""
 
 
 def start(layout: Layout, failed: Iterable[int]) -> list[Outcome]:
-    """Return what becomes of a group in which these events are failed from the start."""
+    """Return what becomes of a group in which these events are failed from the start.
+
+    They are so all together; where a restriction rules that out, one after the other, and those
+    that it still rules out wait until they may.
+    """
     row = bytearray(layout.size)
+    slots = {
+        dependents[0]: layout.first_dependency_slot + number
+        for number, (trigger, dependents, _) in enumerate(layout.dependencies)
+        if trigger == START
+    }
+    for slot in slots.values():
+        row[slot] = 1
     for gate in layout.spare_gates:
         first = layout.inputs[gate][0]
         row[layout.spare_slots[first]] |= TAKEN
         if layout.owner[gate] is None:
             _put_in_service(layout, row, first)
-    return list(_settle(layout, row, _fail(layout, row, failed), 1.0))
+    together = bytearray(row)
+    found = list(_settle(layout, together, _fail(layout, together, failed), 1.0))
+    if found:
+        return found
+    for event in failed:
+        row[slots[event]] = 0
+    return list(_settle(layout, row, [], 1.0))
 
 
 def after_failure(layout: Layout, state: bytes, event: int) -> list[Outcome]:
@@ -191,7 +208,8 @@ def _put_in_service(layout: Layout, row: bytearray, unit: int) -> None:
 def _next_dependency(layout: Layout, row: bytearray, blocked: frozenset[int]) -> int | None:
     slot = layout.first_dependency_slot
     for number, (trigger, _, _) in enumerate(layout.dependencies):
-        if row[trigger] == FAILED and not row[slot + number] and number not in blocked:
+        happened = trigger == START or row[trigger] == FAILED
+        if happened and not row[slot + number] and number not in blocked:
             return number
     return None
 
@@ -216,7 +234,9 @@ def _without_the_forgotten(layout: Layout, row: bytearray) -> bytes:
         grown = _mark_users_of_spares(layout, row, counts)
         for number, (trigger, dependents, _) in enumerate(layout.dependencies):
             acted = row[layout.first_dependency_slot + number]
-            if not acted and not counts[trigger] and _any_open(row, counts, dependents):
+            if trigger == START or acted or counts[trigger]:
+                continue
+            if _any_open(row, counts, dependents):
                 _mark(layout, row, counts, [trigger])
                 grown = True
         for _, inputs in layout.restrictions:
