@@ -24,7 +24,10 @@ from tracerisk.prm import (
     build_model,
     solve,
 )
+from tracerisk.prm.distributions import Lognormal, Uniform
+from tracerisk.prm.fault_tree import HouseEvent
 from tracerisk.prm.formats import assessment_to_json, dumps, loads
+from tracerisk.prm.formats.model_json import model_data, model_schema
 
 
 @pytest.fixture(scope="module")
@@ -183,7 +186,7 @@ TREE = (*STATE, "fault_tree")
     ],
 )
 def test_bad_input_is_refused_with_file_and_element(model, path, value, message):
-    with pytest.raises(ModelError, match=f"^m.json: .*{message}"):
+    with pytest.raises(ModelError, match=rf"^m.json(:\d+:\d+)?: .*{message}"):
         loads(edited(model, change_at(path, value)), "m.json")
 
 
@@ -198,7 +201,7 @@ def test_bad_input_is_refused_with_file_and_element(model, path, value, message)
     ],
 )
 def test_hostile_json_is_refused_with_one_message(text, message):
-    with pytest.raises(ModelError, match=f"m.json: .*{message}"):
+    with pytest.raises(ModelError, match=rf"m.json(:\d+:\d+)?: .*{message}"):
         loads(text, "m.json")
 
 
@@ -212,3 +215,40 @@ def test_an_assessment_becomes_plain_json_with_null_for_infinity(block, componen
     assert data["mission"]["failure_probability"] == assessment.mission.failure_probability
     assert data["states"][0]["failure_state"] == "move_failure"
     assert data["statement"] == assessment.statement
+
+
+def test_house_events_ranges_and_distributions_read_back(model):
+    tree = FaultTree(
+        "top",
+        (Gate("top", GateKind.CARDINALITY, ("a", "b", "on"), 1, 2),),
+        (BasicEvent("a"), BasicEvent("b")),
+        (HouseEvent("on", True),),
+    )
+    state = FunctionState("s", 1, tree, {"a": 0.25, "b": 0.5}, (NextStep("done", Fraction(1)),))
+    parameters = (
+        Parameter("a", 0.25, Lognormal(3.0, "mean")),
+        Parameter("b", 0.5, Uniform(1e-3, 0.5, log=True)),
+    )
+    written = HybridModel("m", "s", (state,), parameters)
+    assert loads(dumps(written), "m.json") == written
+
+
+def test_what_is_written_is_valid_by_the_published_schema(model, case_study):
+    jsonschema = pytest.importorskip("jsonschema", reason="jsonschema checks the schema")
+    schema = model_schema()
+    jsonschema.Draft202012Validator.check_schema(schema)
+    validator = jsonschema.Draft202012Validator(schema)
+    case = build_model(case_study, name="case")
+    parameters = tuple(replace(each, distribution=Lognormal(3.0)) for each in case.parameters)
+    for written in (model, case, replace(case, parameters=parameters)):
+        validator.validate(model_data(written))
+    for path, value in (
+        (["version"], 2),
+        (["entry"], ...),
+        (["parameters", 0, "theta"], 1.5),
+        (["states", 0, "next", 0, "weight"], "1/0"),
+        (["states", 0, "fault_tree", "gates", 0, "type"], "xorr"),
+    ):
+        data = model_data(model)
+        change_at(path, value)(data)
+        assert not validator.is_valid(data), path

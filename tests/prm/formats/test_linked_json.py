@@ -241,7 +241,7 @@ CASES = [
     (("version",), 2, "version: is 2; this version of tracerisk reads 1", True),
     (("version",), True, "version: is True; this version of tracerisk reads 1", True),
     (("name",), REMOVED, "the document: 'name' is missing", True),
-    (("trees",), [], "trees: unknown key 'trees'; did you mean 'faultTrees'?", True),
+    (("trees",), [], "the document: unknown key 'trees'; did you mean 'faultTrees'?", True),
     (("modelData",), {}, "modelData: expected a list, found an object", True),
     (
         ("systemMissionTime",),
@@ -334,7 +334,7 @@ CASES = [
     (
         (*STEP, "rate"),
         1.0,
-        "markovChains[0].transitions[0].rate: unknown key 'rate'; allowed: probability, remainder",
+        "markovChains[0].transitions[0]: unknown key 'rate'; allowed: probability, remainder",
         True,
     ),
     (

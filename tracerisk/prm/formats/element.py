@@ -84,7 +84,8 @@ class Element:
                 self.fail(f"'{key}' is missing")
         for key, element in entries.items():
             if key not in required and key not in optional:
-                element.fail(f"unknown key '{key}'; {one_of({*required, *optional}, key)}")
+                allowed = one_of({*required, *optional}, key)
+                raise ModelError(f"{self}: unknown key '{key}'; {allowed}", element.location)
         return entries
 
     def items(self) -> tuple[Element, ...]:
@@ -135,6 +136,13 @@ class Element:
             found = math.inf
         if not math.isfinite(found):
             self.fail("is too large for a number of double precision")
+        return found
+
+    def probability(self) -> float:
+        """Return a number from 0 to 1."""
+        found = self.number()
+        if not 0.0 <= found <= 1.0:
+            self.fail(f"probability {self.value!r} is outside [0, 1]")
         return found
 
 

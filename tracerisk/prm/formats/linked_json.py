@@ -13,13 +13,9 @@ from typing import Any
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions import Expression
 from tracerisk.prm.fault_tree import HouseEvent
+from tracerisk.prm.formats.distribution_json import distribution_to_json, read_distribution
 from tracerisk.prm.formats.element import Element, read_document
-from tracerisk.prm.formats.linked_values import (
-    distribution_to_json,
-    read_distribution,
-    read_value,
-    value_to_json,
-)
+from tracerisk.prm.formats.linked_values import read_value, value_to_json
 from tracerisk.prm.gates import Gate, GateKind, check_gate
 from tracerisk.prm.linked.elements import (
     UNITS,

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any, NoReturn, TypeVar
+from typing import Any
 
-from tracerisk.errors import Location, ModelError, one_of
-from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind
+from tracerisk.errors import Location, ModelError
+from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
+from tracerisk.prm.formats.distribution_json import distribution_to_json, read_distribution
+from tracerisk.prm.formats.element import Element, read_document
 from tracerisk.prm.hybrid import FunctionState, HybridModel, NextStep, Parameter
 
 SCHEMA = "tracerisk-hybrid-model"
@@ -17,8 +19,6 @@ VERSION = 1
 
 # Bounded, for Fraction("1e999999999") would build a number of a thousand million digits.
 _WEIGHT = re.compile(r"\d{1,40}(?:/\d{1,40}|\.\d{1,40})?")
-
-T = TypeVar("T")
 
 
 def model_data(model: HybridModel) -> dict[str, Any]:
@@ -28,7 +28,7 @@ def model_data(model: HybridModel) -> dict[str, Any]:
         "version": VERSION,
         "name": model.name,
         "entry": model.entry,
-        "parameters": [{"name": p.name, "theta": p.theta} for p in model.parameters],
+        "parameters": [_parameter_to_json(each) for each in model.parameters],
         "states": [_state_to_json(state) for state in model.states],
         "latent": list(model.latent),
     }
@@ -49,45 +49,68 @@ def loads(text: str, file: str) -> HybridModel:
     is allowed, when the text is no JSON, is of another schema or version, lacks a key or has an
     unknown one, or when the model does not hold together (see HybridModel and FaultTree).
     """
-    place = Location(file)
+    top = read_document(text, file)
     try:
-        data = json.loads(text, object_pairs_hook=_without_duplicates, parse_constant=_no_constant)
-    except json.JSONDecodeError as error:
-        raise ModelError(
-            f"is not valid JSON: {error.msg}; is the file whole?",
-            Location(file, error.lineno, error.colno),
-        ) from error
-    except (ValueError, RecursionError) as error:
-        detail = error.message if isinstance(error, ModelError) else "a number or nesting too large"
-        raise ModelError(f"cannot be read: {detail}", place) from error
-    try:
-        return _model(_Element(data, ""))
+        return _model(top)
     except ModelError as error:
-        raise ModelError(error.message, place) from error
+        raise ModelError(error.message, error.location or Location(file)) from error
+
+
+def model_schema() -> dict[str, Any]:
+    """Return the JSON Schema (2020-12) of the documents that `dumps` writes and `loads` reads."""
+    from importlib.resources import files
+
+    text = files("tracerisk.prm.formats").joinpath(f"schemas/hybrid-model-{VERSION}.json")
+    schema: dict[str, Any] = json.loads(text.read_text(encoding="utf-8"))
+    return schema
+
+
+def _parameter_to_json(parameter: Parameter) -> dict[str, Any]:
+    written: dict[str, Any] = {"name": parameter.name, "theta": parameter.theta}
+    if parameter.distribution is not None:
+        written["distribution"] = distribution_to_json(parameter.distribution)
+    return written
+
+
+def _tree_to_json(tree: FaultTree) -> dict[str, Any]:
+    written: dict[str, Any] = {
+        "top": tree.top,
+        "gates": [_gate_to_json(gate) for gate in tree.gates],
+        "basic_events": [
+            {"name": event.name, "parameter": event.parameter} for event in tree.events
+        ],
+    }
+    if tree.houses:
+        written["house_events"] = [
+            {"name": house.name, "state": house.state} for house in tree.houses
+        ]
+    return written
 
 
 def _state_to_json(state: FunctionState) -> dict[str, Any]:
     return {
         "name": state.name,
         "call_sequence": state.call_sequence,
-        "fault_tree": {
-            "top": state.tree.top,
-            "gates": [_gate_to_json(gate) for gate in state.tree.gates],
-            "basic_events": [
-                {"name": event.name, "parameter": event.parameter} for event in state.tree.events
-            ],
-        },
+        "fault_tree": _tree_to_json(state.tree),
         "probabilities": dict(state.probabilities),
         "next": [{"target": step.target, "weight": str(step.weight)} for step in state.next],
     }
 
 
 def _gate_to_json(gate: Gate) -> dict[str, Any]:
-    written = {"name": gate.name, "type": gate.kind.value, "inputs": list(gate.inputs)}
-    return written if gate.k is None else written | {"k": gate.k}
+    written: dict[str, Any] = {
+        "name": gate.name,
+        "type": gate.kind.value,
+        "inputs": list(gate.inputs),
+    }
+    if gate.k is not None:
+        written["k"] = gate.k
+    if gate.most is not None:
+        written["most"] = gate.most
+    return written
 
 
-def _model(top: _Element) -> HybridModel:
+def _model(top: Element) -> HybridModel:
     _check_version(top.entries())
     found = top.fields({"schema", "version", "name", "entry", "parameters", "states", "latent"})
     return HybridModel(
@@ -95,11 +118,11 @@ def _model(top: _Element) -> HybridModel:
         entry=found["entry"].string(),
         states=found["states"].each(_state),
         parameters=found["parameters"].each(_parameter),
-        latent=found["latent"].each(_Element.string),
+        latent=found["latent"].each(Element.string),
     )
 
 
-def _check_version(found: Mapping[str, _Element]) -> None:
+def _check_version(found: Mapping[str, Element]) -> None:
     """Raise ModelError at another schema or version, whatever else such a document holds."""
     if "schema" in found and found["schema"].value != SCHEMA:
         found["schema"].fail(f"is {found['schema'].value!r}; expected '{SCHEMA}'")
@@ -117,25 +140,29 @@ def _check_version(found: Mapping[str, _Element]) -> None:
         )
 
 
-def _parameter(element: _Element) -> Parameter:
-    found = element.fields({"name", "theta"})
-    return Parameter(found["name"].string(), found["theta"].number())
+def _parameter(element: Element) -> Parameter:
+    found = element.fields({"name", "theta"}, optional={"distribution"})
+    return Parameter(
+        found["name"].string(),
+        found["theta"].probability(),
+        read_distribution(found["distribution"]) if "distribution" in found else None,
+    )
 
 
-def _state(element: _Element) -> FunctionState:
+def _state(element: Element) -> FunctionState:
     found = element.fields({"name", "call_sequence", "fault_tree", "probabilities", "next"})
     return FunctionState(
         name=found["name"].string(),
         call_sequence=found["call_sequence"].integer(),
         tree=_tree(found["fault_tree"]),
         probabilities={
-            name: value.number() for name, value in found["probabilities"].entries().items()
+            name: value.probability() for name, value in found["probabilities"].entries().items()
         },
         next=found["next"].each(_step),
     )
 
 
-def _step(element: _Element) -> NextStep:
+def _step(element: Element) -> NextStep:
     found = element.fields({"target", "weight"})
     written = found["weight"].string()
     if not _WEIGHT.fullmatch(written):
@@ -147,111 +174,32 @@ def _step(element: _Element) -> NextStep:
     return NextStep(found["target"].string(), weight)
 
 
-def _tree(element: _Element) -> FaultTree:
-    found = element.fields({"top", "gates", "basic_events"})
+def _tree(element: Element) -> FaultTree:
+    found = element.fields({"top", "gates", "basic_events"}, optional={"house_events"})
     top = found["top"].string()
     gates = found["gates"].each(_gate)
     events = found["basic_events"].each(_event)
-    try:
-        return FaultTree(top, gates, events)
-    except ModelError as error:
-        element.fail(error.message)
+    houses = found["house_events"].each(_house) if "house_events" in found else ()
+    return element.guard(lambda: FaultTree(top, gates, events, houses))
 
 
-def _gate(element: _Element) -> Gate:
-    found = element.fields({"name", "type", "inputs"}, optional={"k"})
+def _gate(element: Element) -> Gate:
+    found = element.fields({"name", "type", "inputs"}, optional={"k", "most"})
     kinds = {kind.value: kind for kind in GateKind}
-    kind = found["type"].string()
-    if kind not in kinds:
-        found["type"].fail(f"is '{kind}'; {one_of(kinds, kind)}")
     return Gate(
         name=found["name"].string(),
-        kind=kinds[kind],
-        inputs=found["inputs"].each(_Element.string),
+        kind=kinds[found["type"].choice(kinds)],
+        inputs=found["inputs"].each(Element.string),
         k=found["k"].integer() if "k" in found else None,
+        most=found["most"].integer() if "most" in found else None,
     )
 
 
-def _event(element: _Element) -> BasicEvent:
+def _event(element: Element) -> BasicEvent:
     found = element.fields({"name", "parameter"})
     return BasicEvent(found["name"].string(), found["parameter"].string())
 
 
-class _Element:
-    """A value of the document and its path, `states[2].next[0].weight`, for messages."""
-
-    def __init__(self, value: Any, path: str) -> None:
-        self.value = value
-        self._path = path
-
-    def fail(self, message: str) -> NoReturn:
-        raise ModelError(f"{self._path or 'the document'}: {message}")
-
-    def entries(self) -> dict[str, _Element]:
-        if not isinstance(self.value, Mapping):
-            self.fail(f"expected an object, found {_kind(self.value)}")
-        lead = f"{self._path}." if self._path else ""
-        return {key: _Element(value, f"{lead}{key}") for key, value in self.value.items()}
-
-    def fields(
-        self, required: Collection[str], *, optional: Collection[str] = ()
-    ) -> dict[str, _Element]:
-        entries = self.entries()
-        for key in sorted(required):
-            if key not in entries:
-                self.fail(f"'{key}' is missing")
-        for key in entries:
-            if key not in required and key not in optional:
-                self.fail(f"unknown key '{key}'; {one_of({*required, *optional}, key)}")
-        return entries
-
-    def each(self, read: Callable[[_Element], T]) -> tuple[T, ...]:
-        if not isinstance(self.value, list):
-            self.fail(f"expected a list, found {_kind(self.value)}")
-        return tuple(
-            read(_Element(value, f"{self._path}[{index}]"))
-            for index, value in enumerate(self.value)
-        )
-
-    def string(self) -> str:
-        if not isinstance(self.value, str):
-            self.fail(f"expected a string, found {_kind(self.value)}")
-        return self.value
-
-    def integer(self) -> int:
-        if isinstance(self.value, bool) or not isinstance(self.value, int):
-            self.fail(f"expected a whole number, found {_kind(self.value)}")
-        return self.value
-
-    def number(self) -> float:
-        """Return a probability; out of [0, 1] fails here, where the element is known."""
-        if isinstance(self.value, bool) or not isinstance(self.value, int | float):
-            self.fail(f"expected a number, found {_kind(self.value)}")
-        if not 0 <= self.value <= 1:
-            self.fail(f"probability {self.value!r} is outside [0, 1]")
-        return float(self.value)
-
-
-def _without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
-    for key, value in pairs:
-        if key in found:
-            raise ModelError(f"the key '{key}' stands twice in one object; remove one")
-        found[key] = value
-    return found
-
-
-def _no_constant(text: str) -> NoReturn:
-    raise ModelError(f"{text} is no number of a model; give a finite one")
-
-
-def _kind(value: Any) -> str:
-    if value is None:
-        return "null"
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, int | float):
-        return f"the number {value!r}"
-    if isinstance(value, str):
-        return f"the string '{value}'"
-    return "a list" if isinstance(value, list) else "an object"
+def _house(element: Element) -> HouseEvent:
+    found = element.fields({"name", "state"})
+    return HouseEvent(found["name"].string(), found["state"].boolean())
