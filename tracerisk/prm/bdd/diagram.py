@@ -23,14 +23,15 @@ class Limits:
     `plain_nodes` is the budget up to which numba is not needed, `pairs` the most pairs of nodes
     kept for a difference, 16 bytes each, and `samples_bytes` what the sweep of many samples holds
     at once.
-    `skip_orders` leaves out the first walks, which gives a second diagram to check a first by.
+    `swapped` lets each two neighbours of an order change places, which gives a second diagram to
+    check a first by.
     """
 
     nodes: tuple[int, ...] = (20_000, 100_000, 500_000, 2_500_000, 12_000_000, 25_000_000)
     plain_nodes: int = 2_000
     pairs: int = 1 << 24
     samples_bytes: int = 1 << 26
-    skip_orders: int = 0
+    swapped: bool = False
 
 
 DEFAULT_LIMITS = Limits()
@@ -199,9 +200,7 @@ def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LI
     that the orders that came farthest go first, and half of them, but two at least, go on.
     Raises TooLargeError when none fits the last budget.
     """
-    walked = dict(walked_orders(graph, module))
-    for skipped in list(walked)[: min(limits.skip_orders, len(walked) - 1)]:
-        del walked[skipped]
+    walked = _orders(walked_orders(graph, module), limits)
     if limits.plain_nodes:
         first = next(iter(walked.values()))
         found, _ = _built(_local(graph, module, first), limits.plain_nodes, PLAIN)
@@ -212,7 +211,7 @@ def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LI
     tried = set(trials)
     for number, budget in enumerate(limits.nodes):
         if number == 1:
-            drawn = dict(drawn_orders(graph, module))
+            drawn = _orders(drawn_orders(graph, module), limits)
             trials |= _trials(graph, module, drawn, known=walked.values())
             tried |= set(trials)
         reached = {}
@@ -229,6 +228,19 @@ def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LI
         f"with {len(tried)} orders of the events ({'; '.join(sorted(tried))}); give larger budgets "
         "(Limits.nodes), or divide the tree"
     )
+
+
+def _orders(named: Iterable[tuple[str, Order]], limits: Limits) -> dict[str, Order]:
+    """Return the orders by name, neighbours swapped where the limits say so."""
+    if not limits.swapped:
+        return dict(named)
+    return {
+        name: tuple(
+            order[level ^ 1] if level ^ 1 < len(order) else order[level]
+            for level in range(len(order))
+        )
+        for name, order in named
+    }
 
 
 def _trials(
