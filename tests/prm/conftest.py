@@ -203,10 +203,10 @@ class Exact:
 
 @pytest.fixture(scope="session")
 def in_many_digits() -> Exact:
-    """The same solver in floats of 150 digits, for differences that fractions are too slow for."""
+    """The same solver in floats of 250 digits, for differences that fractions are too slow for."""
     mpmath = pytest.importorskip("mpmath")
     context = mpmath.mp.clone()
-    context.dps = 150
+    context.dps = 250
     return Exact(context.mpf)
 
 
@@ -227,13 +227,18 @@ def small_models(block, component):
     """Draw models of one to three functions with groups of every kind, loops and branches."""
 
     @st.composite
-    def models(draw, least=1e-20, functions=3):
+    def models(draw, least=1e-20, functions=3, parts_each=0, rare=False):
         names = [f"f{i}" for i in range(draw(st.integers(1, functions)))]
-        chance = st.one_of(st.floats(math.log10(least), -1.0).map(lambda x: 10**x), st.just(0.25))
+        chance = st.floats(math.log10(least), -1.0).map(lambda x: 10**x)
+        if not rare:
+            chance = st.one_of(chance, st.just(0.25))
         blocks = []
         for index, name in enumerate(names):
             parts = []
-            for part in draw(st.lists(st.sampled_from(sorted(PARTS)), unique=True, max_size=2)):
+            names_here = st.lists(
+                st.sampled_from(sorted(PARTS)), unique=True, min_size=parts_each, max_size=2
+            )
+            for part in draw(names_here):
                 quantity, kinds = PARTS[part]
                 parts.append(component(part, draw(chance), quantity, draw(st.sampled_from(kinds))))
             weights = {target: draw(st.integers(0, 4)) for target in (*names, "done")}

@@ -15,13 +15,12 @@ units, N `next`: a chain of its own with positive terms only (own derivation).
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 from tracerisk.prm.binomial import failure_counts, failure_tails
 from tracerisk.prm.elimination import Elimination
 from tracerisk.prm.hidden_chain import Flow, HiddenChain, Spread
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.probability import total
 
 
 class Adjoint:
@@ -41,14 +40,12 @@ class Adjoint:
 
     def success_after(self, spread: Spread, number: int) -> float:
         """Return the mean success of missions that leave a function so."""
-        return math.fsum(weight * self._success[to][number] for to, weight in spread)
+        return total(weight * self._success[to][number] for to, weight in spread)
 
     def loss_after(self, spread: Spread, number: int, unit_class: int) -> float:
         """Return the mean success that one more failed unit costs those that leave so."""
         worse = self._worse_by(unit_class)
-        return math.fsum(
-            weight * self._loss(worse, number, to, unit_class) for to, weight in spread
-        )
+        return total(weight * self._loss(worse, number, to, unit_class) for to, weight in spread)
 
     def unit_loss(self, number: int, layer: int, unit_class: int) -> float:
         """Return what the failure of one working unit in a visit costs, against its survival."""
@@ -87,7 +84,7 @@ class Adjoint:
                         visits * chain.rest[number].q * self.loss_after(spread, number, unit_class)
                     )
                     chosen[unit_class] = (1.0,)
-        return math.fsum(parts)
+        return total(parts)
 
     def _drop(self, number: int, zeros: Sequence[str]) -> float:
         rest, values = self.chain.states.functions[number].rest, self.chain.values[number]
@@ -104,7 +101,7 @@ class Adjoint:
         more = states.more[layer][unit_class]
         if more < 0 or not states.held[number][more]:
             return self._success[layer][number]
-        return math.fsum(weight * worse[layer][target] for target, weight in function.steps)
+        return total(weight * worse[layer][target] for target, weight in function.steps)
 
     def _others(self, number: int, layer: int, unit_class: int) -> tuple[float, ...]:
         """Return how many units of a class fail in a visit, one of the working ones left aside."""
@@ -128,14 +125,14 @@ class Adjoint:
         rows: list[Mapping[int, float]] = []
         exits, rewards = [], []
         for number, function in enumerate(chain.states.functions):
-            unit, fewer, chosen = Probability(0.0, 1.0), None, None
+            p, fewer, chosen = 0.0, None, None
             if unit_class in function.parameters:
-                unit, fewer = Probability.of(chain.units[number][unit_class]), unit_class
+                p, fewer = chain.units[number][unit_class], unit_class
                 chosen = {unit_class: self._others(number, layer, unit_class)}
-            survival = unit.q * chain.rest[number].q
+            survival = (1.0 - p) * chain.rest[number].q
             leave = [
-                unit.p,
-                unit.q * chain.visit(number, layer, fewer).p,
+                p,
+                (1.0 - p) * chain.visit(number, layer, fewer).p,
                 survival * chain.exceeding(number, layer, fewer),
             ]
             stay, gains = 0.0, []
@@ -146,6 +143,6 @@ class Adjoint:
                     leave.append(survival * weight)
                     gains.append(weight * self._loss(found, number, to, unit_class))
             rows.append({t: stay * weight for t, weight in function.steps if t != number})
-            exits.append(math.fsum(leave) + stay * function.done)
-            rewards.append(survival * math.fsum(gains))
+            exits.append(total(leave) + stay * function.done)
+            rewards.append(survival * total(gains))
         return Elimination(chain.states.pattern, rows, exits).values(rewards)

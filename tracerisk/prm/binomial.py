@@ -33,15 +33,17 @@ def _tail(units: int, p: float, least: int) -> float:
         term = _count(units, p, failed)
         total += term
         # Past the mean the terms fall faster and faster.
-        if failed > units * p and term < 1e-20 * total:
+        if failed > units * abs(p) and abs(term) < 1e-20 * abs(total):
             break
-    return min(total, 1.0)
+    return total
 
 
 def _count(units: int, p: float, failed: int) -> float:
     working = units - failed
     if p in (0.0, 1.0):
         return 1.0 if failed == units * p else 0.0
+    if isinstance(p, complex):
+        return math.comb(units, failed) * p**failed * (1.0 - p) ** working
     if units > _EXACT_CHOICE:
         choices = math.lgamma(units + 1) - math.lgamma(failed + 1) - math.lgamma(working + 1)
         return math.exp(choices + failed * math.log(p) + working * math.log1p(-p))

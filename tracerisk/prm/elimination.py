@@ -8,12 +8,12 @@ The layers of a chain with hidden failures share their pattern; it is analysed o
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Collection, Mapping, Sequence
 from heapq import heapify, heappop, heappush
 
 from tracerisk.errors import ModelError
+from tracerisk.prm.probability import total
 
 Rows = Sequence[Mapping[int, float]]
 """For each state the probability of going to each other state."""
@@ -72,8 +72,8 @@ class Elimination:
         for state, sources, following in pattern.steps:
             row = left[state]
             outgoing = [row.get(target, 0.0) for target in following]
-            leaving = math.fsum((ways_out[state], *outgoing))
-            if leaving < sys.float_info.min:
+            leaving = total((ways_out[state], *outgoing))
+            if abs(leaving) < sys.float_info.min:
                 raise ModelError(
                     f"state '{pattern.names[state]}' is left with a probability below "
                     f"{sys.float_info.min:.0e}, too small for a number of double precision; "
@@ -84,11 +84,11 @@ class Elimination:
                 there = left[source]
                 p = there.pop(state, 0.0)
                 incoming.append(p)
-                if p > 0.0:
+                if p != 0.0:
                     share = p / leaving
                     ways_out[source] += share * ways_out[state]
                     for target, way in zip(following, outgoing, strict=True):
-                        if target != source and way > 0.0:
+                        if target != source and way != 0.0:
                             there[target] = there.get(target, 0.0) + share * way
             done.append((state, sources, incoming, following, outgoing, leaving))
         self._done = done
@@ -98,15 +98,15 @@ class Elimination:
         mass = list(start)
         for state, _, _, following, outgoing, leaving in self._done:
             share = mass[state] / leaving
-            if share > 0.0:
+            if share != 0.0:
                 for target, way in zip(following, outgoing, strict=True):
                     mass[target] += share * way
         found = mass
         for state, sources, incoming, _, _, leaving in reversed(self._done):
-            total = found[state]
+            arriving = found[state]
             for source, way in zip(sources, incoming, strict=True):
-                total += found[source] * way
-            found[state] = total / leaving
+                arriving += found[source] * way
+            found[state] = arriving / leaving
         return found
 
     def values(self, reward: Sequence[float]) -> list[float]:
@@ -114,12 +114,12 @@ class Elimination:
         mass = list(reward)
         for state, sources, incoming, _, _, leaving in self._done:
             share = mass[state] / leaving
-            if share > 0.0:
+            if share != 0.0:
                 for source, way in zip(sources, incoming, strict=True):
                     mass[source] += share * way
         for state, _, _, following, outgoing, leaving in reversed(self._done):
-            total = mass[state]
+            collected = mass[state]
             for target, way in zip(following, outgoing, strict=True):
-                total += mass[target] * way
-            mass[state] = total / leaving
+                collected += mass[target] * way
+            mass[state] = collected / leaving
         return mass

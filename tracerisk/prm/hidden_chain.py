@@ -17,7 +17,7 @@ from tracerisk.prm.binomial import failure_counts, group_failures
 from tracerisk.prm.elimination import Elimination
 from tracerisk.prm.fault_tree import FaultTree
 from tracerisk.prm.hidden_states import HiddenStates, Part
-from tracerisk.prm.probability import Probability, at_least
+from tracerisk.prm.probability import Probability, at_least, total
 
 Spread = tuple[tuple[int, float], ...]
 """The layers to which a visit leads, each with its probability."""
@@ -55,7 +55,8 @@ class HiddenChain:
         Raises ModelError, with the state, when a tree cannot be solved.
         """
         self.states = states
-        self.values = [_scaled(f.state.probabilities, factors or {}) for f in states.functions]
+        self._factors = factors or {}
+        self.values = [self._values(f.state.probabilities) for f in states.functions]
         self.rest: list[Probability] = []
         self.units: list[dict[int, float]] = []
         self._spreads: list[dict[int, Spread]] = []
@@ -72,13 +73,27 @@ class HiddenChain:
             units = {c: values[name] for c, name in function.parameters.items()}
             alike = base is not None and base.values[number] == values
             self.rest.append(
-                base.rest[number]
-                if base is not None and alike
-                else tree_probability(function.state.name, function.rest, values)
+                base.rest[number] if base is not None and alike else self._rest_failure(number)
             )
             self.units.append(units)
             same_units = base is not None and base.units[number] == units
             self._spreads.append(base._spreads[number] if base is not None and same_units else {})
+
+    def sensitivities(self, number: int) -> Mapping[str, float]:
+        """Return the derivative of the rest of a function's tree by each of its events."""
+        return self.states.functions[number].rest.sensitivities(self.values[number])
+
+    def _values(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Return the probabilities of one function in this chain, from those of the model."""
+        scaled = dict(values)
+        for name, factor in self._factors.items():
+            if name in scaled:
+                scaled[name] = 1.0 if factor == math.inf else min(1.0, factor * scaled[name])
+        return scaled
+
+    def _rest_failure(self, number: int) -> Probability:
+        function = self.states.functions[number]
+        return tree_probability(function.state.name, function.rest, self.values[number])
 
     def flow(self, start: Sequence[float] | None = None, *, cut: bool = False) -> Flow:
         """Return the flow of missions that start at the entry, in layer l with `start[l]`.
@@ -146,14 +161,14 @@ class HiddenChain:
                     weight * (function.done if to == layer else self.onward(number, found[to]))
                     for to, weight in self.spread(number, layer)
                 ]
-                reward.append(self.rest[number].q * math.fsum(parts))
+                reward.append(self.rest[number].q * total(parts))
             found[layer] = self._layer(layer, cut=False).values(reward)
         return tuple(map(tuple, found))
 
     def onward(self, number: int, from_each: Sequence[float]) -> float:
         """Return the success of a mission that leaves a function, from that of each function."""
         function = self.states.functions[number]
-        return function.done + math.fsum(
+        return function.done + total(
             weight * from_each[target] for target, weight in function.steps
         )
 
@@ -173,7 +188,7 @@ class HiddenChain:
     ) -> Probability:
         """Return the probability that so many units of a part fail that the visit does."""
         counts, reached = self._failures(number, part, layer, fewer)
-        return Probability(reached, math.fsum(counts))
+        return Probability(reached, total(counts))
 
     def spread(
         self, number: int, layer: int, chosen: Mapping[int, Sequence[float]] | None = None
@@ -201,7 +216,7 @@ class HiddenChain:
                         reached = states.more[reached][unit_class]
                         if reached < 0 or not held[reached]:
                             break
-                    if share > 0.0:
+                    if share != 0.0:
                         grown.append((reached, weight * share))
             found = grown
         spread = tuple(found)
@@ -227,7 +242,7 @@ class HiddenChain:
         counts, beyond = [1.0], 0.0
         for part in self.states.functions[number].parts:
             own, _ = self._failures(number, part, layer, fewer)
-            beyond *= math.fsum(own)
+            beyond *= total(own)
             grown = [0.0] * (room + 1)
             for before, share in enumerate(counts):
                 for failed, p in enumerate(own):
@@ -277,7 +292,7 @@ class HiddenChain:
                 stay = q * weight
             else:
                 leave.append(q * weight)
-        return stay, math.fsum(leave)
+        return stay, total(leave)
 
     def _beyond(self, number: int) -> Probability:
         """Return the failure probability of a visit with more failed units than are held, at most.
@@ -310,11 +325,3 @@ def tree_probability(state: str, tree: FaultTree, values: Mapping[str, float]) -
         return tree.probability(values)
     except ModelError as error:
         raise ModelError(f"state '{state}': {error.message}", error.location) from error
-
-
-def _scaled(values: Mapping[str, float], factors: Mapping[str, float]) -> dict[str, float]:
-    scaled = dict(values)
-    for name, factor in factors.items():
-        if name in scaled:
-            scaled[name] = 1.0 if factor == math.inf else min(1.0, factor * scaled[name])
-    return scaled

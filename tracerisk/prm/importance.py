@@ -18,6 +18,7 @@ from tracerisk.prm.assessment import ComponentImportance, ImportanceShare
 from tracerisk.prm.hidden_chain import Flow, HiddenChain
 from tracerisk.prm.hybrid import HybridModel, Parameter
 from tracerisk.prm.mission import SolvedMission
+from tracerisk.prm.slopes import Slopes
 
 
 def importances(model: HybridModel, solved: SolvedMission) -> tuple[ComponentImportance, ...]:
@@ -28,27 +29,14 @@ def importances(model: HybridModel, solved: SolvedMission) -> tuple[ComponentImp
 
 
 class _Base:
-    """The model as it is: its mission, the adjoint, the sensitivities of its trees."""
+    """The model as it is: its mission, and what that hangs on."""
 
     def __init__(self, solved: SolvedMission) -> None:
-        self.solved = solved
         self.chain = solved.chain
         self.adjoint = Adjoint(solved.chain)
-        self.total = held_failure(solved.chain, solved.flow)
-        functions = self.chain.states.functions
-        self.sensitivities = [
-            function.rest.sensitivities(values)
-            for function, values in zip(functions, self.chain.values, strict=True)
-        ]
-        # What a function that fails costs the mission, over all of its visits.
-        self.cost = [
-            math.fsum(
-                row[number] * self.adjoint.success_after(self.chain.spread(number, layer), number)
-                for layer, row in enumerate(solved.flow.visits[:-1])
-                if row[number] > 0.0
-            )
-            for number in range(len(functions))
-        ]
+        self.slopes = Slopes(solved.chain, solved.flow, self.adjoint)
+        self.failure = solved.failure.p
+        self.held = held_failure(solved.chain, solved.flow)
 
 
 def held_failure(chain: HiddenChain, flow: Flow) -> float:
@@ -65,8 +53,7 @@ def held_failure(chain: HiddenChain, flow: Flow) -> float:
 
 def _importance(base: _Base, parameter: Parameter) -> ComponentImportance:
     name, states = parameter.name, base.chain.states
-    total, failure = base.total, base.solved.failure.p
-    slopes = _slopes(base, parameter)
+    slopes = base.slopes.of(parameter)
     birnbaum = math.fsum(slope for _, _, slope in slopes)
     by_state: dict[str, float] = {}
     by_unit: dict[str, float] = {}
@@ -76,62 +63,20 @@ def _importance(base: _Base, parameter: Parameter) -> ComponentImportance:
     without = HiddenChain(states, {name: 0.0}, base=base.chain)
     flow = without.flow()
     left = _failure(flow)
-    scale = parameter.theta / total if total > 0.0 else 0.0
+    scale = parameter.theta / base.held if base.held > 0.0 else 0.0
     fall = base.adjoint.fall((name,), without, flow)
     return ComponentImportance(
         name=name,
         theta=parameter.theta,
         birnbaum=birnbaum,
         criticality=birnbaum * scale,
-        fussell_vesely=fall / total if total > 0.0 else 0.0,
+        fussell_vesely=fall / base.held if base.held > 0.0 else 0.0,
         without=left,
-        risk_reduction_worth=ratio(failure, left),
-        risk_achievement_worth=ratio(_failure_at(base, name, math.inf), failure),
-        tenfold=ratio(_failure_at(base, name, 10.0), failure),
+        risk_reduction_worth=_ratio(base.failure, left),
+        risk_achievement_worth=_ratio(_failure_at(base, name, math.inf), base.failure),
+        tenfold=_ratio(_failure_at(base, name, 10.0), base.failure),
         by_state=_shares(by_state, scale),
         by_unit=_shares(by_unit, scale),
-    )
-
-
-def _slopes(base: _Base, parameter: Parameter) -> list[tuple[str, str, float]]:
-    """Return dF/dtheta by state and unit."""
-    chain, name = base.chain, parameter.name
-    found = []
-    for number, function in enumerate(chain.states.functions):
-        state = function.state
-        if name not in state.probabilities:
-            continue
-        factor = state.probabilities[name] / parameter.theta if parameter.theta > 0.0 else 1.0
-        slopes = {
-            event.name: base.cost[number] * base.sensitivities[number][event.name]
-            for event in function.rest.events
-            if event.parameter == name
-        }
-        for unit_class, of in function.parameters.items():
-            if of == name:
-                units = chain.states.classes[unit_class]
-                each = _unit_slope(base, number, unit_class) / len(units)
-                slopes |= dict.fromkeys(units, each)
-        found += [
-            (state.name, event.name, factor * slopes[event.name])
-            for event in state.tree.events
-            if event.name in slopes
-        ]
-    return found
-
-
-def _unit_slope(base: _Base, number: int, unit_class: int) -> float:
-    """Return what the failure of a latent unit costs, over all visits and working units."""
-    working = [
-        base.chain.states.working(layer, unit_class)
-        for layer in range(len(base.chain.states.hidden))
-    ]
-    return math.fsum(
-        row[number] * units * base.adjoint.unit_loss(number, layer, unit_class)
-        for layer, (row, units) in enumerate(
-            zip(base.solved.flow.visits[:-1], working, strict=True)
-        )
-        if row[number] > 0.0 and units > 0
     )
 
 
@@ -147,8 +92,7 @@ def _shares(parts: dict[str, float], scale: float) -> tuple[ImportanceShare, ...
     return tuple(ImportanceShare(name, part, part * scale) for name, part in parts.items())
 
 
-def ratio(above: float, below: float) -> float:
-    """Return a worth: infinite over zero, one for two zeros."""
+def _ratio(above: float, below: float) -> float:
     if below > 0.0:
         return above / below
     return math.inf if above > 0.0 else 1.0
