@@ -25,6 +25,7 @@ from tracerisk.prm.event_tree import (
     Weight,
     When,
 )
+from tracerisk.prm.expressions import ExpressionModel, MissionTime, Number, Product
 from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
 from tracerisk.prm.probability import Probability
 
@@ -486,6 +487,23 @@ def test_the_probability_of_a_path_may_come_from_a_failure_model():
     assert (solution["S"], solution["T"]) == (0.125, 0.875)
     with pytest.raises(ModelError, match="sequence 'S': a probability depends on the mission time"):
         tree.solve()
+
+
+def test_a_table_takes_failure_models_and_expressions_too():
+    call = ExpressionModel(Product((Number(0.5), MissionTime())))
+    tree = EventTree.of(
+        "t",
+        {"pump": Halving(), "call": {"early": call, "late": 0.75}},
+        {
+            "dry": {"pump": "failure"},
+            "soon": {"pump": "success", "call": "early"},
+            "then": {"pump": "success", "call": "late"},
+        },
+    )
+    solution = tree.solve(mission_time_h=0.5)
+    assert [each.value for each in solution.sequences] == [0.75 * 0.25, 0.75 * 0.75, 0.25]
+    assert solution.findings == ()
+    assert tree.solve(mission_time_h=1.0).findings
 
 
 def test_too_many_paths_are_refused():

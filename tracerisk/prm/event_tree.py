@@ -199,8 +199,8 @@ class EventTree(Displayed):
         """Build an event tree from a table of its sequences.
 
         `functions` gives each functional event, in order, what fails it: a gate or event by its
-        name, or a probability; its states are then `success` and `failure`; or a mapping of
-        several states to their probabilities.
+        name, or a probability or failure model; its states are then `success` and `failure`; or
+        a mapping of several states to their probabilities.
         `sequences` gives each sequence the state at each functional event that its path forks
         over; `end_states` names the outcomes of those that share one.
         Raises ModelError when a path is missing, or stands twice.

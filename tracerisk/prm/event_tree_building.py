@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.event_tree import (
@@ -18,8 +18,11 @@ from tracerisk.prm.event_tree import (
     Weight,
 )
 
-Alternatives: TypeAlias = str | float | Mapping[str, float]
-"""What fails a function, by name or as a probability; or its states and their probabilities."""
+if TYPE_CHECKING:
+    from tracerisk.prm.fault_tree import FailureModel
+
+Alternatives: TypeAlias = "str | float | FailureModel | Mapping[str, float | FailureModel]"
+"""What fails a function, by name, as a probability or its model; or its states with theirs."""
 
 SUCCESS, FAILURE = "success", "failure"
 _TOLERANCE = 1e-9
@@ -57,8 +60,10 @@ def _states(where: str, name: str, given: Alternatives) -> dict[str, tuple[Instr
     if isinstance(given, str):
         return {SUCCESS: (Condition(given, False),), FAILURE: (Condition(given),)}
     if isinstance(given, Mapping):
-        total = math.fsum(given.values())
-        if abs(total - 1.0) > _TOLERANCE:
+        numbers = [value for value in given.values() if isinstance(value, int | float)]
+        total = math.fsum(numbers)
+        # What models come to is seen when the tree is solved, in the findings.
+        if len(numbers) == len(given) and abs(total - 1.0) > _TOLERANCE:
             raise ModelError(
                 f"{where}: the states of '{name}' sum to {total!r}; they must sum to 1"
             )
