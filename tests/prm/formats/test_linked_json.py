@@ -2,7 +2,9 @@ from __future__ import annotations
 
 import copy
 import json
+from decimal import Decimal, localcontext
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 
@@ -439,3 +441,28 @@ def test_an_unreachable_end_is_told_when_the_model_is_solved():
     model = loads(json.dumps(data), "bad.json")
     with pytest.raises(ModelError, match="Markov chain 'c': the chain never ends once in s"):
         _ = model.solve().figures
+
+
+def test_the_documented_model_is_valid_and_has_its_figure(validator, oracle_of_compressors):
+    text = (Path(__file__).parents[3] / "docs" / "formats.md").read_text(encoding="utf-8")
+    written = text.partition("## Linked models")[2].partition("```json\n")[2].partition("```")[0]
+    validator.validate(json.loads(written))
+    failure = loads(written, "docs/formats.md").solve().figures["failure"]
+    drop = 1 - (1 - 7.344e-08) * (1 - oracle_of_compressors)
+    assert failure == pytest.approx(drop / (1 - 0.9 * (1 - drop)), rel=1e-6)
+
+
+@pytest.fixture(scope="module")
+def oracle_of_compressors():
+    """Both compressors down within eight hours: two sums of exponentials, on paper.
+
+    With a = 2 lambda, b = lambda, c = mu: the roots r of r^2 + (a + b + c) r + a b, and
+    1 - p = (r1 exp(r2 t) - r2 exp(r1 t)) / (r1 - r2).
+    """
+    a, b, c, t = Decimal("2e-05"), Decimal("1e-05"), Decimal("0.125"), Decimal(8)
+    with localcontext() as context:
+        context.prec = 50
+        total = a + b + c
+        root = (total * total - 4 * a * b).sqrt()
+        r1, r2 = (-total + root) / 2, (-total - root) / 2
+        return float(1 - (r1 * (r2 * t).exp() - r2 * (r1 * t).exp()) / (r1 - r2))
