@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.dynamic.elements import (
@@ -16,12 +17,16 @@ from tracerisk.prm.dynamic.exploration import explore
 from tracerisk.prm.dynamic.groups import find_groups
 from tracerisk.prm.dynamic.layout import AnyGate, lay_out
 from tracerisk.prm.failure_chain import FailureChain
-from tracerisk.prm.fault_tree import BasicEvent, FaultTree
+from tracerisk.prm.fault_tree import BasicEvent, FailureModel, FaultTree
 from tracerisk.prm.gates import Gate, check_gate
 from tracerisk.prm.probability import Probability
 
+if TYPE_CHECKING:
+    from tracerisk.prm.dynamic.building import Formula
+    from tracerisk.prm.dynamic.solution import DynamicSolution
+
 STATE_LIMIT = 100_000
-"""The most states of one group; some seconds of work."""
+"""The most states of one group; some twenty seconds of work."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +52,25 @@ class DynamicTree:
     def __post_init__(self) -> None:
         _check_names(self)
         object.__setattr__(self, "_upwards", _order_upwards(self))
+
+    @classmethod
+    def of(
+        cls,
+        top: str,
+        gates: Mapping[str, Formula],
+        events: Mapping[str, float | FailureModel | DynamicEvent],
+    ) -> DynamicTree:
+        """Build a tree from formulas such as `{"pumps": ("spare", "p1", "p2")}`.
+
+        A formula names the kind of a gate, of a dependency (`fdep`, `pdep` with its probability)
+        or of a restriction (`seq`, `mutex`), the number of an `atleast`, and the inputs.
+        `events` gives each event a probability, a failure model, or a `DynamicEvent`, which has a
+        dormancy too.
+        Raises ModelError, naming the element, when they make no tree.
+        """
+        from tracerisk.prm.dynamic.building import built_dynamic_tree
+
+        return built_dynamic_tree(top, gates, events)
 
     @property
     def upwards(self) -> tuple[AnyGate, ...]:
@@ -81,6 +105,15 @@ class DynamicTree:
             for top, members in groups.items()
         ]
         return FaultTree(self.top, gates, tuple(events))
+
+    def solve(self, *, mission_time_h: float) -> DynamicSolution:
+        """Solve the tree for a mission, [h]: its top's probability, and each event's importance.
+
+        Raises as `probability` does.
+        """
+        from tracerisk.prm.dynamic.solution import DynamicSolution
+
+        return DynamicSolution(self, mission_time_h, self.probability(mission_time_h))
 
     def probability(self, mission_time_h: float) -> Probability:
         """Return the probability that the top happens within the mission, [h].
