@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import islice
 
 from tracerisk.prm.bayes import BayesianNetwork
 from tracerisk.prm.drawing.layout import Size, layered
 from tracerisk.prm.drawing.svg import ALARM, FAINT, PAPER, WORD_HEIGHT, Canvas, word_width
 from tracerisk.prm.hybrid import DONE, HybridModel
 
-_MOST_STATES = 100
+_MOST_BEGUN = 80
+_MOST_ENDS = 80
 _MOST_ARROWS = 250
 _HEIGHT = WORD_HEIGHT + 10.0
 
@@ -27,30 +29,30 @@ def chain_svg(
     transitions: Mapping[str, Mapping[str, float]], absorbing: tuple[str, ...], title: str
 ) -> str:
     """Return the drawing of a chain; of a large one, the first states."""
+    begun = list(islice(transitions, _MOST_BEGUN))
     arrows = {
         (state, target): Arrow(f"{p:.4g}")
-        for state, row in transitions.items()
-        for target, p in row.items()
+        for state in begun
+        for target, p in transitions[state].items()
         if p > 0.0
     }
-    return _svg([*transitions, *absorbing], arrows, set(absorbing), set(), title)
+    count = len(transitions) + len(absorbing)
+    return _svg(begun, absorbing, arrows, count, title)
 
 
 def hybrid_svg(model: HybridModel) -> str:
     """Return the drawing of a model: its functions, what follows them, and their failures."""
     failures = model.failure_states
     arrows: dict[tuple[str, str], Arrow] = {}
-    names: list[str] = []
-    for state in model.states:
-        names.append(state.name)
+    for state in model.states[:_MOST_BEGUN]:
         for step in state.next:
             if step.weight > 0:
-                arrows[state.name, step.target] = Arrow(
-                    "" if step.weight == 1 else f"{float(step.weight):.4g}"
-                )
+                label = "" if step.weight == 1 else f"{float(step.weight):.4g}"
+                arrows[state.name, step.target] = Arrow(label)
         arrows[state.name, failures[state.name]] = Arrow("", fails=True)
-    ends = [DONE, *failures.values()]
-    return _svg([*names, *ends], arrows, set(ends), set(failures.values()), model.name)
+    begun = [state.name for state in model.states[:_MOST_BEGUN]]
+    ends = (DONE, *failures.values())
+    return _svg(begun, ends, arrows, len(model.states) + len(ends), model.name)
 
 
 def network_svg(network: BayesianNetwork) -> str:
@@ -64,20 +66,32 @@ def network_svg(network: BayesianNetwork) -> str:
     for name, shown in events.items():
         for parent in network.events[name].names:
             arrows[parent, shown] = Arrow("")
-    names = [*network.conditions, *events.values()]
-    return _svg(names, arrows, set(events.values()), set(), "Bayesian network")
+    count = len(network.conditions) + len(events)
+    begun = list(network.conditions)
+    return _svg(begun, tuple(events.values()), arrows, count, "Bayesian network")
 
 
 def _svg(
-    states: list[str],
+    begun: list[str],
+    ends: tuple[str, ...],
     arrows: Mapping[tuple[str, str], Arrow],
-    absorbing: set[str],
-    failures: set[str],
+    count: int,
     title: str,
 ) -> str:
-    shown = _first(states, arrows)
-    sizes = {name: Size(word_width(name) + 20.0, _HEIGHT) for name in states if name in shown}
+    """Return the drawing of states from which arrows lead, and of the ends that they reach.
+
+    `count` is how many there are, with those that are left out.
+    """
+    reached = {target for _, target in arrows}
+    absorbing = [name for name in ends if name in reached][:_MOST_ENDS]
+    shown = _first([*absorbing, *begun[:_MOST_BEGUN]], arrows)
+    sizes = {
+        name: Size(word_width(name) + 20.0, _HEIGHT)
+        for name in (*begun, *absorbing)
+        if name in shown
+    }
     drawn = {edge: arrow for edge, arrow in arrows.items() if shown.issuperset(edge)}
+    failures = {target for (_, target), arrow in drawn.items() if arrow.fails}
     layout = layered(sizes, drawn, gap=34.0, between=54.0)
     canvas = Canvas()
     for edge, way in layout.ways.items():
@@ -85,11 +99,11 @@ def _svg(
         # A way that was turned runs upwards, beside the one that runs down.
         upwards = way[-1][1] < way[0][1]
         shift = 10.0 if upwards else 0.0
-        ends = (_HEIGHT / 2, -_HEIGHT / 2) if not upwards else (-_HEIGHT / 2, _HEIGHT / 2)
+        sides = (_HEIGHT / 2, -_HEIGHT / 2) if not upwards else (-_HEIGHT / 2, _HEIGHT / 2)
         points = [
-            (way[0][0] + shift, way[0][1] + ends[0]),
+            (way[0][0] + shift, way[0][1] + sides[0]),
             *((x + shift, y) for x, y in way[1:-1]),
-            (way[-1][0] + shift, way[-1][1] + ends[1]),
+            (way[-1][0] + shift, way[-1][1] + sides[1]),
         ]
         canvas.line(points, arrow=True, stroke=ALARM if arrow.fails else FAINT, dashed=arrow.fails)
         if arrow.label:
@@ -113,22 +127,22 @@ def _svg(
                 x + width / 2 + 2, y - _HEIGHT / 2, f"↻{drawn[name, name].label}", anchor="start"
             )
     height = layout.height
-    if len(states) > len(shown):
+    if count > len(shown):
         height += WORD_HEIGHT
-        more = len(states) - len(shown)
+        more = count - len(shown)
         canvas.word(0, height - WORD_HEIGHT / 2, f"{more} more states", anchor="start", fill=FAINT)
     return canvas.svg(layout.width + 30.0, height, title)
 
 
-def _first(states: list[str], arrows: Mapping[tuple[str, str], Arrow]) -> set[str]:
-    """Return as many of the first states as a drawing holds, with the arrows between them."""
+def _first(names: list[str], arrows: Mapping[tuple[str, str], Arrow]) -> set[str]:
+    """Return as many of the first names as a drawing holds, with the arrows between them."""
     touching: dict[str, list[tuple[str, str]]] = {}
     for edge in arrows:
         for name in dict.fromkeys(edge):
             touching.setdefault(name, []).append(edge)
     shown: set[str] = set()
     count = 0
-    for name in states[:_MOST_STATES]:
+    for name in names:
         shown.add(name)
         count += sum(shown.issuperset(edge) for edge in touching.get(name, ()))
         if count > _MOST_ARROWS:
