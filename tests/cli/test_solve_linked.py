@@ -156,6 +156,7 @@ def test_the_limit_is_held_against_the_figure(solve):
         ),
         (["--sweep", "motr=1:2"], "no parameter 'motr'"),
         (["--profile", "a:b=1"], "--profile goes with sources; a linked model has its own chains"),
+        (["--pairs"], "--pairs goes with models of functions; leave it out"),
         (["--uncertainty", "--error-factor", "motr=2"], "no parameter 'motr'"),
     ],
 )

@@ -125,6 +125,16 @@ def test_importance_shows_every_component_by_function_and_unit(model):
     assert ["power", "power[1]", "0.001", "0.5"] in lines
 
 
+def test_pairs_show_what_components_do_together(model, file):
+    (pair,) = json.loads(model.run("solve", file, "--pairs", "--json").out)["pairs"]
+    assert (pair["first"], pair["second"]) == ("gripper", "power")
+    assert pair["fussell_vesely"] == pytest.approx(1.0, rel=1e-12)
+    # F = 1 - (1 - g)(1 - p^2): the mixed derivative is -2 p.
+    assert pair["joint_birnbaum"] == pytest.approx(-2e-3, rel=1e-9)
+    shown = [line.split() for line in model.run("solve", file, "--pairs").out.splitlines()]
+    assert ["gripper", "power", "1"] in [line[:3] for line in shown]
+
+
 def test_uncertainty_is_told_with_the_share_of_each_component(model, file):
     call = ("solve", file, "--uncertainty", "--error-factor", "3", "--error-factor", "power=1.5")
     outcome = model.run(*call, "--samples", "2000", "--seed", "4", "--json")
@@ -150,7 +160,7 @@ def test_samples_that_are_cut_are_told(model):
 
 def test_what_was_not_asked_for_is_not_in_the_json(model):
     data = json.loads(model.run("solve", "model.json", "--json").out)
-    assert not {"set", "sweeps", "uncertainty"} & set(data)
+    assert not {"set", "sweeps", "uncertainty", "pairs"} & set(data)
 
 
 @pytest.mark.parametrize(

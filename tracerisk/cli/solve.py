@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import asdict
 
 from tracerisk.cli import options as shared
 from tracerisk.cli import what_if as asked
@@ -36,6 +37,8 @@ def run(options: argparse.Namespace) -> int:
 
         if options.profile:
             raise InputError("--profile goes with sources; a linked model has its own chains")
+        if options.pairs:
+            raise InputError("--pairs goes with models of functions; leave it out")
         return solve_linked(model_of_links, options)
     if options.figure is not None:
         raise InputError("--figure goes with a linked model; leave it out")
@@ -47,16 +50,20 @@ def run(options: argparse.Namespace) -> int:
     assessment = solve(model)
     sweeps = asked.swept(model, options)
     uncertainty = asked.uncertainty_of(model, options)
+    pairs = asked.pairs_of(model, options)
     code = risk_exit(assessment, options.max_risk)
     if options.json:
         print_json(
             "solve",
             exit_code=int(code),
             assessment=assessment_to_json(assessment),
+            **({} if pairs is None else {"pairs": [asdict(pair) for pair in pairs]}),
             **asked.what_if_data(changes, sweeps, uncertainty),
         )
     else:
         asked.print_set(changes)
         print_assessment(assessment)
-        asked.print_what_if(assessment, sweeps, uncertainty, importance=options.importance)
+        asked.print_what_if(
+            assessment, sweeps, uncertainty, importance=options.importance, pairs=pairs
+        )
     return int(code)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from tracerisk.prm.distributions import Distribution
     from tracerisk.prm.hybrid import HybridModel
     from tracerisk.prm.linked.what_if import FigureSweep
+    from tracerisk.prm.pair_importance import PairImportance
     from tracerisk.prm.uncertainty import Uncertainty
     from tracerisk.prm.what_if import SetValue, Sweep
 
@@ -49,6 +50,11 @@ def add_what_if(parser: argparse.ArgumentParser) -> None:
         "--importance",
         action="store_true",
         help="every importance measure of every component, by function and unit too",
+    )
+    group.add_argument(
+        "--pairs",
+        action="store_true",
+        help="second-order importance: what each pair of components does together",
     )
     group.add_argument(
         "--uncertainty",
@@ -193,6 +199,15 @@ def parse_error_factors(
     return general | own
 
 
+def pairs_of(model: HybridModel, options: argparse.Namespace) -> Sequence[PairImportance] | None:
+    """Return the importance of each pair of parameters where `--pairs` asks for it."""
+    if not options.pairs:
+        return None
+    from tracerisk.prm.pair_importance import pair_importances
+
+    return pair_importances(model)
+
+
 def what_if_data(
     changes: list[SetValue],
     sweeps: Sequence[Sweep | FigureSweep],
@@ -215,6 +230,7 @@ def print_what_if(
     found: Uncertainty | None,
     *,
     importance: bool,
+    pairs: Sequence[PairImportance] | None,
 ) -> None:
     """Print what was asked, below the table of the assessment."""
     from tracerisk.report import what_if as report
@@ -224,6 +240,8 @@ def print_what_if(
 
     if importance:
         show(report.render_importances, assessment.components)
+    if pairs is not None:
+        show(report.render_pairs, pairs)
     if sweeps:
         show(report.render_sweeps, sweeps)
     if found is not None:

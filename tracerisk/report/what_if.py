@@ -6,12 +6,16 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from tracerisk.prm.assessment import ComponentImportance
+from tracerisk.prm.pair_importance import PairImportance
 from tracerisk.prm.uncertainty import Uncertainty
 from tracerisk.prm.what_if import SetValue, Sweep
 from tracerisk.report.tables import plain, render_parts, table_of
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+MOST_PAIRS = 20
+"""How many of the pairs that share most of the risk are shown."""
 
 
 def render_set_values(values: Sequence[SetValue], *, width: int = 80, color: bool = False) -> str:
@@ -61,6 +65,29 @@ def render_importances(
         width=width,
         color=color,
     )
+
+
+def render_pairs(pairs: Sequence[PairImportance], *, width: int = 80, color: bool = False) -> str:
+    """Return what pairs of components do together, those that share most of the risk first."""
+    shown = pairs[:MOST_PAIRS]
+    title = "Importance of pairs"
+    if len(pairs) > len(shown):
+        title += f" ({len(shown)} of {len(pairs)})"
+    table = table_of(title)
+    for heading in ("component", "and"):
+        table.add_column(heading, overflow="fold")
+    for heading in ("Fussell-V.", "interaction", "joint B.", "joint crit."):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for pair in shown:
+        figures = (
+            pair.fussell_vesely,
+            pair.interaction,
+            pair.joint_birnbaum,
+            pair.joint_criticality,
+        )
+        cells = [f"{each:.4g}" for each in figures]
+        table.add_row(*plain([pair.first, pair.second, *cells]))
+    return render_parts([table], width=width, color=color)
 
 
 def render_uncertainty(
