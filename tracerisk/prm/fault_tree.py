@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from operator import mul
 from typing import TYPE_CHECKING, Protocol
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.collection import collection_paused
 from tracerisk.prm.display import DisplayedGraph
-from tracerisk.prm.gates import Gate, GateKind, check_gate, gate_probability, gate_shares
+from tracerisk.prm.gates import Gate, GateKind, gate_probability, gate_shares
+from tracerisk.prm.numbering import Numbering, numbered
 from tracerisk.prm.probability import Probability
 
 if TYPE_CHECKING:
@@ -75,31 +77,15 @@ class FaultTree(DisplayedGraph):
     gates: tuple[Gate, ...]
     events: tuple[BasicEvent, ...]
     houses: tuple[HouseEvent, ...] = ()
-    _upwards: tuple[Gate, ...] = field(init=False, repr=False, compare=False)
+    _numbering: Numbering = field(init=False, repr=False, compare=False)
     _shared: Mapping[str, tuple[str, ...]] = field(init=False, repr=False, compare=False)
     _solver: SharedTree | None = field(init=False, repr=False, compare=False, default=None)
 
     def __post_init__(self) -> None:
-        names: set[str] = set()
-        for name in _names(self):
-            if name in names:
-                raise ModelError(f"'{name}' names two gates or events; rename one")
-            if not name or not name.isprintable():
-                raise ModelError(f"{name!r} names a gate or event; it needs printable characters")
-            names.add(name)
-        if self.top not in names:
-            raise ModelError(f"the top '{self.top}' is no gate or event; {one_of(names)}")
-        for gate in self.gates:
-            for name in gate.inputs:
-                if name not in names:
-                    raise ModelError(
-                        f"gate '{gate.name}': input '{name}' is no gate or event; "
-                        f"{one_of(names, name)}"
-                    )
-            check_gate(gate)
+        numbering = numbered(self)
         _check_models(self)
-        object.__setattr__(self, "_upwards", _order_upwards(self))
-        object.__setattr__(self, "_shared", _find_shared(self))
+        object.__setattr__(self, "_numbering", numbering)
+        object.__setattr__(self, "_shared", numbering.shared)
 
     @classmethod
     def of(
@@ -139,7 +125,7 @@ class FaultTree(DisplayedGraph):
     @property
     def upwards(self) -> tuple[Gate, ...]:
         """The gates, each after those below it."""
-        return self._upwards
+        return self._numbering.gates
 
     def values_at(self, mission_time_h: float | None) -> dict[str, float]:
         """Return the probability of each parameter whose events have a model, for a mission, [h].
@@ -185,7 +171,7 @@ class FaultTree(DisplayedGraph):
         """
         if self._shared:
             return self._compiled().probability(self._event_values(values))
-        return self._sweep(values)[self.top]
+        return self._swept(values)[self._numbering.top]
 
     def probabilities(self, values: Mapping[str, ArrayLike]) -> NDArray[np.float64]:
         """Return the top's probability and its complement for n samples at once, (n, 2).
@@ -206,14 +192,17 @@ class FaultTree(DisplayedGraph):
         """
         if self._shared:
             return self._compiled().sensitivities(self._event_values(values))
-        nodes = self._sweep(values)
-        weights = {self.top: 1.0}
-        for gate in reversed(self._upwards):
-            inputs = [nodes[name] for name in gate.inputs]
-            shares = gate_shares(gate, inputs, inputs)
-            for name, share in zip(gate.inputs, shares, strict=True):
-                weights[name] = weights[gate.name] * share
-        return {event.name: weights[event.name] for event in self.events}
+        numbering = self._numbering
+        nodes = self._swept(values)
+        weights = [0.0] * len(nodes)
+        weights[numbering.top] = 1.0
+        number = len(nodes)
+        for gate, inputs in zip(reversed(numbering.gates), reversed(numbering.inputs), strict=True):
+            number -= 1
+            pairs = [nodes[below] for below in inputs]
+            for below, share in zip(inputs, gate_shares(gate, pairs, pairs), strict=True):
+                weights[below] = weights[number] * share
+        return {event.name: weights[place] for place, event in enumerate(self.events)}
 
     def conditional_tops(self, values: Mapping[str, float]) -> dict[str, Conditional]:
         """Return for each event the top's pair given that it happens, and that it does not.
@@ -244,19 +233,13 @@ class FaultTree(DisplayedGraph):
         """
         if self._shared:
             return self._compiled().difference(self._event_values(high), self._event_values(low))
-        before, after = self._sweep(high), self._sweep(low)
-        drops = {event.name: before[event.name].p - after[event.name].p for event in self.events}
-        drops |= dict.fromkeys((house.name for house in self.houses), 0.0)
-        for gate in self._upwards:
-            shares = gate_shares(
-                gate,
-                [before[name] for name in gate.inputs],
-                [after[name] for name in gate.inputs],
-            )
-            drops[gate.name] = sum(
-                share * drops[name] for name, share in zip(gate.inputs, shares, strict=True)
-            )
-        return drops[self.top]
+        before, after = self._swept(high), self._swept(low)
+        drops = [before[number].p - after[number].p for number in range(len(self.events))]
+        drops += [0.0] * len(self.houses)
+        for gate, inputs in zip(self._numbering.gates, self._numbering.inputs, strict=True):
+            shares = gate_shares(gate, [before[n] for n in inputs], [after[n] for n in inputs])
+            drops.append(sum(map(mul, shares, [drops[number] for number in inputs])))
+        return drops[self._numbering.top]
 
     def _compiled(self) -> SharedTree:
         """Return the tree's decision diagrams, made when first asked for."""
@@ -269,6 +252,11 @@ class FaultTree(DisplayedGraph):
 
     def _event_values(self, values: Mapping[str, float]) -> dict[str, Probability]:
         """Return the probability of each basic event."""
+        pairs = self._parameter_values(values)
+        return {event.name: pairs[event.parameter] for event in self.events}
+
+    def _parameter_values(self, values: Mapping[str, float]) -> dict[str, Probability]:
+        """Return the probability of each parameter's events."""
         pairs: dict[str, Probability] = {}
         for event in self.events:
             if event.parameter not in pairs:
@@ -278,17 +266,21 @@ class FaultTree(DisplayedGraph):
                         f"{one_of(values)}"
                     )
                 pairs[event.parameter] = Probability.of(values[event.parameter])
-        return {event.name: pairs[event.parameter] for event in self.events}
+        return pairs
 
     def _sweep(self, values: Mapping[str, float]) -> dict[str, Probability]:
         """Return the probability of every event and gate of a tree that shares none."""
-        nodes = self._event_values(values)
-        for house in self.houses:
-            nodes[house.name] = Probability(1.0, 0.0) if house.state else Probability(0.0, 1.0)
-        either, both = GateKind.OR, GateKind.AND
+        return dict(zip(self._numbering.names, self._swept(values), strict=True))
+
+    def _swept(self, values: Mapping[str, float]) -> list[Probability]:
+        """Return the probability of every event and gate, by number."""
+        pairs = self._parameter_values(values)
         with collection_paused():
-            for gate in self._upwards:
-                kind, inputs = gate.kind, gate.inputs
+            nodes = [pairs[event.parameter] for event in self.events]
+            nodes += (Probability(float(h.state), float(not h.state)) for h in self.houses)
+            either, both = GateKind.OR, GateKind.AND
+            for gate, inputs in zip(self._numbering.gates, self._numbering.inputs, strict=True):
+                kind = gate.kind
                 if len(inputs) == 2 and (kind is either or kind is both):
                     # The commonest gates, without the way through the general ones.
                     p, q = nodes[inputs[0]]
@@ -298,22 +290,9 @@ class FaultTree(DisplayedGraph):
                     else:
                         pair = Probability(p * p_other, q + p * q_other)
                 else:
-                    pair = gate_probability(gate, [nodes[name] for name in inputs])
-                nodes[gate.name] = pair
+                    pair = gate_probability(gate, [nodes[number] for number in inputs])
+                nodes.append(pair)
         return nodes
-
-
-def _names(tree: FaultTree) -> list[str]:
-    houses = [house.name for house in tree.houses]
-    return [gate.name for gate in tree.gates] + [event.name for event in tree.events] + houses
-
-
-def _find_shared(tree: FaultTree) -> dict[str, tuple[str, ...]]:
-    above: dict[str, list[str]] = {}
-    for gate in tree.gates:
-        for name in gate.inputs:
-            above.setdefault(name, []).append(gate.name)
-    return {name: tuple(gates) for name, gates in above.items() if len(gates) > 1}
 
 
 def _check_models(tree: FaultTree) -> None:
@@ -325,32 +304,3 @@ def _check_models(tree: FaultTree) -> None:
                 f"events '{first.name}' and '{event.name}' share the parameter "
                 f"'{event.parameter}' and have different models; give them one, or two parameters"
             )
-
-
-def _order_upwards(tree: FaultTree) -> tuple[Gate, ...]:
-    """Return the gates, each after those below it; iterative, for trees of any depth."""
-    gates = {gate.name: gate for gate in tree.gates}
-    order: list[Gate] = []
-    open_gates: set[str] = set()
-    seen: set[str] = set()
-    stack = [(tree.top, False)]
-    while stack:
-        name, below_done = stack.pop()
-        gate = gates.get(name)
-        if below_done and gate is not None:
-            open_gates.discard(name)
-            order.append(gate)
-            continue
-        if name in open_gates:
-            raise ModelError(f"gate '{name}' stands above itself; break the cycle")
-        if name in seen:
-            continue
-        seen.add(name)
-        if gate is not None:
-            open_gates.add(name)
-            stack.append((name, True))
-            stack.extend((child, False) for child in reversed(gate.inputs))
-    loose = sorted(set(_names(tree)) - seen)
-    if loose:
-        raise ModelError(f"not below the top '{tree.top}': {', '.join(loose)}; join or remove them")
-    return tuple(order)
