@@ -216,6 +216,14 @@ def test_repair_in_no_time_is_the_limit_of_fast_repair(mission):
         assert found.p == pytest.approx(fast.p, rel=1e-6)
 
 
+def test_a_thousand_periods_keep_their_digits():
+    test = TESTED[5]
+    mission = test.first_test_h + 1000 * test.interval_h + 13.0
+    down, mean = follow(test, mission)
+    assert_pair(test.probability(mission), down, rel=1e-12)
+    assert_pair(replace(test, averaged=True).probability(mission), mean, rel=1e-12)
+
+
 def test_many_periods_are_taken_at_once():
     found = PeriodicTest(1e-10, 1.0, 0, 1e-3).probability(1e6)
     # After a long time: the rate into the repair of 1000 h, and half an hour hidden.

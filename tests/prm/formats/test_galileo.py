@@ -410,7 +410,7 @@ def drawn_tree_of_parts(seed):
 
 
 @pytest.mark.parametrize("draw", [drawn_tree, drawn_tree_of_parts])
-@pytest.mark.parametrize("seed", range(50))
+@pytest.mark.parametrize("seed", range(30))
 def test_storm_finds_the_same_unreliability(tmp_path, draw, seed):
     made = draw(seed)
     path = tmp_path / "tree.dft"

@@ -144,10 +144,10 @@ def _check_gate(gate: AnyGate) -> None:
             f"gate '{gate.name}': {gate.kind.value} cannot stand in the group of a dynamic gate; "
             f"allowed: {', '.join(kind.value for kind in _STATIC)}, pand, por, spare"
         )
-    if len(gate.inputs) > LARGEST:
+    if isinstance(gate, DynamicGate) and len(gate.inputs) > LARGEST:
         raise TooLargeError(
-            f"gate '{gate.name}': {len(gate.inputs)} inputs in the group of a dynamic gate; "
-            f"allowed: {LARGEST}"
+            f"gate '{gate.name}': {len(gate.inputs)} inputs of a {gate.kind.value} gate; allowed: "
+            f"{LARGEST}"
         )
 
 
