@@ -150,11 +150,13 @@ def _status(layout: Layout, row: bytearray, gate: int) -> int:
     """
     this, inputs = layout.gates[gate], layout.inputs[gate]
     if not isinstance(this, DynamicGate):
-        failed = sum(row[child] == FAILED for child in inputs)
-        if failed >= this.threshold:
+        failed, safe, threshold = 0, 0, this.threshold
+        for child in inputs:
+            failed += row[child] == FAILED
+            safe += row[child] == SAFE
+        if failed >= threshold:
             return FAILED
-        able = sum(row[child] != SAFE for child in inputs)
-        return SAFE if able < this.threshold else 0
+        return SAFE if len(inputs) - safe < threshold else 0
     if this.kind is DynamicKind.SPARE:
         return _spare_status(layout, row, gate)
     if this.kind is DynamicKind.POR:
@@ -279,8 +281,11 @@ def _mark_users_of_spares(layout: Layout, row: bytearray, counts: bytearray) -> 
     They do so even where their own failure makes no difference any more.
     """
     grown = False
-    for unit in layout.spare_slots:
-        if unit not in layout.parts or not _any_open(row, counts, layout.parts[unit]):
+    for unit, parts in layout.parts.items():
+        if len(parts) == 1:
+            if not counts[unit] or row[unit] >= SAFE:
+                continue
+        elif not _any_open(row, counts, parts):
             continue
         users = [gate for gate in layout.parents[unit] if row[gate] < SAFE and not counts[gate]]
         if users or not counts[unit]:
@@ -295,12 +300,12 @@ def _any_open(row: bytearray, counts: bytearray, elements: Iterable[int]) -> boo
 
 def _mark(layout: Layout, row: bytearray, counts: bytearray, elements: Iterable[int]) -> None:
     """Mark elements as of account, with all below them that can still change them."""
-    stack = list(elements)
+    stack, first_gate = list(elements), len(layout.events)
     while stack:
         element = stack.pop()
         if counts[element]:
             continue
         counts[element] = 1
-        if row[element] < SAFE and element in layout.inputs:
-            first = row[element] if element in layout.spare_gates else 0
-            stack.extend(layout.inputs[element][first:])
+        if row[element] < SAFE and element >= first_gate:
+            inputs = layout.inputs[element]
+            stack.extend(inputs[row[element] :] if element in layout.spare_gates else inputs)
