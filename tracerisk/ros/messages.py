@@ -87,6 +87,7 @@ class Interfaces:
         self._services: dict[str, type[Service]] = {}
         self._service_parts: set[str] = set()
         self._star_names: dict[tuple[str, str], tuple[str, ...]] = {}
+        self._listed: dict[tuple[str, str], tuple[Path, ...]] = {}
 
     @property
     def workspace(self) -> Mapping[str, Path]:
@@ -195,9 +196,13 @@ class Interfaces:
     def _folder(self, package: str) -> Path:
         return self._workspace.get(package, INTERFACES / package)
 
-    def _files(self, package: str, kind: str) -> list[Path]:
+    def _files(self, package: str, kind: str) -> tuple[Path, ...]:
         # Some packages sort them into folders, which the names of the classes leave out.
-        return sorted((self._folder(package) / kind).rglob(f"*.{kind}"))
+        key = package, kind
+        if key not in self._listed:
+            # Asked for at each name of a package, of which some have hundreds.
+            self._listed[key] = tuple(sorted((self._folder(package) / kind).rglob(f"*.{kind}")))
+        return self._listed[key]
 
     def _file(self, package: str, kind: str, short: str) -> Path | None:
         found = (path for path in self._files(package, kind) if path.stem == short)

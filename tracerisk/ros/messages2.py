@@ -60,6 +60,7 @@ class Interfaces2:
         self._classes: dict[str, type[Message2]] = {}
         self._services: dict[str, type[Service2]] = {}
         self._actions: dict[str, type[Action2]] = {}
+        self._listed: dict[tuple[str, str], dict[str, Path]] = {}
 
     @cached_property
     def packages(self) -> tuple[str, ...]:
@@ -165,6 +166,13 @@ class Interfaces2:
         return ros2_jazzy.FIELDDEFS
 
     def _files(self, package: str, kind: str) -> dict[str, Path]:
+        key = package, kind
+        if key not in self._listed:
+            # Asked for at each name of a package, of which some have hundreds.
+            self._listed[key] = self._found(package, kind)
+        return self._listed[key]
+
+    def _found(self, package: str, kind: str) -> dict[str, Path]:
         if package in self._workspace:
             folders = [self._workspace[package]]
         else:
