@@ -307,6 +307,27 @@ def test_bad_text_is_refused_where_it_stands(text, message):
     assert str(caught.value).startswith(message)
 
 
+@pytest.mark.parametrize("seed", range(10))
+def test_damaged_text_is_read_or_refused_with_its_place(seed):
+    rng = random.Random(seed)
+    for _ in range(50):
+        text = TEXT
+        for _ in range(rng.randint(1, 3)):
+            place, length = rng.randrange(len(text)), rng.randint(0, 8)
+            inserted = "".join(rng.choices('"; =/*aP1.e-\n', k=rng.randint(0, 3)))
+            text = text[:place] + inserted + text[place + length :]
+        refused = None
+        try:
+            found = galileo.loads(text, "damaged.dft")
+        except ModelError as error:
+            refused = error
+        if refused is None:
+            assert 0.0 <= found.probability(10.0).p <= 1.0
+        else:
+            assert refused.location is not None
+            assert refused.location.line is not None or "which gate is the top" in refused.message
+
+
 def storm_figures(path, tree, mission):
     """The least and the greatest unreliability that Storm finds; they differ where order is open.
 
