@@ -20,7 +20,7 @@ from tracerisk.prm.common_cause import (
     ShareOf,
     expand_common_cause,
 )
-from tracerisk.prm.failure_models import Exponential
+from tracerisk.prm.failure_models import Constant, Exponential
 
 BETA, MGL = CommonCauseLaw.BETA, CommonCauseLaw.MGL
 ALPHA, PHI = CommonCauseLaw.ALPHA, CommonCauseLaw.PHI
@@ -134,6 +134,14 @@ def test_a_model_of_the_members_is_shared_out():
     assert at == pytest.approx({"pump {1 of 2}": 0.9e-7, "pump {2 of 2}": 0.1e-7}, rel=1e-7)
     pair = ShareOf(Exponential(1.0), 1.0).probability(40.0)
     assert pair == Exponential(1.0).probability(40.0)
+
+
+def test_shares_of_constants_need_no_mission_time():
+    tree, units = pumps(2, 2, model=Constant(1e-3))
+    expanded = expand_common_cause(tree, [CommonCauseGroup("p", units, BETA, (0.1,))])
+    found = expanded.tree.solve()
+    assert found.values == pytest.approx({"pump {1 of 2}": 0.9e-3, "pump {2 of 2}": 1e-4})
+    assert found.probability == pytest.approx(1e-4 + (1 - 1e-4) * 0.9e-3**2, rel=1e-13)
 
 
 def test_two_groups_of_one_parameter_keep_their_own_factors():

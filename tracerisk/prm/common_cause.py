@@ -18,6 +18,7 @@ from math import comb, fsum
 from operator import mul
 
 from tracerisk.errors import ModelError, TooLargeError, one_of
+from tracerisk.prm.failure_models import Constant
 from tracerisk.prm.fault_tree import BasicEvent, FailureModel, FaultTree, Gate, GateKind
 from tracerisk.prm.probability import Probability
 from tracerisk.prm.quantities import check_share
@@ -187,7 +188,7 @@ def expand_common_cause(tree: FaultTree, groups: Sequence[CommonCauseGroup]) -> 
             if shares.setdefault(parameter, (like.parameter, share))[1] != share:
                 parameter = f"{like.parameter} {{{level} of {len(group.members)}, {group.name}}}"
                 shares[parameter] = (like.parameter, share)
-            model = None if like.model is None else ShareOf(like.model, share)
+            model = None if like.model is None else _share_of(like.model, share)
             for hit in combinations(group.members, level):
                 name = f"[{' '.join(hit)}]"
                 added.append(BasicEvent(name, parameter, model))
@@ -197,6 +198,11 @@ def expand_common_cause(tree: FaultTree, groups: Sequence[CommonCauseGroup]) -> 
     kept = [event for event in tree.events if event.name not in owners]
     expanded = FaultTree(tree.top, tuple(gates), (*kept, *added), tree.houses)
     return CommonCauseTree(expanded, shares)
+
+
+def _share_of(model: FailureModel, share: float) -> FailureModel:
+    """Return a share of a model; of a constant another constant, which needs no mission either."""
+    return Constant(share * model.p) if isinstance(model, Constant) else ShareOf(model, share)
 
 
 def _like_members(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import ModelError
+from tracerisk.prm.dynamic import DynamicTree
 from tracerisk.prm.fault_tree import FaultTree
 from tracerisk.prm.hybrid import DONE, HybridModel
 from tracerisk.prm.markov import MarkovChain
@@ -14,7 +15,10 @@ if TYPE_CHECKING:
 
 
 def graph_of(model: object) -> nx.DiGraph:
-    """Return a fault tree, chain or hybrid model as a directed graph; see DisplayedGraph."""
+    """Return a fault tree, dynamic or not, a chain or a hybrid model as a directed graph.
+
+    See DisplayedGraph; of a dynamic tree, dependencies and restrictions are nodes, too.
+    """
     try:
         import networkx as nx
     except ImportError as error:
@@ -25,6 +29,8 @@ def graph_of(model: object) -> nx.DiGraph:
     graph = nx.DiGraph()
     if isinstance(model, FaultTree):
         _add_tree(model, graph)
+    elif isinstance(model, DynamicTree):
+        _add_dynamic_tree(model, graph)
     elif isinstance(model, MarkovChain):
         _add_chain(model, graph)
     elif isinstance(model, HybridModel):
@@ -48,6 +54,21 @@ def _add_tree(tree: FaultTree, graph: Any) -> None:
                 graph.edges[gate.name, name]["count"] += 1
             else:
                 graph.add_edge(gate.name, name, rank=rank, count=1)
+
+
+def _add_dynamic_tree(tree: DynamicTree, graph: Any) -> None:
+    graph.graph.update(name=tree.top, top=tree.top)
+    for gate in tree.gates:
+        graph.add_node(gate.name, kind=gate.kind.value, gate=gate)
+    for event in tree.events:
+        graph.add_node(event.name, kind="event", dormancy=event.dormancy, model=event.model)
+    for dependency in tree.dependencies:
+        graph.add_node(dependency.name, kind="fdep", probability=dependency.probability)
+    for restriction in tree.restrictions:
+        graph.add_node(restriction.name, kind=restriction.kind.value)
+    for user in (*tree.gates, *tree.ties):
+        for rank, name in enumerate(user.inputs):
+            graph.add_edge(user.name, name, rank=rank)
 
 
 def _add_chain(chain: MarkovChain, graph: Any) -> None:

@@ -135,3 +135,12 @@ def test_an_event_that_prevents_has_a_negative_share():
         "top", {"top": ("por", "a", "b")}, {"a": Exponential(0.5), "b": Exponential(0.5)}
     )
     assert tree.solve(mission_time_h=1.0).importance()["b"].fussell_vesely < -0.1
+
+
+def test_a_dynamic_tree_is_a_graph_from_its_gates_and_ties_to_their_inputs():
+    pytest.importorskip("networkx", reason="networkx is not installed")
+    graph = DynamicTree.of("top", GATES, EVENTS).to_networkx()
+    assert graph.nodes["pumps"]["kind"] == "spare"
+    assert graph.nodes["p2"] == {"kind": "event", "dormancy": 0.0, "model": Exponential(1e-3)}
+    assert list(graph.successors("supply")) == ["power", "p1", "p2"]
+    assert graph.edges["supply", "p2"] == {"rank": 2}

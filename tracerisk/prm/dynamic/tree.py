@@ -22,6 +22,8 @@ from tracerisk.prm.gates import Gate, check_gate
 from tracerisk.prm.probability import Probability
 
 if TYPE_CHECKING:
+    import networkx as nx
+
     from tracerisk.prm.dynamic.building import Formula
     from tracerisk.prm.dynamic.solution import DynamicSolution
 
@@ -81,6 +83,15 @@ class DynamicTree:
     def ties(self) -> tuple[Dependency | Restriction, ...]:
         """The dependencies, then the restrictions: what ties elements together from the side."""
         return (*self.dependencies, *self.restrictions)
+
+    def to_networkx(self) -> nx.DiGraph:
+        """Return the tree as a directed graph of networkx, from gates and ties to their inputs.
+
+        Raises ModelError when networkx, of the extra `graph`, is not installed.
+        """
+        from tracerisk.prm.graphs import graph_of
+
+        return graph_of(self)
 
     def static_tree(self) -> FaultTree:
         """Return the static tree in which each dynamic group is one basic event.
