@@ -40,7 +40,7 @@ def test_the_beta_factor_leaves_a_unit_alone_or_hits_all():
 def test_the_letters_of_mgl_are_conditional_on_one_another():
     beta, gamma, delta = 0.1, 0.4, 0.3
     shares = CommonCauseGroup("g", tuple("abcd"), MGL, (beta, gamma, delta)).shares
-    # NUREG/CR-5485, table 5-3: four units.
+    # NUREG/CR-5485: four units.
     assert shares == pytest.approx(
         {
             1: 1 - beta,

@@ -4,7 +4,7 @@ A group replaces each of its members by an OR over the events that hit it: alone
 up to all together. Each of those is a basic event whose probability is a share of the member's.
 
 Sources: A. Mosleh, D. Rasmuson, F. Marshall, "Guidelines on Modeling Common-Cause Failures in
-Probabilistic Risk Assessment", NUREG/CR-5485 (1998), chapter 5 and appendix A; "Open-PSA Model
+Probabilistic Risk Assessment", NUREG/CR-5485 (1998); "Open-PSA Model
 Exchange Format" 2.0d, section "Common Cause Failures".
 """
 

@@ -6,7 +6,7 @@ and sums have terms of one sign only.
 Times are in hours, rates per hour.
 
 Sources: "Open-PSA Model Exchange Format" 2.0d, chapter "Stochastic layer", built-ins;
-M. Rausand, A. Hoyland, "System Reliability Theory", 2nd ed. (2004), chapters 2 and 9; IEC 61508-6.
+M. Rausand, A. Hoyland, "System Reliability Theory", 2nd ed. (2004), chapter 2; IEC 61508-6.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Constant:
 class Exponential:
     """A constant failure rate: 1 - exp(-rate t), without repair, [1/h].
 
-    Source: Rausand and Hoyland, section 2.9.
+    Source: Rausand and Hoyland, chapter 2.
     Raises ModelError when the rate is negative or not finite.
     """
 
@@ -80,7 +80,7 @@ class Exponential:
 class Erlang:
     """So many phases of one constant rate, the last of which ends in failure, [1/h].
 
-    Source: Rausand and Hoyland, section 2.10.
+    Source: Rausand and Hoyland, chapter 2.
     Raises ModelError when the rate is negative or `phases` not a whole number from 1 on.
     """
 
@@ -122,7 +122,7 @@ class Erlang:
 class Lognormal:
     """A time to failure whose logarithm is normal, with `mean` and `deviation` of the logarithm.
 
-    The logarithm is that of hours. Source: Rausand and Hoyland, section 2.14.
+    The logarithm is that of hours. Source: Rausand and Hoyland, chapter 2.
     Raises ModelError when the deviation is not positive or the mean not finite.
     """
 
@@ -149,7 +149,7 @@ class Weibull:
     The accumulated hazard at age x is ((x - location) / scale)^shape, zero before `location_h`.
     A unit that starts the mission at age `age_h` has survived until then: its probability is
     conditional on that, 1 - exp(-(H(age + t) - H(age))).
-    Source: Rausand and Hoyland, section 2.11; with age 0, the Open-PSA built-in `Weibull`.
+    Source: Rausand and Hoyland, chapter 2; with age 0, the Open-PSA built-in `Weibull`.
     Raises ModelError when scale or shape are not positive, or location or age negative.
     """
 

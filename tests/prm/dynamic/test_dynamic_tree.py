@@ -222,7 +222,7 @@ def test_a_spare_gate_takes_a_spare_even_where_its_own_failure_makes_no_differen
         ],
         [event("a", 2.0), event("b", 3.0), event("s", 5.0, 0.5), event("d", 7.0)],
     )
-    # Storm 1.9 gives this figure.
+    # Storm 2.0 gives this figure.
     assert made.probability(1.0).p == pytest.approx(0.9426720758616328, rel=1e-12)
 
 
