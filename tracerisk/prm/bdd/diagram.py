@@ -27,7 +27,7 @@ class Limits:
     check a first by.
     """
 
-    nodes: tuple[int, ...] = (20_000, 100_000, 500_000, 2_500_000, 12_000_000, 25_000_000)
+    nodes: tuple[int, ...] = (32_000, 120_000, 500_000, 2_000_000, 8_000_000, 25_000_000)
     plain_nodes: int = 2_000
     pairs: int = 1 << 24
     samples_bytes: int = 1 << 26
@@ -35,6 +35,9 @@ class Limits:
 
 
 DEFAULT_LIMITS = Limits()
+
+_GO_ON = {0: 4, 1: 2, 2: 1}
+"""How many orders are tried with the next budget, by the number of the last; later, two."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,36 +199,38 @@ class Diagram:
 def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LIMITS) -> Diagram:
     """Return a module's diagram, by the first order that fits the least budget that any fits.
 
-    The first budget is given to the orders by walks, the next also to those by FORCE; after
-    that the orders that came farthest go first, and half of them, but two at least, go on.
+    The first budget is given to the orders by walks and, where none fits, to those by FORCE;
+    after each, those that came farthest go on, fewer and fewer, the farthest first.
     Raises TooLargeError when none fits the last budget.
     """
     walked = _orders(walked_orders(graph, module), limits)
-    if limits.plain_nodes:
+    if limits.plain_nodes and not compiled_loops.cache_info().currsize:
         first = next(iter(walked.values()))
         found, _ = _built(_local(graph, module, first), limits.plain_nodes, PLAIN)
         if found is not None:
             return found
     loops = compiled_loops()
     trials = _trials(graph, module, walked)
-    tried = set(trials)
+    reached: dict[str, int] = {}
     for number, budget in enumerate(limits.nodes):
-        if number == 1:
-            drawn = _orders(drawn_orders(graph, module), limits)
-            trials |= _trials(graph, module, drawn, known=walked.values())
-            tried |= set(trials)
-        reached = {}
         for name, local in trials.items():
             found, reached[name] = _built(local, budget, loops)
             if found is not None:
                 return found
-        if number:
-            ranked = sorted(trials, key=lambda name: -reached[name])
-            trials = {name: trials[name] for name in ranked[: max(2, len(ranked) // 2)]}
+        if number == 0:
+            drawn = _orders(drawn_orders(graph, module), limits)
+            others = _trials(graph, module, drawn, known=walked.values())
+            for name, local in others.items():
+                found, reached[name] = _built(local, budget, loops)
+                if found is not None:
+                    return found
+            trials |= others
+        ranked = sorted(trials, key=lambda name: -reached[name])
+        trials = {name: trials[name] for name in ranked[: _GO_ON.get(number, 2)]}
     raise TooLargeError(
         f"a part of {len(module.inputs)} events and {len(module.gates)} gates that share them "
         f"outgrew every budget of its decision diagram: {', '.join(map(str, limits.nodes))} nodes "
-        f"with {len(tried)} orders of the events ({'; '.join(sorted(tried))}); give larger budgets "
+        f"with {len(reached)} orders of the events ({'; '.join(reached)}); give larger budgets "
         "(Limits.nodes), or divide the tree"
     )
 
@@ -285,29 +290,27 @@ def _local(graph: LogicGraph, module: Module, order: tuple[int, ...]) -> _Local:
 def _built(local: _Local, budget: int, loops: Loops) -> tuple[Diagram | None, int]:
     """Return the diagram, or nothing when it outgrows the budget, and how many gates are done."""
     levels = len(local.order)
-    level, low, high = (loops.integers(budget) for _ in range(3))
+    nodes = loops.integers(4 * budget)
     used = loops.integers(2)
     root = loops.build(
         levels,
         loops.listed(local.offsets),
         loops.listed(local.literals),
         loops.integers(len(local.offsets) - 1),
-        level,
-        low,
-        high,
+        nodes,
         loops.integers(_power_of_two(budget + budget // 4)),
-        loops.integers(3 * _power_of_two(budget)),
+        loops.integers(3 * _power_of_two(2 * budget)),
         loops.integers(6 * (levels + 2)),
         used,
     )
     if root == OUT_OF_NODES:
         return None, int(used[1])
     count = int(used[0])
-    number = loops.integers(count)
-    kept = loops.compact(root, count, level, low, high, number)
+    kept_nodes = [loops.integers(count) for _ in range(3)]
+    kept = loops.extract(root, count, nodes, loops.integers(count), *kept_nodes)
     # The root is the last of those kept: nothing below it stands after it.
     root = 2 * (kept - 1) + (root & 1)
-    level, low, high = (loops.listed(sequence[:kept]) for sequence in (level, low, high))
+    level, low, high = (loops.listed(sequence[:kept]) for sequence in kept_nodes)
     return Diagram(local.order, root, level, low, high, loops), int(used[1])
 
 

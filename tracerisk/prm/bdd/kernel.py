@@ -31,9 +31,7 @@ def build(
     offsets: Integers,
     literals: Integers,
     edges: Integers,
-    level: Integers,
-    low: Integers,
-    high: Integers,
+    nodes: Integers,
     table: Integers,
     cache: Integers,
     frames: Integers,
@@ -45,23 +43,23 @@ def build(
     offsets: (n_gates + 1,) where each gate's arguments start in `literals`; a literal is
         2 (variable) or 2 (levels + gate), plus one for the complement.
     edges: (n_gates,) out, the edge of each gate.
-    level, low, high: (budget,) out, the nodes.
+    nodes: (4 budget) out, the nodes: level, low edge, high edge and nothing of each.
     table: (power of two, over budget) zeros, the hash table of the nodes.
     cache: (3 times a power of two) zeros, the results of conjunctions: f, g, result.
     frames: (6 (levels + 2)) the stack.
-    used: (2) out, how many nodes were made, and how many gates are done.
+    used: (2) out, how many nodes were made, and how many literals are done.
     """
-    budget = len(level)
+    budget = len(nodes) // 4
     table_mask = len(table) - 1
     cache_mask = len(cache) // 3 - 1
-    level[0] = levels
-    low[0] = 0
-    high[0] = 0
+    nodes[0] = levels
+    nodes[1] = 0
+    nodes[2] = 0
     count = 1
     for gate in range(len(offsets) - 1):
         joined = 0
-        used[1] = gate
         for place in range(offsets[gate], offsets[gate + 1]):
+            used[1] = place
             literal = literals[place]
             item = literal >> 1
             # One call of conjunction: (f, g), by a stack of frames.
@@ -95,22 +93,22 @@ def build(
                         if cache[slot] == f and cache[slot + 1] == g:
                             result = cache[slot + 2]
                         else:
-                            node_f = f >> 1
-                            node_g = g >> 1
-                            level_f = level[node_f]
-                            level_g = level[node_g]
+                            node_f = (f >> 1) << 2
+                            node_g = (g >> 1) << 2
+                            level_f = nodes[node_f]
+                            level_g = nodes[node_g]
                             top = min(level_f, level_g)
                             if level_f == top:
                                 sign = f & 1
-                                f_high = high[node_f] ^ sign
-                                f_low = low[node_f] ^ sign
+                                f_high = nodes[node_f + 2] ^ sign
+                                f_low = nodes[node_f + 1] ^ sign
                             else:
                                 f_high = f
                                 f_low = f
                             if level_g == top:
                                 sign = g & 1
-                                g_high = high[node_g] ^ sign
-                                g_low = low[node_g] ^ sign
+                                g_high = nodes[node_g + 2] ^ sign
+                                g_low = nodes[node_g + 1] ^ sign
                             else:
                                 g_high = g
                                 g_low = g
@@ -139,9 +137,9 @@ def build(
                     slot = (slot ^ (slot >> 17)) & table_mask
                     node = table[slot]
                     while node != 0 and (
-                        low[node] != make_low
-                        or high[node] != make_high
-                        or level[node] != make_level
+                        nodes[4 * node + 1] != make_low
+                        or nodes[4 * node + 2] != make_high
+                        or nodes[4 * node] != make_level
                     ):
                         slot = (slot + 1) & table_mask
                         node = table[slot]
@@ -152,9 +150,9 @@ def build(
                         node = count
                         count += 1
                         table[slot] = node
-                        level[node] = make_level
-                        low[node] = make_low
-                        high[node] = make_high
+                        nodes[4 * node] = make_level
+                        nodes[4 * node + 1] = make_low
+                        nodes[4 * node + 2] = make_high
                     result = 2 * node + sign
                     making = False
                     if single:
@@ -199,8 +197,43 @@ def build(
                 break
         edges[gate] = joined
     used[0] = count
-    used[1] = len(offsets) - 1
+    used[1] = len(literals)
     return int(edges[len(offsets) - 2])
+
+
+def extract(
+    root: int,
+    count: int,
+    nodes: Integers,
+    number: Integers,
+    level: Integers,
+    low: Integers,
+    high: Integers,
+) -> int:
+    """Copy the nodes below an edge; return their count, the constant's included.
+
+    nodes: as `build` leaves them; number: (count,) zeros, scratch.
+    level, low, high: (count,) out.
+    """
+    number[root >> 1] = 1
+    for node in range(count - 1, 0, -1):
+        if number[node]:
+            number[nodes[4 * node + 1] >> 1] = 1
+            number[nodes[4 * node + 2] >> 1] = 1
+    number[0] = 0
+    level[0] = nodes[0]
+    low[0] = 0
+    high[0] = 0
+    kept = 1
+    for node in range(1, count):
+        if number[node]:
+            number[node] = kept
+            level[kept] = nodes[4 * node]
+            below = nodes[4 * node + 1]
+            low[kept] = 2 * number[below >> 1] + (below & 1)
+            high[kept] = 2 * number[nodes[4 * node + 2] >> 1]
+            kept += 1
+    return kept
 
 
 def compact(

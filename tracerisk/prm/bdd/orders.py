@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from tracerisk.prm.bdd.logic import LogicGraph
 from tracerisk.prm.bdd.modules import Module
 
-_ROUNDS = 20
-"""FORCE settles soon; more rounds gave no smaller diagrams."""
+_ROUNDS = 12
+"""FORCE settles soon; twenty rounds gave no smaller diagrams."""
 
 Order = tuple[int, ...]
 """The inputs of a module, the topmost level first."""

@@ -22,6 +22,7 @@ class Loops:
     """The functions of `kernel`, and how the sequences that they take are made."""
 
     build: Callable[..., int]
+    extract: Callable[..., int]
     compact: Callable[..., int]
     sweep: Callable[..., None]
     sweep_many: Callable[..., None]
@@ -36,6 +37,7 @@ class Loops:
 
 PLAIN = Loops(
     kernel.build,
+    kernel.extract,
     kernel.compact,
     kernel.sweep,
     kernel.sweep_many,
@@ -56,6 +58,7 @@ def compiled_loops() -> Loops:
 
     return Loops(
         compiled_by_numba(kernel.build),
+        compiled_by_numba(kernel.extract),
         compiled_by_numba(kernel.compact),
         compiled_by_numba(kernel.sweep),
         compiled_by_numba(kernel.sweep_many),
