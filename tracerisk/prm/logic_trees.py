@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import partial
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.collection import collection_paused
@@ -69,7 +70,7 @@ def basic_events(model: LogicModel) -> Iterable[BasicEvent]:
     for each in model.events:
         group = members.get(each.name)
         expression = each.expression if group is None else group.distribution
-        location = model.locations.get(("basic event", each.name))
+        location = partial(model.locations.get, ("basic event", each.name))
         figure = None if expression is None else ExpressionModel(expression, definitions, location)
         parameter = each.name
         if group is not None:

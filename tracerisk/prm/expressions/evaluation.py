@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from tracerisk.errors import Location, ModelError, one_of
@@ -143,11 +143,16 @@ class Definitions:
 
 @dataclass(frozen=True, slots=True)
 class ExpressionModel:
-    """The failure model of a basic event whose probability an expression gives."""
+    """The failure model of a basic event whose probability an expression gives.
+
+    `location` is where the expression stands, or what finds it: only a message needs it.
+    """
 
     expression: Expression
     definitions: Definitions = Definitions()
-    location: Location | None = field(default=None, compare=False, repr=False)
+    location: Location | Callable[[], Location | None] | None = field(
+        default=None, compare=False, repr=False
+    )
 
     def probability(self, mission_time_h: float) -> Probability:
         """Return the probability for a mission, [h].
@@ -158,4 +163,5 @@ class ExpressionModel:
         try:
             return Evaluation(self.definitions.by_name, mission_time_h).probability(self.expression)
         except ModelError as error:
-            raise ModelError(error.message, error.location or self.location) from error
+            place = self.location() if callable(self.location) else self.location
+            raise ModelError(error.message, error.location or place) from error

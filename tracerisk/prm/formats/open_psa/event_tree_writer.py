@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError
@@ -20,9 +21,10 @@ from tracerisk.prm.event_tree import (
     When,
 )
 from tracerisk.prm.expressions import Difference, ExpressionModel, Number
+from tracerisk.prm.formats.open_psa.rewriting import END_STATE_MARK, FREQUENCY_MARK
 from tracerisk.prm.formats.open_psa.stochastic import Node, expression_node
 from tracerisk.prm.formats.open_psa.xml_text import notes
-from tracerisk.prm.logic_model import EventTreeDefinition, LogicModel, Place
+from tracerisk.prm.logic_model import Attribute, EventTreeDefinition, LogicModel, Place
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -72,13 +74,11 @@ class _TreeWriter:
                 "name": self._names.name(tree.initiating.name),
                 "event-tree": named["name"],
             }
+            place = self._notes.get(("initiating-event", tree.initiating.name), Place())
             if tree.initiating.value != 1.0 or tree.initiating.per:
-                raise ModelError(
-                    f"event tree '{tree.name}': Open-PSA has no figure of an initiating event; "
-                    "leave it out, and multiply the results by it"
-                )
-            remarks = self._remarks("initiating-event", tree.initiating.name)
-            found.append(("define-initiating-event", begins, remarks))
+                value = repr(float(tree.initiating.value))
+                place = _marked(place, Attribute(FREQUENCY_MARK, value, tree.initiating.per))
+            found.append(("define-initiating-event", begins, notes(place)))
         body = [self._defined("functional-event", name, []) for name in tree.functional_events]
         sequences = [self._sequence(each) for each in tree.sequences]
         branches = [
@@ -106,12 +106,12 @@ class _TreeWriter:
         return f"define-{kind}", named, [*self._remarks(kind, name), *body]
 
     def _sequence(self, sequence: EventSequence) -> Node:
+        place = self._notes.get(("sequence", sequence.name), Place())
         if sequence.end_state != sequence.name:
-            raise ModelError(
-                f"event tree '{self._tree.name}': the sequence '{sequence.name}' ends in "
-                f"'{sequence.end_state}'; Open-PSA has no end states: give the sequence that name"
-            )
-        return self._defined("sequence", sequence.name, self._instructions(sequence.instructions))
+            place = _marked(place, Attribute(END_STATE_MARK, sequence.end_state))
+        named = {"name": self._names.name(sequence.name)}
+        body = [*notes(place), *self._instructions(sequence.instructions)]
+        return "define-sequence", named, body
 
     def _course(self, target: Target, instructions: Sequence[Instruction]) -> list[Node]:
         return [*self._instructions(instructions), self._target(target)]
@@ -195,3 +195,7 @@ class _TreeWriter:
         if weight.complement:
             expression = Difference((Number(1.0), expression))
         return expression_node(expression, self._names.parameter)
+
+
+def _marked(place: Place, mark: Attribute) -> Place:
+    return replace(place, attributes=(*place.attributes, mark))

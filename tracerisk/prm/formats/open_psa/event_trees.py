@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
@@ -28,10 +28,11 @@ from tracerisk.prm.event_tree import (
 )
 from tracerisk.prm.expressions import Definitions, Expression, ExpressionModel, Number
 from tracerisk.prm.formats.open_psa.formulas import EVENTS, constant, kind_asked, read_formula
+from tracerisk.prm.formats.open_psa.rewriting import END_STATE_MARK, FREQUENCY_MARK
 from tracerisk.prm.formats.open_psa.stochastic import read_bool
 from tracerisk.prm.formats.open_psa.xml_elements import Element
 from tracerisk.prm.gates import Gate
-from tracerisk.prm.logic_model import EventTreeDefinition, Place
+from tracerisk.prm.logic_model import Attribute, EventTreeDefinition, Place
 
 if TYPE_CHECKING:
     from tracerisk.prm.formats.open_psa.formulas import Find
@@ -134,14 +135,19 @@ class _TreeReader:
         start: Branch | None = None
         initiating = None
         if begun is not None:
-            initiating = InitiatingEvent(self._source.name(begun[0]))
-            self._note("initiating-event", initiating.name, begun[1])
+            element, found = begun
+            found, mark = _unmarked(found, FREQUENCY_MARK)
+            initiating = _initiating(element, self._source.name(element), mark)
+            self._note("initiating-event", initiating.name, found)
         for child in self._element.children:
             if child.tag == "define-functional-event":
                 functions.append(self._named(child, "functional-event"))
             elif child.tag == "define-sequence":
-                name = self._named(child, "sequence")
-                self._sequence(child, name, sequences)
+                child.check_attributes("name")
+                name = self._source.name(child)
+                found, mark = _unmarked(self._source.place(child), END_STATE_MARK)
+                self._note("sequence", name, found)
+                self._sequence(child, name, mark.value if mark else "", sequences)
             elif child.tag == "define-branch":
                 name = self._named(child, "branch")
                 branches.append(self._branch(child, name))
@@ -176,12 +182,14 @@ class _TreeReader:
         if place.label or place.attributes:
             self._notes.append((kind, name, place))
 
-    def _sequence(self, element: Element, name: str, sequences: list[EventSequence]) -> None:
+    def _sequence(
+        self, element: Element, name: str, end_state: str, sequences: list[EventSequence]
+    ) -> None:
         links = [child for child in element.children if child.tag == "event-tree"]
         others = [child for child in element.children if child.tag != "event-tree"]
         instructions = tuple(self._instructions(others))
         if not links:
-            sequences.append(EventSequence(name, instructions=instructions))
+            sequences.append(EventSequence(name, end_state, instructions))
             return
         if len(links) > 1:
             links[1].fail(f"sequence '{name}' leads into two event trees; allowed: one")
@@ -284,3 +292,22 @@ class _TreeReader:
             tuple(self._instructions(arms[index : index + 1], rules)) for index in (0, 1)
         )
         return When(found, otherwise, then) if swapped else When(found, then, otherwise)
+
+
+def _unmarked(place: Place, name: str) -> tuple[Place, Attribute | None]:
+    """Return a place without the mark of a name, and the mark."""
+    marks = [each for each in place.attributes if each.name == name]
+    if len(marks) != 1:
+        return place, None
+    kept = tuple(each for each in place.attributes if each.name != name)
+    return replace(place, attributes=kept), marks[0]
+
+
+def _initiating(element: Element, name: str, mark: Attribute | None) -> InitiatingEvent:
+    """Return an initiating event, with the figure that its mark states."""
+    if mark is None:
+        return InitiatingEvent(name)
+    try:
+        return InitiatingEvent(name, float(mark.value), mark.type)
+    except ValueError as error:
+        element.fail(f"{FREQUENCY_MARK} is '{mark.value}'; give a number of 0 or more ({error})")

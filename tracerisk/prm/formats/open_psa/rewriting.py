@@ -15,6 +15,10 @@ from tracerisk.prm.logic_model import ALWAYS, NEVER, Attribute, Place
 
 NAMES_MARK = "tracerisk-names"
 GATE_MARK = "tracerisk-gate"
+FREQUENCY_MARK = "tracerisk-frequency"
+"""Holds the figure of an initiating event, its type the unit of time; Open-PSA has none."""
+END_STATE_MARK = "tracerisk-end-state"
+"""Holds the end state of a sequence; Open-PSA has none."""
 NO_HOME = "#"
 """The fault tree of gates that are in none: Open-PSA has no gates elsewhere."""
 
