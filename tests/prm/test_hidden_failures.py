@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from tracerisk.errors import ModelError
+from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm import (
     BasicEvent,
     FaultTree,
@@ -22,6 +22,7 @@ from tracerisk.prm import (
     build_model,
     solve,
 )
+from tracerisk.prm.expanded_chain import expanded_chain
 from tracerisk.prm.hidden_states import hidden_states
 from tracerisk.prm.solve import solve_figures
 
@@ -338,6 +339,16 @@ def test_beyond_the_limit_the_figure_is_bounded_and_the_bound_is_told(straight):
     assert widths[3] < widths[2] / 100
 
 
+def test_importances_of_a_bounded_mission_are_near_those_of_the_whole(straight):
+    model = straight(4, *((f"pair{i}", 1e-6 * (i + 1), 2, "true") for i in range(6)), ("m", 1e-9))
+    whole = {each.name: each for each in solve(model).components}
+    for each in solve(model, limit=168).components:
+        for measure in ("birnbaum", "fussell_vesely", "risk_reduction_worth", "tenfold"):
+            assert getattr(each, measure) == pytest.approx(
+                getattr(whole[each.name], measure), rel=1e-3
+            )
+
+
 def test_the_bound_holds_where_functions_tolerate_different_numbers(block, component):
     blocks = [
         block("a", 1, (component("x", 0.01, 3, "true"), component("y", 0.02, 2, "true"))),
@@ -376,3 +387,29 @@ def test_a_mission_that_is_sure_to_fail_by_hidden_failures_is_solved(straight):
     mission = solve(straight(2, ("pair", 1.0, 2, "true"))).mission
     assert (mission.failure_probability, mission.done_probability) == (1.0, 0.0)
     assert (mission.fixed_cycles, mission.visits_as_run) == (1.0, 1.0)
+
+
+@settings(max_examples=30, deadline=None)
+@given(data=st.data())
+def test_the_chain_written_out_has_the_same_figures(small_models, data):
+    model = data.draw(small_models())
+    solved = expanded_chain(model).solve(model.entry)
+    absorption = solved.absorption()
+    assessment = solve(model)
+    assert absorption["done"] == close(assessment.mission.done_probability)
+    for state in assessment.states:
+        if state.expected_visits:
+            assert absorption[state.failure_state] == close(state.absorption_probability)
+
+
+def test_the_chain_written_out_names_what_has_failed(block, component):
+    parts = (component("power", 0.25, 2, "true"), component("cell", 0.25, 3, "true"))
+    # A function may have the very name that a state with failed units would get.
+    blocks = [block("a", 1, parts), block("a (power 1 failed)", 2, parts)]
+    model = build_model(blocks, name="m")
+    chain = expanded_chain(model)
+    assert len(chain.transitions) == 1 + 6
+    assert next(iter(chain.transitions)) == "a"
+    assert "a (power 1 failed) (power 1 failed, cell 2 failed)" in chain.transitions
+    with pytest.raises(TooLargeError, match="hidden failures has more than 11 states"):
+        expanded_chain(model, limit=11)

@@ -31,12 +31,9 @@ class Adjoint:
 
     def __init__(self, chain: HiddenChain) -> None:
         self.chain = chain
-        states = chain.states
-        self._success = [
-            [chain.onward(number, row) for number in range(len(states.functions))]
-            for row in chain.successes()
-        ]
-        self._worse: dict[int, list[list[float]]] = {}
+        self._success = chain.successes()
+        self._losses: dict[int, list[tuple[float, ...]]] = {}
+        self._spreads: dict[tuple[int, int, int], Spread] = {}
 
     def success_after(self, spread: Spread, number: int) -> float:
         """Return the mean success of missions that leave a function so."""
@@ -44,14 +41,12 @@ class Adjoint:
 
     def loss_after(self, spread: Spread, number: int, unit_class: int) -> float:
         """Return the mean success that one more failed unit costs those that leave so."""
-        worse = self._worse_by(unit_class)
-        return total(weight * self._loss(worse, number, to, unit_class) for to, weight in spread)
+        losses = self._losses_by(unit_class)
+        return total(weight * losses[to][number] for to, weight in spread)
 
     def unit_loss(self, number: int, layer: int, unit_class: int) -> float:
         """Return what the failure of one working unit in a visit costs, against its survival."""
-        spread = self.chain.spread(
-            number, layer, {unit_class: self._others(number, layer, unit_class)}
-        )
+        spread = self._spread_of_others(number, layer, unit_class)
         return self.chain.rest[number].q * self.loss_after(spread, number, unit_class)
 
     def fall(self, zeros: Sequence[str], without: HiddenChain, flow: Flow) -> float:
@@ -93,42 +88,47 @@ class Adjoint:
             return self.chain.drop(number, named[0]) if named else 0.0
         return rest.difference(values, {**values, **dict.fromkeys(named, 0.0)})
 
-    def _loss(
-        self, worse: Sequence[Sequence[float]], number: int, layer: int, unit_class: int
-    ) -> float:
-        states = self.chain.states
-        function = states.functions[number]
-        more = states.more[layer][unit_class]
-        if more < 0 or not states.held[number][more]:
-            return self._success[layer][number]
-        return total(weight * worse[layer][target] for target, weight in function.steps)
+    def _spread_of_others(self, number: int, layer: int, unit_class: int) -> Spread:
+        """Return the layers to which a visit leads, one working unit of a class left aside."""
+        key = (number, layer, unit_class)
+        if key not in self._spreads:
+            units = self.chain.states.working(layer, unit_class) - 1
+            p = self.chain.units[number][unit_class]
+            chosen = {unit_class: failure_counts(units, p, units)}
+            self._spreads[key] = self.chain.spread(number, layer, chosen)
+        return self._spreads[key]
 
-    def _others(self, number: int, layer: int, unit_class: int) -> tuple[float, ...]:
-        """Return how many units of a class fail in a visit, one of the working ones left aside."""
-        units = self.chain.states.working(layer, unit_class) - 1
-        return failure_counts(units, self.chain.units[number][unit_class], units)
-
-    def _worse_by(self, unit_class: int) -> list[list[float]]:
-        """Return d by layer and function; a layer that cannot hold one more unit has none."""
-        if unit_class not in self._worse:
+    def _losses_by(self, unit_class: int) -> list[tuple[float, ...]]:
+        """Return D by layer and function: what one more failed unit of a class costs."""
+        if unit_class not in self._losses:
             states = self.chain.states
-            found: list[list[float]] = [[] for _ in states.hidden]
+            found: list[tuple[float, ...]] = [()] * len(states.hidden)
             for layer in range(len(found) - 1, -1, -1):
-                if states.more[layer][unit_class] >= 0:
-                    found[layer] = self._layer(found, layer, unit_class)
-            self._worse[unit_class] = found
-        return self._worse[unit_class]
+                more = states.more[layer][unit_class]
+                worse = self._worse(found, layer, unit_class) if more >= 0 else []
+                # All of the success is lost where the visit fails for want of the unit.
+                found[layer] = tuple(
+                    total(weight * worse[target] for target, weight in function.steps)
+                    if more >= 0 and states.held[number][more]
+                    else self._success[layer][number]
+                    for number, function in enumerate(states.functions)
+                )
+            self._losses[unit_class] = found
+        return self._losses[unit_class]
 
-    def _layer(self, found: Sequence[Sequence[float]], layer: int, unit_class: int) -> list[float]:
+    def _worse(self, found: Sequence[Sequence[float]], layer: int, unit_class: int) -> list[float]:
+        """Return d of each function in a layer that can hold one more failed unit."""
         chain = self.chain
         more = chain.states.more[layer][unit_class]
         rows: list[Mapping[int, float]] = []
         exits, rewards = [], []
         for number, function in enumerate(chain.states.functions):
-            p, fewer, chosen = 0.0, None, None
+            p, fewer = 0.0, None
             if unit_class in function.parameters:
                 p, fewer = chain.units[number][unit_class], unit_class
-                chosen = {unit_class: self._others(number, layer, unit_class)}
+                spread = self._spread_of_others(number, layer, unit_class)
+            else:
+                spread = chain.spread(number, layer)
             survival = (1.0 - p) * chain.rest[number].q
             leave = [
                 p,
@@ -136,12 +136,15 @@ class Adjoint:
                 survival * chain.exceeding(number, layer, fewer),
             ]
             stay, gains = 0.0, []
-            for to, weight in chain.spread(number, layer, chosen):
-                if to == layer and chain.states.held[number][more]:
+            for to, weight in spread:
+                if to != layer:
+                    leave.append(survival * weight)
+                    gains.append(weight * found[to][number])
+                elif chain.states.held[number][more]:
                     stay = survival * weight
                 else:
                     leave.append(survival * weight)
-                    gains.append(weight * self._loss(found, number, to, unit_class))
+                    gains.append(weight * self._success[layer][number])
             rows.append({t: stay * weight for t, weight in function.steps if t != number})
             exits.append(total(leave) + stay * function.done)
             rewards.append(survival * total(gains))

@@ -101,76 +101,80 @@ class HiddenChain:
         Without `start`, no unit has failed. With `cut`, coming back to the entry ends it.
         """
         states = self.states
-        size = len(states.functions)
+        functions = list(enumerate(states.functions))
         layers = len(states.hidden)
-        arriving = [[0.0] * size for _ in range(layers + 1)]
-        for layer, mass in enumerate([1.0] if start is None else start):
-            arriving[layer][states.entry] = mass
+        size = len(functions)
+        beginning = [1.0] if start is None else start
+        # What each function sends into each layer, from layers before it.
+        entering = [[0.0] * size for _ in range(layers + 1)]
         visits: list[tuple[float, ...]] = []
-        failures = [[0.0] * size for _ in range(layers + 1)]
+        failures: list[tuple[float, ...]] = []
         done, back = [0.0] * (layers + 1), [0.0] * (layers + 1)
-
-        def leave(number: int, layer: int, mass: float, *, is_new: bool) -> None:
-            function = states.functions[number]
-            done[layer] += mass * function.done
-            for target, weight in function.steps:
-                if cut and target == states.entry:
-                    back[layer] += mass * weight
-                elif is_new:
-                    arriving[layer][target] += mass * weight
-
+        arriving: list[float] = []
         for layer in range(layers + 1):
-            if not any(arriving[layer]):
-                visits.append((0.0,) * size)
-                continue
-            here = self._layer(layer, cut=cut).visits(arriving[layer])
+            arriving = [0.0] * size
+            if layer < len(beginning):
+                arriving[states.entry] = beginning[layer]
+            self._follow(entering[layer], arriving, cut=cut)
+            here, failed = [0.0] * size, [0.0] * size
+            leaving = entering[layer]
+            if any(arriving):
+                here = self._layer(layer, cut=cut).visits(arriving)
+                for number, count in enumerate(here):
+                    if count == 0.0:
+                        continue
+                    if layer == layers:
+                        worst = self._beyond(number)
+                        failed[number] = count * worst.p
+                        leaving[number] += count * worst.q
+                        continue
+                    failed[number] = count * self.visit(number, layer).p
+                    through = count * self.rest[number].q
+                    for reached, weight in self.spread(number, layer):
+                        entering[reached][number] += through * weight
+                    if states.most is not None:
+                        entering[layers][number] += through * self.exceeding(number, layer)
             visits.append(tuple(here))
-            for number, count in enumerate(here):
-                if count == 0.0:
-                    continue
-                if layer == layers:
-                    worst = self._beyond(number)
-                    failures[layer][number] = count * worst.p
-                    leave(number, layer, count * worst.q, is_new=False)
-                    continue
-                failures[layer][number] = count * self.visit(number, layer).p
-                through = count * self.rest[number].q
-                for reached, weight in self.spread(number, layer):
-                    leave(number, reached, through * weight, is_new=reached != layer)
-                if states.most is not None:
-                    more = self.exceeding(number, layer)
-                    leave(number, layers, through * more, is_new=True)
-        return Flow(
-            visits=tuple(visits),
-            failures=tuple(map(tuple, failures)),
-            done=tuple(done),
-            back=tuple(back),
-            beyond=tuple(arriving[layers]),
-        )
+            failures.append(tuple(failed))
+            done[layer] = total(leaving[number] * function.done for number, function in functions)
+            if cut:
+                back[layer] = total(
+                    leaving[number] * weight
+                    for number, function in functions
+                    for target, weight in function.steps
+                    if target == states.entry
+                )
+        return Flow(tuple(visits), tuple(failures), tuple(done), tuple(back), tuple(arriving))
+
+    def _follow(self, leaving: Sequence[float], arriving: list[float], *, cut: bool) -> None:
+        """Add to the arrivals at each function what leaves the others."""
+        for mass, function in zip(leaving, self.states.functions, strict=True):
+            if mass != 0.0:
+                for target, weight in function.steps:
+                    if not (cut and target == self.states.entry):
+                        arriving[target] += mass * weight
 
     def successes(self) -> tuple[tuple[float, ...], ...]:
-        """Return by layer and function the probability of success from there.
+        """Return by layer and function the probability of success after a visit that led there.
 
         More failures than the states hold count as no success.
         """
-        found: list[list[float]] = [[] for _ in self.states.hidden]
+        found: list[tuple[float, ...]] = [()] * len(self.states.hidden)
         for layer in range(len(found) - 1, -1, -1):
             reward = []
             for number, function in enumerate(self.states.functions):
                 parts = [
-                    weight * (function.done if to == layer else self.onward(number, found[to]))
+                    weight * (function.done if to == layer else found[to][number])
                     for to, weight in self.spread(number, layer)
                 ]
                 reward.append(self.rest[number].q * total(parts))
-            found[layer] = self._layer(layer, cut=False).values(reward)
-        return tuple(map(tuple, found))
-
-    def onward(self, number: int, from_each: Sequence[float]) -> float:
-        """Return the success of a mission that leaves a function, from that of each function."""
-        function = self.states.functions[number]
-        return function.done + total(
-            weight * from_each[target] for target, weight in function.steps
-        )
+            from_each = self._layer(layer, cut=False).values(reward)
+            found[layer] = tuple(
+                function.done
+                + total(weight * from_each[target] for target, weight in function.steps)
+                for function in self.states.functions
+            )
+        return tuple(found)
 
     def visit(self, number: int, layer: int, fewer: int | None = None) -> Probability:
         """Return the probability that one visit fails; class `fewer` has one working unit less."""

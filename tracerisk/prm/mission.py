@@ -133,23 +133,28 @@ def _fixed_cycles(chain: HiddenChain, cycle: Flow, cycles: float) -> float:
         return -math.expm1(cycles * _log_survival(Probability(_cycle_failure(cycle), good)))
     whole = math.floor(cycles + 1e-9)
     part = max(0.0, cycles - whole)
-    before = _after_cycles(chain, whole)
-    if part <= 1e-9:
-        return before.p
-    after = _after_cycles(chain, whole + 1)
-    return -math.expm1((1.0 - part) * _log_survival(before) + part * _log_survival(after))
+    counts = (whole, whole + 1) if part > 1e-9 else (whole,)
+    ends = _after_cycles(chain, counts)
+    if len(ends) == 1:
+        return ends[0].p
+    before, after = map(_log_survival, ends)
+    return -math.expm1((1.0 - part) * before + part * after)
 
 
-def _after_cycles(chain: HiddenChain, count: int) -> Probability:
-    if len(chain.states.hidden) < min(count, _MOST_SQUARED):
-        return _after_squarings(chain, count)
+def _after_cycles(chain: HiddenChain, counts: Sequence[int]) -> list[Probability]:
+    """Return the outcome of so many cycles, for each of the rising `counts`."""
+    if len(chain.states.hidden) < min(counts[-1], _MOST_SQUARED):
+        return [_after_squarings(chain, count) for count in counts]
     now = [1.0]
     failed: list[float] = []
-    for _ in range(count):
+    ends = []
+    for number in range(1, counts[-1] + 1):
         flow = chain.flow(now, cut=True)
         failed.append(_cycle_failure(flow))
         now = [back + done for back, done in zip(flow.back, flow.done, strict=True)]
-    return Probability(math.fsum(failed), math.fsum(now))
+        if number in counts:
+            ends.append(Probability(math.fsum(failed), math.fsum(now)))
+    return ends
 
 
 def _after_squarings(chain: HiddenChain, count: int) -> Probability:
