@@ -219,7 +219,7 @@ def test_too_small_a_budget_is_told_with_what_to_do():
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"e0": 0.5}, "event 'e1' has no value; allowed: e0"),
+        ({"e0": 0.5}, "event 'e1': parameter 'e1' has no value; allowed: e0"),
         ({"e0": 0.5, "e1": 1.5, "e2": 0.1}, r"event 'e1': probability 1.5 is outside \[0, 1\]"),
     ],
 )
@@ -231,9 +231,73 @@ def test_bad_values_are_refused(values, message):
         sets.most_probable(values)
 
 
-def test_an_order_below_one_is_refused():
-    with pytest.raises(ModelError, match="max_order is 0; give at least 1"):
-        minimal_cut_sets(two_of(3), max_order=0)
+@pytest.mark.parametrize("most", [0, -1, 1.5])
+def test_an_order_that_is_no_count_is_refused(most):
+    with pytest.raises(ModelError, match=f"max_order is {most}; give a whole number, at least 1"):
+        minimal_cut_sets(two_of(3), max_order=most)
+
+
+def test_a_budget_without_room_is_refused():
+    with pytest.raises(ModelError, match="budget is 1 nodes; give at least 2"):
+        minimal_cut_sets(two_of(3), budget=1)
+
+
+@pytest.mark.parametrize("cut_off", [-0.1, 1.5, float("nan"), float("inf")])
+def test_a_cut_off_that_is_no_probability_is_refused(cut_off):
+    values = dict.fromkeys(("e0", "e1", "e2"), 0.5)
+    with pytest.raises(ModelError, match=f"cut_off is {cut_off}; give a probability, 0 to 1"):
+        minimal_cut_sets(two_of(3)).most_probable(values, cut_off=cut_off)
+
+
+@settings(max_examples=60, deadline=None)
+@given(tree=trees([OR, AND, ATLEAST]), seed=st.integers(0, 1000), most=st.integers(1, 4))
+def test_what_is_left_out_is_left_out_of_the_sum_the_counts_and_the_list(tree, seed, most):
+    rng = random.Random(seed)
+    values = {event.name: 10 ** rng.uniform(-3, 0) for event in tree.events}
+    everything = list(minimal_cut_sets(tree).most_probable(values))
+    kept = [way.probability for way in everything if way.order <= most]
+    sets = minimal_cut_sets(tree, max_order=most)
+    assert sets.rare_event_sum(values) == pytest.approx(sum(kept), rel=1e-12)
+    assert sets.count() == len(kept)
+    assert len(list(sets.most_probable(values))) == len(kept)
+
+
+@settings(max_examples=60, deadline=None)
+@given(tree=trees([OR, AND, ATLEAST]), seed=st.integers(0, 1000))
+def test_a_cut_off_at_the_probability_of_a_set_keeps_the_set(tree, seed):
+    rng = random.Random(seed)
+    values = {event.name: rng.choice((0.1, 0.3, 0.7, 1e-3)) for event in tree.events}
+    sets = minimal_cut_sets(tree)
+    ways = list(sets.most_probable(values))
+    for way in ways:
+        kept = list(sets.most_probable(values, cut_off=way.probability))
+        assert set(kept) == {each for each in ways if each.probability >= way.probability}
+
+
+def test_sets_of_one_probability_come_with_the_smallest_first():
+    gates = {"top": ("or", ("and", *"abc"), ("and", *"de"), ("and", *"fghi"))}
+    tree = FaultTree.of("top", gates)
+    for values in (None, dict.fromkeys("abcdefghi", 0.0), dict.fromkeys("abcdefghi", 1.0)):
+        found = minimal_cut_sets(tree).most_probable(values)
+        assert [way.order for way in found] == [2, 3, 4]
+
+
+def test_an_order_limit_ends_the_search_where_modules_leave_no_set():
+    stages = [("or", *(f"e{i}.{j}" for j in range(10))) for i in range(8)]
+    sets = minimal_cut_sets(FaultTree.of("top", {"top": ("and", *stages)}), max_order=7)
+    assert list(sets.most_probable()) == []
+    assert sets.count() == 0
+    assert sets.rare_event_sum({f"e{i}.{j}": 0.5 for i in range(8) for j in range(10)}) == 0.0
+
+
+def test_events_that_share_a_parameter_take_their_value_from_it():
+    motors = (BasicEvent("m1", "motor"), BasicEvent("m2", "motor"))
+    tree = FaultTree("top", (Gate("top", AND, ("m1", "m2")),), motors)
+    sets = minimal_cut_sets(tree)
+    assert list(sets.most_probable({"motor": 0.25})) == [CutSet(("m1", "m2"), (), 0.0625)]
+    assert sets.rare_event_sum({"motor": 0.25}) == 0.0625
+    with pytest.raises(ModelError, match="event 'm1': parameter 'motor' has no value; allowed: m1"):
+        sets.rare_event_sum({"m1": 0.25})
 
 
 @pytest.mark.skipif(not ARALIA.exists(), reason="the Aralia trees are not beside the project")

@@ -28,6 +28,7 @@ class SetLoops:
     compact: Callable[..., int]
     totals: Callable[..., None]
     greatest: Callable[..., None]
+    lightest: Callable[..., None]
     integers: Callable[[int], Any]
     floats: Callable[[int], Any]
     listed: Callable[[Any], Any]
@@ -39,6 +40,7 @@ PLAIN = SetLoops(
     kernel.compact,
     kernel.totals,
     kernel.greatest,
+    kernel.lightest,
     integers=lambda size: [0] * size,
     floats=lambda size: [0.0] * size,
     listed=lambda items: [int(item) for item in items],
@@ -56,6 +58,7 @@ def compiled_loops() -> SetLoops:
         compiled_by_numba(kernel.compact),
         compiled_by_numba(kernel.totals),
         compiled_by_numba(kernel.greatest),
+        compiled_by_numba(kernel.lightest),
         integers=lambda size: np.zeros(size, dtype=np.int32),
         floats=lambda size: np.zeros(size, dtype=np.float64),
         listed=lambda items: np.asarray(items, dtype=np.int32),
@@ -87,23 +90,38 @@ class Family:
         """Return by node the greatest product of the literals' values of one of its sets."""
         return self._filled(self.loops.greatest, values)
 
-    def counts(self, of_literal: Mapping[int, Sequence[int]]) -> list[int]:
-        """Return how many sets there are of each order, exactly.
+    def lightest(self, weights: Mapping[int, int], most: int | None) -> Any:
+        """Return by node the least weight of one of its sets; above `most` where it has none."""
+        by_level = self.loops.listed([weights[literal] for literal in self.literals])
+        found = self.loops.integers(self.size)
+        # More than any set can weigh where there is no limit.
+        none = (sum(weights[literal] for literal in self.literals) if most is None else most) + 1
+        self.loops.lightest(self.level, self.low, self.high, by_level, none, found)
+        return found
 
-        `of_literal` gives the same of each literal: (0, 1) for an event, one set of order one.
+    def by_order(
+        self, of_literal: Mapping[int, Sequence[float]], most: int | None = None
+    ) -> list[float]:
+        """Return the sum over its sets of the products of their literals' values, by order.
+
+        `of_literal` gives the same of each literal: (0, p) for an event, one set of order one.
+        Orders above `most` are left out.
         """
-        polynomials: list[list[int]] = [[], [1]]
+        sums: list[list[float]] = [[], [1]]
         for node in range(2, self.size):
             factor = of_literal[self.literals[self.level[node]]]
-            grown = list(polynomials[self.low[node]])
-            above = polynomials[self.high[node]]
-            grown += [0] * (len(factor) + len(above) - 1 - len(grown))
+            grown = list(sums[self.low[node]])
+            above = sums[self.high[node]]
+            size = len(factor) + len(above) - 1
+            if most is not None:
+                size = min(size, most + 1)
+            grown += [0] * (size - len(grown))
             for i, of_factor in enumerate(factor):
                 if of_factor:
-                    for j, of_above in enumerate(above):
-                        grown[i + j] += of_factor * of_above
-            polynomials.append(grown)
-        return polynomials[self.root]
+                    for order, of_above in zip(range(i, size), above, strict=False):
+                        grown[order] += of_factor * of_above
+            sums.append(grown)
+        return sums[self.root]
 
     def _filled(self, loop: Callable[..., None], values: Mapping[int, float]) -> Any:
         by_level = self.loops.listed_floats([values[literal] for literal in self.literals])

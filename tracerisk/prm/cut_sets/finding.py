@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -13,7 +12,6 @@ from tracerisk.prm.bdd.modules import Module
 from tracerisk.prm.bdd.shared_tree import SharedTree
 from tracerisk.prm.cut_sets.cut_sets import CutSets
 from tracerisk.prm.cut_sets.family import (
-    NO_SET,
     Family,
     of_conjunction,
     of_diagram,
@@ -27,6 +25,10 @@ if TYPE_CHECKING:
 
 DEFAULT_BUDGET = 20_000_000
 """The most nodes of the family of one module; a node takes 12 bytes, and 40 while it is made."""
+
+
+LEAST_BUDGET = 2
+"""The two constants of a family."""
 
 
 def minimal_cut_sets(
@@ -46,8 +48,9 @@ def minimal_cut_sets(
     Raises TooLargeError when a module needs more than `budget` nodes, or as
     `FaultTree.probability` does.
     """
-    solved = _solved(tree, max_order, limits)
+    solved = _solved(tree, max_order, budget, limits)
     graph = solved.graph
+    parameters = _parameters(tree)
     # The literal of each node that is false while nothing has happened.
     calm = list(range(len(graph.arguments)))
     families: dict[int, Family] = {}
@@ -69,11 +72,11 @@ def minimal_cut_sets(
             sign = 1 if calm[root] > 0 else -1
             family = of_diagram(diagram, sign, literals, least, max_order, budget)
         families[calm[root]] = family
-        least[calm[root]] = _least_order(family, least, max_order)
+        least[calm[root]] = int(family.lightest(least, max_order)[family.root])
     if abs(graph.top) != TRUE and calm[abs(graph.top)] != graph.top:
         # The top happens while nothing has: the empty set, and no other is minimal.
-        return CutSets(max_order, replace(graph, top=TRUE), {})
-    return CutSets(max_order, graph, _below(graph.top, families))
+        return CutSets(max_order, replace(graph, top=TRUE), {}, parameters)
+    return CutSets(max_order, graph, _below(graph.top, families), parameters)
 
 
 def prime_implicants(
@@ -88,7 +91,7 @@ def prime_implicants(
     Of a coherent tree these are the minimal cut sets.
     Raises as `minimal_cut_sets` does.
     """
-    solved = _solved(tree, max_order, limits)
+    solved = _solved(tree, max_order, budget, limits)
     graph = solved.graph
     needed = {graph.top}
     wanted: list[tuple[int, Module, dict[int, int] | None]] = []
@@ -120,14 +123,20 @@ def prime_implicants(
         else:
             family = primes_of_diagram(solved.diagrams[module.root], sign, budget)
         families[literal] = family
-        least[literal] = _least_order(family, least, max_order)
-    return CutSets(max_order, graph, families)
+        least[literal] = int(family.lightest(least, max_order)[family.root])
+    return CutSets(max_order, graph, families, _parameters(tree))
 
 
-def _solved(tree: FaultTree, max_order: int | None, limits: Limits) -> SharedTree:
-    if max_order is not None and max_order < 1:
-        raise ModelError(f"max_order is {max_order}; give at least 1")
+def _solved(tree: FaultTree, max_order: int | None, budget: int, limits: Limits) -> SharedTree:
+    if max_order is not None and (not isinstance(max_order, int) or max_order < 1):
+        raise ModelError(f"max_order is {max_order!r}; give a whole number, at least 1")
+    if budget < LEAST_BUDGET:
+        raise ModelError(f"budget is {budget} nodes; give at least {LEAST_BUDGET}")
     return SharedTree(tree, limits)
+
+
+def _parameters(tree: FaultTree) -> dict[str, str]:
+    return {event.name: event.parameter for event in tree.events}
 
 
 def _sign(literal: int) -> int:
@@ -141,15 +150,3 @@ def _below(top: int, families: dict[int, Family]) -> dict[int, Family]:
         if literal in wanted:
             wanted.update(families[literal].literals)
     return {literal: family for literal, family in families.items() if literal in wanted}
-
-
-def _least_order(family: Family, least: Mapping[int, int], max_order: int | None) -> int:
-    """Return the order of a family's smallest set; above `max_order` where it has none."""
-    none = (max_order or 0) + 1
-    orders = [none, 0]
-    for node in range(2, family.size):
-        element = family.literals[family.level[node]]
-        above = orders[family.high[node]] + least[element]
-        below = orders[family.low[node]] if family.low[node] != NO_SET else above
-        orders.append(min(above, below))
-    return orders[family.root]

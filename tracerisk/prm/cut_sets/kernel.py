@@ -248,3 +248,22 @@ def greatest(
     most[1] = 1.0
     for node in range(2, len(set_level)):
         most[node] = max(most[set_low[node]], value[set_level[node]] * most[set_high[node]])
+
+
+def lightest(
+    set_level: Integers,
+    set_low: Integers,
+    set_high: Integers,
+    weight: Integers,
+    none: int,
+    least: Integers,
+) -> None:
+    """Give each family the least sum of the weights of one set's elements, at most `none`.
+
+    weight: (levels,); none: of a family without sets; least: (n_nodes,) out.
+    """
+    least[0] = none
+    least[1] = 0
+    for node in range(2, len(set_level)):
+        above = least[set_high[node]] + weight[set_level[node]]
+        least[node] = min(above, least[set_low[node]])
