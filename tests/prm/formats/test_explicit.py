@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm import MarkovChain, build_model, solve
+from tracerisk.prm.expanded_chain import expanded_chain
 from tracerisk.prm.formats.explicit import (
     Dialect,
     read_explicit,
@@ -19,7 +20,6 @@ from tracerisk.prm.formats.explicit import (
 from tracerisk.prm.formats.explicit_chain import ChainKind, explicit_chain
 from tracerisk.prm.formats.prism import read_prism, write_prism
 from tracerisk.prm.markov import ContinuousChain
-from tracerisk.prm.mission_chain import mission_chain
 
 CHAIN = MarkovChain(
     {
@@ -133,7 +133,7 @@ def test_rates_come_back_as_rates():
 
 def test_the_published_case_comes_back_with_the_same_figures(case_study):
     model = build_model(case_study, name="case")
-    chain = mission_chain(model)
+    chain = expanded_chain(model)
     failed = [state for state in chain.absorbing if state != "done"]
     explicit = explicit_chain(chain, model.entry, {"failed": failed})
     expected = solve(model).mission.failure_probability
@@ -148,10 +148,28 @@ def test_the_published_case_comes_back_with_the_same_figures(case_study):
         assert total == pytest.approx(expected, rel=1e-15)
 
 
+def test_hidden_failures_go_out_as_states_and_come_back_with_the_same_figures(block, component):
+    pair = component("power", 1e-7, 2, "true")
+    model = build_model(
+        [
+            block("lift", 1, [pair], after={"hold": "1"}),
+            block("hold", 2, [pair], after={"lift": "9/10", "done": "1/10"}),
+        ],
+        name="m",
+    )
+    chain = expanded_chain(model)
+    explicit = explicit_chain(chain, model.entry)
+    assert len(explicit.rows) == 7
+    back = read_prism(write_prism(explicit))
+    absorption = back.markov_chain().solve(back.entry).absorption()
+    failed = absorption["lift_failure"] + absorption["hold_failure"]
+    assert failed == pytest.approx(solve(model).mission.failure_probability, rel=1e-13)
+
+
 def test_storm_gives_the_same_figures_for_the_published_case(case_study, tmp_path):
     stormpy = pytest.importorskip("stormpy", reason="stormpy is not installed")
     model = build_model(case_study, name="case")
-    chain = mission_chain(model)
+    chain = expanded_chain(model)
     failed = [state for state in chain.absorbing if state != "done"]
     explicit = explicit_chain(chain, model.entry, {"failed": failed})
     (tmp_path / "m.tra").write_text(write_transitions(explicit), encoding="utf-8")

@@ -41,6 +41,14 @@ def test_constants_variables_commands_formulas_and_labels_are_read():
     assert chain.labelled("over") == ("s=3,d=0", "one", "s=4,d=0")
 
 
+def test_the_documented_text_is_read_and_solved():
+    text = (Path(__file__).parents[3] / "docs" / "formats.md").read_text(encoding="utf-8")
+    documented = text.partition("```prism\n")[2].partition("```")[0]
+    chain = read_prism(documented, file="docs/formats.md")
+    absorption = chain.markov_chain().solve(chain.entry).absorption()
+    assert absorption["failed"] == pytest.approx(1e-8 / (0.1 + 1e-8), rel=1e-14)
+
+
 def test_modules_with_a_common_action_move_together():
     text = """dtmc
     module left
