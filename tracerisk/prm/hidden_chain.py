@@ -17,7 +17,7 @@ from tracerisk.prm.binomial import failure_counts, group_failures
 from tracerisk.prm.elimination import Elimination
 from tracerisk.prm.fault_tree import FaultTree
 from tracerisk.prm.hidden_states import HiddenStates, Part
-from tracerisk.prm.probability import Probability, at_least, total
+from tracerisk.prm.probability import Probability, any_of, total
 
 Spread = tuple[tuple[int, float], ...]
 """The layers to which a visit leads, each with its probability."""
@@ -60,7 +60,7 @@ class HiddenChain:
         self.rest: list[Probability] = []
         self.units: list[dict[int, float]] = []
         self._spreads: list[dict[int, Spread]] = []
-        self._visits: dict[tuple[int, int, int | None], Probability] = {}
+        self._latent: list[dict[tuple[int, int | None], Probability]] = []
         self._drops: dict[tuple[int, str], float] = {}
         self._layers: dict[tuple[int, bool], Elimination] = {}
         # How many units may fail at once in a visit that is survived.
@@ -78,6 +78,7 @@ class HiddenChain:
             self.units.append(units)
             same_units = base is not None and base.units[number] == units
             self._spreads.append(base._spreads[number] if base is not None and same_units else {})
+            self._latent.append(base._latent[number] if base is not None and same_units else {})
 
     def sensitivities(self, number: int) -> Mapping[str, float]:
         """Return the derivative of the rest of a function's tree by each of its events."""
@@ -178,14 +179,20 @@ class HiddenChain:
 
     def visit(self, number: int, layer: int, fewer: int | None = None) -> Probability:
         """Return the probability that one visit fails; class `fewer` has one working unit less."""
-        parts = self.states.functions[number].parts
-        if not parts:
-            return self.rest[number]
-        key = (number, layer, fewer)
-        if key not in self._visits:
-            pairs = [self.part_failure(number, part, layer, fewer) for part in parts]
-            self._visits[key] = at_least(1, [self.rest[number], *pairs])
-        return self._visits[key]
+        rest = self.rest[number]
+        if not self.states.functions[number].parts:
+            return rest
+        latent = self.latent_failure(number, layer, fewer)
+        return Probability(rest.p + rest.q * latent.p, rest.q * latent.q)
+
+    def latent_failure(self, number: int, layer: int, fewer: int | None = None) -> Probability:
+        """Return the probability that the latent units fail a visit."""
+        cache = self._latent[number]
+        key = (layer, fewer)
+        if key not in cache:
+            parts = self.states.functions[number].parts
+            cache[key] = any_of([self.part_failure(number, part, layer, fewer) for part in parts])
+        return cache[key]
 
     def part_failure(
         self, number: int, part: Part, layer: int, fewer: int | None = None
@@ -320,7 +327,7 @@ class HiddenChain:
                 reverse=True,
             )
             pairs += map(Probability.of, units[: len(units) - part.threshold + 1])
-        return at_least(1, pairs)
+        return any_of(pairs)
 
 
 def tree_probability(state: str, tree: FaultTree, values: Mapping[str, float]) -> Probability:

@@ -28,7 +28,12 @@ def mean_drops(solved: SolvedMission, number: int) -> dict[str, float]:
     ]
     total = math.fsum(count for _, count in met)
     found = {}
+    # What the latent units leave of the drop of any other component.
+    left = math.fsum(count / total * chain.latent_failure(number, layer).q for layer, count in met)
     for name in values:
+        if name not in function.parameters.values():
+            found[name] = chain.drop(number, name) * left
+            continue
         rest = _rest(chain, number, name)
         found[name] = math.fsum(
             count / total * _drop(chain, number, layer, name, rest) for layer, count in met
