@@ -1,0 +1,80 @@
+from __future__ import annotations
+
+import random
+import subprocess
+import sys
+
+import pytest
+
+from tracerisk.errors import ModelError, TooLargeError
+from tracerisk.prm.bdd import SharedTree
+from tracerisk.prm.bdd.diagram import Limits
+from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind
+from tracerisk.prm.probability import Probability
+
+
+@pytest.fixture(scope="module")
+def tangled():
+    """A product of sums over events drawn anew for each: no module, and a wide diagram."""
+    source = random.Random(7)
+    names = [f"e{i}" for i in range(60)]
+    sums = [Gate(f"g{i}", GateKind.OR, tuple(source.sample(names, 4))) for i in range(45)]
+    top = Gate("top", GateKind.AND, tuple(gate.name for gate in sums))
+    used = [name for name in names if any(name in gate.inputs for gate in sums)]
+    return FaultTree("top", (top, *sums), tuple(BasicEvent(name, "p") for name in used))
+
+
+def test_a_tree_that_outgrows_its_budgets_is_refused_with_what_was_tried(tangled):
+    with pytest.raises(TooLargeError) as caught:
+        SharedTree(tangled, Limits(nodes=(1_000, 3_000), plain_nodes=200))
+    message = str(caught.value)
+    assert message.startswith("fault tree 'top': a part of ")
+    assert "outgrew every budget of its decision diagram: 1000, 3000 nodes" in message
+    assert "orders of the events (most shared, deepest first; deepest, most shared" in message
+    assert "FORCE from" in message
+    assert message.endswith("give larger budgets (Limits.nodes), or divide the tree")
+    assert isinstance(caught.value, ModelError)
+
+
+def test_the_least_budget_that_fits_is_enough(tangled):
+    limits = Limits(nodes=(1_000, 2_000_000), plain_nodes=200)
+    found = SharedTree(tangled, limits).probability(
+        {event.name: Probability.of(0.25) for event in tangled.events}
+    )
+    assert found.p + found.q == pytest.approx(1.0, rel=1e-14)
+
+
+def test_a_small_shared_tree_is_solved_without_numba_or_numpy():
+    program = """
+import sys
+from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind
+gates = [Gate("top", GateKind.ATLEAST, ("x0", "x1", "x2", "x3"), 2)]
+gates += [Gate(f"x{i}", GateKind.OR, (f"a{i}", f"a{(i + 1) % 4}")) for i in range(4)]
+tree = FaultTree("top", tuple(gates), tuple(BasicEvent(f"a{i}", "p") for i in range(4)))
+# Any one event is in two of the sums: all but no event at all make two of four.
+assert tree.probability({"p": 0.5}).p == 15 / 16
+assert "numba" not in sys.modules and "numpy" not in sys.modules
+"""
+    subprocess.run([sys.executable, "-c", program], check=True)
+
+
+def test_numba_is_used_without_a_folder_for_its_cache(monkeypatch):
+    import numba
+
+    from tracerisk.prm.bdd.speed import compiled_by_numba
+
+    ways = []
+
+    def njit(function=None, cache=False):
+        ways.append(cache)
+        if cache:
+            raise RuntimeError("cannot cache function: no locator available")
+        return function
+
+    monkeypatch.setattr(numba, "njit", njit)
+
+    def double(value):
+        return 2 * value
+
+    assert compiled_by_numba(double)(4) == 8
+    assert ways == [True, False]
