@@ -38,6 +38,7 @@ if TYPE_CHECKING:
         PeriodicTest,
         Weibull,
     )
+    from tracerisk.prm.markov import ContinuousChain
 
 __all__ = [
     "FIGURE_STATEMENT",
@@ -48,6 +49,7 @@ __all__ = [
     "CommonCauseGroup",
     "CommonCauseLaw",
     "Constant",
+    "ContinuousChain",
     "CutSet",
     "CutSets",
     "Dependency",
@@ -85,6 +87,7 @@ _ON_DEMAND = (
         "BayesianNetwork": "bayes",
         "CommonCauseGroup": "common_cause",
         "CommonCauseLaw": "common_cause",
+        "ContinuousChain": "markov.continuous",
         "CutSet": "cut_sets",
         "CutSets": "cut_sets",
         "EventTree": "event_tree",
