@@ -57,6 +57,29 @@ def test_inputs_are_events_where_none_are_given():
     assert tree.houses == (HouseEvent("dry", True),)
 
 
+def test_numbers_of_numpy_are_numbers():
+    np = pytest.importorskip("numpy")
+    tree = FaultTree.of(
+        "top", {"top": ("atleast", np.int64(2), "a", "b")}, {"a": np.float32(0.5), "b": 0.25}
+    )
+    assert tree.gates[0].k == 2
+    assert tree.solve().probability == 0.125
+
+
+def test_formulas_may_stand_as_deep_as_one_likes():
+    formula = "e"
+    for depth in range(5000):
+        formula = ("and" if depth % 2 else "or", formula, f"e{depth}")
+    tree = FaultTree.of("top", {"top": formula})
+    assert len(tree.gates) == 5000
+    assert tree.gates[1].name == "top.1"
+
+
+def test_the_state_of_a_house_event_is_true_or_false():
+    with pytest.raises(ModelError, match="house event 'dry': state 'false'; give True or False"):
+        FaultTree.of("top", {"top": ("or", "a", "dry")}, houses={"dry": "false"})
+
+
 def test_a_tree_may_be_one_event():
     assert FaultTree.of("a", {}, {"a": 0.5}).solve().probability == 0.5
 
@@ -66,6 +89,20 @@ def test_a_tree_may_be_one_event():
     [
         ({"top": "or"}, None, "gate 'top': 'or' is no formula; give its kind and inputs"),
         ({"top": ()}, None, r"gate 'top': \(\) is no formula"),
+        ({"top": 5}, None, "gate 'top': 5 is no formula"),
+        ({"top": {"or": ["a", "b"]}}, None, r"gate 'top': \{.*\} is no formula"),
+        ({"top": ("or", None, "a")}, None, r"gate 'top\.1': None is no formula"),
+        (
+            {"top": ("or", 0.5, "a")},
+            None,
+            r"gate 'top': 0\.5 is no input; give a name or a formula",
+        ),
+        ({"top": ("atleast", True, "a")}, None, "gate 'top': atleast needs 1 number before its"),
+        (
+            {"top": ("or", "a", "b")},
+            {"a": "0.1", "b": 0.1},
+            "event 'a': '0.1' is no figure; give a probability, a failure model or None",
+        ),
         ({"top": ("ore", "a")}, None, "gate 'top': 'ore' is no kind of gate; did you mean 'or'"),
         (
             {"top": ("atleast", "a", "b")},

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, TypeAlias
+from numbers import Integral, Number, Real
+from typing import TYPE_CHECKING, TypeAlias, TypeGuard
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.fault_tree import BasicEvent, FaultTree, HouseEvent
@@ -44,13 +45,45 @@ def built_tree(
         top,
         tuple(made.values()),
         tuple(_event(name, figure) for name, figure in events.items()),
-        tuple(HouseEvent(name, state) for name, state in houses.items()),
+        tuple(_house(name, state) for name, state in houses.items()),
     )
 
 
 def _grow(name: str, formula: Formula, made: dict[str, Gate]) -> None:
     """Make the gate of a formula, and one for each formula within it."""
-    if isinstance(formula, str) or not formula or not isinstance(formula[0], str):
+    waiting = [(name, formula)]
+    while waiting:
+        name, formula = waiting.pop()
+        if name in made:
+            raise ModelError(
+                f"gate '{name}' stands twice; rename it, or the gate of a formula in it"
+            )
+        kind, numbers, parts = _parted(name, formula)
+        inputs: list[str] = []
+        within: list[tuple[str, Formula]] = []
+        for rank, part in enumerate(parts, 1):
+            if isinstance(part, str):
+                inputs.append(part)
+            elif isinstance(part, int | float | Number):
+                raise ModelError(f"gate '{name}': {part!r} is no input; give a name or a formula")
+            else:
+                inputs.append(f"{name}.{rank}")
+                within.append((inputs[-1], part))
+        k, most = (*numbers, None, None)[:2]
+        made[name] = Gate(name, kind, tuple(inputs), k, most)
+        waiting.extend(reversed(within))
+
+
+def _parted(
+    name: str, formula: Formula
+) -> tuple[GateKind, list[int], Sequence[str | int | Formula]]:
+    """Return a formula's kind of gate, its numbers and its inputs."""
+    if (
+        not isinstance(formula, Sequence)
+        or isinstance(formula, str)
+        or not formula
+        or not isinstance(formula[0], str)
+    ):
         raise ModelError(
             f"gate '{name}': {formula!r} is no formula; give its kind and inputs, as in "
             "('or', 'a', 'b')"
@@ -62,28 +95,18 @@ def _grow(name: str, formula: Formula, made: dict[str, Gate]) -> None:
         )
     kind = kinds[formula[0]]
     count = _NUMBERS.get(kind, 0)
-    numbers = [each for each in formula[1 : 1 + count] if isinstance(each, int)]
+    given = formula[1 : 1 + count]
+    numbers = [int(each) for each in given if _is_whole(each)]
     if len(numbers) < count:
         raise ModelError(
             f"gate '{name}': {kind.value} needs {count} number{'s' * (count > 1)} before its "
-            f"inputs; found {formula[1 : 1 + count]!r}"
+            f"inputs; found {given!r}"
         )
-    k, most = (*numbers, None, None)[:2]
-    inputs: list[str] = []
-    within: dict[str, Formula] = {}
-    for rank, part in enumerate(formula[1 + count :], 1):
-        if isinstance(part, int):
-            raise ModelError(f"gate '{name}': {part!r} is no input; give a name or a formula")
-        if isinstance(part, str):
-            inputs.append(part)
-        else:
-            inputs.append(f"{name}.{rank}")
-            within[inputs[-1]] = part
-    if name in made:
-        raise ModelError(f"gate '{name}' stands twice; rename it, or the gate of a formula in it")
-    made[name] = Gate(name, kind, tuple(inputs), k, most)
-    for inner, part in within.items():
-        _grow(inner, part, made)
+    return kind, numbers, formula[1 + count :]
+
+
+def _is_whole(value: object) -> TypeGuard[int]:
+    return isinstance(value, Integral) and not isinstance(value, bool)
 
 
 def _event(name: str, figure: Figure | BasicEvent) -> BasicEvent:
@@ -91,14 +114,25 @@ def _event(name: str, figure: Figure | BasicEvent) -> BasicEvent:
         if figure.name != name:
             raise ModelError(f"event '{name}' is given as '{figure.name}'; give it one name")
         return figure
-    if isinstance(figure, int | float):
+    if isinstance(figure, int | float | Real):
         from tracerisk.prm.failure_models import Constant
 
         try:
             return BasicEvent(name, model=Constant(float(figure)))
         except ModelError as error:
             raise ModelError(f"event '{name}': {error.message}") from error
+    model: object = figure
+    if model is not None and not hasattr(model, "probability"):
+        raise ModelError(
+            f"event '{name}': {figure!r} is no figure; give a probability, a failure model or None"
+        )
     return BasicEvent(name, model=figure)
+
+
+def _house(name: str, state: bool) -> HouseEvent:
+    if state not in (False, True):
+        raise ModelError(f"house event '{name}': state {state!r}; give True or False")
+    return HouseEvent(name, bool(state))
 
 
 def built_hybrid(
