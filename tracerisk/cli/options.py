@@ -137,6 +137,17 @@ def add_profile(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_mission_time(parser: argparse.ArgumentParser) -> None:
+    """Add the mission time of a tree or a chain."""
+    parser.add_argument(
+        "--mission-time",
+        dest="mission_time_h",
+        metavar="H",
+        type=_positive,
+        help="of a tree or a ctmc: how long it is in use, in hours",
+    )
+
+
 def add_write_options(parser: argparse.ArgumentParser) -> None:
     """Add how sources are written."""
     group = parser.add_argument_group("what is written")

@@ -8,6 +8,7 @@ from dataclasses import asdict
 from tracerisk.cli import options as shared
 from tracerisk.cli import what_if as asked
 from tracerisk.cli.assessment import print_assessment, risk_exit
+from tracerisk.cli.model_files import OWN, format_of
 from tracerisk.cli.output import print_json
 from tracerisk.cli.sources import linked_model, model_of_files
 from tracerisk.errors import InputError
@@ -16,14 +17,18 @@ from tracerisk.errors import InputError
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
     parser.add_argument(
-        "files", metavar="FILE", nargs="+", help="a model (JSON), or annotated sources"
+        "files",
+        metavar="FILE",
+        nargs="+",
+        help="a model: JSON, Open-PSA, OpenPRA, Galileo, PRISM or .tra; or annotated sources",
     )
     shared.add_profile(parser)
+    shared.add_mission_time(parser)
     parser.add_argument(
         "--max-risk",
         metavar="P",
         type=shared.probability,
-        help="exit 1 if the mission's failure probability is above P",
+        help="exit 1 if the failure probability, or a figure of a model file, is above P",
     )
     asked.add_what_if(parser)
     shared.add_json(parser)
@@ -31,6 +36,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
+    kind = format_of(options.files)
+    if kind is not None and kind not in OWN:
+        from tracerisk.cli.model_solve import solve_model_file
+
+        return solve_model_file(options.files, kind, options)
+    if options.mission_time_h is not None:
+        raise InputError("--mission-time goes with trees and chains of other tools; leave it out")
     model_of_links = linked_model(options.files)
     if model_of_links is not None:
         from tracerisk.cli.linked import solve_linked
@@ -41,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
             raise InputError("--pairs goes with models of functions; leave it out")
         return solve_linked(model_of_links, options)
     if options.figure is not None:
-        raise InputError("--figure goes with a linked model; leave it out")
+        raise InputError("--figure goes with a linked model or a model file of another tool")
     from tracerisk.prm.formats.assessment_json import assessment_to_json
     from tracerisk.prm.solve import solve
 

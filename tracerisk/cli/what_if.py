@@ -74,7 +74,7 @@ def add_what_if(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--seed", metavar="S", type=shared.count, help="seed of --uncertainty (0)")
     group.add_argument(
-        "--figure", metavar="NAME", help="of a linked model, the figure that is asked about"
+        "--figure", metavar="NAME", help="of a model with several, the figure that is asked about"
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -25,7 +26,8 @@ def render_set_values(values: Sequence[SetValue], *, width: int = 80, color: boo
     for heading in ("in the model", "now"):
         table.add_column(heading, justify="right")
     for each in values:
-        table.add_row(*plain([each.name, f"{each.before:.4g}", f"{each.now:.4g}"]))
+        before = "-" if math.isnan(each.before) else f"{each.before:.4g}"
+        table.add_row(*plain([each.name, before, f"{each.now:.4g}"]))
     return render_parts([table], width=width, color=color)
 
 

@@ -81,6 +81,28 @@ def read_prism(
     return ExplicitChain(program.kind, 0, rows, labels, names, tuple(notes))
 
 
+def constant_values(text: str, file: str) -> dict[str, Value]:
+    """Return the constants that stand in the text as numbers or can be computed from such.
+
+    Raises ModelError with the position of what is malformed.
+    """
+    program = parse_program(text, file)
+    scope = Scope(formulas=program.formulas)
+    waiting = [constant for constant in program.constants if constant.value is not None]
+    while waiting:
+        later = []
+        for constant in waiting:
+            assert constant.value is not None
+            try:
+                scope.constants[constant.name] = scope.constant(constant.value)
+            except ModelError:
+                later.append(constant)
+        if len(later) == len(waiting):
+            break
+        waiting = later
+    return dict(scope.constants)
+
+
 def _scope(program: Program, given: Mapping[str, Value]) -> Scope:
     scope = Scope(formulas=program.formulas)
     declared = {constant.name: constant for constant in program.constants}

@@ -1,0 +1,141 @@
+"""Chains of other tools, as `solve` takes them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.cli.model_files import read_model
+from tracerisk.cli.model_solve import Render, Solved, chosen
+from tracerisk.errors import InputError
+from tracerisk.prm.formats.detect import ModelFormat
+from tracerisk.prm.formats.explicit_chain import ChainKind, ExplicitChain
+
+if TYPE_CHECKING:
+    from tracerisk.prm.uncertainty import Uncertainty
+
+
+@dataclass(frozen=True, slots=True)
+class ChainFile:
+    """A PRISM file, or a .tra file with its labels; its figures are its absorbing states."""
+
+    files: tuple[str, ...]
+    kind: ModelFormat
+    time: float | None
+    constants: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """The name of the file."""
+        return PurePath(self.files[0]).name
+
+    def with_values(self, values: Mapping[str, float]) -> ChainFile:
+        """Return the chain with constants of the PRISM file set."""
+        if self.kind is not ModelFormat.PRISM:
+            raise InputError(
+                "--set and --sweep need names of figures, which a .tra file has none of; they go "
+                "with constants of PRISM, trees, linked models and models of functions"
+            )
+        return ChainFile(self.files, self.kind, self.time, {**self.constants, **values})
+
+    def value_of(self, name: str) -> float:
+        """Return what a constant is in the file; not a number where it is left open."""
+        from tracerisk.cli.sources import read_file
+        from tracerisk.prm.formats.prism.reader import constant_values
+
+        if name in self.constants:
+            return self.constants[name]
+        text = read_file(self.files[0]).decode("utf-8-sig")
+        return float(constant_values(text, self.files[0]).get(name, float("nan")))
+
+    def solve(self, figure: str | None, *, importance: bool) -> Solved:
+        """Solve the chain from its start."""
+        if importance:
+            raise InputError(
+                "--importance goes with models of components: trees, linked models and models "
+                "of functions; a chain has none"
+            )
+        whole = {name: int(n) if n.is_integer() else n for name, n in self.constants.items()}
+        chain = read_model(self.files, self.kind, whole)
+        assert isinstance(chain, ExplicitChain)
+        if chain.initial in chain.absorbing:
+            raise InputError(f"the chain of '{self.name}' starts in a state that it never leaves")
+        if self.time is not None:
+            return self._at_time(chain, self.time, figure)
+        if chain.kind is ChainKind.DTMC:
+            return self._discrete(chain, figure)
+        return self._continuous(chain, figure)
+
+    def spread(self, figure: str | None, samples: int, seed: int) -> Uncertainty:  # noqa: ARG002
+        """Raise InputError: these files have no distributions."""
+        raise InputError(
+            "--uncertainty needs distributions, which a file of a chain has none of; it goes with "
+            "Open-PSA, linked models and models of functions"
+        )
+
+    def _discrete(self, chain: ExplicitChain, figure: str | None) -> Solved:
+        solution = chain.markov_chain().solve(chain.entry)
+        visits = solution.expected_visits()
+        steps = solution.expected_steps()
+        data = {"expected_visits": visits, "expected_steps": steps}
+        return self._absorbed(
+            chain, solution.absorption(), data, visits, f"mean number of steps: {steps:.6e}", figure
+        )
+
+    def _continuous(self, chain: ExplicitChain, figure: str | None) -> Solved:
+        from tracerisk.report.model_files import render_states
+
+        continuous = chain.continuous_chain()
+        if not chain.absorbing:
+            shares = continuous.steady_state()
+            names = chosen(tuple(shares), figure, self.name)
+            shown = (render_states, (self.name, "share of the time in the long run", shares))
+            found = {name: shares[name] for name in names}
+            return Solved(found, {"steady_state": shares}, (shown,), chain.notes)
+        solution = continuous.solve(chain.entry)
+        visits = solution.expected_visits()
+        time = solution.expected_time()
+        data = {
+            "expected_visits": visits,
+            "expected_times": solution.expected_times(),
+            "expected_time": time,
+        }
+        told = f"mean time until the end, in the unit of the rates: {time:.6e}"
+        return self._absorbed(chain, solution.absorption(), data, visits, told, figure)
+
+    def _absorbed(
+        self,
+        chain: ExplicitChain,
+        ends: Mapping[str, float],
+        data: dict[str, Any],
+        visits: Mapping[str, float],
+        told: str,
+        figure: str | None,
+    ) -> Solved:
+        from tracerisk.report.model_files import render_line, render_states
+
+        figures = {name: ends[name] for name in chosen(tuple(ends), figure, self.name)}
+        shown: list[tuple[Render, tuple[Any, ...]]] = [
+            (render_states, (self.name, "probability of ending there", ends)),
+            (render_states, (f"From {chain.entry} on", "expected visits", visits)),
+            (render_line, (told,)),
+        ]
+        data = {"entry": chain.entry, "absorption": dict(ends), **data}
+        return Solved(figures, data, tuple(shown), chain.notes)
+
+    def _at_time(self, chain: ExplicitChain, time: float, figure: str | None) -> Solved:
+        from tracerisk.report.model_files import render_states
+
+        if chain.kind is ChainKind.DTMC:
+            raise InputError("--mission-time goes with a ctmc; a dtmc has steps, and no time")
+        found = chain.continuous_chain().transient(chain.entry, time)
+        names = chosen(tuple(found), figure, self.name)
+        heading = f"probability after {time:g}"
+        return Solved(
+            {name: found[name] for name in names},
+            {"entry": chain.entry, "distribution": found},
+            ((render_states, (self.name, heading, found)),),
+            chain.notes,
+        )

@@ -1,0 +1,211 @@
+"""Fault and event trees of other tools, as `solve` takes them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.cli.model_solve import Render, Solved, chosen
+from tracerisk.errors import InputError, one_of
+from tracerisk.prm.dynamic import DynamicEvent, DynamicTree
+from tracerisk.prm.failure_models import Constant, Erlang, Exponential, PerDemand
+from tracerisk.prm.logic_model import LogicModel
+
+if TYPE_CHECKING:
+    from tracerisk.prm.uncertainty import Uncertainty
+
+_NO_MISSION_TIME = "figures of '{}' depend on the mission time; give --mission-time H, in hours"
+
+
+@dataclass(frozen=True, slots=True)
+class LogicFile:
+    """A model of Open-PSA or OpenPRA; its figures are its tops and outcomes."""
+
+    model: LogicModel
+    file: str
+    mission_time_h: float | None
+
+    @property
+    def name(self) -> str:
+        """What the model is called; that of its file where it is called nothing."""
+        return self.model.name or PurePath(self.file).name
+
+    def with_values(self, values: Mapping[str, float]) -> LogicFile:
+        """Return the model with parameters, events, house events or groups set."""
+        from tracerisk.prm.logic_what_if import with_values
+
+        return replace(self, model=with_values(self.model, values))
+
+    def value_of(self, name: str) -> float:
+        """Return the figure that the model has now; not a number where it has none."""
+        from tracerisk.prm.logic_what_if import value_of
+
+        return value_of(self.model, name, self.mission_time_h or 0.0)
+
+    def solve(self, figure: str | None, *, importance: bool) -> Solved:
+        """Solve all tops and event trees, or one top."""
+        from tracerisk.prm.logic_event_trees import solved_event_trees
+        from tracerisk.report.model_files import (
+            render_event_tree,
+            render_top_importance,
+            render_tops,
+        )
+
+        model, time = self.model, self._time()
+        begun = [each for each in model.event_trees if each.tree.initiating is not None]
+        if not model.tops and not begun:
+            raise InputError(f"'{self.name}' has no gates and no event tree; there is no figure")
+        tops: dict[str, tuple[float, float]] = {}
+        data: dict[str, Any] = {}
+        importances: dict[str, Any] = {}
+        gates = model.gates_by_name
+        wanted = model.tops if figure is None else (figure,) if figure in gates else ()
+        for top in wanted:
+            tree = model.fault_tree(top, mission_time_h=time)
+            solution = tree.solve(tree.values_at(time), mission_time_h=time)
+            tops[top] = (solution.top.p, solution.top.q)
+            if importance:
+                importances[top] = tuple(solution.importance())
+        data["tops"] = [
+            {"name": top, "probability": p, "complement": q}
+            | (
+                {"importance": [asdict(each) for each in importances[top]]}
+                if top in importances
+                else {}
+            )
+            for top, (p, q) in tops.items()
+        ]
+        figures = {top: p for top, (p, _) in tops.items()}
+        shown: list[tuple[Render, tuple[Any, ...]]] = []
+        if tops:
+            shown.append((render_tops, (self.name, tops)))
+        shown += [(render_top_importance, (top, found)) for top, found in importances.items()]
+        notes = [
+            *model.findings,
+            *(
+                f"alignment '{each.name}' is left out: house events are as they are defined"
+                for each in model.alignments
+            ),
+        ]
+        if figure is not None and not wanted and not begun:
+            chosen(model.tops, figure, self.name)
+        if begun and not (figure and wanted):
+            if importance:
+                notes.append("importance is that of the tops, not of the event trees")
+            found = solved_event_trees(model, time)
+            data["event_trees"] = [
+                {**asdict(each), "outcomes": each.outcomes, "total": each.total} for each in found
+            ]
+            for each in found:
+                notes += each.findings
+                shown.append((render_event_tree, (each,)))
+                figures |= {
+                    name if name not in figures else f"{each.event_tree}.{name}": p
+                    for name, p in each.outcomes.items()
+                }
+            if figure is not None:
+                figures = {name: figures[name] for name in chosen(figures, figure, self.name)}
+        return Solved(figures, data, tuple(shown), tuple(notes), tuple(tops) or None)
+
+    def spread(self, figure: str | None, samples: int, seed: int) -> Uncertainty:
+        """Return how sure a top is: the one that is asked for, or the only one."""
+        from tracerisk.prm.logic_what_if import propagate
+
+        names = self.model.tops if figure is None else self._gate(figure)
+        if len(names) != 1:
+            raise InputError(
+                f"'{self.name}' has {len(names)} tops; say with --figure which --uncertainty is of"
+            )
+        return propagate(self.model, names[0], self._time(), samples=samples, seed=seed)
+
+    def _gate(self, figure: str) -> tuple[str, ...]:
+        """Return a gate that is asked for by name; raise InputError for an unknown one."""
+        if figure in self.model.gates_by_name:
+            return (figure,)
+        return chosen(self.model.tops, figure, self.name)
+
+    def _time(self) -> float:
+        from tracerisk.prm.logic_what_if import needs_mission_time
+
+        if self.mission_time_h is None and needs_mission_time(self.model):
+            raise InputError(_NO_MISSION_TIME.format(self.name))
+        return self.mission_time_h or 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class DynamicFile:
+    """A Galileo file; its figure is its top."""
+
+    tree: DynamicTree
+    mission_time_h: float | None
+
+    @property
+    def name(self) -> str:
+        """The name of the top."""
+        return self.tree.top
+
+    def with_values(self, values: Mapping[str, float]) -> DynamicFile:
+        """Return the tree with the rates or probabilities of events set."""
+        for name, value in values.items():
+            event = self._event(name)
+            if isinstance(event.model, Constant | PerDemand) and not 0.0 <= value <= 1.0:
+                raise InputError(f"event '{name}': {value!r} is no probability; give 0 to 1")
+            if value < 0.0:
+                raise InputError(f"event '{name}': the rate {value!r} is below zero")
+        events = tuple(
+            _changed(each, values[each.name]) if each.name in values else each
+            for each in self.tree.events
+        )
+        return replace(self, tree=replace(self.tree, events=events))
+
+    def value_of(self, name: str) -> float:
+        """Return the rate or probability of an event."""
+        model = self._event(name).model
+        return model.rate if isinstance(model, Exponential | Erlang) else model.probability(0.0).p
+
+    def solve(self, figure: str | None, *, importance: bool) -> Solved:
+        """Solve the tree."""
+        from tracerisk.report.model_files import render_top_importance, render_tops
+
+        chosen((self.tree.top,), figure, self.name)
+        fixed = all(isinstance(each.model, Constant | PerDemand) for each in self.tree.events)
+        if self.mission_time_h is None and not fixed:
+            raise InputError(_NO_MISSION_TIME.format(self.name))
+        solution = self.tree.solve(mission_time_h=self.mission_time_h or 0.0)
+        pair = solution.top
+        top: dict[str, Any] = {"name": self.name, "probability": pair.p, "complement": pair.q}
+        shown: list[tuple[Render, tuple[Any, ...]]] = [
+            (render_tops, (self.name, {self.name: (pair.p, pair.q)}))
+        ]
+        if importance:
+            rows = tuple(solution.importance())
+            top["importance"] = [asdict(each) for each in rows]
+            shown.append((render_top_importance, (self.name, rows)))
+        return Solved({self.name: pair.p}, {"tops": [top]}, tuple(shown), (), (self.name,))
+
+    def spread(self, figure: str | None, samples: int, seed: int) -> Uncertainty:  # noqa: ARG002
+        """Raise InputError: Galileo has no distributions."""
+        raise InputError(
+            "--uncertainty needs distributions, which Galileo has none of; it goes with "
+            "Open-PSA, linked models and models of functions"
+        )
+
+    def _event(self, name: str) -> DynamicEvent:
+        events = {each.name: each for each in self.tree.events}
+        if name not in events:
+            raise InputError(f"there is no event '{name}'; {one_of(events, name)}")
+        event = events[name]
+        if not isinstance(event.model, Constant | PerDemand | Exponential | Erlang):
+            raise InputError(
+                f"event '{name}' has neither one rate nor a probability, but "
+                f"{type(event.model).__name__}; change it in the model"
+            )
+        return event
+
+
+def _changed(event: DynamicEvent, value: float) -> DynamicEvent:
+    if isinstance(event.model, Exponential | Erlang):
+        return replace(event, model=replace(event.model, rate=value))
+    return replace(event, model=Constant(value))

@@ -1,0 +1,170 @@
+"""What `solve` does with a model file of another tool."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+from tracerisk.cli import what_if as asked
+from tracerisk.cli.model_files import read_model
+from tracerisk.cli.output import note, print_json, terminal_width, use_color
+from tracerisk.errors import ExitCode, InputError, one_of
+from tracerisk.prm.formats.detect import ModelFormat
+
+if TYPE_CHECKING:
+    from tracerisk.prm.uncertainty import Uncertainty
+
+CHAINS = (ModelFormat.PRISM, ModelFormat.EXPLICIT)
+Render = Callable[..., str]
+
+
+@dataclass(frozen=True, slots=True)
+class Solved:
+    """A solved model file: its figures by name, all of it as data, and what shows it.
+
+    `risks` are the figures that a limit is for, `None` where only a person knows.
+    """
+
+    figures: Mapping[str, float]
+    data: dict[str, Any]
+    shown: tuple[tuple[Render, tuple[Any, ...]], ...]
+    notes: tuple[str, ...] = ()
+    risks: tuple[str, ...] | None = None
+
+
+class Solvable(Protocol):
+    """A model file of some format, as `solve` needs it."""
+
+    @property
+    def name(self) -> str:
+        """What the model is called."""
+        ...
+
+    def with_values(self, values: Mapping[str, float]) -> Solvable:
+        """Return the model with figures set; raise InputError for an unknown name."""
+        ...
+
+    def value_of(self, name: str) -> float:
+        """Return the figure that the model has now."""
+        ...
+
+    def solve(self, figure: str | None, *, importance: bool) -> Solved:
+        """Solve the model, or the part of it that one figure needs."""
+        ...
+
+    def spread(self, figure: str | None, samples: int, seed: int) -> Uncertainty:
+        """Return how sure a figure is."""
+        ...
+
+
+def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.Namespace) -> int:
+    """Solve a model file as the options ask, print the result and return the exit code."""
+    from tracerisk.prm.linked.what_if import FigurePoint, FigureSweep
+    from tracerisk.prm.uncertainty import SAMPLES
+    from tracerisk.prm.what_if import SetValue, log_spaced
+
+    _check_options(options)
+    given = _solvable(files, kind, options)
+    values = asked.parse_set(options, asked.number)
+    model = given.with_values(values) if values else given
+    changes = [SetValue(name, given.value_of(name), now) for name, now in values.items()]
+    solved = model.solve(options.figure, importance=options.importance)
+    sweeps = []
+    for name, low, high, count in asked.parse_sweeps(options, asked.number):
+        points = tuple(
+            FigurePoint(
+                value,
+                model.with_values({name: value}).solve(options.figure, importance=False).figures,
+            )
+            for value in log_spaced(low, high, count)
+        )
+        sweeps.append(FigureSweep(name, model.value_of(name), points))
+    spread = None
+    if asked.wants_uncertainty(options):
+        samples = SAMPLES if options.samples is None else options.samples
+        spread = model.spread(options.figure, samples, options.seed or 0)
+    code = _risk_exit(solved, options)
+    for text in solved.notes:
+        note(text, quiet=options.quiet or options.json)
+    if options.json:
+        from tracerisk.prm.formats.assessment_json import finite
+
+        data = {"model": model.name, "format": kind.value, "notes": list(solved.notes)}
+        data |= {"mission_time_h": options.mission_time_h, **solved.data}
+        data |= asked.what_if_data(changes, sweeps, spread)
+        print_json("solve", exit_code=int(code), **finite(data))
+        return int(code)
+    asked.print_set(changes)
+    for render, what in solved.shown:
+        _show(render, *what)
+    if sweeps:
+        from tracerisk.report.linked import render_sweeps
+
+        for figure in solved.figures:
+            _show(render_sweeps, figure, sweeps)
+    if spread is not None:
+        from tracerisk.report.what_if import render_uncertainty
+
+        _show(render_uncertainty, spread, options.figure or next(iter(solved.figures)))
+    sys.stdout.flush()
+    return int(code)
+
+
+def chosen(figures: Sequence[str], figure: str | None, model: str) -> tuple[str, ...]:
+    """Return the figures that are asked for: all, or the one; InputError for an unknown one."""
+    if figure is None:
+        return tuple(figures)
+    if figure not in figures:
+        raise InputError(f"--figure {figure}: no figure of '{model}'; {one_of(figures, figure)}")
+    return (figure,)
+
+
+def _check_options(options: argparse.Namespace) -> None:
+    if options.profile:
+        raise InputError("--profile goes with sources; a model file says itself what follows")
+    if options.pairs:
+        raise InputError("--pairs goes with models of functions; leave it out")
+    if options.error_factors:
+        raise InputError(
+            "--error-factor goes with models of functions and linked models; "
+            "give parameters deviates in the model"
+        )
+
+
+def _solvable(files: Sequence[str], kind: ModelFormat, options: argparse.Namespace) -> Solvable:
+    if kind in CHAINS:
+        from tracerisk.cli.chain_solve import ChainFile
+
+        return ChainFile(tuple(files), kind, options.mission_time_h)
+    from tracerisk.prm.logic_model import LogicModel
+
+    model = read_model(files, kind)
+    if isinstance(model, LogicModel):
+        from tracerisk.cli.logic_solve import LogicFile
+
+        return LogicFile(model, files[0], options.mission_time_h)
+    from tracerisk.cli.logic_solve import DynamicFile
+    from tracerisk.prm.dynamic import DynamicTree
+
+    assert isinstance(model, DynamicTree)
+    return DynamicFile(model, options.mission_time_h)
+
+
+def _risk_exit(solved: Solved, options: argparse.Namespace) -> ExitCode:
+    limit = options.max_risk
+    if limit is None:
+        return ExitCode.FINE
+    names = tuple(solved.figures) if options.figure is not None else solved.risks
+    if names is None:
+        raise InputError(f"--max-risk: say with --figure which is a risk; {one_of(solved.figures)}")
+    over = [(name, solved.figures[name]) for name in names if solved.figures[name] > limit]
+    for name, value in over:
+        print(f"tracerisk: {name} {value:.4g} is over --max-risk {limit:g}", file=sys.stderr)
+    return ExitCode.WOULD_CHANGE if over else ExitCode.FINE
+
+
+def _show(render: Render, *what: object) -> None:
+    sys.stdout.write(render(*what, width=terminal_width(), color=use_color()) + "\n")

@@ -1,0 +1,113 @@
+"""Solved model files of other tools, for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from tracerisk.report.tables import plain, render_parts, table_of
+
+if TYPE_CHECKING:
+    from tracerisk.prm.dynamic.solution import DynamicImportance
+    from tracerisk.prm.event_tree_solution import EventTreeSolution
+    from tracerisk.prm.fault_tree_solution import EventImportance
+
+MOST_ROWS = 50
+"""How many states or events are shown, those with the greatest figures."""
+
+
+def render_tops(
+    name: str, tops: Mapping[str, tuple[float, float]], *, width: int = 80, color: bool = False
+) -> str:
+    """Return the probability of each top; of a likely one its complement too."""
+    likely = any(p > 0.5 for p, _ in tops.values())
+    table = table_of(name)
+    table.add_column("top", overflow="fold")
+    table.add_column("probability", justify="right", no_wrap=True)
+    if likely:
+        table.add_column("1 - probability", justify="right", no_wrap=True)
+    for top, (p, q) in tops.items():
+        cells = [top, f"{p:.6e}"]
+        if likely:
+            cells.append(f"{q:.6e}" if p > 0.5 else "")
+        table.add_row(*plain(cells))
+    return render_parts([table], width=width, color=color)
+
+
+def render_top_importance(
+    top: str,
+    rows: Sequence[EventImportance | DynamicImportance],
+    *,
+    width: int = 80,
+    color: bool = False,
+) -> str:
+    """Return the importance of each parameter, or of each event of a dynamic tree, for a top."""
+    kept = rows[:MOST_ROWS]
+    table = table_of(f"Importance for {top}{_cut(len(rows))}")
+    table.add_column("event", overflow="fold")
+    headings = {
+        "probability": "probability",
+        "birnbaum": "Birnbaum",
+        "criticality": "criticality",
+        "fussell_vesely": "Fussell-V.",
+        "risk_reduction_worth": "RRW",
+        "risk_achievement_worth": "RAW",
+        "tenfold": "tenfold",
+    }
+    used = [name for name in headings if kept and hasattr(kept[0], name)]
+    for name in used:
+        table.add_column(headings[name], justify="right", no_wrap=True)
+    for row in kept:
+        cells = [f"{getattr(row, name):.4g}" for name in used]
+        table.add_row(*plain([row.name, *cells]))
+    return render_parts([table], width=width, color=color)
+
+
+def render_event_tree(found: EventTreeSolution, *, width: int = 80, color: bool = False) -> str:
+    """Return the sequences and outcomes of an event tree."""
+    unit = f" per {found.initiating.per}" if found.initiating.per else ""
+    sequences = table_of(f"Event tree {found.event_tree}, from {found.initiating.name}")
+    for heading in ("sequence", "end state"):
+        sequences.add_column(heading, overflow="fold")
+    for heading in ("probability", f"value{unit}"):
+        sequences.add_column(heading, justify="right", no_wrap=True)
+    for each in found.sequences:
+        figures = (f"{each.probability:.6e}", f"{each.value:.6e}")
+        sequences.add_row(*plain([each.name, each.end_state, *figures]))
+    if not any(found.outcomes):
+        return render_parts([sequences], width=width, color=color)
+    outcomes = table_of(f"Outcomes of {found.event_tree}")
+    outcomes.add_column("end state", overflow="fold")
+    outcomes.add_column(f"value{unit}", justify="right", no_wrap=True)
+    for name, value in found.outcomes.items():
+        outcomes.add_row(*plain([name, f"{value:.6e}"]))
+    return render_parts([sequences, outcomes], width=width, color=color)
+
+
+def render_states(
+    name: str,
+    heading: str,
+    values: Mapping[str, float],
+    *,
+    width: int = 80,
+    color: bool = False,
+) -> str:
+    """Return a figure of each state; of many states, the greatest."""
+    shown = list(values.items())
+    if len(shown) > MOST_ROWS:
+        shown = sorted(shown, key=lambda each: (-each[1], each[0]))[:MOST_ROWS]
+    table = table_of(f"{name}{_cut(len(values))}")
+    table.add_column("state", overflow="fold")
+    table.add_column(heading, justify="right", no_wrap=True)
+    for state, value in shown:
+        table.add_row(*plain([state, f"{value:.6e}"]))
+    return render_parts([table], width=width, color=color)
+
+
+def render_line(text: str, *, width: int = 80, color: bool = False) -> str:
+    """Return a line of text."""
+    return render_parts(plain([text]), width=width, color=color)
+
+
+def _cut(count: int) -> str:
+    return f" ({MOST_ROWS} of {count})" if count > MOST_ROWS else ""
