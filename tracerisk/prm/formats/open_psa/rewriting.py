@@ -7,7 +7,7 @@ A mark counts only as far as it still fits what it stands at: the formula has th
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from tracerisk.prm.gates import Gate, GateKind
@@ -152,6 +152,15 @@ def _apart(inputs: Iterable[str | Form]) -> tuple[str | Form, ...]:
             found.append(each)
         seen.add(each)
     return tuple(found)
+
+
+def form_inputs(form: Form) -> Iterator[str]:
+    """Yield the names in a formula."""
+    for each in form.inputs:
+        if isinstance(each, str):
+            yield each
+        else:
+            yield from form_inputs(each)
 
 
 def gates_of(name: str, form: Form) -> list[Gate]:

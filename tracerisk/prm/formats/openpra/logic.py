@@ -117,6 +117,8 @@ class LogicWriter:
         self._written = 0
         self._counts = {name: 0}
         written = self._form(accepted_form(self._gates[name].gate), name, 0)
+        # A top that only hands on another gate is written as that gate, by its own name.
+        written.pop("name", None)
         return written if name == tree else {"name": name, **written}
 
     def _gate(self, name: str, owner: str, depth: int) -> dict[str, Any]:

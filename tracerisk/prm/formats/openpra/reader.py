@@ -121,7 +121,8 @@ class _Reader:
             self._fault_tree(element, named)
         groups = found["ccfGroups"].each(self._group) if "ccfGroups" in found else ()
         events = tuple(
-            EventDefinition(name, None if name in self._members else event.expression, event.place)
+            # The figure of a member is that of its group, which is in no fault tree.
+            EventDefinition(name) if name in self._members else event
             for name, (_, event, _) in self._events.items()
         )
         event_trees: tuple[EventTreeDefinition, ...] = ()

@@ -8,13 +8,13 @@ from typing import Any
 
 from tracerisk.errors import Location, ModelError
 from tracerisk.prm.expressions import Evaluation, Expression, Number
+from tracerisk.prm.formats.open_psa.rewriting import accepted_form, form_inputs
 from tracerisk.prm.formats.openpra.event_trees import event_tree_data
 from tracerisk.prm.formats.openpra.logic import LogicWriter
 from tracerisk.prm.logic_model import (
     ALWAYS,
     NEVER,
     EventDefinition,
-    GateDefinition,
     HouseDefinition,
     LogicModel,
 )
@@ -146,10 +146,7 @@ class _Writer:
                 continue
             found.add(name)
             if name in self._gates:
-                gate = self._gates[name].gate
-                # The rewritten gate may need a constant that the gate does not.
-                stack.extend(gate.inputs)
-                stack.extend(_constants_of(self._gates[name]))
+                stack.extend(form_inputs(accepted_form(self._gates[name].gate)))
         return found
 
     def _event(self, each: EventDefinition) -> dict[str, Any]:
@@ -210,11 +207,3 @@ class _Writer:
 def _house(each: HouseDefinition) -> dict[str, Any]:
     data: dict[str, Any] = {"name": each.house.name, "state": each.house.state}
     return data | ({"description": each.place.label} if each.place.label else {})
-
-
-def _constants_of(definition: GateDefinition) -> list[str]:
-    """Return the constants in the form in which a gate is written."""
-    from tracerisk.prm.formats.open_psa.rewriting import accepted_form, gates_of
-
-    gates = gates_of(definition.gate.name, accepted_form(definition.gate))
-    return [name for gate in gates for name in gate.inputs if name in _CONSTANTS]
