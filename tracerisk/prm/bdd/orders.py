@@ -16,7 +16,7 @@ from tracerisk.prm.bdd.logic import LogicGraph
 from tracerisk.prm.bdd.modules import Module
 
 _ROUNDS = 30
-"""With 30 rounds the diagrams were up to half as large as with 12; more gave little."""
+"""With 30 rounds the diagrams were up to half as large as with 12."""
 
 Order = tuple[int, ...]
 """The inputs of a module, the topmost level first."""
