@@ -356,3 +356,28 @@ def test_a_malformed_network_is_refused_with_its_element(conditions, events, mes
 def test_evidence_of_unknown_names_is_refused(evidence, message):
     with pytest.raises(ModelError, match=message):
         HEAT.solve(PAIR, evidence=evidence)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"aa": 0.5}, "value of 'aa', which is no parameter; did you mean 'a'"),
+        ({"a": 0.5}, "value of 'a', which the network gives; leave it out"),
+    ],
+)
+def test_a_value_that_would_count_for_nothing_is_refused(values, message):
+    with pytest.raises(ModelError, match=message):
+        HEAT.solve(PAIR, values)
+
+
+def test_evidence_too_unlikely_for_a_number_is_told():
+    network = BayesianNetwork(
+        {
+            "heat": {"hot": 1e-200, "cool": 1.0},
+            "alarm": Given(
+                "heat", {"hot": {"on": 1e-200, "off": 1.0}, "cool": {"on": 0.0, "off": 1.0}}
+            ),
+        }
+    )
+    with pytest.raises(ModelError, match="less likely than 1e-308, that alarm on; correct what"):
+        inference_of(network).distribution("heat", {"alarm": "on"})

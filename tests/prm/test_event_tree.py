@@ -532,3 +532,12 @@ def test_too_many_paths_are_refused():
 def test_fault_trees_that_mean_two_things_by_a_name_are_refused(trees, message):
     with pytest.raises(ModelError, match=message):
         LEAK.solve(trees, VALUES)
+
+
+def test_a_value_of_no_parameter_is_refused():
+    with pytest.raises(
+        ModelError,
+        match="event tree 'leak': value of 'senser', which is no parameter of the fault trees; "
+        "did you mean 'sensor'",
+    ):
+        LEAK.solve([DETECTION, VALVES], {**VALUES, "senser": 0.5})

@@ -202,5 +202,5 @@ def test_a_parameter_without_value_is_refused_with_the_names_that_have_one():
 
 @pytest.mark.parametrize("value", [-1e-9, 1.5, float("nan"), float("inf")])
 def test_a_value_outside_zero_to_one_is_refused(value):
-    with pytest.raises(ModelError, match=r"outside \[0, 1\]"):
+    with pytest.raises(ModelError, match=r"event 'e1': probability .* is outside \[0, 1\]"):
         flat(OR, "a").probability({"a": value})

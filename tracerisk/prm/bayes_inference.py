@@ -48,8 +48,12 @@ def joint_probabilities(
     wanted = {names[name] for name in open_conditions}
     if len(wanted) > 1:
         inference.addJointTarget(wanted)
-    inference.makeInference()
-    if known and not inference.evidenceProbability() > 0.0:
+    try:
+        inference.makeInference()
+        possible = not known or inference.evidenceProbability() > 0.0
+    except pyagrum.IncompatibleEvidence:
+        possible = False
+    if not possible:
         told = ", ".join(f"{name} {state}" for name, state in evidence.items())
         raise ModelError(
             f"it is impossible, or less likely than 1e-308, that {told}; correct what is known"

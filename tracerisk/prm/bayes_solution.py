@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from tracerisk.errors import ModelError
+from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.bayes import BayesianNetwork, States
 from tracerisk.prm.fault_tree import FaultTree
 from tracerisk.prm.probability import Probability
@@ -73,6 +73,17 @@ def solve_network(
     evidence: States,
 ) -> BayesianSolution:
     """Solve a fault tree for each joint state of the conditions; see BayesianNetwork.solve."""
+    parameters = dict.fromkeys(tree.parameters)
+    for name in values:
+        if name not in parameters:
+            raise ModelError(
+                f"value of '{name}', which is no parameter; {one_of(parameters, name)}"
+            )
+        if name in network.events:
+            raise ModelError(
+                f"value of '{name}', which the network gives; leave it out, or give the network "
+                "without it"
+            )
     cases = network.cases(tree.parameters, mission_time_h=mission_time_h, evidence=evidence)
     # States that give the events the same figures have the same top.
     figures = dict.fromkeys(tuple(case.values.values()) for case in cases)

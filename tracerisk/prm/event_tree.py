@@ -244,13 +244,20 @@ class EventTree(Displayed):
         name in several of them is one gate or event.
         `values` gives parameters their probability, above what their models give for
         `mission_time_h`, [h]; `linked` are the event trees that paths may lead into.
-        Raises ModelError when a condition or link names what is not there, or a value or the
-        mission time is missing; TooLargeError when a sequence outgrows every budget.
+        Raises ModelError when a condition, link or value names what is not there, or a value or
+        the mission time is missing; TooLargeError when a sequence outgrows every budget.
         """
         from tracerisk.prm.event_tree_solution import solve_event_tree
         from tracerisk.prm.forest import Forest
 
         forest = trees if isinstance(trees, Forest) else Forest.of(trees)
+        known = {event.parameter for event in forest.events.values()}
+        for parameter in values or {}:
+            if parameter not in known:
+                raise ModelError(
+                    f"event tree '{self.name}': value of '{parameter}', which is no parameter of "
+                    f"the fault trees; {one_of(known, parameter)}"
+                )
         given = {**forest.values_at(mission_time_h), **(values or {})}
         return solve_event_tree(self, forest, given, mission_time_h, linked)
 

@@ -265,7 +265,13 @@ class FaultTree(DisplayedGraph):
                         f"event '{event.name}': parameter '{event.parameter}' has no value; "
                         f"{one_of(values)}"
                     )
-                pairs[event.parameter] = Probability.of(values[event.parameter])
+                value = values[event.parameter]
+                if not 0.0 <= value <= 1.0:
+                    raise ModelError(
+                        f"event '{event.name}': probability {value!r} is outside [0, 1]; "
+                        "give a number within"
+                    )
+                pairs[event.parameter] = Probability(float(value), 1.0 - value)
         return pairs
 
     def _sweep(self, values: Mapping[str, float]) -> dict[str, Probability]:
