@@ -14,7 +14,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tracerisk.prm.markov.residual import left_residual, right_residual
+from tracerisk.prm.markov.residual import (
+    leaving_and_terms,
+    left_residual,
+    right_residual,
+    worst_ratio,
+    worst_share,
+)
 
 if TYPE_CHECKING:
     from tracerisk.prm.markov.factors import Weights
@@ -43,56 +49,62 @@ class Certified:
     bound: float
 
 
-def certify(
-    weights: Weights, given: Array, solver: Solver, *, left: bool, rounds: int, positive: bool
-) -> Certified:
-    """Return the solution of u G = given (`left`) or G x = given, refined, with its bound.
+class Certifier:
+    """Refines solutions of one chain, and bounds their errors."""
 
-    given: (n,), not negative. `positive` says that the solver loses no digits where `given` has
-    no negative entry: its own solution is then kept where no refinement can be certified, as in
-    chains that end so seldom that twice the working precision does not show it.
-    """
-    first = np.maximum(solver(given), 0.0)
-    if not np.all(np.isfinite(first)):
-        return Certified(first, math.inf)
-    high, low = first, np.zeros_like(first)
-    terms = np.diff(weights.indptr).astype(np.float64) + 4.0
-    if left:
-        terms = terms + np.bincount(weights.indices, minlength=weights.size)
-    scale = _leaving(weights) * first
-    # How much a relative residual of one in every entry can come to.
-    reach = solver(scale)
-    slip, size = _residual(weights, scale, reach, np.zeros_like(reach), left=left)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        missing = np.nanmax(np.where(scale > 0.0, (slip + _WORKING * terms * size) / scale, 0.0))
-    if not missing < 0.5:
-        return Certified(first, math.inf)
-    best = Certified(first, math.inf)
-    for number in range(rounds + 1):
-        residual, size = _residual(weights, given, high, low, left=left)
-        unknown = np.abs(residual) + _WORKING * terms * size
-        bound = _relative_bound(unknown, scale, reach / (1.0 - missing), high)
-        if bound < best.bound:
-            best = Certified(high.copy(), bound + _ROUNDING)
-        if bound < _ENOUGH or number == rounds:
-            break
-        high, low = _added(high, low, solver(residual))
-        if not np.all(np.isfinite(high)):
-            break
-    if positive and best.bound > _TRUSTED:
-        # Twice the working precision is not enough; elimination itself loses no digits.
-        return Certified(first, _against(first, best))
-    return best
+    def __init__(self, weights: Weights) -> None:
+        self._weights = weights
+        arrays = (weights.indptr, weights.indices, weights.data, weights.slack)
+        self._leaving, self._right_terms, self._left_terms = leaving_and_terms(*arrays)
 
+    def certify(
+        self, given: Array, solver: Solver, *, left: bool, rounds: int, positive: bool
+    ) -> Certified:
+        """Return the solution of u G = given (`left`) or G x = given, refined, with its bound.
 
-def _relative_bound(unknown: Array, scale: Array, reach: Array, values: Array) -> float:
-    """Return the greatest relative error of `values` for what is unknown of their equations."""
-    counted = values > _SMALLEST
-    if np.any((scale <= 0.0) & (unknown > 0.0)):
-        return math.inf
-    with np.errstate(divide="ignore", invalid="ignore"):
-        worst = float(np.max(np.where(scale > 0.0, unknown / scale, 0.0), initial=0.0))
-        return worst * float(np.max(np.where(counted, reach / values, 0.0), initial=0.0))
+        given: (n,), not negative. `positive` says that the solver loses no digits where `given`
+        has no negative entry: its own solution is then kept where no refinement can be
+        certified, as in chains that end so seldom that twice the working precision does not show
+        it.
+        """
+        first = np.maximum(solver(given), 0.0)
+        if not np.all(np.isfinite(first)):
+            return Certified(first, math.inf)
+        terms = self._left_terms if left else self._right_terms
+        high, low = first, np.zeros_like(first)
+        scale = self._leaving * first
+        # How much a relative residual of one in every entry can come to.
+        reach = solver(scale)
+        slip, size = self._residual(scale, reach, low, left=left)
+        missing = worst_share(slip, size, terms, scale, _WORKING)
+        best = Certified(first, math.inf)
+        if not missing < 0.5:
+            return best
+        for number in range(rounds + 1):
+            residual, size = self._residual(given, high, low, left=left)
+            unknown = worst_share(residual, size, terms, scale, _WORKING)
+            bound = unknown * worst_ratio(reach, high, _SMALLEST) / (1.0 - missing)
+            if bound + _ROUNDING < best.bound:
+                best = Certified(high, bound + _ROUNDING)
+            if bound < _ENOUGH or number == rounds:
+                break
+            high, low = _added(high, low, solver(residual))
+            if not np.all(np.isfinite(high)):
+                break
+        if positive and best.bound > _TRUSTED:
+            # Twice the working precision is not enough; elimination itself loses no digits.
+            return Certified(first, _against(first, best))
+        return best
+
+    def _residual(
+        self, given: Array, high: Array, low: Array, *, left: bool
+    ) -> tuple[Array, Array]:
+        kernel: Any = left_residual if left else right_residual
+        weights = self._weights
+        found: tuple[Array, Array] = kernel(
+            weights.indptr, weights.indices, weights.data, weights.slack, given, high, low
+        )
+        return found
 
 
 def _against(first: Array, best: Certified) -> float:
@@ -109,18 +121,3 @@ def _added(high: Array, low: Array, change: Array) -> tuple[Array, Array]:
     total = high + change
     part = total - high
     return total, (high - (total - part)) + (change - part)
-
-
-def _leaving(weights: Weights) -> Array:
-    sums = np.add.reduceat(np.append(weights.data, 0.0), weights.indptr[:-1])
-    return np.where(np.diff(weights.indptr) > 0, sums, 0.0) + weights.slack
-
-
-def _residual(
-    weights: Weights, given: Array, high: Array, low: Array, *, left: bool
-) -> tuple[Array, Array]:
-    kernel: Any = left_residual if left else right_residual
-    found: tuple[Array, Array] = kernel(
-        weights.indptr, weights.indices, weights.data, weights.slack, given, high, low
-    )
-    return found

@@ -109,3 +109,58 @@ def left_residual(
         error[i] += carried - (lost + value * lost_leaving + rest * leaving)
         magnitude[i] += abs(product)
     return total + error, magnitude
+
+
+@compiled_by_numba
+def leaving_and_terms(
+    indptr: Array, indices: Array, data: Array, slack: Array
+) -> tuple[Array, Array, Array]:
+    """Return what leaves each state, and how many terms its right and left residuals have."""
+    n = len(slack)
+    leaving = slack.copy()
+    right = np.empty(n, np.float64)
+    left = np.zeros(n, np.float64)
+    for i in range(n):
+        total = leaving[i]
+        for t in range(indptr[i], indptr[i + 1]):
+            total += data[t]
+            left[indices[t]] += 1.0
+        leaving[i] = total
+        right[i] = indptr[i + 1] - indptr[i] + 4.0
+        left[i] += right[i]
+    return leaving, right, left
+
+
+@compiled_by_numba
+def worst_share(residual: Array, size: Array, terms: Array, scale: Array, unit: float) -> float:
+    """Return the greatest of what a residual can be, rounding included, over the scale.
+
+    `unit` bounds the relative rounding of one term. Infinite where something is left of nothing.
+    """
+    worst = 0.0
+    for i in range(len(residual)):
+        unknown = abs(residual[i]) + unit * terms[i] * size[i]
+        if scale[i] > 0.0:
+            share = unknown / scale[i]
+            if share > worst:
+                worst = share
+            elif not share <= worst:
+                # No number at all.
+                return np.inf
+        elif not unknown <= 0.0:
+            return np.inf
+    return worst
+
+
+@compiled_by_numba
+def worst_ratio(reach: Array, values: Array, smallest: float) -> float:
+    """Return the greatest ratio of the one to the other where the other is above `smallest`."""
+    worst = 0.0
+    for i in range(len(reach)):
+        if values[i] > smallest:
+            ratio = reach[i] / values[i]
+            if ratio > worst:
+                worst = ratio
+            elif not ratio <= worst:
+                return np.inf
+    return worst

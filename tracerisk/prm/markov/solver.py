@@ -48,8 +48,10 @@ class CertifiedSolver:
         self, weights: Weights, label: Label, kind: str, budget: Budget | None = None
     ) -> None:
         from tracerisk.prm.markov import factors
+        from tracerisk.prm.markov.certificate import Certifier
 
         self._weights = weights
+        self._certifier = Certifier(weights)
         self._label = label
         self._kind = kind
         self._eliminated: Factors | None = None
@@ -81,8 +83,6 @@ class CertifiedSolver:
         return self._eliminated
 
     def _solve(self, given: Array, *, left: bool) -> Certified:
-        from tracerisk.prm.markov.certificate import certify
-
         eliminated = self._eliminated
         if eliminated is None:
             iterated = self._iterate(given, left=left)
@@ -91,19 +91,17 @@ class CertifiedSolver:
             assert self._plan is not None
             eliminated = self._eliminate(self._plan)
         solver = eliminated.left if left else eliminated.right
-        return certify(self._weights, given, solver, left=left, rounds=2, positive=True)
+        return self._certifier.certify(given, solver, left=left, rounds=2, positive=True)
 
     def _iterate(self, given: Array, *, left: bool) -> Certified | None:
         """Return an iteration's certified result, or `None` where elimination is to be used."""
         from tracerisk.prm.markov import iteration
-        from tracerisk.prm.markov.certificate import certify
 
         trial = self._plan is not None
         steps = iteration.TRIAL_STEPS if trial else iteration.STEPS
         found = iteration.Iteration(self._weights, steps)
         try:
-            certified = certify(
-                self._weights,
+            certified = self._certifier.certify(
                 given,
                 found.left if left else found.right,
                 left=left,
