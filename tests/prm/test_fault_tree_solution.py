@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import copy
 import math
+import pickle
 from fractions import Fraction
 
 import numpy as np
@@ -9,8 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError
-from tracerisk.prm import FaultTree
+from tracerisk.prm import FaultTree, prime_implicants
 from tracerisk.prm.failure_models import Exponential
+from tracerisk.prm.probability import Probability, pair_of, value_of
 
 PAIR = FaultTree.of(
     "top",
@@ -162,3 +165,30 @@ def test_values_of_unknown_parameters_are_refused():
 def test_importance_by_something_else_is_refused():
     with pytest.raises(ModelError, match="importance by 'gate'; allowed: event, parameter"):
         PAIR.solve().importance("gate")
+
+
+def test_a_unit_that_fails_almost_surely_keeps_the_digits_of_its_survival():
+    survival = math.exp(-50.0)
+    spent = Exponential(1.0)
+    flat = FaultTree.of("top", {"top": ("not", "a")}, {"a": spent})
+    assert flat.solve(mission_time_h=50).probability == pytest.approx(survival, rel=1e-15)
+    shared = FaultTree.of(
+        "top",
+        {"top": ("or", ("and", ("not", "a"), "b"), ("and", "b", "c"))},
+        {"a": spent} | {"b": 0.5, "c": 0.0},
+    )
+    solution = shared.solve(mission_time_h=50)
+    assert shared.shared
+    assert solution.probability == pytest.approx(0.5 * survival, rel=1e-15)
+    assert solution.importance()["b"].fussell_vesely == pytest.approx(1.0, rel=1e-15)
+    assert solution.importance("event")["b"].criticality == pytest.approx(1.0, rel=1e-15)
+    ways = prime_implicants(shared).most_probable(solution.values)
+    assert next(ways).probability == pytest.approx(0.5 * survival, rel=1e-15)
+
+
+def test_a_figure_with_its_complement_is_copied_whole():
+    figure = value_of(Exponential(1.0).probability(50.0))
+    assert figure == 1.0
+    for copied in (pickle.loads(pickle.dumps(figure)), copy.deepcopy(figure)):
+        assert pair_of(copied) == (1.0, math.exp(-50.0))
+    assert type(value_of(Probability(0.25, 0.75))) is float

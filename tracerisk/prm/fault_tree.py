@@ -16,7 +16,7 @@ from tracerisk.prm.collection import collection_paused
 from tracerisk.prm.display import DisplayedGraph
 from tracerisk.prm.gates import Gate, GateKind, gate_probability, gate_shares
 from tracerisk.prm.numbering import Numbering, numbered
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.probability import Probability, pair_of, value_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -130,6 +130,7 @@ class FaultTree(DisplayedGraph):
     def values_at(self, mission_time_h: float | None) -> dict[str, float]:
         """Return the probability of each parameter whose events have a model, for a mission, [h].
 
+        Each number keeps the complement that its model gives, see `PairedFloat`.
         Without a mission time, `None`, only of those whose model needs none.
         Raises ModelError, with the event, when a model cannot be evaluated.
         """
@@ -142,7 +143,7 @@ class FaultTree(DisplayedGraph):
         for event in self.events:
             if event.model is not None and event.parameter not in values:
                 try:
-                    values[event.parameter] = event.model.probability(mission_time_h).p
+                    values[event.parameter] = value_of(event.model.probability(mission_time_h))
                 except ModelError as error:
                     raise ModelError(
                         f"event '{event.name}': {error.message}", error.location
@@ -271,7 +272,7 @@ class FaultTree(DisplayedGraph):
                         f"event '{event.name}': probability {value!r} is outside [0, 1]; "
                         "give a number within"
                     )
-                pairs[event.parameter] = Probability(float(value), 1.0 - value)
+                pairs[event.parameter] = pair_of(value)
         return pairs
 
     def _sweep(self, values: Mapping[str, float]) -> dict[str, Probability]:

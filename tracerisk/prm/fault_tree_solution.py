@@ -9,7 +9,7 @@ from typing import Literal
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.fault_tree import FaultTree
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.probability import Probability, pair_of, value_of
 from tracerisk.prm.table import Table
 
 
@@ -127,7 +127,9 @@ def solve_tree(
                 f"event '{event.name}' depends on the mission time; give mission_time_h, in hours"
             )
     top = tree.probability(given)
-    return FaultTreeSolution(tree, {name: float(given[name]) for name in parameters}, top)
+    return FaultTreeSolution(
+        tree, {name: value_of(pair_of(given[name])) for name in parameters}, top
+    )
 
 
 def _ratio(above: float, below: float) -> float:

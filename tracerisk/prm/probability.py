@@ -43,6 +43,41 @@ class Probability(NamedTuple):
         return Probability(self.q, self.p)
 
 
+class PairedFloat(float):
+    """The `p` of a pair as a number that keeps its `q`, where 1-p would be rounded otherwise.
+
+    A unit that fails almost surely survives with a probability that only the pair tells.
+    """
+
+    __slots__ = ("q",)
+    q: float
+
+    def __new__(cls, pair: Probability) -> PairedFloat:
+        """Make the number of a pair."""
+        made = super().__new__(cls, pair.p)
+        made.q = pair.q
+        return made
+
+    def __getnewargs__(self) -> tuple[Probability]:  # type: ignore[override]
+        """Return what a copy is made of."""
+        return (Probability(float(self), self.q),)
+
+
+def value_of(pair: Probability) -> float:
+    """Return a pair as one number, from which `pair_of` makes the same pair again."""
+    return pair.p if pair.q == 1.0 - pair.p else PairedFloat(pair)
+
+
+def pair_of(value: float) -> Probability:
+    """Return the pair of a given number, or of one made by `value_of`.
+
+    Raises ModelError when it is not in [0, 1].
+    """
+    if isinstance(value, PairedFloat):
+        return Probability(float(value), value.q)
+    return Probability.of(value)
+
+
 def total(values: Iterable[float]) -> float:
     """Return the sum, correctly rounded.
 
