@@ -1,0 +1,27 @@
+"""What docs/formats.md shows of Open-PSA and OpenPRA is what happens."""
+
+from __future__ import annotations
+
+import doctest
+import re
+from pathlib import Path
+
+import pytest
+
+TEXT = (Path(__file__).parent.parent / "docs" / "formats.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("section", "language", "name"),
+    [("Open-PSA", "xml", "OPEN_PSA"), ("OpenPRA", "json", "OPENPRA")],
+)
+def test_the_examples_of_a_format_run_with_the_output_that_they_show(section, language, name):
+    part = TEXT.split(f"\n## {section}\n")[1].split("\n## ")[0]
+    (file,) = re.findall(rf"^```{language}\n(.*?)^```$", part, re.MULTILINE | re.DOTALL)
+    (code,) = re.findall(r"^```python\n(.*?)^```$", part, re.MULTILINE | re.DOTALL)
+    test = doctest.DocTestParser().get_doctest(code, {name: file}, "docs/formats.md", None, 0)
+    runner = doctest.DocTestRunner(verbose=False)
+    told: list[str] = []
+    runner.run(test, out=told.append)
+    assert runner.tries > 3
+    assert runner.failures == 0, "".join(told)
