@@ -32,6 +32,8 @@ Solver = Callable[[Array], Array]
 _ROUNDING = 2.0**-53
 _WORKING = 2.0**-100
 """Above the relative rounding of one operation in twice the working precision, 2^-104."""
+_ROUNDED_UP = 1.0 + 2.0**-20
+"""Above what the few roundings of the bound itself can lose of it."""
 _SMALLEST = 1e-250
 """Values below it are left out of the bound: their products cannot be split without loss."""
 _ENOUGH = 1e-17
@@ -54,38 +56,48 @@ class Certifier:
 
     def __init__(self, weights: Weights) -> None:
         self._weights = weights
-        arrays = (weights.indptr, weights.indices, weights.data, weights.slack)
-        self._leaving, self._right_terms, self._left_terms = leaving_and_terms(*arrays)
+        self._leaving, self._right_terms, self._left_terms = leaving_and_terms(
+            weights.indptr, weights.indices, weights.data, weights.slack, weights.ends
+        )
+        self._nothing = np.zeros(weights.size)
 
     def certify(
-        self, given: Array, solver: Solver, *, left: bool, rounds: int, positive: bool
+        self,
+        given: Array,
+        solver: Solver,
+        *,
+        left: bool,
+        rounds: int,
+        positive: bool,
+        given_low: Array | None = None,
     ) -> Certified:
         """Return the solution of u G = given (`left`) or G x = given, refined, with its bound.
 
-        given: (n,), not negative. `positive` says that the solver loses no digits where `given`
-        has no negative entry: its own solution is then kept where no refinement can be
-        certified, as in chains that end so seldom that twice the working precision does not show
-        it.
+        given: (n,), not negative; given_low: what its rounding lost.
+        `positive` says that the solver loses no digits where `given` has no negative entry: its
+        own solution is then kept where no refinement can be certified, as in chains that end so
+        seldom that twice the working precision does not show it.
         """
         first = np.maximum(solver(given), 0.0)
         if not np.all(np.isfinite(first)):
             return Certified(first, math.inf)
         terms = self._left_terms if left else self._right_terms
-        high, low = first, np.zeros_like(first)
+        high, low = first, self._nothing
+        lost = self._nothing if given_low is None else given_low
         scale = self._leaving * first
         # How much a relative residual of one in every entry can come to.
         reach = solver(scale)
-        slip, size = self._residual(scale, reach, low, left=left)
+        slip, size = self._residual(scale, self._nothing, reach, low, left=left)
         missing = worst_share(slip, size, terms, scale, _WORKING)
         best = Certified(first, math.inf)
         if not missing < 0.5:
             return best
         for number in range(rounds + 1):
-            residual, size = self._residual(given, high, low, left=left)
+            residual, size = self._residual(given, lost, high, low, left=left)
             unknown = worst_share(residual, size, terms, scale, _WORKING)
             bound = unknown * worst_ratio(reach, high, _SMALLEST) / (1.0 - missing)
             if bound + _ROUNDING < best.bound:
-                best = Certified(high, bound + _ROUNDING)
+                best = Certified(high, (bound + _ROUNDING) * _ROUNDED_UP)
             if bound < _ENOUGH or number == rounds:
                 break
             high, low = _added(high, low, solver(residual))
@@ -97,12 +109,20 @@ class Certifier:
         return best
 
     def _residual(
-        self, given: Array, high: Array, low: Array, *, left: bool
+        self, given: Array, given_low: Array, high: Array, low: Array, *, left: bool
     ) -> tuple[Array, Array]:
         kernel: Any = left_residual if left else right_residual
         weights = self._weights
         found: tuple[Array, Array] = kernel(
-            weights.indptr, weights.indices, weights.data, weights.slack, given, high, low
+            weights.indptr,
+            weights.indices,
+            weights.data,
+            weights.slack,
+            weights.slack_low,
+            given,
+            given_low,
+            high,
+            low,
         )
         return found
 

@@ -28,13 +28,16 @@ Array = np.ndarray[Any, Any]
 class Weights:
     """The weights between n transient states in compressed rows, without the diagonal.
 
-    indptr: (n + 1,) int64; indices: (nnz,) int32; data: (nnz,), above zero; slack: (n,).
+    indptr: (n + 1,) int64; indices: (nnz,) int32; data: (nnz,), above zero; slack: (n,), the sum
+    of `ends` ways each, and slack_low: (n,), what its rounding lost.
     """
 
     indptr: Array
     indices: Array
     data: Array
     slack: Array
+    slack_low: Array
+    ends: Array
 
     @property
     def size(self) -> int:

@@ -70,7 +70,7 @@ class MatrixChain:
         """Separate the transient states; raise ModelError when one is never absorbed."""
         transient = np.flatnonzero(~absorbing)
         place = (np.cumsum(~absorbing) - 1).astype(np.int32)
-        starts, targets, values, slack, totals = split(
+        starts, targets, values, slack, slack_low, ends, totals = split(
             indptr, indices, data, absorbing, place, transient
         )
         n = len(transient)
@@ -84,7 +84,7 @@ class MatrixChain:
                 f"{f' and {more} more states' if more else ''}; lead each to an absorbing state"
                 f"{'' if absorbing.any() else ' (there is none)'}"
             )
-        weights = Weights(starts, targets, values, slack)
+        weights = Weights(starts, targets, values, slack, slack_low, ends)
         return cls(indptr, indices, data, absorbing, transient, totals, weights, names)
 
     @property

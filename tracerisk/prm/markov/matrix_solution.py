@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 Array = np.ndarray[Any, Any]
 
+_ROUNDING = 2.0**-53
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MatrixSolution:
@@ -44,7 +46,9 @@ class MatrixSolution:
         Infinite where none could be proven: after elimination in chains that are absorbed so
         seldom that it does not show in twice the working precision.
         """
-        return self._stay.bound
+        # Three roundings: of the sum of a row, of a state's weight and of their product; the
+        # bound holds the second.
+        return self._stay.bound + 2.0 * _ROUNDING
 
     def expected_visits(self) -> Array:
         """Return how often each transient state is visited, the start counted as a visit."""
@@ -68,8 +72,10 @@ class MatrixSolution:
         """
         chain = self.chain
         chosen = chain.chosen(targets)
-        reward = row_sums_into(chain.indptr, chain.indices, chain.data, chosen, chain.transient)
-        found = self._solver.right(reward)
+        reward, low = row_sums_into(
+            chain.indptr, chain.indices, chain.data, chosen, chain.transient
+        )
+        found = self._solver.right(reward, low)
         return Certified(self._full(found.values) + chosen, found.bound)
 
     def expected_steps(self) -> float:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from tracerisk.prm.bdd.speed import compiled_by_numba
+from tracerisk.prm.markov.residual import exact_sum
 
 Array = np.ndarray[Any, Any]
 
@@ -86,18 +87,21 @@ def not_reached_backwards(n: int, turned_ptr: Array, turned: Array, ends: Array)
 @compiled_by_numba
 def split(
     indptr: Array, indices: Array, data: Array, absorbing: Array, place: Array, transient: Array
-) -> tuple[Array, Array, Array, Array, Array]:
+) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
     """Split the rows of the transient states into the ways between them and what leaves them.
 
     `place` numbers the transient states, `transient` holds them in that order.
     Returns indptr, indices and data of the ways between different transient states, and for
-    each transient state the sum of its ways to absorbing ones and the sum of its whole row.
+    each transient state the sum of its ways to absorbing ones, what its rounding lost, how many
+    they are, and the sum of its whole row.
     """
     n = len(transient)
     starts = np.zeros(n + 1, np.int64)
     targets = np.empty(len(indices), np.int32)
     values = np.empty(len(indices), np.float64)
     slack = np.zeros(n, np.float64)
+    slack_low = np.zeros(n, np.float64)
+    ends = np.zeros(n, np.int32)
     totals = np.zeros(n, np.float64)
     count = 0
     for k in range(n):
@@ -113,20 +117,18 @@ def split(
             total = grown
             j = indices[t]
             if absorbing[j]:
-                grown = leaving + weight
-                if leaving >= weight:
-                    lost_leaving += (leaving - grown) + weight
-                else:
-                    lost_leaving += (weight - grown) + leaving
-                leaving = grown
+                leaving, carried = exact_sum(leaving, weight)
+                leaving, lost_leaving = exact_sum(leaving, lost_leaving + carried)
+                ends[k] += 1
             elif j != i:
                 targets[count] = place[j]
                 values[count] = weight
                 count += 1
         starts[k + 1] = count
-        slack[k] = leaving + lost_leaving
+        slack[k] = leaving
+        slack_low[k] = lost_leaving
         totals[k] = total + lost
-    return starts, targets[:count].copy(), values[:count].copy(), slack, totals
+    return starts, targets[:count].copy(), values[:count].copy(), slack, slack_low, ends, totals
 
 
 @compiled_by_numba
@@ -155,17 +157,20 @@ def gathered(
 @compiled_by_numba
 def row_sums_into(
     indptr: Array, indices: Array, data: Array, chosen: Array, transient: Array
-) -> Array:
-    """Return for each transient state the sum of its ways to states where `chosen` holds."""
+) -> tuple[Array, Array]:
+    """Return for each transient state the sum of its ways to states where `chosen` holds.
+
+    And what its rounding lost.
+    """
     sums = np.zeros(len(transient), np.float64)
+    low = np.zeros(len(transient), np.float64)
     for k in range(len(transient)):
         i = transient[k]
         total = lost = 0.0
         for t in range(indptr[i], indptr[i + 1]):
             if chosen[indices[t]]:
-                added = data[t]
-                grown = total + added
-                lost += (total - grown) + added if total >= added else (added - grown) + total
-                total = grown
-        sums[k] = total + lost
-    return sums
+                total, carried = exact_sum(total, data[t])
+                total, lost = exact_sum(total, lost + carried)
+        sums[k] = total
+        low[k] = lost
+    return sums, low

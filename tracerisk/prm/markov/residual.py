@@ -19,7 +19,8 @@ _SPLITTER = 134217729.0  # 2^27 + 1
 
 
 @compiled_by_numba
-def _sum(a: float, b: float) -> tuple[float, float]:
+def exact_sum(a: float, b: float) -> tuple[float, float]:
+    """Return the rounded sum of two doubles, and what rounding lost."""
     total = a + b
     part = total - a
     return total, (a - (total - part)) + (b - part)
@@ -44,14 +45,16 @@ def right_residual(
     indices: Array,
     data: Array,
     slack: Array,
+    slack_low: Array,
     reward: Array,
+    reward_low: Array,
     high: Array,
     low: Array,
 ) -> tuple[Array, Array]:
     """Return reward - G (high + low), and the sum of the sizes of all that it was summed from.
 
     Ways between states are weighed with the difference of their values, which is exact and
-    small where a chain seldom ends.
+    small where a chain seldom ends. The slack and the reward are pairs of doubles, too.
     """
     n = len(slack)
     residual = np.empty(n, np.float64)
@@ -60,15 +63,15 @@ def right_residual(
         value = high[i]
         rest = low[i]
         product, lost = _product(slack[i], value)
-        total, error = _sum(reward[i], -product)
-        error -= lost + slack[i] * rest
+        total, error = exact_sum(reward[i], -product)
+        error += reward_low[i] - (lost + slack[i] * rest + slack_low[i] * value)
         magnitude = abs(reward[i]) + product
         for t in range(indptr[i], indptr[i + 1]):
             j = indices[t]
-            difference, left = _sum(high[j], -value)
+            difference, left = exact_sum(high[j], -value)
             left += low[j] - rest
             product, lost = _product(data[t], difference)
-            total, carried = _sum(total, product)
+            total, carried = exact_sum(total, product)
             error += carried + (lost + data[t] * left)
             magnitude += abs(product) + data[t] * (abs(low[j]) + abs(rest))
         residual[i] = total + error
@@ -82,30 +85,32 @@ def left_residual(
     indices: Array,
     data: Array,
     slack: Array,
+    slack_low: Array,
     start: Array,
+    start_low: Array,
     high: Array,
     low: Array,
 ) -> tuple[Array, Array]:
     """Return start - (high + low) G, and the sum of the sizes of all that it was summed from."""
     n = len(slack)
     total = start.copy()
-    error = np.zeros(n, np.float64)
+    error = start_low.copy()
     magnitude = np.abs(start)
     for i in range(n):
         value = high[i]
         rest = low[i]
         leaving = slack[i]
-        lost_leaving = 0.0
+        lost_leaving = slack_low[i]
         for t in range(indptr[i], indptr[i + 1]):
             j = indices[t]
-            leaving, carried = _sum(leaving, data[t])
+            leaving, carried = exact_sum(leaving, data[t])
             lost_leaving += carried
             product, lost = _product(value, data[t])
-            total[j], carried = _sum(total[j], product)
+            total[j], carried = exact_sum(total[j], product)
             error[j] += carried + (lost + rest * data[t])
             magnitude[j] += abs(product)
         product, lost = _product(value, leaving)
-        total[i], carried = _sum(total[i], -product)
+        total[i], carried = exact_sum(total[i], -product)
         error[i] += carried - (lost + value * lost_leaving + rest * leaving)
         magnitude[i] += abs(product)
     return total + error, magnitude
@@ -113,9 +118,12 @@ def left_residual(
 
 @compiled_by_numba
 def leaving_and_terms(
-    indptr: Array, indices: Array, data: Array, slack: Array
+    indptr: Array, indices: Array, data: Array, slack: Array, ends: Array
 ) -> tuple[Array, Array, Array]:
-    """Return what leaves each state, and how many terms its right and left residuals have."""
+    """Return what leaves each state, and how many terms its right and left residuals have.
+
+    `ends` counts the ways that the slack of each state sums.
+    """
     n = len(slack)
     leaving = slack.copy()
     right = np.empty(n, np.float64)
@@ -126,7 +134,7 @@ def leaving_and_terms(
             total += data[t]
             left[indices[t]] += 1.0
         leaving[i] = total
-        right[i] = indptr[i + 1] - indptr[i] + 4.0
+        right[i] = indptr[i + 1] - indptr[i] + ends[i] + 4.0
         left[i] += right[i]
     return leaving, right, left
 

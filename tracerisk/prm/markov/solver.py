@@ -69,9 +69,9 @@ class CertifiedSolver:
         """Return u with u G = start; both: (n,)."""
         return self._solve(start, left=True)
 
-    def right(self, reward: Array) -> Certified:
-        """Return x with G x = reward; both: (n,)."""
-        return self._solve(reward, left=False)
+    def right(self, reward: Array, reward_low: Array | None = None) -> Certified:
+        """Return x with G x = reward; both: (n,); `reward_low` is what rounding it lost."""
+        return self._solve(reward, left=False, given_low=reward_low)
 
     def _eliminate(self, how: Plan) -> Factors:
         from tracerisk.prm.markov import factors
@@ -82,18 +82,20 @@ class CertifiedSolver:
             raise stuck(self._label(error.state), self._kind) from error
         return self._eliminated
 
-    def _solve(self, given: Array, *, left: bool) -> Certified:
+    def _solve(self, given: Array, *, left: bool, given_low: Array | None = None) -> Certified:
         eliminated = self._eliminated
         if eliminated is None:
-            iterated = self._iterate(given, left=left)
+            iterated = self._iterate(given, left=left, given_low=given_low)
             if iterated is not None:
                 return iterated
             assert self._plan is not None
             eliminated = self._eliminate(self._plan)
         solver = eliminated.left if left else eliminated.right
-        return self._certifier.certify(given, solver, left=left, rounds=2, positive=True)
+        return self._certifier.certify(
+            given, solver, left=left, rounds=2, positive=True, given_low=given_low
+        )
 
-    def _iterate(self, given: Array, *, left: bool) -> Certified | None:
+    def _iterate(self, given: Array, *, left: bool, given_low: Array | None) -> Certified | None:
         """Return an iteration's certified result, or `None` where elimination is to be used."""
         from tracerisk.prm.markov import iteration
 
@@ -107,6 +109,7 @@ class CertifiedSolver:
                 left=left,
                 rounds=iteration.ROUNDS,
                 positive=False,
+                given_low=given_low,
             )
             bound = certified.bound
             reached = f"a relative error of {bound:.0e}" if math.isfinite(bound) else "no bound"
@@ -150,6 +153,8 @@ def solver_of(
         indices=np.array([target for row in rows for target, _ in row], dtype=np.int32),
         data=np.array([p for row in rows for _, p in row], dtype=np.float64),
         slack=np.array(slack, dtype=np.float64),
+        slack_low=np.zeros(len(slack)),
+        ends=np.ones(len(slack), np.int32),
     )
     return _ListSolver(CertifiedSolver(weights, label, kind))
 
