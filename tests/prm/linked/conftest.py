@@ -1,4 +1,4 @@
-"""An independent solver of linked models: 60 digits, plain subtraction, brute force."""
+"""An independent solver of linked models: 250 digits, plain subtraction, brute force."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from tracerisk.prm.linked import (
 
 mpmath = pytest.importorskip("mpmath", reason="mpmath is the oracle of linked models")
 mp = mpmath.mp.clone()
-mp.dps = 80
+mp.dps = 250
 
 
 class Oracle:
@@ -47,6 +47,7 @@ class Oracle:
     def __init__(self, model: LinkedModel, values=None) -> None:
         self.model = model
         self.values = {name: mp.mpf(value) for name, value in (values or {}).items()}
+        self.known = {}
         self.trees = {tree.name: tree for tree in model.trees}
         self.chains = {chain.name: chain for chain in model.chains}
 
@@ -66,6 +67,11 @@ class Oracle:
         return (ends[0] - ends[1]) / (2 * step)
 
     def of(self, node):
+        if node not in self.known:
+            self.known[node] = self.evaluated(node)
+        return self.known[node]
+
+    def evaluated(self, node):
         if isinstance(node, Number):
             return mp.mpf(node.number)
         if isinstance(node, MissionTime):

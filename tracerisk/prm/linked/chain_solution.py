@@ -19,7 +19,7 @@ from tracerisk.prm.linked.occupancy import (
     poisson_weights,
     uniformised,
 )
-from tracerisk.prm.linked.rules import apart
+from tracerisk.prm.linked.rules import apart, within
 from tracerisk.prm.markov import ChainSolution, MarkovChain
 from tracerisk.prm.probability import Probability
 
@@ -95,9 +95,11 @@ class SolvedChain:
     ) -> None:
         self._made = made
         self._inputs = inputs
+        is_discrete = made.chain.time == "discrete"
+        if is_discrete:
+            self._inputs = self._probabilities()
         self._mission_time_h = mission_time_h
         self._from_each: dict[tuple[str, ...], dict[str, Probability]] = {}
-        is_discrete = made.chain.time == "discrete"
         self._totals = {
             state: self._row_total(state, row) if is_discrete else 1.0
             for state, row in made.rows.items()
@@ -185,10 +187,6 @@ class SolvedChain:
 
     def _row_total(self, state: str, row: Row) -> float:
         where = f"{self._made.chain.key}, state '{state}'"
-        for target, place in row.explicit.items():
-            p = self._inputs[place].p
-            if not 0.0 <= p <= 1.0 + 1e-15:
-                raise ModelError(f"{where}: probability {p!r} to '{target}' is outside [0, 1]")
         total = math.fsum(self._inputs[place].p for place in row.explicit.values())
         if row.remainder:
             if total > 1.0 + _ROW_TOLERANCE:
@@ -200,6 +198,19 @@ class SolvedChain:
                 "be the remainder"
             )
         return total
+
+    def _probabilities(self) -> tuple[Probability, ...]:
+        found = list(self._inputs)
+        for state, row in self._made.rows.items():
+            for target, place in row.explicit.items():
+                probability = within(found[place])
+                if probability is None:
+                    raise ModelError(
+                        f"{self._made.chain.key}, state '{state}': probability {found[place].p!r} "
+                        f"to '{target}' is outside [0, 1]"
+                    )
+                found[place] = probability
+        return tuple(found)
 
     def _check_rates(self) -> None:
         for state, row in self._made.rows.items():

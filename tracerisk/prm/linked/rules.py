@@ -36,6 +36,9 @@ _WEIGHTS = (
 )
 """Gauss-Legendre quadrature with five nodes on (0, 1)."""
 
+_ROUNDING = 1e-15
+"""How far outside [0, 1] rounding may take the difference of sums."""
+
 _CANCELS = 1e-3
 """A change below this part of the value is integrated, for its difference has lost digits."""
 
@@ -62,6 +65,10 @@ def pair_of(node: Expression, arguments: Pairs, mission_time_h: float) -> Probab
     if isinstance(node, Call) and node.function == "log" and 0.5 < numbers[0] < 2.0:
         value = math.log1p(-arguments[0].q)
         return Probability(value, 1.0 - value)
+    if isinstance(node, Call) and node.function == "mean":
+        count = len(arguments)
+        halves = (math.fsum(pair[half] for pair in arguments) / count for half in (0, 1))
+        return Probability(*halves)
     value = node.value(numbers, mission_time_h)
     if isinstance(node, Call) and node.function == "exp":
         return Probability(value, -math.expm1(numbers[0]))
@@ -73,6 +80,13 @@ def apart(first: Probability, second: Probability) -> float:
     if abs(first.p) + abs(second.p) <= abs(first.q) + abs(second.q):
         return first.p - second.p
     return second.q - first.q
+
+
+def within(pair: Probability) -> Probability | None:
+    """Return a pair as a probability, rounding beyond [0, 1] taken off; `None` for one outside."""
+    if not -_ROUNDING <= pair.p <= 1.0 + _ROUNDING:
+        return None
+    return Probability(min(max(pair.p, 0.0), 1.0), min(max(pair.q, 0.0), 1.0))
 
 
 def _sum(arguments: Pairs) -> Probability:

@@ -12,7 +12,7 @@ from tracerisk.prm.fault_tree import BasicEvent, FaultTree, HouseEvent
 from tracerisk.prm.gates import Gate, gate_probability, gate_shares
 from tracerisk.prm.linked.elements import LinkedTree
 from tracerisk.prm.linked.links import Link
-from tracerisk.prm.linked.rules import along
+from tracerisk.prm.linked.rules import along, within
 from tracerisk.prm.probability import Probability
 
 if TYPE_CHECKING:
@@ -35,13 +35,16 @@ class TreeToSolve:
 
     def solve(self, inputs: Sequence[Probability], mission_time_h: float) -> SolvedTree:  # noqa: ARG002
         """Return the tree solved; raise ModelError when an event has no probability."""
+        taken = []
         for event, pair in zip(self.tree.events, inputs, strict=True):
-            if not 0.0 <= pair.p <= 1.0 + 1e-15:
+            probability = within(pair)
+            if probability is None:
                 raise ModelError(
                     f"fault tree '{self.name}', event '{event.name}': probability {pair.p!r} is "
                     "outside [0, 1]"
                 )
-        return SolvedTree(self.tree, tuple(inputs))
+            taken.append(probability)
+        return SolvedTree(self.tree, tuple(taken))
 
 
 def tree_to_solve(tree: LinkedTree, trees: Mapping[str, LinkedTree]) -> TreeToSolve:
@@ -158,8 +161,8 @@ class SolvedTree:
     def _change_of_shared(self, low: SolvedTree, changes: Sequence[float]) -> float:
         """Take the difference inside the diagram, unless an event's own has lost its digits."""
         lossless = all(
-            abs(each) >= _LOSES * min(pair.p, pair.q)
-            for each, pair in zip(changes, self._inputs, strict=True)
+            abs(each) >= _LOSES * max(high.p, below.p)
+            for each, high, below in zip(changes, self._inputs, low._inputs, strict=True)
             if each
         )
         if lossless:
