@@ -36,7 +36,7 @@ def test_the_block_shown_is_part_of_what_the_run_writes(example, pick_and_place)
     assert float(figure.search(entry)[1]) == pytest.approx(float(figure.search(shown)[1]), rel=0.01)
 
 
-@pytest.mark.parametrize("verb", re.findall(r"^\| `tracerisk (\w+)", README, re.MULTILINE))
+@pytest.mark.parametrize("verb", re.findall(r"^\| `tracerisk ([\w-]+)", README, re.MULTILINE))
 def test_every_verb_of_the_table_has_a_help(verb, capsys):
     from tracerisk.cli import VERBS, main
 
@@ -50,7 +50,7 @@ def test_every_verb_of_the_table_has_a_help(verb, capsys):
 def test_every_verb_stands_in_the_table():
     from tracerisk.cli import VERBS
 
-    assert set(re.findall(r"^\| `tracerisk (\w+)", README, re.MULTILINE)) == set(VERBS)
+    assert set(re.findall(r"^\| `tracerisk ([\w-]+)", README, re.MULTILINE)) == set(VERBS)
 
 
 def test_links_lead_to_files():

@@ -18,6 +18,8 @@ VERBS = {
     "annotate": "write risk blocks into a controller from a trace or a log",
     "build": "build the risk model from the blocks in sources, and from nothing else",
     "solve": "solve a model, or the blocks in sources, exactly",
+    "cut-sets": "count, sum and list the minimal cut sets of a fault tree",
+    "convert": "write a model in another format: Open-PSA, OpenPRA, Galileo, PRISM, .tra",
     "check": "tell whether blocks can be trusted as they stand, without a simulation",
     "refresh": "bring blocks up to date, simulating only what is stale",
     "overrides": "list what was set by hand in blocks, its reason, and how far it has drifted",
@@ -81,7 +83,7 @@ def _parser(chosen: str | None, *, as_json: bool) -> argparse.ArgumentParser:
         if verb == chosen:
             sub.verb = parser.verb
             parser.chosen = sub
-            import_module(f"tracerisk.cli.{verb}").add_options(sub)
+            import_module(f"tracerisk.cli.{verb.replace('-', '_')}").add_options(sub)
     return parser
 
 

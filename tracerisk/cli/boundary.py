@@ -21,7 +21,7 @@ def guarded(options: argparse.Namespace) -> int:
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, _terminated)
     try:
-        return int(import_module(f"tracerisk.cli.{options.verb}").run(options))
+        return int(import_module(f"tracerisk.cli.{options.verb.replace('-', '_')}").run(options))
     except TraceRiskError as error:
         print(f"tracerisk: {error}", file=sys.stderr)
         if scenario := getattr(error, "scenario", ""):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -113,7 +113,7 @@ def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.
     return int(code)
 
 
-def chosen(figures: Sequence[str], figure: str | None, model: str) -> tuple[str, ...]:
+def chosen(figures: Collection[str], figure: str | None, model: str) -> tuple[str, ...]:
     """Return the figures that are asked for: all, or the one; InputError for an unknown one."""
     if figure is None:
         return tuple(figures)

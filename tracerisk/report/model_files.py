@@ -21,7 +21,7 @@ def render_tops(
 ) -> str:
     """Return the probability of each top; of a likely one its complement too."""
     likely = any(p > 0.5 for p, _ in tops.values())
-    table = table_of(name)
+    title, table = name, table_of("")
     table.add_column("top", overflow="fold")
     table.add_column("probability", justify="right", no_wrap=True)
     if likely:
@@ -31,7 +31,7 @@ def render_tops(
         if likely:
             cells.append(f"{q:.6e}" if p > 0.5 else "")
         table.add_row(*plain(cells))
-    return render_parts([table], width=width, color=color)
+    return render_parts([*plain([title]), table], width=width, color=color)
 
 
 def render_top_importance(
@@ -43,7 +43,7 @@ def render_top_importance(
 ) -> str:
     """Return the importance of each parameter, or of each event of a dynamic tree, for a top."""
     kept = rows[:MOST_ROWS]
-    table = table_of(f"Importance for {top}{_cut(len(rows))}")
+    title, table = f"Importance for {top}{_cut(len(rows))}", table_of("")
     table.add_column("event", overflow="fold")
     headings = {
         "probability": "probability",
@@ -60,13 +60,13 @@ def render_top_importance(
     for row in kept:
         cells = [f"{getattr(row, name):.4g}" for name in used]
         table.add_row(*plain([row.name, *cells]))
-    return render_parts([table], width=width, color=color)
+    return render_parts([*plain([title]), table], width=width, color=color)
 
 
 def render_event_tree(found: EventTreeSolution, *, width: int = 80, color: bool = False) -> str:
     """Return the sequences and outcomes of an event tree."""
     unit = f" per {found.initiating.per}" if found.initiating.per else ""
-    sequences = table_of(f"Event tree {found.event_tree}, from {found.initiating.name}")
+    sequences = table_of("")
     for heading in ("sequence", "end state"):
         sequences.add_column(heading, overflow="fold")
     for heading in ("probability", f"value{unit}"):
@@ -74,14 +74,16 @@ def render_event_tree(found: EventTreeSolution, *, width: int = 80, color: bool 
     for each in found.sequences:
         figures = (f"{each.probability:.6e}", f"{each.value:.6e}")
         sequences.add_row(*plain([each.name, each.end_state, *figures]))
+    parts = [*plain([f"Event tree {found.event_tree}, from {found.initiating.name}"]), sequences]
     if not any(found.outcomes):
-        return render_parts([sequences], width=width, color=color)
-    outcomes = table_of(f"Outcomes of {found.event_tree}")
+        return render_parts(parts, width=width, color=color)
+    outcomes = table_of("")
     outcomes.add_column("end state", overflow="fold")
     outcomes.add_column(f"value{unit}", justify="right", no_wrap=True)
     for name, value in found.outcomes.items():
         outcomes.add_row(*plain([name, f"{value:.6e}"]))
-    return render_parts([sequences, outcomes], width=width, color=color)
+    parts += [*plain([f"Outcomes of {found.event_tree}"]), outcomes]
+    return render_parts(parts, width=width, color=color)
 
 
 def render_states(
@@ -96,12 +98,12 @@ def render_states(
     shown = list(values.items())
     if len(shown) > MOST_ROWS:
         shown = sorted(shown, key=lambda each: (-each[1], each[0]))[:MOST_ROWS]
-    table = table_of(f"{name}{_cut(len(values))}")
+    title, table = f"{name}{_cut(len(values))}", table_of("")
     table.add_column("state", overflow="fold")
     table.add_column(heading, justify="right", no_wrap=True)
     for state, value in shown:
         table.add_row(*plain([state, f"{value:.6e}"]))
-    return render_parts([table], width=width, color=color)
+    return render_parts([*plain([title]), table], width=width, color=color)
 
 
 def render_line(text: str, *, width: int = 80, color: bool = False) -> str:

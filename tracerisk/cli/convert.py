@@ -1,0 +1,193 @@
+"""`tracerisk convert`: a model in another format, where that format can hold it."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path, PurePath
+from typing import TYPE_CHECKING
+
+from tracerisk.cli import options as shared
+from tracerisk.cli import what_if as asked
+from tracerisk.cli.model_files import format_of, labels_beside, read_model
+from tracerisk.cli.output import note, print_json
+from tracerisk.errors import InputError, Location, ModelError, one_of
+from tracerisk.prm.formats.detect import SUFFIXES, ModelFormat
+
+if TYPE_CHECKING:
+    from tracerisk.prm.dynamic import DynamicTree
+    from tracerisk.prm.formats.explicit_chain import ExplicitChain
+    from tracerisk.prm.hybrid import HybridModel
+    from tracerisk.prm.logic_model import LogicModel
+
+TREES = (ModelFormat.OPEN_PSA, ModelFormat.OPENPRA, ModelFormat.GALILEO)
+CHAINS = (ModelFormat.PRISM, ModelFormat.EXPLICIT)
+_WRITTEN = (*TREES, *CHAINS, ModelFormat.LINKED)
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    parser.add_argument("files", metavar="FILE", nargs="+", help="a model of any format")
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", required=True, help="the file to write; of .tra, .lab too"
+    )
+    parser.add_argument(
+        "--to",
+        choices=[each.value for each in _WRITTEN],
+        help="the format; else told by the name of the output (.json is openpra)",
+    )
+    parser.add_argument(
+        "--set",
+        dest="set_values",
+        metavar="NAME=V",
+        action="append",
+        default=[],
+        help="a constant of a PRISM file; may be given again",
+    )
+    parser.add_argument("--top", metavar="NAME", help="the top to write, where a file holds one")
+    shared.add_mission_time(parser)
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    from tracerisk.adder.write import FileWrite, write_all
+
+    kind = format_of(options.files)
+    if kind is None:
+        raise InputError(
+            "is no model file; `tracerisk build` makes one of the blocks in sources",
+            Location(options.files[0]),
+        )
+    target = _target(options)
+    try:
+        texts = _converted(options, kind, target)
+    except ModelError as error:
+        error.location = error.location or Location(options.files[0])
+        raise
+    write_all(FileWrite(Path(name), text.encode()) for name, text in texts.items())
+    if options.json:
+        print_json("convert", format=kind.value, to=target.value, files=list(texts))
+    note(f"{', '.join(texts)}: {kind.value} as {target.value}", quiet=options.quiet)
+    return 0
+
+
+def _target(options: argparse.Namespace) -> ModelFormat:
+    if options.to is not None:
+        return ModelFormat(options.to)
+    suffix = PurePath(options.output).suffix.lower()
+    if suffix == ".json":
+        return ModelFormat.OPENPRA
+    if suffix not in SUFFIXES:
+        allowed = one_of(each.value for each in _WRITTEN)
+        raise InputError(f"--output {options.output}: no format has this ending; --to {allowed}")
+    return SUFFIXES[suffix]
+
+
+def _converted(
+    options: argparse.Namespace, kind: ModelFormat, target: ModelFormat
+) -> dict[str, str]:
+    """Return the text of each file to write."""
+    from tracerisk.prm.dynamic import DynamicTree
+    from tracerisk.prm.formats.explicit_chain import ExplicitChain
+    from tracerisk.prm.hybrid import HybridModel
+    from tracerisk.prm.logic_model import LogicModel
+
+    constants = _constants(options, kind)
+    model = read_model(options.files, kind, constants)
+    if isinstance(model, ExplicitChain) and target in CHAINS:
+        return _chain_texts(model, target, options.output)
+    if isinstance(model, HybridModel) and target is not ModelFormat.LINKED:
+        return _functions_texts(model, target, options)
+    if isinstance(model, HybridModel):
+        from tracerisk.prm.formats import linked_json
+
+        return {options.output: linked_json.dumps(model.to_linked())}
+    if isinstance(model, LogicModel | DynamicTree) and target in TREES:
+        return {options.output: _tree_text(model, target, options)}
+    held = {
+        ModelFormat.LINKED: "its chains, trees and the expressions that join them",
+        ModelFormat.PRISM: "a chain",
+        ModelFormat.EXPLICIT: "a chain",
+    }.get(kind, "fault or event trees")
+    raise ModelError(
+        f"holds {held}, which {target.value} cannot hold; trees go to "
+        f"{_named(TREES)}, chains to {_named(CHAINS)}, models of functions to either"
+    )
+
+
+def _constants(options: argparse.Namespace, kind: ModelFormat) -> dict[str, int | float]:
+    values = asked.parse_set(options, asked.number)
+    if values and kind is not ModelFormat.PRISM:
+        raise InputError("--set goes with constants of a PRISM file; change the model instead")
+    return {name: int(n) if n.is_integer() else n for name, n in values.items()}
+
+
+def _functions_texts(
+    model: HybridModel, target: ModelFormat, options: argparse.Namespace
+) -> dict[str, str]:
+    if target in CHAINS:
+        from tracerisk.prm.expanded_chain import expanded_chain
+        from tracerisk.prm.formats.explicit_chain import explicit_chain
+
+        chain = explicit_chain(expanded_chain(model), model.entry)
+        return _chain_texts(chain, target, options.output)
+    from tracerisk.prm.formats.conversion import logic_of_functions
+
+    if model.latent:
+        note(
+            "a function's fault tree is that of a visit in which no unit has failed before",
+            quiet=options.quiet,
+        )
+    return {options.output: _tree_text(logic_of_functions(model), target, options)}
+
+
+def _tree_text(
+    model: LogicModel | DynamicTree, target: ModelFormat, options: argparse.Namespace
+) -> str:
+    from tracerisk.prm.dynamic import DynamicTree
+    from tracerisk.prm.formats.conversion import logic_of_dynamic, tree_of_logic
+
+    time = options.mission_time_h
+    if isinstance(model, DynamicTree):
+        if options.top not in (None, model.top):
+            raise ModelError(f"--top {options.top}: the top is '{model.top}'")
+        if target is ModelFormat.GALILEO:
+            from tracerisk.prm.formats import galileo
+
+            return galileo.dumps(model, mission_time_h=time)
+        model = logic_of_dynamic(model, time)
+    if target is ModelFormat.GALILEO:
+        from tracerisk.prm.formats import galileo
+
+        tree = tree_of_logic(model, options.top, time)
+        return galileo.dumps(tree, mission_time_h=time)
+    if options.top is not None:
+        raise InputError("--top goes with --to galileo; the other formats hold all tops")
+    if target is ModelFormat.OPENPRA:
+        from tracerisk.prm.formats.openpra import dumps_openpra
+        from tracerisk.prm.logic_what_if import needs_mission_time
+
+        if time is None and not needs_mission_time(model):
+            # Then every time gives the same numbers.
+            time = 0.0
+        return dumps_openpra(model, mission_time_h=time)
+    from tracerisk.prm.formats.open_psa import dumps_open_psa
+
+    return dumps_open_psa(model)
+
+
+def _chain_texts(chain: ExplicitChain, target: ModelFormat, output: str) -> dict[str, str]:
+    if target is ModelFormat.PRISM:
+        from tracerisk.prm.formats.prism import write_prism
+
+        return {output: write_prism(chain)}
+    from tracerisk.prm.formats.explicit import write_labels, write_transitions
+
+    labels = str(labels_beside(output))
+    if labels == output:
+        raise InputError(f"--output {output}: the labels go to a .lab beside it; name it .tra")
+    return {output: write_transitions(chain), labels: write_labels(chain)}
+
+
+def _named(kinds: tuple[ModelFormat, ...]) -> str:
+    return ", ".join(each.value for each in kinds)

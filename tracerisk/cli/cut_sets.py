@@ -1,0 +1,205 @@
+"""`tracerisk cut-sets`: the minimal cut sets of a fault tree, counted, summed and listed."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import dataclass
+from itertools import islice
+from typing import TYPE_CHECKING
+
+from tracerisk.cli import options as shared
+from tracerisk.cli.model_files import format_of, read_model
+from tracerisk.cli.output import note, print_json, terminal_width, use_color
+from tracerisk.errors import InputError, ModelError, one_of
+from tracerisk.prm.formats.detect import ModelFormat
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from tracerisk.prm.fault_tree import FaultTree
+    from tracerisk.prm.hybrid import HybridModel
+    from tracerisk.prm.logic_model import LogicModel
+
+LIMIT = 20
+"""How many are listed unless it is said."""
+_TREES = "a fault tree (Open-PSA, OpenPRA, static Galileo) or a model of functions (JSON)"
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    parser.add_argument(
+        "files", metavar="FILE", nargs="+", help="a model: Open-PSA, OpenPRA, Galileo or JSON"
+    )
+    parser.add_argument("--top", metavar="NAME", help="the top or function; else the only one")
+    parser.add_argument(
+        "--max-order", metavar="K", type=shared.count, help="leave out those of more than K events"
+    )
+    parser.add_argument(
+        "--cut-off",
+        metavar="P",
+        type=shared.probability,
+        default=0.0,
+        help="list none of a probability below P",
+    )
+    parser.add_argument(
+        "--limit",
+        metavar="N",
+        type=shared.count,
+        default=LIMIT,
+        help=f"list the N most probable ({LIMIT})",
+    )
+    parser.add_argument(
+        "--prime",
+        action="store_true",
+        help="prime implicants: of trees with negations, what must not happen too",
+    )
+    shared.add_mission_time(parser)
+    shared.add_json(parser)
+
+
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """The tree that is asked about, and the probabilities of its parameters, if it has any."""
+
+    tree: FaultTree
+    values: Mapping[str, float] | None
+    notes: tuple[str, ...] = ()
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    from tracerisk.prm.cut_sets import minimal_cut_sets, prime_implicants
+
+    asked = _asked(options)
+    find = prime_implicants if options.prime else minimal_cut_sets
+    found = find(asked.tree, max_order=options.max_order)
+    by_order = found.count_by_order()
+    values = asked.values
+    total = None if values is None else found.rare_event_sum(values)
+    top = None if values is None else asked.tree.probability(values).p
+    listed = list(islice(found.most_probable(values, cut_off=options.cut_off), options.limit))
+    notes = list(asked.notes)
+    if not options.prime and not asked.tree.is_coherent:
+        notes.append(
+            "the tree is not coherent: its minimal cut sets leave out what must not happen; "
+            "--prime tells that too"
+        )
+    for text in notes:
+        note(text, quiet=options.quiet or options.json)
+    if options.json:
+        sets = [
+            {
+                "events": list(each.events),
+                "absent": list(each.absent),
+                "order": each.order,
+                "probability": each.probability,
+            }
+            for each in listed
+        ]
+        print_json(
+            "cut-sets",
+            top=asked.tree.top,
+            kind="prime implicant" if options.prime else "minimal cut set",
+            count=found.count(),
+            count_by_order={str(order): count for order, count in by_order.items()},
+            max_order=options.max_order,
+            rare_event_sum=total,
+            top_probability=top,
+            cut_sets=sets,
+            notes=notes,
+        )
+        return 0
+    from tracerisk.report.cut_sets import render_cut_sets
+
+    sys.stdout.write(
+        render_cut_sets(
+            asked.tree.top,
+            "prime implicant" if options.prime else "minimal cut set",
+            by_order,
+            listed,
+            total=total,
+            top_probability=top,
+            max_order=options.max_order,
+            width=terminal_width(),
+            color=use_color(),
+        )
+    )
+    sys.stdout.flush()
+    return 0
+
+
+def _asked(options: argparse.Namespace) -> _Asked:
+    files, time = options.files, options.mission_time_h
+    kind = format_of(files)
+    if kind is None:
+        from tracerisk.cli.sources import model_of_sources
+
+        return _of_functions(model_of_sources(files, {}), options.top)
+    if kind in (ModelFormat.PRISM, ModelFormat.EXPLICIT, ModelFormat.LINKED):
+        raise InputError(f"'{files[0]}' holds no fault tree with cut sets; give {_TREES}")
+    from tracerisk.prm.dynamic import DynamicTree
+    from tracerisk.prm.hybrid import HybridModel
+    from tracerisk.prm.logic_model import LogicModel
+
+    model = read_model(files, kind)
+    if isinstance(model, LogicModel):
+        return _of_logic(model, options.top, time)
+    if isinstance(model, HybridModel):
+        return _of_functions(model, options.top)
+    assert isinstance(model, DynamicTree)
+    _only((model.top,), options.top)
+    return _of_dynamic(model, time)
+
+
+def _of_logic(model: LogicModel, top: str | None, time: float | None) -> _Asked:
+    from tracerisk.prm.logic_what_if import needs_mission_time
+
+    timed = needs_mission_time(model)
+    name = top if top in model.gates_by_name and top is not None else _only(model.tops, top)
+    if timed and time is None and model.groups:
+        raise InputError("figures depend on the mission time; give --mission-time H, in hours")
+    tree = model.fault_tree(name, mission_time_h=time or 0.0)
+    if timed and time is None:
+        told = "figures depend on the mission time: with --mission-time H there are probabilities"
+        return _Asked(tree, None, (*model.findings, told))
+    if any(event.model is None for event in tree.events):
+        told = "events have no figures: the cut sets are listed by their order"
+        return _Asked(tree, None, (*model.findings, told))
+    return _Asked(tree, tree.values_at(time or 0.0), model.findings)
+
+
+def _of_functions(model: HybridModel, top: str | None) -> _Asked:
+    states = {state.name: state for state in model.states if state.tree.events}
+    state = states[_only(tuple(states), top)]
+    return _Asked(state.tree, state.probabilities)
+
+
+def _of_dynamic(model: object, time: float | None) -> _Asked:
+    from tracerisk.prm.dynamic import DynamicTree
+    from tracerisk.prm.dynamic.tree import DynamicGroup
+    from tracerisk.prm.failure_models import Constant, PerDemand
+
+    assert isinstance(model, DynamicTree)
+    tree = model.static_tree()
+    groups = [event.name for event in tree.events if isinstance(event.model, DynamicGroup)]
+    notes = tuple(
+        f"'{name}' is a dynamic group, in which order counts; it stands for one event"
+        for name in groups
+    )
+    fixed = all(isinstance(event.model, Constant | PerDemand) for event in tree.events)
+    if time is None and not fixed:
+        told = "figures depend on the mission time: with --mission-time H there are probabilities"
+        return _Asked(tree, None, (*notes, told))
+    return _Asked(tree, tree.values_at(time or 0.0), notes)
+
+
+def _only(tops: tuple[str, ...], top: str | None) -> str:
+    if top is None and len(tops) == 1:
+        return tops[0]
+    if top is None:
+        what = "no top" if not tops else f"{len(tops)} tops; say which with --top"
+        raise ModelError(f"the model has {what}" + (f"; {one_of(tops)}" if tops else ""))
+    if top not in tops:
+        raise ModelError(f"--top {top}: there is no such top; {one_of(tops, top)}")
+    return top

@@ -1,0 +1,61 @@
+"""The cut sets of a fault tree, for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from tracerisk.report.tables import plain, render_parts, table_of
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from tracerisk.prm.cut_sets import CutSet
+
+
+def render_cut_sets(
+    top: str,
+    kind: str,
+    by_order: Mapping[int, int],
+    listed: Sequence[CutSet],
+    *,
+    total: float | None,
+    top_probability: float | None,
+    max_order: int | None,
+    width: int = 80,
+    color: bool = False,
+) -> str:
+    """Return how many cut sets there are by order, their sum, and those that are listed.
+
+    `kind` is what one is called; `total` and `top_probability` are `None` without figures.
+    A share is that of the sum.
+    """
+    count = sum(by_order.values())
+    limit = "" if max_order is None else f" of at most {max_order} events"
+    orders = table_of("")
+    for heading in ("order", "number"):
+        orders.add_column(heading, justify="right")
+    for order, number in by_order.items():
+        orders.add_row(*plain([str(order), str(number)]))
+    kinds = kind if count == 1 else f"{kind}s"
+    parts: list[RenderableType] = [*plain([f"{top}: {count} {kinds}{limit}"]), orders]
+    if total is not None:
+        parts += plain([f"sum of their probabilities: {total:.6e}"])
+        parts += plain([f"top event, exactly:         {top_probability:.6e}", ""])
+    if listed:
+        first = "most probable" if total is not None else "of the lowest orders"
+        title = f"The {len(listed)} {first}" if len(listed) < count else "All of them"
+        table = table_of("")
+        table.add_column("events", overflow="fold")
+        if total is not None:
+            table.add_column("probability", justify="right", no_wrap=True)
+            table.add_column("share", justify="right", no_wrap=True)
+        for each in listed:
+            events = ", ".join([*each.events, *(f"not {name}" for name in each.absent)])
+            cells = [events or "(always)"]
+            if total is not None and each.probability is not None:
+                share = each.probability / total if total > 0.0 else 0.0
+                cells += [f"{each.probability:.6e}", f"{100.0 * share:.3g} %"]
+            table.add_row(*plain(cells))
+        parts += [*plain([title]), table]
+    return render_parts(parts, width=width, color=color)
