@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from operator import mul
 from typing import TYPE_CHECKING, Protocol
 
-from tracerisk.errors import ModelError, one_of
+from tracerisk.errors import ModelError, TooLargeError, one_of
 from tracerisk.prm.collection import collection_paused
 from tracerisk.prm.display import DisplayedGraph
 from tracerisk.prm.gates import Gate, GateKind, gate_probability, gate_shares
@@ -171,7 +171,13 @@ class FaultTree(DisplayedGraph):
         events are shared and the tree's decision diagram outgrows every budget.
         """
         if self._shared:
-            return self._compiled().probability(self._event_values(values))
+            pairs = self._event_values(values)
+            try:
+                return self._compiled().probability(pairs)
+            except TooLargeError as error:
+                from tracerisk.prm.bdd import with_bounds
+
+                raise with_bounds(error, self, pairs) from error
         return self._swept(values)[self._numbering.top]
 
     def probabilities(self, values: Mapping[str, ArrayLike]) -> NDArray[np.float64]:

@@ -7,21 +7,26 @@ import sys
 import pytest
 
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.bdd import SharedTree
+from tracerisk.prm.bdd import SharedTree, with_bounds
+from tracerisk.prm.bdd.bounds import tree_bounds
 from tracerisk.prm.bdd.diagram import Limits
 from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind
 from tracerisk.prm.probability import Probability
 
 
-@pytest.fixture(scope="module")
-def tangled():
+def tangled_tree(events, sums):
     """A product of sums over events drawn anew for each: no module, and a wide diagram."""
     source = random.Random(7)
-    names = [f"e{i}" for i in range(60)]
-    sums = [Gate(f"g{i}", GateKind.OR, tuple(source.sample(names, 4))) for i in range(45)]
-    top = Gate("top", GateKind.AND, tuple(gate.name for gate in sums))
-    used = [name for name in names if any(name in gate.inputs for gate in sums)]
-    return FaultTree("top", (top, *sums), tuple(BasicEvent(name, "p") for name in used))
+    names = [f"e{i}" for i in range(events)]
+    gates = [Gate(f"g{i}", GateKind.OR, tuple(source.sample(names, 4))) for i in range(sums)]
+    top = Gate("top", GateKind.AND, tuple(gate.name for gate in gates))
+    used = [name for name in names if any(name in gate.inputs for gate in gates)]
+    return FaultTree("top", (top, *gates), tuple(BasicEvent(name, "p") for name in used))
+
+
+@pytest.fixture(scope="module")
+def tangled():
+    return tangled_tree(40, 30)
 
 
 def test_a_tree_that_outgrows_its_budgets_is_refused_with_what_was_tried(tangled):
@@ -42,6 +47,45 @@ def test_the_least_budget_that_fits_is_enough(tangled):
         {event.name: Probability.of(0.25) for event in tangled.events}
     )
     assert found.p + found.q == pytest.approx(1.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("p", [0.01, 0.5])
+@pytest.mark.parametrize("bound_nodes", [50, 1_000])
+def test_bounds_hold_the_probability_between_them(tangled, p, bound_nodes):
+    pairs = {event.name: Probability.of(p) for event in tangled.events}
+    exact = SharedTree(tangled).probability(pairs).p
+    lower, upper = tree_bounds(
+        tangled, pairs, Limits(nodes=(1_000,), plain_nodes=0, bound_nodes=bound_nodes)
+    )
+    assert lower <= exact <= upper
+    assert lower < upper
+
+
+def test_bounds_by_diagrams_that_need_no_thinning_are_the_probability():
+    tree = tangled_tree(20, 15)
+    pairs = {event.name: Probability.of(0.25) for event in tree.events}
+    exact = SharedTree(tree).probability(pairs).p
+    limits = Limits(nodes=(100,), plain_nodes=0, bound_nodes=5_000)
+    assert tree_bounds(tree, pairs, limits) == pytest.approx((exact, exact), rel=1e-13)
+
+
+def test_bounds_hold_for_a_tree_that_is_not_coherent(tangled):
+    odd = Gate("odd", GateKind.XOR, ("top", "e1", "e2"))
+    tree = FaultTree("odd", (odd, *tangled.gates), tangled.events)
+    pairs = {event.name: Probability.of(0.3) for event in tree.events}
+    exact = SharedTree(tree).probability(pairs).p
+    lower, upper = tree_bounds(tree, pairs, Limits(nodes=(1_000,), plain_nodes=0, bound_nodes=300))
+    assert lower < exact < upper
+
+
+def test_the_error_tells_the_bounds(tangled):
+    pairs = {event.name: Probability.of(0.25) for event in tangled.events}
+    limits = Limits(nodes=(1_000,), plain_nodes=0, bound_nodes=1_000)
+    with pytest.raises(TooLargeError) as caught:
+        SharedTree(tangled, limits)
+    error = with_bounds(caught.value, tangled, pairs, limits)
+    assert error.lower < SharedTree(tangled).probability(pairs).p < error.upper
+    assert f"; the probability is between {error.lower!r} and {error.upper!r}" in error.message
 
 
 def test_a_small_shared_tree_is_solved_without_numba_or_numpy():

@@ -23,6 +23,7 @@ class Limits:
     `plain_nodes` is the budget up to which numba is not needed, `pairs` the most pairs of nodes
     kept for a difference, 16 bytes each, and `samples_bytes` what the sweep of many samples holds
     at once.
+    `bound_nodes` is the size of the diagrams by which bounds are found where no budget suffices.
     `swapped` lets each two neighbours of an order change places, which gives a second diagram to
     check a first by.
     """
@@ -31,6 +32,7 @@ class Limits:
     plain_nodes: int = 2_000
     pairs: int = 1 << 24
     samples_bytes: int = 1 << 26
+    bound_nodes: int = 20_000
     swapped: bool = False
 
 
@@ -196,6 +198,31 @@ class Diagram:
         return (fails, happens) if self.root & 1 else (happens, fails)
 
 
+def module_pair(
+    graph: LogicGraph,
+    module: Module,
+    diagram: Diagram | None,
+    p: Sequence[float],
+    q: Sequence[float],
+) -> tuple[float, float]:
+    """Return the probability of a module's root and of its complement; p and q are by node.
+
+    One without a diagram is a product of independent inputs.
+    """
+    if diagram is None:
+        happens, fails = 1.0, 0.0
+        for argument in graph.arguments[module.root]:
+            if argument > 0:
+                happens, fails = happens * p[argument], fails + happens * q[argument]
+            else:
+                happens, fails = happens * q[-argument], fails + happens * p[-argument]
+        return happens, fails
+    order = diagram.order
+    nodes = diagram.sweep([p[node] for node in order], [q[node] for node in order])
+    happens, fails = (float(side[diagram.root >> 1]) for side in nodes)
+    return (fails, happens) if diagram.root & 1 else (happens, fails)
+
+
 def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LIMITS) -> Diagram:
     """Return a module's diagram, by the first order that fits the least budget that any fits.
 
@@ -206,7 +233,7 @@ def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LI
     walked = _orders(walked_orders(graph, module), limits)
     if limits.plain_nodes and not compiled_loops.cache_info().currsize:
         first = next(iter(walked.values()))
-        found, _ = _built(_local(graph, module, first), limits.plain_nodes, PLAIN)
+        found, _ = _built(local_of(graph, module, first), limits.plain_nodes, PLAIN)
         if found is not None:
             return found
     loops = compiled_loops()
@@ -260,7 +287,7 @@ def _trials(
     for name, order in named.items():
         if order not in seen:
             seen.add(order)
-            trials[name] = _local(graph, module, order)
+            trials[name] = local_of(graph, module, order)
     return trials
 
 
@@ -273,7 +300,7 @@ class _Local:
     literals: list[int]
 
 
-def _local(graph: LogicGraph, module: Module, order: tuple[int, ...]) -> _Local:
+def local_of(graph: LogicGraph, module: Module, order: tuple[int, ...]) -> _Local:
     """Number a module's inputs by level; each gate's deepest arguments stand first."""
     number = {node: level for level, node in enumerate(order)}
     top = dict(number)
@@ -294,6 +321,7 @@ def _built(local: _Local, budget: int, loops: Loops) -> tuple[Diagram | None, in
     used = loops.integers(2)
     root = loops.build(
         levels,
+        0,
         loops.listed(local.offsets),
         loops.listed(local.literals),
         loops.integers(len(local.offsets) - 1),

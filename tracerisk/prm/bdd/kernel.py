@@ -28,6 +28,7 @@ EXACT_ENOUGH = 16.0
 
 def build(
     levels: int,
+    first: int,
     offsets: Integers,
     literals: Integers,
     edges: Integers,
@@ -40,14 +41,16 @@ def build(
     """Build the diagrams of a sequence of ANDs; return the last one's edge, or OUT_OF_NODES.
 
     levels: number of variables; variable i has level i, 0 on top.
+    first: the number of the first gate here; `nodes`, `table`, `cache`, `edges` and `used` go on
+        from those of the gates before it.
     offsets: (n_gates + 1,) where each gate's arguments start in `literals`; a literal is
         2 (variable) or 2 (levels + gate), plus one for the complement.
-    edges: (n_gates,) out, the edge of each gate.
+    edges: out, the edge of each gate by number.
     nodes: (4 budget) out, the nodes: level, low edge, high edge and nothing of each.
     table: (power of two, over budget) zeros, the hash table of the nodes.
     cache: (3 times a power of two) zeros, the results of conjunctions: f, g, result.
     frames: (6 (levels + 2)) the stack.
-    used: (2) out, how many nodes were made, and how many literals are done.
+    used: (2) in and out, how many nodes were made (0: none yet); how many literals are done.
     """
     budget = len(nodes) // 4
     table_mask = len(table) - 1
@@ -55,7 +58,7 @@ def build(
     nodes[0] = levels
     nodes[1] = 0
     nodes[2] = 0
-    count = 1
+    count = max(1, used[0])
     for gate in range(len(offsets) - 1):
         joined = 0
         for place in range(offsets[gate], offsets[gate + 1]):
@@ -195,10 +198,10 @@ def build(
             joined = result
             if joined == 1:
                 break
-        edges[gate] = joined
+        edges[first + gate] = joined
     used[0] = count
     used[1] = len(literals)
-    return int(edges[len(offsets) - 2])
+    return int(edges[first + len(offsets) - 2])
 
 
 def extract(

@@ -8,7 +8,7 @@ from operator import mul
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import ModelError, TooLargeError, one_of
-from tracerisk.prm.bdd.diagram import DEFAULT_LIMITS, Diagram, Limits, build_diagram
+from tracerisk.prm.bdd.diagram import DEFAULT_LIMITS, Diagram, Limits, build_diagram, module_pair
 from tracerisk.prm.bdd.logic import FIRST_EVENT, TRUE, LogicGraph, logic_graph
 from tracerisk.prm.bdd.modules import Module, grouped, modules
 from tracerisk.prm.bdd.simplify import simplified
@@ -165,21 +165,7 @@ class SharedTree:
             p[node], q[node] = values[event]
         for module in self.modules:
             root = module.root
-            diagram = self.diagrams.get(root)
-            if diagram is None:
-                happens, fails = 1.0, 0.0
-                for argument in self.graph.arguments[root]:
-                    if argument > 0:
-                        happens, fails = happens * p[argument], fails + happens * q[argument]
-                    else:
-                        happens, fails = happens * q[-argument], fails + happens * p[-argument]
-            else:
-                order = diagram.order
-                nodes = diagram.sweep([p[node] for node in order], [q[node] for node in order])
-                happens, fails = (float(side[diagram.root >> 1]) for side in nodes)
-                if diagram.root & 1:
-                    happens, fails = fails, happens
-            p[root], q[root] = happens, fails
+            p[root], q[root] = module_pair(self.graph, module, self.diagrams.get(root), p, q)
         return p, q
 
 
@@ -193,3 +179,24 @@ def _shares(before: Sequence[float], after: Sequence[float]) -> list[float]:
 def compiled(tree: FaultTree, limits: Limits = DEFAULT_LIMITS) -> SharedTree:
     """Return the tree made ready for solving within limits."""
     return SharedTree(tree, limits)
+
+
+def with_bounds(
+    error: TooLargeError, tree: FaultTree, values: EventValues, limits: Limits = DEFAULT_LIMITS
+) -> TooLargeError:
+    """Return the error that a tree outgrew its budgets, with bounds of its probability.
+
+    Where more than four modules outgrew them there are none, and the error stays as it is.
+    """
+    from tracerisk.prm.bdd.bounds import tree_bounds
+
+    try:
+        lower, upper = tree_bounds(tree, values, limits)
+    except TooLargeError:
+        return error
+    return TooLargeError(
+        f"{error.message}; the probability is between {lower!r} and {upper!r}",
+        error.location,
+        lower=lower,
+        upper=upper,
+    )
