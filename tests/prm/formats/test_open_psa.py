@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import time
 import tracemalloc
-from itertools import product
+from itertools import pairwise, product
 from pathlib import Path
 
 import pytest
@@ -14,7 +14,14 @@ from hypothesis import strategies as st
 
 from tests.prm.formats.models import gates, logic_models, names, ordered
 from tracerisk.errors import ModelError
-from tracerisk.prm.expressions import Exponential, MissionTime, Number, Reference, evaluate
+from tracerisk.prm.expressions import (
+    Exponential,
+    MissionTime,
+    Negation,
+    Number,
+    Reference,
+    evaluate,
+)
 from tracerisk.prm.formats.open_psa import (
     dumps_open_psa,
     loads_open_psa,
@@ -28,7 +35,15 @@ from tracerisk.prm.formats.open_psa.rewriting import (
     written_name,
 )
 from tracerisk.prm.gates import Gate, GateKind
-from tracerisk.prm.logic_model import ALWAYS, NEVER, LogicModel
+from tracerisk.prm.logic_model import (
+    ALWAYS,
+    NEVER,
+    Container,
+    EventDefinition,
+    GateDefinition,
+    LogicModel,
+    Place,
+)
 
 
 @given(names)
@@ -520,6 +535,66 @@ def test_a_chain_of_gates_of_any_length_is_read():
     read = loads_open_psa(model(body + gate(A, f"g{count}") + event("a")), "m.xml")
     assert read.tops == ("g0",)
     assert read.fault_tree("g0").probability({"a": 0.25}).p == 0.25
+
+
+def test_formulas_that_nest_deep_are_written_as_gates():
+    names_ = ["top", *(f"top#{i}" for i in range(1, 400)), "a"]
+    gates_ = tuple(
+        GateDefinition(Gate(name, GateKind.NOT, (below,)), Place("T"), nested=name != "top")
+        for name, below in pairwise(names_)
+    )
+    events = (EventDefinition("a", Number(0.5), Place("T")),)
+    deep = LogicModel(gates=gates_, events=events, containers=(Container("T"),))
+    text = dumps_open_psa(deep)
+    assert loads_open_psa(text, "again.xml") == deep
+    assert max(len(line) - len(line.lstrip()) for line in text.splitlines()) < 200
+
+
+def test_an_expression_that_nests_too_deep_to_write_is_told():
+    figure = Number(0.5)
+    for _ in range(150):
+        figure = Negation(figure)
+    deep = LogicModel(events=(EventDefinition("a", figure),))
+    with pytest.raises(ModelError, match="an expression nests more than 100 deep"):
+        dumps_open_psa(deep)
+
+
+def test_an_expression_without_a_word_in_open_psa_is_told():
+    class Own(Number):
+        pass
+
+    class Odd(Negation):
+        pass
+
+    odd = LogicModel(events=(EventDefinition("a", Odd(Own(0.5))),))
+    with pytest.raises(ModelError, match="Open-PSA has no expression such as Odd"):
+        dumps_open_psa(odd)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (
+            {"containers": (Container("#"),)},
+            "the fault tree '#' has the name of what holds the gates in none; rename it",
+        ),
+        (
+            {"events": (EventDefinition("a", None, Place("U")),)},
+            "the fault tree 'U' is not among the containers; add it to them",
+        ),
+        (
+            {
+                "events": (EventDefinition("a", None, Place("U", private=True)),),
+                "containers": (Container("U"),),
+            },
+            "'a' is private in 'U', and not named after it; call it 'U.a'",
+        ),
+    ],
+)
+def test_what_open_psa_cannot_hold_is_told(changes, message):
+    with pytest.raises(ModelError) as caught:
+        dumps_open_psa(LogicModel(**changes))
+    assert caught.value.message == message
 
 
 def test_a_file_may_hold_what_another_defines(tmp_path):

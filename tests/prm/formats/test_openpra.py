@@ -227,7 +227,7 @@ BAD = [
     ),
     ({"model": {"faultTrees": {}}}, "model.faultTrees: expected a list, found an object"),
     (request({"name": "T"}), "model.faultTrees[0]: 'top' is missing"),
-    (request(leaf("b")), "faultTrees[0].top.event: 'b' is no event or fault tree; list it"),
+    (request(leaf("b")), "faultTrees[0].top.event: 'b' is no event or fault tree; allowed: T, a"),
     (request(leaf(p=1.5)), "basicEvents[0].p: probability 1.5 is outside [0, 1]"),
     (request(leaf(p="0.5")), "basicEvents[0].p: expected a number, found the string '0.5'"),
     (request(leaf(), leaf()), "faultTrees[1].name: 'T' names two fault trees; rename one"),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.expressions import Definitions, Expression
 from tracerisk.prm.formats.open_psa.collecting import Collector, Home, Pending
@@ -132,7 +134,7 @@ class Linker:
     def _tell_duplicates(self, gates: list[Gate], unresolved: list[Unresolved]) -> None:
         for gate in gates:
             if len(set(gate.inputs)) < len(gate.inputs):
-                twice = sorted({name for name in gate.inputs if gate.inputs.count(name) > 1})
+                twice = sorted(name for name, count in Counter(gate.inputs).items() if count > 1)
                 self._from.findings.append(
                     f"{unresolved[0].element.location}: gate '{gate.name}' has an input twice: "
                     f"{', '.join(twice)}"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection
+from difflib import get_close_matches
 
 from tracerisk.errors import one_of
 from tracerisk.prm.formats.open_psa.xml_elements import Element
@@ -45,7 +46,9 @@ class Scope:
         if self._has_private or "." in short:
             name = self._inside(short, home) or name
         if name is None:
-            element.fail(f"{kind or self._what} '{short}' is not defined; {self._near(short)}")
+            element.fail(
+                f"{kind or self._what} '{short}' is not defined; {suggestion(self.kinds, short)}"
+            )
         found = self.kinds[name]
         if kind is not None and found != kind:
             element.fail(f"'{short}' is a {found}, not a {kind}; refer to it as what it is")
@@ -59,16 +62,11 @@ class Scope:
             home = home.rpartition(".")[0]
         return self._paths.get(short)
 
-    def _near(self, short: str) -> str:
-        if len(self.kinds) <= 30:
-            return one_of(self.kinds, short)
-        return nearest(self.kinds, short) or "define it"
 
-
-def nearest(names: Mapping[str, object] | Iterable[str], found: str) -> str:
-    """Return a suggestion, where a name is near and there are not too many to look through."""
-    from difflib import get_close_matches
-
-    listed = list(names)
-    near = get_close_matches(found, listed, n=1) if len(listed) <= 20_000 else []
-    return f"did you mean '{near[0]}'?" if near else ""
+def suggestion(names: Collection[str], found: str) -> str:
+    """Return what is allowed: all names where they are few, else one that is near."""
+    shown = [name for name in names if not name.startswith("#")]
+    if len(shown) <= 30:
+        return one_of(shown, found)
+    near = get_close_matches(found, shown, n=1) if len(shown) <= 20_000 else []
+    return f"did you mean '{near[0]}'?" if near else "define it"

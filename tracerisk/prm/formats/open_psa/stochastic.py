@@ -29,7 +29,7 @@ from tracerisk.prm.expressions import (
     Weibull,
 )
 from tracerisk.prm.expressions.arithmetic import FUNCTIONS
-from tracerisk.prm.formats.open_psa.xml_elements import Element
+from tracerisk.prm.formats.open_psa.xml_elements import GREATEST_DEPTH, Element
 
 UNITS = ("bool", "int", "float", "hours", "hours-1", "years", "years-1", "fit", "demands")
 
@@ -166,7 +166,7 @@ Node = tuple[str, dict[str, str], list["Node"]]
 """An element to be written: its tag, attributes and children."""
 
 
-def expression_node(expression: Expression, name_of: Callable[[str], str]) -> Node:
+def expression_node(expression: Expression, name_of: Callable[[str], str], depth: int = 0) -> Node:
     """Return the element of an expression; `name_of` gives the written name of a parameter.
 
     Raises ModelError when Open-PSA has no such expression.
@@ -177,7 +177,11 @@ def expression_node(expression: Expression, name_of: Callable[[str], str]) -> No
         return "parameter", {"name": name_of(expression.name)}, []
     if isinstance(expression, MissionTime):
         return "system-mission-time", {}, []
-    parts = [expression_node(argument, name_of) for argument in expression.arguments]
+    if depth > GREATEST_DEPTH // 2:
+        raise ModelError(
+            f"an expression nests more than {GREATEST_DEPTH // 2} deep; make parts of it parameters"
+        )
+    parts = [expression_node(each, name_of, depth + 1) for each in expression.arguments]
     if len(parts) == 1 and _is_its_term(expression):
         # SCRAM takes two or more.
         return parts[0]

@@ -35,6 +35,9 @@ from tracerisk.prm.logic_model import (
     Substitution,
 )
 
+_DEEPEST = 50
+"""How deep formulas nest at most; what is deeper is written as gates of their own."""
+
 
 def write_open_psa(model: LogicModel, path: Path | str) -> None:
     """Write the model to an Open-PSA XML file.
@@ -133,12 +136,13 @@ class _Writer:
             return
         home = replace(each.place, label="", attributes=())
         count = 0
-        stack = list(reversed(each.gate.inputs))
+        stack = [(name, 1) for name in reversed(each.gate.inputs)]
         while stack:
-            name = stack.pop()
+            name, depth = stack.pop()
             found = self._definitions.get(name)
             fits = (
                 found is not None
+                and depth < _DEEPEST
                 and found.nested
                 and self._uses[name] == 1
                 and name == f"{each.gate.name}#{count + 1}"
@@ -149,7 +153,7 @@ class _Writer:
             if fits and found is not None:
                 count += 1
                 self._inlined.add(name)
-                stack.extend(reversed(found.gate.inputs))
+                stack.extend((below, depth + 1) for below in reversed(found.gate.inputs))
 
     def _gate(self, each: GateDefinition) -> Node:
         gate, place = each.gate, each.place

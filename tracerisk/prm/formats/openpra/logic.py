@@ -8,7 +8,7 @@ from typing import Any
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.formats.element import Element
 from tracerisk.prm.formats.open_psa.rewriting import Form, accepted_form
-from tracerisk.prm.formats.open_psa.scopes import nearest
+from tracerisk.prm.formats.open_psa.scopes import suggestion
 from tracerisk.prm.gates import Gate, GateKind, check_gate
 from tracerisk.prm.logic_model import GateDefinition
 
@@ -72,7 +72,7 @@ def read_logic(
 def _event(element: Element, found: Mapping[str, str]) -> str:
     name = element.string()
     if name not in found:
-        element.fail(f"'{name}' is no event or fault tree; {nearest(found, name) or 'list it'}")
+        element.fail(f"'{name}' is no event or fault tree; {suggestion(found, name)}")
     return found[name]
 
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from tracerisk.errors import Location, ModelError, one_of
+from tracerisk.errors import Location, ModelError
 from tracerisk.prm.collection import collection_paused
 from tracerisk.prm.common_cause import CommonCauseLaw
 from tracerisk.prm.expressions import Expression, Number
 from tracerisk.prm.fault_tree import HouseEvent
 from tracerisk.prm.formats.element import Element, read_document
+from tracerisk.prm.formats.open_psa.scopes import suggestion
 from tracerisk.prm.formats.openpra.event_trees import read_event_tree
 from tracerisk.prm.formats.openpra.logic import read_logic
 from tracerisk.prm.gates import Gate
@@ -228,7 +230,7 @@ class _Reader:
 
     def _tell_duplicates(self, gate: Gate, place: Element) -> None:
         if len(set(gate.inputs)) < len(gate.inputs):
-            twice = sorted({name for name in gate.inputs if gate.inputs.count(name) > 1})
+            twice = sorted(name for name, count in Counter(gate.inputs).items() if count > 1)
             self._findings.append(
                 f"{place.location}: gate '{gate.name}' has an input twice: {', '.join(twice)}"
             )
@@ -243,7 +245,7 @@ class _Reader:
         for index, member in enumerate(members):
             if member not in self._events:
                 found["members"].items()[index].fail(
-                    f"member '{member}' is no basic event; {one_of(self._events, member)}"
+                    f"member '{member}' is no basic event; {suggestion(self._events, member)}"
                 )
         own = {self._events[member][0] for member in members}
         if "distribution" in found:
