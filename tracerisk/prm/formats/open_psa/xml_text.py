@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from xml.sax.saxutils import escape, quoteattr
 
 from tracerisk.prm.formats.open_psa.stochastic import Node
 from tracerisk.prm.logic_model import Place
@@ -38,6 +37,9 @@ def notes(place: Place) -> list[Node]:
 
 
 def _lines(node: Node, indent: str) -> Iterator[str]:
+    # It brings half of the standard library with it, which a reader does not need.
+    from xml.sax.saxutils import escape, quoteattr
+
     tag, attributes, children = node
     if TEXT in attributes:
         yield f"{indent}<{tag}>{escape(attributes[TEXT])}</{tag}>"
