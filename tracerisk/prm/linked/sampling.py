@@ -138,7 +138,8 @@ class SampledModel:
                 p = p + absorbed.get(state, 0.0)
             else:
                 q = q + absorbed.get(state, 0.0)
-        return Probability(p, q)  # type: ignore[arg-type]
+        # A sum of many shares of one may exceed it by rounding.
+        return Probability(np.minimum(p, 1.0), np.minimum(q, 1.0))  # type: ignore[arg-type]
 
     def _occupancy(self, made: ChainToSolve, inputs: Sequence[_Pair], link: Occupancy) -> _Pair:
         chain = made.chain
