@@ -8,9 +8,9 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.model_files import read_model
+from tracerisk.cli.model_format import ModelFormat
 from tracerisk.cli.model_solve import Render, Solved, chosen
 from tracerisk.errors import InputError
-from tracerisk.prm.formats.detect import ModelFormat
 from tracerisk.prm.formats.explicit_chain import ChainKind, ExplicitChain
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from tracerisk.cli import options as shared
 from tracerisk.cli import what_if as asked
 from tracerisk.cli.model_files import format_of, labels_beside, read_model
+from tracerisk.cli.model_format import SUFFIXES, ModelFormat
 from tracerisk.cli.output import note, print_json
 from tracerisk.errors import InputError, Location, ModelError, one_of
-from tracerisk.prm.formats.detect import SUFFIXES, ModelFormat
 
 if TYPE_CHECKING:
     from tracerisk.prm.dynamic import DynamicTree

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 from tracerisk.cli import options as shared
 from tracerisk.cli.model_files import format_of, read_model
+from tracerisk.cli.model_format import ModelFormat
 from tracerisk.cli.output import note, print_json, terminal_width, use_color
 from tracerisk.errors import InputError, ModelError, one_of
-from tracerisk.prm.formats.detect import ModelFormat
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

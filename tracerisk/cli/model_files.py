@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
+from tracerisk.cli.model_format import ModelFormat, detected
 from tracerisk.cli.sources import read_file
 from tracerisk.errors import InputError, Location
-from tracerisk.prm.formats.detect import ModelFormat, detected
 
 if TYPE_CHECKING:
     from tracerisk.prm.dynamic import DynamicTree

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from tracerisk.cli import what_if as asked
 from tracerisk.cli.model_files import read_model
+from tracerisk.cli.model_format import ModelFormat
 from tracerisk.cli.output import note, print_json, terminal_width, use_color
 from tracerisk.errors import ExitCode, InputError, one_of
-from tracerisk.prm.formats.detect import ModelFormat
 
 if TYPE_CHECKING:
     from tracerisk.prm.uncertainty import Uncertainty

@@ -66,7 +66,8 @@ def logic_of_dynamic(tree: DynamicTree, mission_time_h: float | None = None) -> 
 def logic_of_functions(model: HybridModel) -> LogicModel:
     """Return the fault trees of a model of functions, each in a fault tree of the function's name.
 
-    A tree is that of one visit while no unit has failed before. Gates, events and parameters are named after the function, a dot, and their own names.
+    A tree is that of one visit while no unit has failed before. Gates, events and parameters are
+    named after the function, a dot, and their own names.
     Raises ModelError when no function has a component.
     """
     trees = [state for state in model.states if state.tree.events]
