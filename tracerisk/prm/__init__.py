@@ -38,6 +38,7 @@ if TYPE_CHECKING:
         PeriodicTest,
         Weibull,
     )
+    from tracerisk.prm.linked import LinkedModel
     from tracerisk.prm.markov import ContinuousChain
 
 __all__ = [
@@ -66,6 +67,7 @@ __all__ = [
     "GateKind",
     "Given",
     "HybridModel",
+    "LinkedModel",
     "Lognormal",
     "MarkovChain",
     "NextStep",
@@ -92,6 +94,7 @@ _ON_DEMAND = (
         "CutSets": "cut_sets",
         "EventTree": "event_tree",
         "Given": "bayes",
+        "LinkedModel": "linked",
         "expand_common_cause": "common_cause",
         "minimal_cut_sets": "cut_sets",
         "prime_implicants": "cut_sets",
