@@ -550,6 +550,14 @@ def test_formulas_that_nest_deep_are_written_as_gates():
     assert max(len(line) - len(line.lstrip()) for line in text.splitlines()) < 200
 
 
+def test_an_xor_of_many_is_written_without_depth():
+    names_ = [f"e{i}" for i in range(2000)]
+    events = tuple(EventDefinition(name, Number(0.5), Place("T")) for name in names_)
+    gates_ = (GateDefinition(Gate("top", GateKind.XOR, tuple(names_)), Place("T")),)
+    wide = LogicModel(gates=gates_, events=events, containers=(Container("T"),))
+    assert loads_open_psa(dumps_open_psa(wide), "again.xml") == wide
+
+
 def test_an_expression_that_nests_too_deep_to_write_is_told():
     figure = Number(0.5)
     for _ in range(150):

@@ -386,7 +386,7 @@ def test_files_that_cannot_be_read_or_written_are_told(tmp_path):
         read_openpra(path)
 
 
-CHAIN = [GateDefinition(Gate(f"g{i}", GateKind.OR, (f"g{i + 1}", f"g{i + 2}"))) for i in range(40)]
+CHAIN = [GateDefinition(Gate(f"g{i}", GateKind.OR, (f"g{i + 1}", f"g{i + 2}"))) for i in range(60)]
 EVENT = EventDefinition("a", Number(0.5))
 TOP = GateDefinition(Gate("T", GateKind.OR, ("a", "b")), Place("T"))
 MODEL = LogicModel(
@@ -459,8 +459,8 @@ def test_what_openpra_cannot_hold_is_told(model, message):
 
 def test_gates_that_would_be_written_without_end_are_too_large():
     last = (
-        GateDefinition(Gate("g40", GateKind.OR, ("a", "b"))),
-        GateDefinition(Gate("g41", GateKind.AND, ("a", "b"))),
+        GateDefinition(Gate("g60", GateKind.OR, ("a", "b"))),
+        GateDefinition(Gate("g61", GateKind.AND, ("a", "b"))),
     )
     model = LogicModel(gates=(*CHAIN, *last), events=MODEL.events, alignments=(Alignment("n", ()),))
     with pytest.raises(TooLargeError, match="OpenPRA writes a gate out wherever it is an input"):
@@ -471,5 +471,7 @@ def test_gates_too_deep_to_nest_are_told():
     chain = [GateDefinition(Gate(f"g{i}", GateKind.NOT, (f"g{i + 1}",))) for i in range(300)]
     last = GateDefinition(Gate("g300", GateKind.OR, ("a", "b")))
     model = LogicModel(gates=(*chain, last), events=MODEL.events)
-    with pytest.raises(TooLargeError, match="stands more than 200 gates below its top"):
+    with pytest.raises(
+        TooLargeError, match="gate 'g0' stands above 301 gates in a row, which OpenPRA would nest"
+    ):
         dumps_openpra(model)

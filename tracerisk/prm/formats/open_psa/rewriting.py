@@ -72,11 +72,7 @@ def accepted_form(gate: Gate) -> Form:
         distinct = tuple(dict.fromkeys(inputs))
         return _not(distinct[0]) if len(distinct) == 1 else Form(kind, distinct)
     if kind is GateKind.XOR:
-        first, second, *others = _apart(inputs)
-        form = Form(kind, (first, second))
-        for other in others:
-            form = Form(kind, (form, other))
-        return form
+        return Form(kind, _in_pairs(kind, _apart(inputs)))
     if kind is GateKind.IFF:
         first, second = _apart(inputs)
         return Form(GateKind.XOR, _apart((_negated(first), second)))
@@ -135,6 +131,14 @@ def _negated(input_: str | Form) -> str | Form:
     if input_ == NEVER:
         return ALWAYS
     return Form(GateKind.NOT, (input_,))
+
+
+def _in_pairs(kind: GateKind, inputs: tuple[str | Form, ...]) -> tuple[str | Form, ...]:
+    """Return two inputs, each a formula of half of those given: of many, no deep one."""
+    while len(inputs) > 2:
+        pairs = [inputs[index : index + 2] for index in range(0, len(inputs), 2)]
+        inputs = tuple(Form(kind, pair) if len(pair) == 2 else pair[0] for pair in pairs)
+    return inputs
 
 
 def _apart(inputs: Iterable[str | Form]) -> tuple[str | Form, ...]:

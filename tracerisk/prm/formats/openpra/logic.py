@@ -7,7 +7,7 @@ from typing import Any
 
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.formats.element import Element
-from tracerisk.prm.formats.open_psa.rewriting import Form, accepted_form
+from tracerisk.prm.formats.open_psa.rewriting import Form, accepted_form, form_inputs
 from tracerisk.prm.formats.open_psa.scopes import suggestion
 from tracerisk.prm.gates import Gate, GateKind, check_gate
 from tracerisk.prm.logic_model import GateDefinition
@@ -107,6 +107,7 @@ class LogicWriter:
     def __init__(self, gates: Mapping[str, GateDefinition]) -> None:
         self._gates = gates
         self._counts: dict[str, int] = {}
+        self._sizes: dict[str, tuple[int, int]] = {}
         self._written = 0
 
     def top(self, name: str, tree: str) -> dict[str, Any]:
@@ -114,29 +115,28 @@ class LogicWriter:
 
         Raises TooLargeError when it is too large, written out.
         """
-        self._written = 0
+        self._check_size(name)
         self._counts = {name: 0}
-        written = self._form(accepted_form(self._gates[name].gate), name, 0)
+        written = self._form(accepted_form(self._gates[name].gate), name)
         # A top that only hands on another gate is written as that gate, by its own name.
         written.pop("name", None)
         return written if name == tree else {"name": name, **written}
 
-    def _gate(self, name: str, owner: str, depth: int) -> dict[str, Any]:
+    def _gate(self, name: str, owner: str) -> dict[str, Any]:
         definition = self._gates[name]
         form = accepted_form(definition.gate)
         if form.kind is GateKind.TRANSFER:
-            return self._input(form.inputs[0], owner, depth)
+            return self._input(form.inputs[0], owner)
         if definition.nested and name == f"{owner}#{self._counts[owner] + 1}":
             self._counts[owner] += 1
-            return self._form(form, owner, depth)
+            return self._form(form, owner)
         self._counts[name] = 0
-        return {"name": name, **self._form(form, name, depth)}
+        return {"name": name, **self._form(form, name)}
 
-    def _form(self, form: Form, owner: str, depth: int) -> dict[str, Any]:
-        self._check(owner, depth)
+    def _form(self, form: Form, owner: str) -> dict[str, Any]:
         if form.kind is GateKind.TRANSFER:
-            return self._input(form.inputs[0], owner, depth)
-        inputs = [self._input(each, owner, depth + 1) for each in form.inputs]
+            return self._input(form.inputs[0], owner)
+        inputs = [self._input(each, owner) for each in form.inputs]
         if form.kind is GateKind.NOT:
             return {"op": "not", "arg": inputs[0]}
         written: dict[str, Any] = {"op": form.kind.value}
@@ -144,23 +144,40 @@ class LogicWriter:
             written["k"] = form.k
         return written | {"args": inputs}
 
-    def _input(self, input_: str | Form, owner: str, depth: int) -> dict[str, Any]:
+    def _input(self, input_: str | Form, owner: str) -> dict[str, Any]:
         if isinstance(input_, Form):
             self._counts[owner] += 1
-            return self._form(input_, owner, depth)
+            return self._form(input_, owner)
         if input_ not in self._gates:
             return {"event": input_}
-        return self._gate(input_, owner, depth)
+        return self._gate(input_, owner)
 
-    def _check(self, name: str, depth: int) -> None:
-        self._written += 1
+    def _check_size(self, top: str) -> None:
+        """Check how many operations a gate takes, written out, and how deep they nest."""
+        sizes = self._sizes
+        stack = [top]
+        while stack:
+            name = stack[-1]
+            names = list(form_inputs(accepted_form(self._gates[name].gate)))
+            below = [each for each in names if each in self._gates]
+            waiting = [each for each in below if each not in sizes]
+            if waiting:
+                stack += waiting
+                continue
+            stack.pop()
+            sizes[name] = (
+                1 + sum(sizes[each][0] for each in below),
+                1 + max((sizes[each][1] for each in below), default=0),
+            )
+        size, depth = sizes[top]
+        self._written += size
         if self._written > LIMIT:
             raise TooLargeError(
-                f"gate '{name}': OpenPRA writes a gate out wherever it is an input, and would "
+                f"gate '{top}': OpenPRA writes a gate out wherever it is an input, and would "
                 f"write more than {LIMIT} here; use another format"
             )
-        if depth > GREATEST_DEPTH:
+        if depth > GREATEST_DEPTH // 2:
             raise TooLargeError(
-                f"gate '{name}' stands more than {GREATEST_DEPTH} gates below its top, nested in "
-                "OpenPRA; use another format"
+                f"gate '{top}' stands above {depth} gates in a row, which OpenPRA would nest; "
+                f"allowed: {GREATEST_DEPTH // 2}; use another format"
             )

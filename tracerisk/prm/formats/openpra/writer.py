@@ -65,6 +65,7 @@ class _Writer:
         self._groups = {member: group for group in model.groups for member in group.members}
         self._labels = {each.path: each.label for each in model.containers}
         self._trees = self._tree_names()
+        self._logic = LogicWriter(self._gates)
 
     def data(self) -> dict[str, Any]:
         """Return the model's data."""
@@ -123,7 +124,7 @@ class _Writer:
         return self._trees[gate]
 
     def _fault_tree(self, name: str, top: str) -> dict[str, Any]:
-        expression = LogicWriter(self._gates).top(top, name)
+        expression = self._logic.top(top, name)
         below = self._below(top)
         data: dict[str, Any] = {"name": name}
         if self._labels.get(name):
