@@ -115,7 +115,8 @@ def minimum_degree(
         needed = length[p]
         for t in range(start[p], start[p] + elements[p]):
             needed += length[pool[t]]
-        if end + needed > capacity:
+        # Each neighbour stands once in the new list, and all lists together only get shorter.
+        if end + min(needed, n) > capacity:
             pool, spare, end = _compacted(pool, spare, start, length, n)
         own = weight[p]
         weight[p] = -own
