@@ -8,6 +8,7 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.model_solve import Render, Solved, chosen
+from tracerisk.cli.output import note
 from tracerisk.errors import InputError, one_of
 from tracerisk.prm.dynamic import DynamicEvent, DynamicTree
 from tracerisk.prm.failure_models import Constant, Erlang, Exponential, PerDemand
@@ -118,7 +119,7 @@ class LogicFile:
             raise InputError(
                 f"'{self.name}' has {len(names)} tops; say with --figure which --uncertainty is of"
             )
-        return propagate(self.model, names[0], self._time(), samples=samples, seed=seed)
+        return propagate(self.model, names[0], self._time(), samples=samples, seed=seed, tell=note)
 
     def _gate(self, figure: str) -> tuple[str, ...]:
         """Return a gate that is asked for by name; raise InputError for an unknown one."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -115,10 +115,12 @@ def propagate(
     *,
     samples: int = SAMPLES,
     seed: int = 0,
+    tell: Callable[[str], None] = lambda text: None,  # noqa: ARG005
 ) -> Uncertainty:
     """Draw the deviates of the model and return the spread of a top's probability.
 
-    Inputs are the parameters and events whose own expression holds a deviate.
+    Inputs are the parameters and events whose own expression holds a deviate. Probabilities above
+    one are taken as one, which `tell` is told where they are no input's own.
     Raises ModelError when nothing is uncertain, `samples` is below 2, or a factor of a common
     cause group is drawn: the events of a group follow from the point values of its factors.
     """
@@ -136,16 +138,21 @@ def propagate(
     sampling = Sampling(names, mission_time_h, LatinHypercube(samples, seed))
     drawn: dict[str, Array] = {}
     own: dict[str, Array] = {}
+    cut: dict[str, int] = {}
+    shared: set[str] = set()
     for event in tree.events:
         if event.parameter in drawn or event.model is None:
             continue
         expression = _expression(event.model)
         values = _sampled(event.model, sampling, event.parameter)
-        drawn[event.parameter] = np.clip(values, None, 1.0)
-        if expression is not None and _holds_deviate(expression):
-            own[event.parameter] = values
+        cut[event.parameter] = int((values > 1.0).sum())
+        drawn[event.parameter] = np.minimum(values, 1.0)
+        if isinstance(expression, Reference) and expression.name == event.parameter:
+            shared.add(event.parameter)
+        elif expression is not None and _holds_deviate(expression):
+            own[event.parameter] = drawn[event.parameter]
     inputs = {
-        f"{name}": values
+        name: drawn[name] if name in shared else values
         for name, values in sampling.sampled.items()
         if isinstance(names.get(name), Expression) and _holds_deviate(names[name])
     } | own
@@ -153,6 +160,9 @@ def propagate(
         raise ModelError(
             f"nothing below '{top}' is uncertain; give parameters or events deviates in the model"
         )
+    for name, count in cut.items():
+        if count and name not in own and name not in shared:
+            tell(f"{name}: {count} of {samples} samples above 1 were taken as 1")
     results = _tops(tree, drawn, samples)
     shares = first_order_shares(np.column_stack(list(inputs.values())), results)
     evaluation = Evaluation(names, mission_time_h)
@@ -162,7 +172,7 @@ def propagate(
             value=point_values[name] if name in own else evaluation.of(Reference(name)),
             percentiles=_percentiles(values),
             share=float(share),
-            cut=int((values > 1.0).sum()) if name in own else 0,
+            cut=cut[name] if name in own or name in shared else 0,
         )
         for (name, values), share in zip(inputs.items(), shares, strict=True)
     ]
