@@ -435,6 +435,21 @@ def test_text_that_is_no_document_is_refused(text, message):
         loads(text, "bad.json")
 
 
+def test_what_is_nested_too_deep_is_refused_both_ways():
+    value = 0.5
+    for _ in range(600):
+        value = {"neg": value}
+    with pytest.raises(ModelError, match=r"^bad.json: values are nested too deep; name parts"):
+        loads(json.dumps(changed(X_VALUE, value)), "bad.json")
+    deep = X
+    for _ in range(3000):
+        deep = Negation(deep)
+    model = LinkedModel("m", (ModelParameter("x", Y),), (), (), (Figure("f", deep),))
+    assert model.solve().figures == {"f": 0.25}
+    with pytest.raises(ModelError, match="'m' has expressions nested too deep for JSON"):
+        dumps(model)
+
+
 def test_an_unreachable_end_is_told_when_the_model_is_solved():
     data = changed((*CHAIN, "transitions", 1, "target"), "s")
     data["modelData"][0]["value"] = 0.0

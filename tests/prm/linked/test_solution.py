@@ -265,6 +265,20 @@ def test_laws_and_deviates_are_differentiated(kind):
     assert model.solve().sensitivities("failure")["x"] == pytest.approx(expected, rel=1e-7)
 
 
+def test_the_links_are_a_graph_of_networkx(plant):
+    pytest.importorskip("networkx", reason="graphs are of networkx")
+    graph = plant.to_networkx()
+    assert graph.nodes["fault tree 'cell'"] == {"kind": "fault tree", "name": "cell"}
+    assert set(graph.predecessors("parameter 'sensor'")) == {"parameter 'motor'"}
+    assert set(graph.predecessors("Markov chain 'mission'")) == {
+        "fault tree 'cell'",
+        "parameter 'sensor'",
+    }
+    assert set(graph.predecessors("figure 'odd'")) == {"fault tree 'odd'"}
+    # The cell's tree takes in the pump's, with its events.
+    assert graph.has_edge("Markov chain 'standby'", "fault tree 'cell'")
+
+
 # the hybrid model of functions
 
 

@@ -10,7 +10,7 @@ import re
 from fractions import Fraction
 from typing import Any
 
-from tracerisk.errors import ModelError, one_of
+from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.expressions import Expression
 from tracerisk.prm.fault_tree import HouseEvent
 from tracerisk.prm.formats.distribution_json import distribution_to_json, read_distribution
@@ -68,8 +68,17 @@ def linked_data(model: LinkedModel) -> dict[str, Any]:
 
 
 def dumps(model: LinkedModel) -> str:
-    """Return the model as JSON text, its lists in their order, its floats to the last bit."""
-    return json.dumps(linked_data(model), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    """Return the model as JSON text, its lists in their order, its floats to the last bit.
+
+    Raises ModelError when an expression has no place in the format, or is nested too deep.
+    """
+    try:
+        data = linked_data(model)
+        return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    except RecursionError as error:
+        raise ModelError(
+            f"'{model.name}' has expressions nested too deep for JSON; name parts as parameters"
+        ) from error
 
 
 def is_linked(text: str) -> bool:
@@ -85,6 +94,15 @@ def loads(text: str, file: str) -> LinkedModel:
     when the model does not hold together (see LinkedModel).
     """
     top = read_document(text, file)
+    try:
+        return _model(top)
+    except RecursionError as error:
+        raise ModelError(
+            "values are nested too deep; name parts of them as parameters", Location(file)
+        ) from error
+
+
+def _model(top: Element) -> LinkedModel:
     found = top.fields(
         ("schema", "version", "name"),
         optional=("systemMissionTime", "modelData", "faultTrees", "markovChains", "figures"),

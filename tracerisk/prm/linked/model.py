@@ -22,6 +22,8 @@ from tracerisk.prm.linked.tape import Tape
 from tracerisk.prm.linked.tree_solution import tree_to_solve
 
 if TYPE_CHECKING:
+    import networkx as nx
+
     from tracerisk.prm.linked.solution import LinkedSolution
 
 
@@ -104,6 +106,32 @@ class LinkedModel:
         from tracerisk.prm.linked.solution import LinkedSolution
 
         return LinkedSolution(self, dict(values or {}))
+
+    def to_networkx(self) -> nx.DiGraph:
+        """Return the elements and figures as a graph; edges lead to what takes an element's figure.
+
+        Nodes are named "fault tree 'pick'" and have their `kind` and `name`.
+        Raises ModelError when networkx, of the extra `graph`, is not installed.
+        """
+        try:
+            import networkx as nx
+        except ImportError as error:
+            raise ModelError(
+                "graphs are made by networkx, which is not installed; "
+                "install it with: pip install 'tracerisk[graph]'"
+            ) from error
+        graph = nx.DiGraph(name=self.name)
+        for prepared in self.prepared:
+            graph.add_node(str(prepared.key), kind=prepared.key.kind, name=prepared.key.name)
+        for name in self.figure_tapes:
+            graph.add_node(f"figure '{name}'", kind="figure", name=name)
+        users = [(str(each.key), each.tapes) for each in self.prepared]
+        users += [(f"figure '{name}'", (tape,)) for name, tape in self.figure_tapes.items()]
+        for user, tapes in users:
+            for tape in tapes:
+                for leaf in tape.leaves:
+                    graph.add_edge(str(leaf_key(leaf)), user)
+        return graph
 
     def tape_of(self, figure: str | Expression) -> Tape:
         """Return the tape of a figure, by its name or as an expression over the elements.
