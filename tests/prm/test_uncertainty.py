@@ -330,3 +330,20 @@ def test_trees_that_share_events_are_drawn_too():
     drawn = np.array([1e-9, 0.5, 1.0])
     expected = drawn * (1 - 0.75 * 0.875)
     assert failure_samples(model, {"a": drawn}) == pytest.approx(expected, rel=1e-12)
+
+
+def test_more_hidden_failures_than_are_held_count_as_failures(block, component, monkeypatch):
+    parts = (component("power", 0.1, 5, "required 1, detected mission_start"),)
+    blocks = [block("a", 1, parts, after={"a": "1/2", "done": "1/2"})]
+    model = build_model(blocks, name="m")
+    drawn = {"power": np.array([0.1, 0.2])}
+    whole = failure_samples(model, drawn)
+    exact = [
+        solve(with_values(model, {"power": p})).mission.failure_probability for p in (0.1, 0.2)
+    ]
+    assert whole == pytest.approx(exact, rel=1e-12)
+    monkeypatch.setattr("tracerisk.prm.sampled_mission.MOST_STATES", 3)
+    bound = failure_samples(model, drawn)
+    assert (bound > whole).all()
+    # Two failed units at most are held: three are no rarity here.
+    assert (bound < 0.5).all()
