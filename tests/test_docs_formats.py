@@ -1,4 +1,4 @@
-"""What docs/formats.md shows of Open-PSA and OpenPRA is what happens."""
+"""What docs/formats.md shows of Open-PSA, OpenPRA and the command is what happens."""
 
 from __future__ import annotations
 
@@ -25,3 +25,18 @@ def test_the_examples_of_a_format_run_with_the_output_that_they_show(section, la
     runner.run(test, out=told.append)
     assert runner.tries > 3
     assert runner.failures == 0, "".join(told)
+
+
+def test_the_commands_print_what_is_shown(tmp_path, monkeypatch, capfd):
+    from tracerisk.cli import main
+
+    xml = TEXT.split("\n## Open-PSA\n")[1]
+    monkeypatch.chdir(tmp_path)
+    Path("cooling.xml").write_text(xml.split("```xml\n")[1].split("```")[0], encoding="utf-8")
+    part = TEXT.split("\n## On the command line\n")[1].split("\n## ")[0]
+    shown = re.findall(r"^```console\n\$ (.*)\n([^`]*)^```$", part, re.MULTILINE)
+    assert len(shown) == 4
+    for command, expected in shown:
+        main(command.split()[1:])
+        out, err = capfd.readouterr()
+        assert out + err == expected, command

@@ -123,7 +123,8 @@ def run(options: argparse.Namespace) -> int:
             max_order=options.max_order,
             width=terminal_width(),
             color=use_color(),
-        )
+        ).rstrip("\n")
+        + "\n"
     )
     sys.stdout.flush()
     return 0

@@ -97,19 +97,21 @@ def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.
         data |= asked.what_if_data(changes, sweeps, spread)
         print_json("solve", exit_code=int(code), **finite(data))
         return int(code)
-    asked.print_set(changes)
-    for render, what in solved.shown:
-        _show(render, *what)
+    parts = list(solved.shown)
+    if changes:
+        from tracerisk.report.what_if import render_set_values
+
+        parts.insert(0, (render_set_values, (changes,)))
     if sweeps:
         from tracerisk.report.linked import render_sweeps
 
-        for figure in solved.figures:
-            _show(render_sweeps, figure, sweeps)
+        parts += [(render_sweeps, (figure, sweeps)) for figure in solved.figures]
     if spread is not None:
         from tracerisk.report.what_if import render_uncertainty
 
-        _show(render_uncertainty, spread, options.figure or next(iter(solved.figures)))
-    sys.stdout.flush()
+        figure = options.figure or next(iter(solved.figures))
+        parts.append((render_uncertainty, (spread, figure)))
+    _show(parts)
     return int(code)
 
 
@@ -166,5 +168,9 @@ def _risk_exit(solved: Solved, options: argparse.Namespace) -> ExitCode:
     return ExitCode.WOULD_CHANGE if over else ExitCode.FINE
 
 
-def _show(render: Render, *what: object) -> None:
-    sys.stdout.write(render(*what, width=terminal_width(), color=use_color()) + "\n")
+def _show(parts: Sequence[tuple[Render, tuple[Any, ...]]]) -> None:
+    """Print the parts with an empty line between two."""
+    width, color = terminal_width(), use_color()
+    texts = [render(*what, width=width, color=color).rstrip("\n") for render, what in parts]
+    sys.stdout.write("\n\n".join(texts) + "\n")
+    sys.stdout.flush()
