@@ -13,6 +13,7 @@ def collection_paused() -> Iterator[None]:
 
     Each new generation would look through all of them again: three quarters of the time in a model
     of some thousand gates.
+    They are then old at once, and looked through when all that is old is.
     """
     was_enabled = gc.isenabled()
     gc.disable()
@@ -20,4 +21,7 @@ def collection_paused() -> Iterator[None]:
         yield
     finally:
         if was_enabled:
+            if gc.get_freeze_count() == 0:
+                gc.freeze()
+                gc.unfreeze()
             gc.enable()

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.expressions import Definitions, Expression, references
@@ -271,6 +271,31 @@ class LogicModel:
             for each in self.houses
         )
         return replace(self, houses=houses)
+
+
+class Placed(Protocol):
+    """What stands in a file."""
+
+    @property
+    def location(self) -> Location:
+        """Where it stands."""
+        ...
+
+
+class Locations(Mapping[tuple[str, str], Location]):
+    """Where elements stand, by kind and name; each is looked up when it is asked for."""
+
+    def __init__(self, elements: Mapping[tuple[str, str], Placed]) -> None:
+        self._elements = elements
+
+    def __getitem__(self, key: tuple[str, str]) -> Location:
+        return self._elements[key].location
+
+    def __iter__(self) -> Iterator[tuple[str, str]]:
+        return iter(self._elements)
+
+    def __len__(self) -> int:
+        return len(self._elements)
 
 
 class ElementError(ModelError):

@@ -137,6 +137,10 @@ class Collector:
         self._check_place(element)
         self._taken[element.tag](element)
 
+    def release(self) -> None:
+        """Let go of what refers back to this, so that all that was taken goes with it."""
+        self._taken.clear()
+
     def finish_file(self, root: Element) -> None:
         """Keep the name and remarks of a file's root; of several, the first that has any."""
         root.check_attributes("name")
@@ -333,6 +337,12 @@ class Collector:
                 child.fail(f"the time-fraction {fraction!r} is outside [0, 1]; give a share")
             phases.append(Phase(self.name(child), fraction, tuple(houses), inner))
         self.alignments.append(Alignment(self.name(element), tuple(phases), place))
+
+    def plain_names(self) -> dict[str, str]:
+        """Return the kind of each gate and event, if names are what they are in all homes."""
+        if self.events.has_private or any(self._escaped.values()):
+            return {}
+        return self.events.kinds
 
     def find(self, element: Element, home: str, kind: str | None) -> str:
         """Return the full name of the gate or event that an element in `home` refers to."""

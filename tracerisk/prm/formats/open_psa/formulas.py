@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from tracerisk.errors import ModelError
@@ -33,6 +33,7 @@ EVENTS: dict[str, str | None] = {
     "house-event": "house event",
 }
 """The elements that refer to events, and the kind that each asks for."""
+_FLAT = frozenset((GateKind.AND, GateKind.OR, GateKind.NOT, GateKind.NAND, GateKind.NOR))
 _TYPES = ("gate", "basic-event", "house-event")
 TAGS = frozenset((*CONNECTIVES, *EVENTS, "constant"))
 
@@ -51,18 +52,27 @@ class Unresolved:
     k: int | None = None
     most: int | None = None
 
-    def resolved(self, find: Find) -> Gate:
+    def resolved(self, find: Find, plain: Mapping[str, str] | None = None) -> Gate:
         """Return the gate, its inputs found.
 
+        `plain` are the kinds of events by name, where no name has several meanings; what it holds
+        needs no search.
         Raises ModelError, with the position, for an input that is not there, and for inputs or
         numbers that do not fit the connective.
         """
-        inputs = tuple(
-            [
-                each if isinstance(each, str) else find(each, kind_asked(each))
-                for each in self.inputs
-            ]
-        )
+        known = plain or {}
+        names = []
+        for each in self.inputs:
+            if isinstance(each, str):
+                names.append(each)
+                continue
+            written = each.attributes.get("name", "")
+            kind = known.get(written)
+            if kind is not None and kind == EVENTS.get(each.tag):
+                names.append(written)
+            else:
+                names.append(find(each, kind_asked(each)))
+        inputs = tuple(names)
         gate = Gate(self.name, self.kind, inputs, self.k, self.most)
         try:
             check_gate(gate)
@@ -92,6 +102,12 @@ def read_formula(element: Element, name: str) -> list[Unresolved]:
     The nested ones are named `name#1`, `name#2`, in the order in which they begin.
     Raises ModelError, with the position, for what is no formula.
     """
+    connective = CONNECTIVES.get(element.tag)
+    if connective in _FLAT and element.children:
+        # The common case, a formula of events alone, needs no search for nested ones.
+        flat = tuple(element.children)
+        if all(child.tag in EVENTS for child in flat):
+            return [Unresolved(name, connective, flat, element)]
     found: list[Unresolved | None] = []
 
     def visit(node: Element) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from tracerisk.errors import Location, ModelError, one_of
+from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions import Definitions, Expression
 from tracerisk.prm.formats.open_psa.collecting import Collector, Home, Pending
 from tracerisk.prm.formats.open_psa.formulas import Unresolved, constant, read_formula
@@ -22,6 +22,7 @@ from tracerisk.prm.logic_model import (
     EventDefinition,
     GateDefinition,
     GroupDefinition,
+    Locations,
     LogicModel,
     ParameterDefinition,
     Place,
@@ -67,9 +68,7 @@ class Linker:
             self._read_substitution(each, gates) for each in self._from.substitutions
         )
         gates += [GateDefinition(gate, nested=True) for gate in trees.gates]
-        locations: dict[tuple[str, str], Location] = {}
-        for element, key in self._positions():
-            locations[key] = element.location
+        locations = Locations({key: element for element, key in self._positions()})
         name, label, attributes = self._from.root
         try:
             return LogicModel(
@@ -110,13 +109,14 @@ class Linker:
 
     def _read_gates(self) -> list[GateDefinition]:
         gates: list[GateDefinition] = []
+        plain = self._from.plain_names()
         for unresolved, place in self._from.gates:
             home = place.home
 
             def find(element: Element, kind: str | None, home: str = home) -> str:
                 return self._from.find(element, home, kind)
 
-            read = [each.resolved(find) for each in unresolved]
+            read = [each.resolved(find, plain) for each in unresolved]
             if place.attributes and self._from.is_escaped(unresolved[0].element):
                 marked, place = read_mark(read, place)
                 nested, read = marked.nested, list(marked.gates)

@@ -36,4 +36,6 @@ def _read(sources: list[tuple[Path | bytes, str]]) -> LogicModel:
             if root.tag != ROOT:
                 root.fail(f"<{root.tag}> is no Open-PSA model; the root is <{ROOT}>")
             collector.finish_file(root)
-        return Linker(collector).model()
+        model = Linker(collector).model()
+        collector.release()
+        return model

@@ -17,7 +17,7 @@ class Scope:
         self.kinds: dict[str, str] = {}
         self.elements: dict[str, Element] = {}
         self._paths: dict[str, str] = {}
-        self._has_private = False
+        self.has_private = False
 
     def add(self, element: Element, kind: str, short: str, home: str, *, private: bool) -> str:
         """Add an element and return its full name.
@@ -33,7 +33,7 @@ class Scope:
         self.elements[name] = element
         if home:
             self._paths[path] = name
-        self._has_private = self._has_private or private
+        self.has_private = self.has_private or private
         return name
 
     def find(self, element: Element, home: str, kind: str | None) -> str:
@@ -43,7 +43,7 @@ class Scope:
         """
         short = element.attributes.get("name") or element.attribute("name")
         name: str | None = short if short in self.kinds else None
-        if self._has_private or "." in short:
+        if self.has_private or "." in short:
             name = self._inside(short, home) or name
         if name is None:
             element.fail(

@@ -139,6 +139,10 @@ def parse(
         raise ModelError(_explain(parser, source, error), place) from error
     except OSError as error:
         raise ModelError(f"cannot be read: {error.strerror or error}", Location(file)) from error
+    finally:
+        # The handlers refer to the parser, and the parser to them.
+        parser.StartElementHandler = parser.EndElementHandler = None
+        parser.EntityDeclHandler = parser.SkippedEntityHandler = None
     return roots[0]
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from tracerisk.errors import Location, ModelError
@@ -26,6 +25,7 @@ from tracerisk.prm.logic_model import (
     GateDefinition,
     GroupDefinition,
     HouseDefinition,
+    Locations,
     LogicModel,
     Place,
 )
@@ -81,22 +81,6 @@ def _decoded(data: bytes, file: str) -> str:
         ) from error
 
 
-class _Locations(Mapping[tuple[str, str], Location]):
-    """The locations of elements, each found when it is asked for: that reads the whole text."""
-
-    def __init__(self, elements: Mapping[tuple[str, str], Element]) -> None:
-        self._elements = elements
-
-    def __getitem__(self, key: tuple[str, str]) -> Location:
-        return self._elements[key].location
-
-    def __iter__(self) -> Iterator[tuple[str, str]]:
-        return iter(self._elements)
-
-    def __len__(self) -> int:
-        return len(self._elements)
-
-
 class _Reader:
     """Reads one model."""
 
@@ -141,7 +125,7 @@ class _Reader:
                 containers=tuple(self._containers),
                 label=found["description"].string() if "description" in found else "",
                 findings=tuple(self._findings),
-                locations=_Locations(self._elements),
+                locations=Locations(self._elements),
             )
         except ElementError as error:
             element = self._elements.get((error.kind, error.element), self._element)
