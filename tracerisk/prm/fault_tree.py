@@ -278,7 +278,10 @@ class FaultTree(DisplayedGraph):
                         f"event '{event.name}': probability {value!r} is outside [0, 1]; "
                         "give a number within"
                     )
-                pairs[event.parameter] = pair_of(value)
+                plain = type(value) is float
+                pairs[event.parameter] = (
+                    Probability(value, 1.0 - value) if plain else pair_of(value)
+                )
         return pairs
 
     def _sweep(self, values: Mapping[str, float]) -> dict[str, Probability]:
