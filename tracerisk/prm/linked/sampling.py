@@ -26,6 +26,7 @@ from tracerisk.prm.linked.tape import Tape
 from tracerisk.prm.linked.tree_solution import TreeToSolve
 from tracerisk.prm.probability import Probability
 from tracerisk.prm.sampled_chain import absorption_samples
+from tracerisk.prm.sampled_tree import top_samples
 
 if TYPE_CHECKING:
     from tracerisk.prm.sampled_chain import Samples, Values
@@ -122,7 +123,7 @@ class SampledModel:
             event.name: np.clip(pair.p, 0.0, 1.0)
             for event, pair in zip(made.tree.events, inputs, strict=True)
         }
-        found = made.tree.probabilities(values)
+        found = top_samples(made.tree, values, made.compiled if made.tree.shared else None)
         return Probability(found[:, 0], found[:, 1])  # type: ignore[arg-type]
 
     def _absorption(self, made: ChainToSolve, inputs: Sequence[_Pair], link: Absorption) -> _Pair:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
-from tracerisk.errors import ModelError, one_of
+from tracerisk.errors import ModelError, TooLargeError, one_of
 from tracerisk.prm.expressions import Expression
 from tracerisk.prm.fault_tree import BasicEvent, FaultTree, HouseEvent
 from tracerisk.prm.gates import Gate, gate_probability, gate_shares
@@ -22,13 +23,28 @@ _LOSES = 1e-2
 """An event whose probability changes by a smaller part is integrated over in a shared tree."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class TreeToSolve:
     """A linked tree as one fault tree; `inputs` are the expressions of its events."""
 
     name: str
     tree: FaultTree
     inputs: tuple[Expression, ...]
+
+    @cached_property
+    def compiled(self) -> SharedTree:
+        """The tree made ready for many solutions, for one that shares events or gates."""
+        from tracerisk.prm.bdd import compiled
+
+        try:
+            return compiled(self.tree)
+        except TooLargeError as error:
+            raise TooLargeError(
+                f"fault tree '{self.name}': {error.message}",
+                error.location,
+                lower=error.lower,
+                upper=error.upper,
+            ) from error
 
     def check(self, link: Link) -> None:
         """Accept any link: a tree has one figure."""
@@ -44,7 +60,7 @@ class TreeToSolve:
                     "outside [0, 1]"
                 )
             taken.append(probability)
-        return SolvedTree(self.tree, tuple(taken))
+        return SolvedTree(self, tuple(taken))
 
 
 def tree_to_solve(tree: LinkedTree, trees: Mapping[str, LinkedTree]) -> TreeToSolve:
@@ -125,15 +141,16 @@ def _parts(tree: LinkedTree, trees: Mapping[str, LinkedTree]) -> list[LinkedTree
 class SolvedTree:
     """A fault tree solved for one set of its events' probabilities, in their order."""
 
-    def __init__(self, tree: FaultTree, inputs: tuple[Probability, ...]) -> None:
-        self._tree = tree
+    def __init__(self, made: TreeToSolve, inputs: tuple[Probability, ...]) -> None:
+        self._made = made
+        self._tree = made.tree
         self._inputs = inputs
         self._nodes: dict[str, Probability] | None = None
 
     def figure(self, link: Link) -> Probability:  # noqa: ARG002 - a tree has one figure
         """Return the top event's probability."""
         if self._tree.shared:
-            return self._shared().probability(self._named(self._inputs))
+            return self._made.compiled.probability(self._named(self._inputs))
         return self._swept()[self._tree.top]
 
     def gradient(self, link: Link) -> Sequence[float]:  # noqa: ARG002
@@ -166,12 +183,14 @@ class SolvedTree:
             if each
         )
         if lossless:
-            return self._shared().difference(self._named(self._inputs), self._named(low._inputs))
+            return self._made.compiled.difference(
+                self._named(self._inputs), self._named(low._inputs)
+            )
         return along(self._slopes, low._inputs, changes)
 
     def _slopes(self, inputs: Sequence[Probability]) -> Sequence[float]:
         if self._tree.shared:
-            found = self._shared().sensitivities(self._named(inputs))
+            found = self._made.compiled.sensitivities(self._named(inputs))
             return [found[event.name] for event in self._tree.events]
         nodes = self._swept() if inputs is self._inputs else self._sweep(inputs)
         weights = {self._tree.top: 1.0}
@@ -196,8 +215,3 @@ class SolvedTree:
 
     def _named(self, inputs: Sequence[Probability]) -> dict[str, Probability]:
         return {event.name: pair for event, pair in zip(self._tree.events, inputs, strict=True)}
-
-    def _shared(self) -> SharedTree:
-        from tracerisk.prm.bdd import compiled
-
-        return compiled(self._tree)
