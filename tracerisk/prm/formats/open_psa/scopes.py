@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from difflib import get_close_matches
-
-from tracerisk.errors import one_of
 from tracerisk.prm.formats.open_psa.xml_elements import Element
+from tracerisk.prm.logic_checks import suggestion
 
 
 class Scope:
@@ -61,12 +58,3 @@ class Scope:
                 return name
             home = home.rpartition(".")[0]
         return self._paths.get(short)
-
-
-def suggestion(names: Collection[str], found: str) -> str:
-    """Return what is allowed: all names where they are few, else one that is near."""
-    shown = [name for name in names if not name.startswith("#")]
-    if len(shown) <= 30:
-        return one_of(shown, found)
-    near = get_close_matches(found, shown, n=1) if len(shown) <= 20_000 else []
-    return f"did you mean '{near[0]}'?" if near else "define it"

@@ -8,8 +8,8 @@ from typing import Any
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.formats.element import Element
 from tracerisk.prm.formats.open_psa.rewriting import Form, accepted_form, form_inputs
-from tracerisk.prm.formats.open_psa.scopes import suggestion
 from tracerisk.prm.gates import Gate, GateKind, check_gate
+from tracerisk.prm.logic_checks import suggestion
 from tracerisk.prm.logic_model import GateDefinition
 
 OPERATIONS = {

@@ -11,10 +11,10 @@ from tracerisk.prm.common_cause import CommonCauseLaw
 from tracerisk.prm.expressions import Expression, Number
 from tracerisk.prm.fault_tree import HouseEvent
 from tracerisk.prm.formats.element import Element, read_document
-from tracerisk.prm.formats.open_psa.scopes import suggestion
 from tracerisk.prm.formats.openpra.event_trees import read_event_tree
 from tracerisk.prm.formats.openpra.logic import read_logic
 from tracerisk.prm.gates import Gate
+from tracerisk.prm.logic_checks import suggestion
 from tracerisk.prm.logic_model import (
     ALWAYS,
     NEVER,
