@@ -160,13 +160,13 @@ def drawn(count):
     )
 
 
-@drawn(4)
+@drawn(3)
 @given(model=models(monotone=True))
 def test_random_models_in_which_failures_only_add_keep_every_digit(oracle, model):
     check(model, oracle, lambda pair: 0.0)
 
 
-@drawn(4)
+@drawn(3)
 @given(model=models(monotone=False))
 def test_random_models_with_complements_keep_the_digits_of_their_figures(oracle, model):
     check(model, oracle, min)
