@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.expressions import references
+from tracerisk.prm.expressions import Number, references
 from tracerisk.prm.gates import check_gate
 
 if TYPE_CHECKING:
@@ -123,7 +123,7 @@ def _check_references(model: LogicModel, uses: Mapping[str, tuple[str, ...]]) ->
         *(
             ("basic event", each.name, references(each.expression))
             for each in model.events
-            if each.expression is not None and each.expression.arguments
+            if each.expression is not None and not isinstance(each.expression, Number)
         ),
     ):
         for used in found:
