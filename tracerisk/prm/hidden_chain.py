@@ -62,6 +62,8 @@ class HiddenChain:
         self._spreads: list[dict[int, Spread]] = []
         self._latent: list[dict[tuple[int, int | None], Probability]] = []
         self._drops: dict[tuple[int, str], float] = {}
+        self._exceeding: list[dict[tuple[int, int | None], float]] = []
+        self._worst: dict[int, Probability] = {}
         self._layers: dict[tuple[int, bool], Elimination] = {}
         # How many units may fail at once in a visit that is survived.
         self._limits = [
@@ -76,9 +78,10 @@ class HiddenChain:
                 base.rest[number] if base is not None and alike else self._rest_failure(number)
             )
             self.units.append(units)
-            same_units = base is not None and base.units[number] == units
-            self._spreads.append(base._spreads[number] if base is not None and same_units else {})
-            self._latent.append(base._latent[number] if base is not None and same_units else {})
+            like = base if base is not None and base.units[number] == units else None
+            self._spreads.append(like._spreads[number] if like else {})
+            self._latent.append(like._latent[number] if like else {})
+            self._exceeding.append(like._exceeding[number] if like else {})
 
     def sensitivities(self, number: int) -> Mapping[str, float]:
         """Return the derivative of the rest of a function's tree by each of its events."""
@@ -249,6 +252,12 @@ class HiddenChain:
         most = self.states.most
         if most is None:
             return 0.0
+        cache, key = self._exceeding[number], (layer, fewer)
+        if key not in cache:
+            cache[key] = self._more_than(most, number, layer, fewer)
+        return cache[key]
+
+    def _more_than(self, most: int, number: int, layer: int, fewer: int | None) -> float:
         room = most - sum(self.states.hidden[layer])
         counts, beyond = [1.0], 0.0
         for part in self.states.functions[number].parts:
@@ -312,22 +321,23 @@ class HiddenChain:
         fail most still working; where another function tolerates more of the same units, it may
         have failed already.
         """
-        functions = self.states.functions
+        if number not in self._worst:
+            self._worst[number] = any_of(self._one_short(number))
+        return self._worst[number]
+
+    def _one_short(self, number: int) -> list[Probability]:
+        """Return the failures of the rest of the tree and of units one of which is one too many."""
+        states = self.states
         pairs = [self.rest[number]]
-        for part in functions[number].parts:
-            others = {each for function in functions for each in function.parts} - {part}
-            if any(set(part.classes) & set(other.classes) for other in others):
-                return Probability(1.0, 0.0)
+        for part in states.functions[number].parts:
+            if any(other != part for c in part.classes for other in states.parts_of[c]):
+                return [Probability(1.0, 0.0)]
             units = sorted(
-                (
-                    self.units[number][c]
-                    for c in part.classes
-                    for _ in range(len(self.states.classes[c]))
-                ),
+                (self.units[number][c] for c in part.classes for _ in states.classes[c]),
                 reverse=True,
             )
             pairs += map(Probability.of, units[: len(units) - part.threshold + 1])
-        return any_of(pairs)
+        return pairs
 
 
 def tree_probability(state: str, tree: FaultTree, values: Mapping[str, float]) -> Probability:

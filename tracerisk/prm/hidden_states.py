@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.elimination import Pattern
@@ -45,7 +46,7 @@ class Function:
     done: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class HiddenStates:
     """The functions that the entry leads to, and the hidden states in which they are met.
 
@@ -64,6 +65,16 @@ class HiddenStates:
     pattern: Pattern
     more: tuple[tuple[int, ...], ...] = field(repr=False)
     held: tuple[tuple[bool, ...], ...] = field(repr=False)
+
+    @cached_property
+    def parts_of(self) -> tuple[tuple[Part, ...], ...]:
+        """The different parts, of any function, that each class is in."""
+        found: list[dict[Part, None]] = [{} for _ in self.classes]
+        for function in self.functions:
+            for part in function.parts:
+                for unit_class in part.classes:
+                    found[unit_class][part] = None
+        return tuple(map(tuple, found))
 
     def working(self, layer: int, unit_class: int) -> int:
         """Return how many units of a class have not failed."""
