@@ -38,8 +38,8 @@ class Limits:
 
 DEFAULT_LIMITS = Limits()
 
-_GO_ON = {0: 4, 1: 2, 2: 1}
-"""How many orders are tried with the next budget, by the number of the last; later, two."""
+_GO_ON = 2
+"""How many walks, and how many orders by FORCE, go on after the first budget; later, one each."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,7 +227,7 @@ def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LI
     """Return a module's diagram, by the first order that fits the least budget that any fits.
 
     The first budget is given to the orders by walks and, where none fits, to those by FORCE;
-    after each, those that came farthest go on, fewer and fewer, the farthest first.
+    after each, those of either kind that came farthest go on, the farthest first.
     Raises TooLargeError when none fits the last budget.
     """
     walked = _orders(walked_orders(graph, module), limits)
@@ -252,8 +252,15 @@ def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LI
                 if found is not None:
                     return found
             trials |= others
+        # FORCE comes far early and can then stand still, so that one of each kind stays.
         ranked = sorted(trials, key=lambda name: -reached[name])
-        trials = {name: trials[name] for name in ranked[: _GO_ON.get(number, 2)]}
+        kept = 1 if number else _GO_ON
+        kinds = (
+            [name for name in ranked if name in walked],
+            [name for name in ranked if name not in walked],
+        )
+        going = {*kinds[0][:kept], *kinds[1][:kept]}
+        trials = {name: trials[name] for name in ranked if name in going}
     raise TooLargeError(
         f"a part of {len(module.inputs)} events and {len(module.gates)} gates that share them "
         f"outgrew every budget of its decision diagram: {', '.join(map(str, limits.nodes))} nodes "
