@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     )
     from tracerisk.prm.linked import LinkedModel
     from tracerisk.prm.markov import ContinuousChain
+    from tracerisk.prm.pair_importance import PairImportance, pair_importances
 
 __all__ = [
     "FIGURE_STATEMENT",
@@ -71,6 +72,7 @@ __all__ = [
     "Lognormal",
     "MarkovChain",
     "NextStep",
+    "PairImportance",
     "Parameter",
     "PerDemand",
     "PeriodicTest",
@@ -80,6 +82,7 @@ __all__ = [
     "build_model",
     "expand_common_cause",
     "minimal_cut_sets",
+    "pair_importances",
     "prime_implicants",
     "solve",
 ]
@@ -95,8 +98,10 @@ _ON_DEMAND = (
         "EventTree": "event_tree",
         "Given": "bayes",
         "LinkedModel": "linked",
+        "PairImportance": "pair_importance",
         "expand_common_cause": "common_cause",
         "minimal_cut_sets": "cut_sets",
+        "pair_importances": "pair_importance",
         "prime_implicants": "cut_sets",
     }
     | dict.fromkeys(
