@@ -14,11 +14,15 @@ SCRAM_INPUTS = Path("/usr/share/scram/input")
 
 @dataclass(frozen=True)
 class ScramReport:
-    """What SCRAM found: tops and sequences with their probabilities, to six digits."""
+    """What SCRAM found: tops and sequences with their probabilities, to six digits.
+
+    `products` are the cut sets of each top, as the events that happen and those that do not.
+    """
 
     tops: dict[str, float]
     sequences: dict[tuple[str, str], float] = field(default_factory=dict)
     importance: dict[str, dict[str, dict[str, float]]] = field(default_factory=dict)
+    products: dict[str, set[tuple[frozenset[str], frozenset[str]]]] = field(default_factory=dict)
 
 
 @pytest.fixture(scope="session")
@@ -27,6 +31,9 @@ def scram() -> Callable[..., ScramReport]:
     command = shutil.which("scram")
     if command is None:
         pytest.skip("SCRAM is not installed")
+
+    def named(product: ET.Element, path: str) -> frozenset[str]:
+        return frozenset(event.get("name") for event in product.findall(path))
 
     def run(*files: Path, options: tuple[str, ...] = ()) -> ScramReport:
         done = subprocess.run(
@@ -37,7 +44,7 @@ def scram() -> Callable[..., ScramReport]:
         )
         assert done.returncode == 0, done.stderr
         results = ET.fromstring(done.stdout).find("results")
-        tops, sequences, importance = {}, {}, {}
+        tops, sequences, importance, products = {}, {}, {}, {}
         for each in results:
             name = each.get("name")
             if each.tag == "initiating-event":
@@ -47,6 +54,10 @@ def scram() -> Callable[..., ScramReport]:
                 continue
             elif each.tag == "sum-of-products":
                 tops[name] = float(each.get("probability"))
+                products[name] = {
+                    (named(product, "basic-event"), named(product, "not/basic-event"))
+                    for product in each.iter("product")
+                }
             elif each.tag == "importance":
                 importance[name] = {
                     event.get("name"): {
@@ -55,7 +66,7 @@ def scram() -> Callable[..., ScramReport]:
                     for event in each
                     if event.tag == "basic-event"
                 }
-        return ScramReport(tops, sequences, importance)
+        return ScramReport(tops, sequences, importance, products)
 
     return run
 

@@ -7,6 +7,7 @@ import math
 import pytest
 
 from tracerisk.errors import ModelError
+from tracerisk.prm import minimal_cut_sets, prime_implicants
 from tracerisk.prm.formats.open_psa import dumps_open_psa, loads_open_psa, read_open_psa
 from tracerisk.prm.logic_event_trees import solved_event_trees
 from tracerisk.prm.logic_trees import solved_tops
@@ -34,6 +35,20 @@ SHIPPED = (
     ("ne574/ne574.xml",),
 )
 """Which of SCRAM's inputs it can solve, and which files belong together."""
+
+ONE_TREE = (
+    ("BSCU/BSCU.xml",),
+    ("Baobab/baobab2.xml", "Baobab/baobab2-basic-events.xml"),
+    ("Chinese/chinese.xml", "Chinese/chinese-basic-events.xml"),
+    ("HIPPS/HIPPS.xml",),
+    ("Lift/lift.xml",),
+    ("SmallTree/SmallTree.xml",),
+    ("Theatre/theatre.xml",),
+    ("ThreeMotor/three_motor.xml",),
+    ("TwoTrain/two_train.xml",),
+    ("ne574/ne574.xml",),
+)
+"""Those of one fault tree, whose parts SCRAM tells all of in little time."""
 
 
 def same_digits(found: float, printed: float) -> bool:
@@ -122,22 +137,7 @@ def test_every_common_cause_law_comes_out_as_in_scram(law, scram, tmp_path):
     assert_as_scram(model, scram(exported, options=("--ccf", "true")), common_cause=True)
 
 
-@pytest.mark.parametrize(
-    "files",
-    [
-        ("BSCU/BSCU.xml",),
-        ("Baobab/baobab2.xml", "Baobab/baobab2-basic-events.xml"),
-        ("Chinese/chinese.xml", "Chinese/chinese-basic-events.xml"),
-        ("HIPPS/HIPPS.xml",),
-        ("Lift/lift.xml",),
-        ("SmallTree/SmallTree.xml",),
-        ("Theatre/theatre.xml",),
-        ("ThreeMotor/three_motor.xml",),
-        ("TwoTrain/two_train.xml",),
-        ("ne574/ne574.xml",),
-    ],
-    ids=lambda files: files[-1],
-)
+@pytest.mark.parametrize("files", ONE_TREE, ids=lambda files: files[-1])
 def test_birnbaum_importance_comes_out_as_in_scram(files, scram, scram_inputs):
     # Where the top is not coherent, SCRAM 0.16.2 gives every figure the opposite sign.
     paths = [scram_inputs / file for file in files]
@@ -168,3 +168,41 @@ def test_replacements_in_cut_sets_have_no_exact_probability(scram_inputs):
         model.fault_tree("TopEvent")
     assert "substitution 'ExchangeValves' replaces events in cut sets" in str(caught.value)
     assert str(caught.value).startswith(str(scram_inputs))
+
+
+@pytest.mark.parametrize("files", ONE_TREE, ids=lambda files: files[-1])
+def test_minimal_cut_sets_are_those_of_scram(files, scram, scram_inputs):
+    paths = [scram_inputs / file for file in files]
+    model = read_open_psa(*paths)
+    # SCRAM leaves out what is less probable than 1e-8, unless it is told not to.
+    report = scram(*paths, options=("--cut-off", "0"))
+    assert report.products
+    for top, expected in report.products.items():
+        tree = model.fault_tree(top, common_cause=False)
+        found = list(minimal_cut_sets(tree).most_probable(tree.values_at(MISSION_H)))
+        ways = [(frozenset(each.events), frozenset(each.absent)) for each in found]
+        assert len(ways) == len(expected)
+        assert set(ways) == expected
+
+
+def test_prime_implicants_are_those_of_scram(scram, tmp_path):
+    text = """<opsa-mef><define-fault-tree name="tree">
+    <define-gate name="top">
+      <atleast min="2"><gate name="one"/><gate name="some"/><gate name="both"/></atleast>
+    </define-gate>
+    <define-gate name="one"><xor><event name="a"/><event name="b"/></xor></define-gate>
+    <define-gate name="some"><nand><event name="b"/><gate name="any"/></nand></define-gate>
+    <define-gate name="any"><or><event name="c"/><event name="e"/></or></define-gate>
+    <define-gate name="both"><and><event name="c"/><event name="d"/></and></define-gate>
+    %s</define-fault-tree></opsa-mef>"""
+    event = '<define-basic-event name="%s"><float value="0.25"/></define-basic-event>'
+    path = tmp_path / "tree.xml"
+    path.write_text(text % "".join(event % name for name in "abcde"))
+    report = scram(path, options=("--cut-off", "0", "--prime-implicants"))
+    [expected] = report.products.values()
+    ways = {
+        (frozenset(each.events), frozenset(each.absent))
+        for each in prime_implicants(read_open_psa(path).fault_tree("top")).most_probable()
+    }
+    assert any(absent for _, absent in expected)
+    assert ways == expected
