@@ -285,6 +285,34 @@ def test_a_doubled_argument_is_told(call):
     assert told in outcome.err
 
 
+def test_tops_are_solved_in_each_phase_of_an_alignment(call):
+    phases = """<define-alignment name="year">
+      <define-phase name="run" time-fraction="0.75"/>
+      <define-phase name="repair" time-fraction="0.25">
+        <set-house-event name="open"><constant value="true"/></set-house-event>
+      </define-phase>
+    </define-alignment></opsa-mef>"""
+    house = '<house-event name="open"/></or>'
+    text = xml(RATE).replace("</or>", house).replace("</opsa-mef>", phases)
+    text = text.replace(
+        "<model-data>",
+        '<model-data><define-house-event name="open"><constant value="false"/>'
+        "</define-house-event>",
+    )
+    Path("phases.xml").write_text(text)
+    data = solved(call, "phases.xml", "--mission-time", "20")
+    run, repair = data["phases"]
+    p = -math.expm1(-0.01 * 15)
+    assert (run["name"], run["fraction"]) == ("year, run", 0.75)
+    assert run["tops"][0]["probability"] == pytest.approx(1 - (1 - p * p) * 0.999, rel=1e-14)
+    (top,) = repair["tops"]
+    assert top["probability"] == pytest.approx(1.0, rel=1e-15)
+    assert top["complement"] == 0.0
+    outcome = call("solve", "phases.xml", "--mission-time", "20", "--max-risk", "0.9")
+    assert outcome.code == 1
+    assert "none (year, repair) 1 is over" in outcome.err
+
+
 # Chains.
 
 

@@ -83,13 +83,20 @@ class LogicFile:
         if tops:
             shown.append((render_tops, (self.name, tops)))
         shown += [(render_top_importance, (top, found)) for top, found in importances.items()]
-        notes = [
-            *model.findings,
-            *(
-                f"alignment '{each.name}' is left out: house events are as they are defined"
-                for each in model.alignments
-            ),
-        ]
+        notes = list(model.findings)
+        if wanted and model.alignments:
+            data["phases"] = phases = self._phases(wanted, time)
+            shown += [(render_tops, (phase["name"], phase["tops"])) for phase in phases]
+            for phase in phases:
+                solved: dict[str, tuple[float, float]] = phase["tops"]
+                figures |= {f"{top} ({phase['name']})": p for top, (p, _) in solved.items()}
+                phase["tops"] = [
+                    {"name": top, "probability": p, "complement": q}
+                    for top, (p, q) in solved.items()
+                ]
+        risks = tuple(figures) or None
+        if model.alignments and begun:
+            notes.append("event trees are solved without phases: house events as they are defined")
         if figure is not None and not wanted and not begun:
             chosen(model.tops, figure, self.name)
         if begun and not (figure and wanted):
@@ -108,7 +115,22 @@ class LogicFile:
                 }
             if figure is not None:
                 figures = {name: figures[name] for name in chosen(figures, figure, self.name)}
-        return Solved(figures, data, tuple(shown), tuple(notes), tuple(tops) or None)
+        return Solved(figures, data, tuple(shown), tuple(notes), risks)
+
+    def _phases(self, wanted: tuple[str, ...], time: float) -> list[dict[str, Any]]:
+        """Solve the tops in each phase of each alignment, for its share of the mission."""
+        found: list[dict[str, Any]] = []
+        for alignment in self.model.alignments:
+            for phase in alignment.phases:
+                model = self.model.in_phase(alignment.name, phase.name)
+                spent = phase.fraction * time
+                tops = {}
+                for top in wanted:
+                    tree = model.fault_tree(top, mission_time_h=spent)
+                    tops[top] = tuple(tree.probability(tree.values_at(spent)))
+                name = f"{alignment.name}, {phase.name}"
+                found.append({"name": name, "fraction": phase.fraction, "tops": tops})
+        return found
 
     def spread(self, figure: str | None, samples: int, seed: int) -> Uncertainty:
         """Return how sure a top is: the one that is asked for, or the only one."""
