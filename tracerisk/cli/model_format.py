@@ -37,6 +37,12 @@ _OPENPRA = re.compile(rb'"(?:faultTrees|eventTrees|ccfGroups)"\s*:')
 _SKIPPED = re.compile(rb"(?:\s|//[^\n]*(?:\n|\Z)|/\*.*?\*/)*", re.DOTALL)
 _TEXTS = (
     (re.compile(rb"toplevel\s[^;=]*;"), ModelFormat.GALILEO),
+    (
+        re.compile(
+            rb'"[^"\n]+"\s+(?:(?:and|or|\d+of\d+|[whc]sp|pand)(?:\s+"[^"\n]+")+\s*;|(?:prob|lambda)\s*=)'
+        ),
+        ModelFormat.GALILEO,
+    ),
     (re.compile(rb"(?:dtmc|ctmc)\s+\d+[ \t]+\d+[ \t]+[\d.]"), ModelFormat.EXPLICIT),
     (re.compile(rb"\d+[ \t]+\d+[ \t]*\r?\n\s*\d+[ \t]+\d+[ \t]+[\d.]"), ModelFormat.EXPLICIT),
     (
