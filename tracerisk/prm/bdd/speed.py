@@ -1,4 +1,4 @@
-"""The kernel's loops at two speeds: as Python on lists, or compiled by numba on arrays.
+"""The loops of diagrams at two speeds: as Python on lists, or compiled by numba on arrays.
 
 numba is imported by `compiled_loops` only: a diagram of up to a few thousand nodes is built sooner
 than numba starts.
@@ -12,14 +12,14 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, TypeVar, cast
 
-from tracerisk.prm.bdd import kernel
+from tracerisk.prm.bdd import kernel, sweeps
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
 @dataclass(frozen=True, slots=True)
 class Loops:
-    """The functions of `kernel`, and how the sequences that they take are made."""
+    """The functions of `kernel` and `sweeps`, and how the sequences that they take are made."""
 
     build: Callable[..., int]
     extract: Callable[..., int]
@@ -39,11 +39,11 @@ PLAIN = Loops(
     kernel.build,
     kernel.extract,
     kernel.compact,
-    kernel.sweep,
-    kernel.sweep_many,
-    kernel.edge_gains,
-    kernel.derivatives,
-    kernel.differences,
+    sweeps.sweep,
+    sweeps.sweep_many,
+    sweeps.edge_gains,
+    sweeps.derivatives,
+    sweeps.differences,
     integers=lambda size: [0] * size,
     floats=lambda size: [0.0] * size,
     listed=list,
@@ -60,11 +60,11 @@ def compiled_loops() -> Loops:
         compiled_by_numba(kernel.build),
         compiled_by_numba(kernel.extract),
         compiled_by_numba(kernel.compact),
-        compiled_by_numba(kernel.sweep),
-        compiled_by_numba(kernel.sweep_many),
-        compiled_by_numba(kernel.edge_gains),
-        compiled_by_numba(kernel.derivatives),
-        compiled_by_numba(kernel.differences),
+        compiled_by_numba(sweeps.sweep),
+        compiled_by_numba(sweeps.sweep_many),
+        compiled_by_numba(sweeps.edge_gains),
+        compiled_by_numba(sweeps.derivatives),
+        compiled_by_numba(sweeps.differences),
         integers=lambda size: np.zeros(size, dtype=np.int32),
         floats=lambda size: np.zeros(size, dtype=np.float64),
         listed=lambda items: np.array(items, dtype=np.int32),
