@@ -318,6 +318,27 @@ def test_units_of_one_group_may_fail_with_probabilities_of_their_own(exact):
     assert shares["q"] == close(assessment.states[0].top_event)
 
 
+def test_a_hidden_pair_stands_beside_events_that_gates_share(exact):
+    gates = (
+        Gate("top", GateKind.OR, ("pair", "one", "two")),
+        Gate("pair", GateKind.AND, ("a", "b")),
+        Gate("one", GateKind.AND, ("x", "y")),
+        Gate("two", GateKind.AND, ("x", "z")),
+    )
+    events = tuple(BasicEvent(name, "p" if name in "ab" else name) for name in "abxyz")
+    values = {"p": 1e-6, "x": 0.01, "y": 0.02, "z": 0.03}
+    steps = (NextStep("s", Fraction(2, 3)), NextStep("done", Fraction(1, 3)))
+    state = FunctionState("s", 1, FaultTree("top", gates, events), values, steps)
+    parameters = tuple(Parameter(name, value) for name, value in values.items())
+    model = HybridModel("m", "s", (state,), parameters, ("a", "b"))
+    total = exact.mission(model)
+    assessment = solve(model)
+    assert assessment.mission.failure_probability == close(total)
+    for found in assessment.components:
+        without = exact.mission(model, {found.name: Fraction(0)})
+        assert found.fussell_vesely == close((total - without) / total)
+
+
 def test_beyond_the_limit_the_figure_is_bounded_and_the_bound_is_told(straight):
     parts = [(f"pair{i}", 1e-4 * (i + 1), 2, "true") for i in range(6)]
     model = straight(4, *parts, ("motor", 1e-7))
