@@ -231,13 +231,15 @@ def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LI
     Raises TooLargeError when none fits the last budget.
     """
     walked = _orders(walked_orders(graph, module), limits)
-    if limits.plain_nodes and not compiled_loops.cache_info().currsize:
-        first = next(iter(walked.values()))
-        found, _ = _built(local_of(graph, module, first), limits.plain_nodes, PLAIN)
-        if found is not None:
-            return found
-    loops = compiled_loops()
     trials = _trials(graph, module, walked)
+    if limits.plain_nodes:
+        # The same orders and budget at either speed, so that both give the same digits.
+        loops = compiled_loops() if compiled_loops.cache_info().currsize else PLAIN
+        for local in trials.values():
+            found, _ = _built(local, limits.plain_nodes, loops)
+            if found is not None:
+                return found
+    loops = compiled_loops()
     reached: dict[str, int] = {}
     for number, budget in enumerate(limits.nodes):
         for name, local in trials.items():
