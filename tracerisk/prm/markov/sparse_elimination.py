@@ -17,6 +17,19 @@ Array = np.ndarray[Any, Any]
 
 
 @compiled_by_numba
+def _follows(out_state: Array, out_ptr: Array, out_end: Array, k: int) -> bool:
+    """Return whether the state before k leads to k, and else to the same states as k."""
+    before = out_ptr[k - 1]
+    count = out_end[k] - out_ptr[k]
+    if out_end[k - 1] - before != count + 1 or out_state[before] != k:
+        return False
+    same = 0
+    while same < count and out_state[before + 1 + same] == out_state[out_ptr[k] + same]:
+        same += 1
+    return same == count
+
+
+@compiled_by_numba
 def eliminate_rows(
     n: int,
     head: int,
@@ -51,6 +64,7 @@ def eliminate_rows(
     leaving = np.zeros(n, np.float64)
     slack_share = np.zeros(head, np.float64)
     dense = np.zeros((rest, rest + 1), np.float64)
+    paired = np.zeros(head, np.bool_)
     row = np.zeros(n, np.float64)
     mark = np.full(n, -1, np.int32)
     stack = np.empty(n, np.int32)
@@ -76,8 +90,10 @@ def eliminate_rows(
         out_sum = slack[i]
         lost = 0.0
         filled = in_ptr[k]
-        for t in range(top, n):
+        t = top
+        while t < n:
             j = stack[t]
+            t += 1
             weight = row[j]
             row[j] = 0.0
             if weight == 0.0:
@@ -85,9 +101,23 @@ def eliminate_rows(
             in_state[filled] = j
             in_weight[filled] = weight
             filled += 1
-            for s in range(out_ptr[j], out_end[j]):
-                row[out_state[s]] += weight * out_share[s]
             added = weight * slack_share[j]
+            if paired[j] and t < n and stack[t] == j + 1:
+                # Both lead to the same states, but for the one to the other: one pass for both.
+                t += 1
+                first = out_ptr[j]
+                second = row[j + 1] + weight * out_share[first]
+                row[j + 1] = 0.0
+                in_state[filled] = j + 1
+                in_weight[filled] = second
+                filled += 1
+                shift = out_ptr[j + 1] - first - 1
+                for s in range(first + 1, out_end[j]):
+                    row[out_state[s]] += weight * out_share[s] + second * out_share[s + shift]
+                added += second * slack_share[j + 1]
+            else:
+                for s in range(out_ptr[j], out_end[j]):
+                    row[out_state[s]] += weight * out_share[s]
             total = out_sum + added
             lost += (out_sum - total) + added if out_sum >= added else (added - total) + out_sum
             out_sum = total
@@ -122,6 +152,8 @@ def eliminate_rows(
         slack_share[k] = out_slack / out_sum
         for t in range(out_ptr[k], put):
             out_share[t] /= out_sum
+        if k > 0:
+            paired[k - 1] = _follows(out_state, out_ptr, out_end, k)
     return (in_end, in_state, in_weight, out_end, out_share, leaving, dense, -1)
 
 
