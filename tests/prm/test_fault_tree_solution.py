@@ -11,8 +11,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError
-from tracerisk.prm import FaultTree, prime_implicants
-from tracerisk.prm.failure_models import Exponential
+from tracerisk.prm import BasicEvent, FaultTree, expressions, prime_implicants
+from tracerisk.prm.expressions import (
+    Definitions,
+    ExpressionModel,
+    MissionTime,
+    Number,
+    Reference,
+)
+from tracerisk.prm.failure_models import Exponential, PerDemand
 from tracerisk.prm.probability import Probability, pair_of, value_of
 
 PAIR = FaultTree.of(
@@ -192,3 +199,22 @@ def test_a_figure_with_its_complement_is_copied_whole():
     for copied in (pickle.loads(pickle.dumps(figure)), copy.deepcopy(figure)):
         assert pair_of(copied) == (1.0, math.exp(-50.0))
     assert type(value_of(Probability(0.25, 0.75))) is float
+
+
+def test_a_model_that_needs_no_mission_time_asks_for_none():
+    per_demand = FaultTree.of("t", {"t": ("or", "a")}, {"a": PerDemand(0.1, 2)})
+    assert per_demand.solve().probability == pytest.approx(0.19)
+    definitions = Definitions(
+        (
+            ("share", Number(0.25)),
+            ("late", expressions.Exponential(Reference("share"), MissionTime())),
+        )
+    )
+
+    def event_of(name):
+        model = ExpressionModel(Reference(name), definitions)
+        return FaultTree("a", (), (BasicEvent("a", model=model),))
+
+    assert event_of("share").solve().probability == 0.25
+    with pytest.raises(ModelError, match="depends on the mission time"):
+        event_of("late").solve()

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.periodic_test import PeriodicTest
@@ -45,6 +46,8 @@ class Constant:
 
     Raises ModelError when `p` is not in [0, 1].
     """
+
+    needs_mission_time: ClassVar[bool] = False
 
     p: float
 
@@ -225,6 +228,8 @@ class PerDemand:
     1 - (1 - p)^demands.
     Raises ModelError when `p` is no probability or `demands` not a whole number from 0 on.
     """
+
+    needs_mission_time: ClassVar[bool] = False
 
     p: float
     demands: int = 1

@@ -31,7 +31,10 @@ __all__ = ["BasicEvent", "FailureModel", "FaultTree", "Gate", "GateKind", "House
 
 
 class FailureModel(Protocol):
-    """What gives a basic event its probability over a mission; see `failure_models`."""
+    """What gives a basic event its probability over a mission; see `failure_models`.
+
+    One whose probability is the same for every mission says so: `needs_mission_time = False`.
+    """
 
     def probability(self, mission_time_h: float) -> Probability:
         """Return the probability that the event happens within the mission, [h]."""
@@ -134,20 +137,18 @@ class FaultTree(DisplayedGraph):
         Without a mission time, `None`, only of those whose model needs none.
         Raises ModelError, with the event, when a model cannot be evaluated.
         """
-        if mission_time_h is None:
-            from tracerisk.prm.failure_models import Constant
-
-            models = [(event.parameter, event.model) for event in self.events]
-            return {name: model.p for name, model in models if isinstance(model, Constant)}
-        values = {}
+        values: dict[str, float] = {}
         for event in self.events:
-            if event.model is not None and event.parameter not in values:
-                try:
-                    values[event.parameter] = value_of(event.model.probability(mission_time_h))
-                except ModelError as error:
-                    raise ModelError(
-                        f"event '{event.name}': {error.message}", error.location
-                    ) from error
+            if event.model is None or event.parameter in values:
+                continue
+            if mission_time_h is None and getattr(event.model, "needs_mission_time", True):
+                continue
+            try:
+                values[event.parameter] = value_of(event.model.probability(mission_time_h or 0.0))
+            except ModelError as error:
+                raise ModelError(
+                    f"event '{event.name}': {error.message}", error.location
+                ) from error
         return values
 
     def solve(

@@ -15,10 +15,10 @@ from tracerisk.prm.expressions import (
     Expression,
     ExpressionModel,
     LatinHypercube,
-    MissionTime,
     Number,
     Reference,
     Sampling,
+    depends_on_mission_time,
     references,
 )
 from tracerisk.prm.fault_tree import FailureModel, FaultTree, HouseEvent
@@ -34,20 +34,7 @@ _CELLS = 4_000_000
 
 def needs_mission_time(model: LogicModel) -> bool:
     """Return whether a figure of the model depends on the mission time."""
-    known = model.definitions.by_name
-    waiting = list(_figures(model))
-    seen: set[str] = set()
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, MissionTime):
-            return True
-        if isinstance(node, Reference):
-            if node.name not in seen and node.name in known:
-                seen.add(node.name)
-                waiting.append(known[node.name])
-        else:
-            waiting.extend(node.arguments)
-    return False
+    return depends_on_mission_time(_figures(model), model.definitions.by_name)
 
 
 def value_of(model: LogicModel, name: str, mission_time_h: float) -> float:

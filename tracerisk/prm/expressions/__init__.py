@@ -26,6 +26,7 @@ from tracerisk.prm.expressions.evaluation import (
     Definitions,
     Evaluation,
     ExpressionModel,
+    depends_on_mission_time,
     evaluate,
     references,
 )
@@ -60,6 +61,7 @@ __all__ = [
     "Sum",
     "UniformDeviate",
     "Weibull",
+    "depends_on_mission_time",
     "evaluate",
     "references",
     "sample",

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from tracerisk.errors import Location, ModelError, one_of
-from tracerisk.prm.expressions.node import Expression, Reference
+from tracerisk.prm.expressions.node import Expression, MissionTime, Reference
 from tracerisk.prm.probability import Probability
 
 Names = Mapping[str, Expression | float]
@@ -27,6 +27,24 @@ def nodes(expression: Expression) -> Iterator[Expression]:
         node = stack.pop()
         yield node
         stack.extend(reversed(node.arguments))
+
+
+def depends_on_mission_time(expressions: Iterable[Expression], names: Names) -> bool:
+    """Return whether the mission time is needed for any of the expressions, by what they name."""
+    waiting = list(expressions)
+    seen: set[str] = set()
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, MissionTime):
+            return True
+        if isinstance(node, Reference):
+            known = names.get(node.name)
+            if node.name not in seen and isinstance(known, Expression):
+                seen.add(node.name)
+                waiting.append(known)
+        else:
+            waiting.extend(node.arguments)
+    return False
 
 
 def evaluate(expression: Expression, names: Names, mission_time_h: float) -> float:
@@ -153,6 +171,11 @@ class ExpressionModel:
     location: Location | Callable[[], Location | None] | None = field(
         default=None, compare=False, repr=False
     )
+
+    @property
+    def needs_mission_time(self) -> bool:
+        """Whether the probability depends on the mission time."""
+        return depends_on_mission_time((self.expression,), self.definitions.by_name)
 
     def probability(self, mission_time_h: float) -> Probability:
         """Return the probability for a mission, [h].
