@@ -26,7 +26,7 @@ def _follows(out_state: Array, out_ptr: Array, out_end: Array, k: int) -> bool:
     same = 0
     while same < count and out_state[before + 1 + same] == out_state[out_ptr[k] + same]:
         same += 1
-    return same == count
+    return bool(same == count)
 
 
 @compiled_by_numba
