@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from tracerisk.twin.robot import Robot
 
 PACKAGES = (
-    *("daqp", "dm-control", "libcst", "mink", "mujoco", "numpy", "rich", "rosbags"),
-    *("ruamel.yaml", "xacrodoc"),
+    *("daqp", "dm-control", "libcst", "mink", "mujoco", "numba", "numpy", "rich", "rosbags"),
+    *("ruamel.yaml", "scipy", "xacrodoc"),
 )
 """What tracerisk depends on, as `pyproject.toml` lists it."""
 

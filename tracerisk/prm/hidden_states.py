@@ -16,7 +16,7 @@ from tracerisk.prm.fault_tree import FaultTree
 from tracerisk.prm.hybrid import DONE, FunctionState, HybridModel
 from tracerisk.prm.latent_units import LatentPart, latent_parts, without_latent
 
-MOST_STATES = 20_000
+MOST_STATES = 4_000
 """Up to how many states a chain with hidden failures is solved exactly."""
 
 Hidden = tuple[int, ...]
