@@ -138,17 +138,30 @@ def test_every_common_cause_law_comes_out_as_in_scram(law, scram, tmp_path):
 
 
 @pytest.mark.parametrize("files", ONE_TREE, ids=lambda files: files[-1])
-def test_birnbaum_importance_comes_out_as_in_scram(files, scram, scram_inputs):
+def test_importances_come_out_as_in_scram(files, scram, scram_inputs):
     # Where the top is not coherent, SCRAM 0.16.2 gives every figure the opposite sign.
     paths = [scram_inputs / file for file in files]
     model = read_open_psa(*paths)
-    report = scram(*paths, options=("--importance", "true", "--limit-order", "6"))
+    report = scram(*paths, options=("--importance", "true"))
     assert report.importance
     for top, events in report.importance.items():
         tree = model.fault_tree(top, common_cause=False)
-        found = tree.sensitivities(tree.values_at(MISSION_H))
+        solution = tree.solve(mission_time_h=MISSION_H)
+        parameter_of = {event.name: event.parameter for event in tree.events}
+        found = {each.name: each for each in solution.importance()}
         for event, figures in events.items():
-            assert same_digits(found[event], figures["MIF"]), (top, event)
+            ours = found[parameter_of[event]]
+            expected = {
+                "MIF": ours.birnbaum,
+                "CIF": ours.criticality,
+                # Diagnostic importance: the chance that the event is there, given the top.
+                "DIF": ours.probability * ours.risk_achievement_worth,
+                "RAW": ours.risk_achievement_worth,
+                # What could not fail without the event has an infinite one, for which SCRAM prints 0.
+                "RRW": 0.0 if math.isinf(ours.risk_reduction_worth) else ours.risk_reduction_worth,
+            }
+            for measure, value in expected.items():
+                assert same_digits(value, figures[measure]), (top, event, measure)
 
 
 def test_the_phases_of_an_alignment_can_be_solved(scram_inputs):
