@@ -28,7 +28,7 @@ def balanced(count: int, width: int, kind: GateKind, k: int | None = None) -> Fa
     """Return a balanced tree of gates of `width` inputs."""
     events = tuple(BasicEvent(f"e{i}") for i in range(count))
     level = [event.name for event in events]
-    gates = []
+    gates: list[Gate] = []
     while len(level) > 1:
         above = []
         for start in range(0, len(level), width):
