@@ -102,7 +102,12 @@ def at_least(k: int, inputs: Sequence[Probability]) -> Probability:
     dual = len(inputs) - k + 1
     if dual < k:
         # "At least k happen" is the complement of "at least n-k+1 do not": the shorter count.
+        if dual == 2:
+            q, p = _two_of([(q, p) for p, q in inputs])
+            return Probability(p, q)
         return at_least(dual, [pair.complement for pair in inputs]).complement
+    if k == 2:
+        return Probability(*_two_of(inputs))
     counts = [1.0]
     reached = 0.0
     for pair in inputs:
@@ -110,6 +115,16 @@ def at_least(k: int, inputs: Sequence[Probability]) -> Probability:
             reached += counts[-1] * pair.p
         counts = _convolve(counts, pair, k)
     return Probability(reached, sum(counts))
+
+
+def _two_of(inputs: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """Return the pair of "at least two": the commonest vote, counted without lists."""
+    none, one, more = 1.0, 0.0, 0.0
+    for p, q in inputs:
+        more += one * p
+        one = one * q + none * p
+        none *= q
+    return more, none + one
 
 
 def any_of(inputs: Sequence[tuple[float, float]]) -> Probability:
