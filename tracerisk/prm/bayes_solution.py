@@ -6,10 +6,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from tracerisk.errors import ModelError, one_of
+from tracerisk.errors import ModelError
 from tracerisk.prm.bayes import BayesianNetwork, States
 from tracerisk.prm.fault_tree import FaultTree
 from tracerisk.prm.probability import Probability
+from tracerisk.prm.quantities import check_parameters
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,12 +74,8 @@ def solve_network(
     evidence: States,
 ) -> BayesianSolution:
     """Solve a fault tree for each joint state of the conditions; see BayesianNetwork.solve."""
-    parameters = dict.fromkeys(tree.parameters)
+    check_parameters(values, dict.fromkeys(tree.parameters))
     for name in values:
-        if name not in parameters:
-            raise ModelError(
-                f"value of '{name}', which is no parameter; {one_of(parameters, name)}"
-            )
         if name in network.events:
             raise ModelError(
                 f"value of '{name}', which the network gives; leave it out, or give the network "

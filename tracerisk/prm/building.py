@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias, TypeGuard
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.fault_tree import BasicEvent, FaultTree, HouseEvent
 from tracerisk.prm.gates import Gate, GateKind
+from tracerisk.prm.quantities import check_parameters
 
 if TYPE_CHECKING:
     from tracerisk.prm.fault_tree import FailureModel
@@ -160,11 +161,7 @@ def built_hybrid(
         if state not in trees:
             raise ModelError(f"visit_h of '{state}', which is no state; {one_of(trees, state)}")
     known = {parameter for tree in trees.values() for parameter in tree.parameters}
-    for parameter in values:
-        if parameter not in known:
-            raise ModelError(
-                f"value of '{parameter}', which is no parameter; {one_of(known, parameter)}"
-            )
+    check_parameters(values, known)
     states = []
     theta: dict[str, float] = {}
     for rank, (state, tree) in enumerate(trees.items(), 1):

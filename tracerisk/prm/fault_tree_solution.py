@@ -10,6 +10,7 @@ from typing import Literal
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.fault_tree import FaultTree
 from tracerisk.prm.probability import Probability, pair_of, value_of
+from tracerisk.prm.quantities import check_parameters
 from tracerisk.prm.table import Table
 
 
@@ -115,11 +116,7 @@ def solve_tree(
 ) -> FaultTreeSolution:
     """Solve a fault tree; see FaultTree.solve."""
     parameters = dict.fromkeys(tree.parameters)
-    for name in values:
-        if name not in parameters:
-            raise ModelError(
-                f"value of '{name}', which is no parameter; {one_of(parameters, name)}"
-            )
+    check_parameters(values, parameters)
     given = {**tree.values_at(mission_time_h), **values}
     for event in tree.events:
         if event.parameter not in given and event.model is not None:

@@ -1,10 +1,11 @@
-"""Checks of the figures of failure models, which name the figure, its unit and its range."""
+"""Checks of given figures, which name the figure, its unit and its range."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Iterable
 
-from tracerisk.errors import ModelError
+from tracerisk.errors import ModelError, one_of
 
 
 def check_share(name: str, value: float) -> None:
@@ -34,6 +35,13 @@ def check_count(name: str, value: int, least: int = 0) -> None:
 def check_mission_time(mission_time_h: float) -> None:
     """Raise ModelError when a mission time is negative, infinite or not a number, [h]."""
     check_not_negative("the mission time", mission_time_h, "h")
+
+
+def check_parameters(names: Iterable[str], known: Collection[str]) -> None:
+    """Raise ModelError when a value is given of what is no parameter."""
+    for name in names:
+        if name not in known:
+            raise ModelError(f"value of '{name}', which is no parameter; {one_of(known, name)}")
 
 
 def _in(unit: str) -> str:

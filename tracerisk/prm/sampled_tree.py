@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.quantities import check_parameters
 from tracerisk.prm.sampled_mission import failure_samples, tree_samples
 
 if TYPE_CHECKING:
@@ -74,9 +75,7 @@ def samples_of(
 def failure_samples_of(model: HybridModel, values: Mapping[str, ArrayLike]) -> NDArray[np.float64]:
     """Return the mission's failure probability for n samples, (n,); see HybridModel."""
     thetas = {parameter.name: parameter.theta for parameter in model.parameters}
-    for name in values:
-        if name not in thetas:
-            raise ModelError(f"value of '{name}', which is no parameter; {one_of(thetas, name)}")
+    check_parameters(values, thetas)
     arrays, count = samples_of(values or thetas)
     return failure_samples(
         model, {name: np.broadcast_to(array, (count,)) for name, array in arrays.items()}
