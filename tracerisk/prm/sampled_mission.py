@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Mapping
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -139,26 +139,15 @@ def tree_samples(tree: FaultTree, values: Mapping[str, Values]) -> Probability:
     `values` gives each parameter its probability.
     """
     if tree.shared:
-        return _shared(tree, values)
+        found = tree.probabilities(values)
+        # The pair's type is of numbers; its algebra is that of arrays as well.
+        return Probability(found[:, 0], found[:, 1])  # type: ignore[arg-type]
     nodes = {event.name: _pair(values[event.parameter]) for event in tree.events}
     for house in tree.houses:
         nodes[house.name] = Probability.of(float(house.state))
     for gate in tree.upwards:
         nodes[gate.name] = gate_probability(gate, [nodes[name] for name in gate.inputs])
     return nodes[tree.top]
-
-
-def _shared(tree: FaultTree, values: Mapping[str, Values]) -> Probability:
-    from tracerisk.prm.bdd import compiled
-
-    count = max((len(v) for v in values.values() if isinstance(v, np.ndarray)), default=1)
-    arrays = {
-        event.name: np.broadcast_to(np.asarray(values[event.parameter], dtype=float), (count,))
-        for event in tree.events
-    }
-    shared: Any = compiled(tree)
-    found: Any = shared.probabilities(arrays)
-    return Probability(found[:, 0], found[:, 1])
 
 
 def _pair(value: Values) -> Probability:
