@@ -26,11 +26,12 @@ from tracerisk.adder.lock import LOCK_NAME, Lock
 from tracerisk.adder.merge import MergePolicy
 from tracerisk.adder.values import (
     computed_count,
-    computed_flag,
     computed_next,
     computed_probability,
+    computed_redundancy,
 )
 from tracerisk.config import Settings
+from tracerisk.hardware.redundancy import Redundancy
 from tracerisk.pipeline.code_digest import code_digest
 from tracerisk.pipeline.freshness import RunInputs, settings_data
 from tracerisk.trace import QualifiedName
@@ -47,7 +48,10 @@ def make(folder: Path, names: Sequence[str]) -> None:
     for number, (step, following) in enumerate(zip(STEPS, (*STEPS[1:], "done"), strict=True), 1):
         parts = tuple(
             ComponentEntry(
-                name, computed_probability(9.5e-08), computed_count(quantity), computed_flag(False)
+                name,
+                computed_probability(9.5e-08),
+                computed_count(quantity),
+                computed_redundancy(Redundancy(False)),
             )
             for name, quantity in (("electric_motor", 7), ("gripper", 1))
         )

@@ -29,11 +29,12 @@ from tracerisk.adder.insert import insert_everywhere, strip_blocks
 from tracerisk.adder.read import scan_blocks
 from tracerisk.adder.values import (
     computed_count,
-    computed_flag,
     computed_next,
     computed_probability,
+    computed_redundancy,
 )
 from tracerisk.errors import TraceRiskError
+from tracerisk.hardware.redundancy import Redundancy
 from tracerisk.trace import QualifiedName
 
 VERDICTS = ("exact", "refused", "wrong")
@@ -92,7 +93,10 @@ def check(path: Path) -> Outcome:
 
 def _block(name: QualifiedName) -> RiskBlock:
     power = ComponentEntry(
-        "power", computed_probability(6.674e-08), computed_count(2), computed_flag(True)
+        "power",
+        computed_probability(6.674e-08),
+        computed_count(2),
+        computed_redundancy(Redundancy(True)),
     )
     return RiskBlock(name, computed_count(1), computed_next({"a": 9, "done": 1}), (power,))
 

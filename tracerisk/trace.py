@@ -15,7 +15,11 @@ from tracerisk.errors import Location
 QualifiedName = NewType("QualifiedName", str)
 """A function's qualified name within its module: `place`, `PickNode.place`, `<module>`."""
 
-ElementKind = Literal["joint", "gripper", "sensor", "component"]
+ElementKind = Literal["joint", "gripper", "sensor", "contact", "component"]
+SensorKind = Literal["encoder", "torque", "wrench", "camera"]
+
+WEAR_EXPONENTS: tuple[float, ...] = (1.0, 2.0, 3.0, 10.0 / 3.0, 4.0, 6.0, 9.0)
+"""The exponents k for which a run measures how load ages a drive, see `Exposure.wear`."""
 VisitOutcome = Literal["succeeded", "aborted", "preempted", "unfinished"]
 EndCause = Literal[
     "ended",  # the controller returned, or called exit with 0
@@ -45,10 +49,16 @@ class FunctionRef:
 
 @dataclass(frozen=True, slots=True, order=True)
 class Element:
-    """A part of the robot that the twin watches; `component` in a log of another tool."""
+    """A part of the robot that the twin watches; `component` in a log of another tool.
+
+    `sensor` is the kind of a sensor; `part` the joint or link in which a sensor is, the joint
+    that an actuator moves, the link that touches.
+    """
 
     name: str
     kind: ElementKind
+    sensor: SensorKind | None = None
+    part: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +69,12 @@ class Exposure:
     `active_s` is the time in any of the three [s].
     `longest_moving_s` and `longest_active_s` are the longest uninterrupted stretches [s]; one
     that fills the span, or an unbroken part of it, counts from its begin to its end in the run.
-    `starts` counts the motions begun, `grasps` the grasps closed.
+    `starts` counts the motions begun, `grasps` the grasps closed, `releases` those opened.
+    `grasping_moving_s` is the time of both at once, `reading_s` the time in which the controller
+    reads a sensor [s].
+    `travel_s` is the time that the motion would take at rated speed [s], the integral of |v| over
+    the moving time; `wear[i]` that of |v| L^k with k = `WEAR_EXPONENTS[i]` [s], speed v and
+    torque L as fractions of the rated ones; empty where nothing moved. Both add up over visits.
     `torque_rms` and `torque_cubic` are fractions of the rated limit: the root mean square over
     the active time, and the speed-weighted cubic mean over the moving time.
     `borderline` says that a deciding value lay within a factor of two of its threshold.
@@ -76,6 +91,43 @@ class Exposure:
     torque_rms: float = 0.0
     torque_cubic: float = 0.0
     borderline: bool = False
+    releases: int = 0
+    grasping_moving_s: float = 0.0
+    reading_s: float = 0.0
+    travel_s: float = 0.0
+    wear: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Payload:
+    """What a gripper held during a visit.
+
+    `mass_kg` is the mass of the object, `held_s` the time for which it was held [s],
+    `pad_force_n` and `most_pad_force_n` mean and greatest of the lesser force on the pads [N].
+    """
+
+    gripper: str
+    object: str
+    mass_kg: float
+    held_s: float
+    pad_force_n: float
+    most_pad_force_n: float
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """A touch during a visit: a link of the robot, or a thing it holds, and another body.
+
+    `start_s` is when it began, `touching_s` how long it lasted in the visit [s], `force_n` the
+    greatest normal force [N]. `expected`: what is grasped, or meant to be.
+    """
+
+    link: str
+    other: str
+    start_s: float
+    touching_s: float
+    force_n: float
+    expected: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +154,8 @@ class Visit:
     duration_s: float | None
     outcome: VisitOutcome
     exposures: Mapping[str, Exposure | None]
+    payloads: tuple[Payload, ...] = ()
+    contacts: tuple[Contact, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

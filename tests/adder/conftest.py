@@ -9,10 +9,11 @@ from tracerisk.adder.block import ComponentEntry, RiskBlock
 from tracerisk.adder.grammar import BlockLine, parse_block
 from tracerisk.adder.values import (
     computed_count,
-    computed_flag,
     computed_next,
     computed_probability,
+    computed_redundancy,
 )
+from tracerisk.hardware.redundancy import Redundancy
 
 BlockMaker = Callable[..., RiskBlock]
 BlockReader = Callable[[str], RiskBlock]
@@ -29,7 +30,7 @@ def _make_block(
             component,
             computed_probability(probability),
             computed_count(1),
-            computed_flag(False),
+            computed_redundancy(Redundancy(False)),
         )
         for component, probability in (probabilities or {"gripper": 7.344e-08}).items()
     )

@@ -6,18 +6,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tracerisk.adder.block import ComponentEntry, Field, Redundancy, RiskBlock, Transition
+from tracerisk.adder.block import ComponentEntry, Field, RiskBlock, Transition
 from tracerisk.adder.grammar import BlockLine, parse_block, print_block
 from tracerisk.adder.values import (
     computed_count,
-    computed_flag,
     computed_next,
     computed_probability,
+    computed_redundancy,
     profile_next,
     read_redundancy,
     read_transitions,
 )
 from tracerisk.errors import BlockError
+from tracerisk.hardware.redundancy import Redundancy
 
 DESIGN_BLOCK = """\
 # | RiskAnnotation
@@ -194,7 +195,7 @@ probabilities = st.floats(0, 1).map(computed_probability) | st.sampled_from(
     [Field(2e-7, "2.000E-7"), Field(0.5, ".5"), Field(1.0, "1.")]
 )
 counts = st.integers(1, 10**9).map(computed_count)
-flags = st.booleans().map(computed_flag) | st.sampled_from(
+flags = st.booleans().map(Redundancy).map(computed_redundancy) | st.sampled_from(
     [
         Field(read_redundancy(text), text)
         for text in (

@@ -17,11 +17,12 @@ from tracerisk.adder.insert import insert_blocks, insert_everywhere, strip_block
 from tracerisk.adder.read import scan_blocks
 from tracerisk.adder.values import (
     computed_count,
-    computed_flag,
     computed_next,
     computed_probability,
+    computed_redundancy,
 )
 from tracerisk.errors import SourceError, UnsafeRewriteError
+from tracerisk.hardware.redundancy import Redundancy
 
 STANDARD_LIBRARY = Path(sysconfig.get_path("stdlib"))
 SAMPLE_SIZE = 100
@@ -40,7 +41,10 @@ def sample() -> list[Path]:
 
 def block_for(name: str, sequence: int = 1) -> RiskBlock:
     power = ComponentEntry(
-        "power", computed_probability(6.674e-08), computed_count(2), computed_flag(True)
+        "power",
+        computed_probability(6.674e-08),
+        computed_count(2),
+        computed_redundancy(Redundancy(True)),
     )
     return RiskBlock(name, computed_count(sequence), computed_next({"a": 9, "done": 1}), (power,))
 

@@ -5,6 +5,7 @@ import pytest
 from tracerisk.errors import HardwareError
 from tracerisk.hardware.model import Basis, FailureFigure, TwinBinding
 from tracerisk.hardware.reader import read_hardware
+from tracerisk.hardware.redundancy import Redundancy
 from tracerisk.hardware.shipped import shipped_hardware
 
 
@@ -36,7 +37,7 @@ components:
     assert len(f.figures) == 2
     assert (a.quantity, c.quantity, d.quantity, e.quantity) == (1, None, 2, 3)
     assert (a.always_active, b.always_active) == (True, False)
-    assert (c.twin, d.redundancy) == (TwinBinding(joints="*"), True)
+    assert (c.twin, d.redundancy) == (TwinBinding(joints="*"), Redundancy(True))
 
 
 BROKEN = {
@@ -110,7 +111,7 @@ def test_shipped_panda_holds_the_published_figures():
         "electric_motor": 9.5e-08,
     }
     assert all(c.figures[0].per is Basis.MINUTE for c in by_name.values())
-    assert by_name["power_system"].redundancy is True
+    assert by_name["power_system"].redundancy == Redundancy(True)
     assert by_name["electric_motor"].quantity == 7
 
 
@@ -143,4 +144,4 @@ def test_when_a_hidden_failure_is_detected_is_read_or_follows_from_the_figures(
         f"  a: {{probability: {figure}, quantity: 2, redundancy: true, active: always{detected}}}\n"
     )
     (component,) = read_hardware(path).components
-    assert (component.detection, component.test_interval_s) == expected
+    assert (component.redundancy.detected, component.test_interval_s) == expected

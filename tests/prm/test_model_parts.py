@@ -9,8 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.adder.block import ComponentEntry, Field, RiskBlock, Transition
-from tracerisk.adder.values import computed_flag
+from tracerisk.adder.values import computed_redundancy
 from tracerisk.errors import BlockError
+from tracerisk.hardware.redundancy import Redundancy
 from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind, solve
 from tracerisk.prm.component_changes import component_items
 from tracerisk.prm.flow_changes import flow_items
@@ -19,7 +20,7 @@ from tracerisk.prm.model_parts import ModelParts, RiskVersion, single_points, to
 
 def field(value):
     if isinstance(value, bool):
-        return computed_flag(value)
+        return computed_redundancy(Redundancy(value))
     return Field(value, str(value))
 
 

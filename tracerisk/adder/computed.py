@@ -11,9 +11,9 @@ from tracerisk.adder.model_names import model_names
 from tracerisk.adder.values import (
     DONE,
     computed_count,
-    computed_flag,
     computed_next,
     computed_probability,
+    computed_redundancy,
     profile_next,
 )
 from tracerisk.config import ActiveMode
@@ -218,14 +218,14 @@ def _entry(bound: BoundComponent, visits: Sequence[Visit], mode: ActiveMode) -> 
     probability = group_unit_probability(
         units,
         quantity=bound.quantity,
-        redundancy=component.redundancy,
-        detected=component.detection,
+        redundancy=component.redundancy.is_redundant,
+        detected=component.redundancy.detected,
     )
     return ComponentEntry(
         name=component.name,
         probability=computed_probability(probability),
         quantity=computed_count(bound.quantity),
-        redundancy=computed_flag(component.redundancy, component.detection),
+        redundancy=computed_redundancy(component.redundancy),
     )
 
 

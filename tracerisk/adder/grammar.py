@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tracerisk.adder.block import ComponentEntry, Field, Redundancy, RiskBlock
+from tracerisk.adder.block import ComponentEntry, Field, RiskBlock
 from tracerisk.adder.values import (
     CALL_SEQUENCE,
     COMPONENT_KINDS,
@@ -23,6 +23,7 @@ from tracerisk.adder.values import (
     is_function_name,
 )
 from tracerisk.errors import BlockError, Location, one_of
+from tracerisk.hardware.redundancy import Redundancy
 
 GUTTER = "# | "
 HEADER = "RiskAnnotation"

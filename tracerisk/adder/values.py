@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from tracerisk.adder.block import ComponentEntry, Field, Redundancy, Transition
-from tracerisk.hardware.model import Detection
+from tracerisk.adder.block import ComponentEntry, Field, Transition
+from tracerisk.hardware.redundancy import Detection, Redundancy
 
 NOTHING_COMPUTED = "none"
 """What stands after `computed` where the tool has no value for a pinned field."""
@@ -199,12 +199,23 @@ def computed_count(value: int) -> Field[int]:
     return Field(read_count(str(value)), str(value))
 
 
-def computed_flag(value: bool, detected: Detection = "mission_start") -> Field[Redundancy]:
-    """Return the field that the tool writes for a redundancy; the default is left unsaid."""
+def computed_redundancy(value: Redundancy) -> Field[Redundancy]:
+    """Return the field that the tool writes for a redundancy; defaults are left unsaid."""
     if not value:
         return Field(Redundancy(False), "false")
-    said = "" if detected == "mission_start" else f", detected {detected}"
-    return Field(Redundancy(True, detected=detected), f"true{said}")
+    words = ["true" if value.required == 1 else f"required {value.required}"]
+    if value.dormancy == 0.0:
+        words.append("spare cold")
+    elif value.dormancy < 1.0:
+        words.append(f"spare warm {value.dormancy!r}")
+    if value.switch:
+        words.append(f"switch {value.switch!r}")
+    if value.common_cause:
+        words.append(f"common_cause {value.common_cause!r}")
+    if value.detected != "mission_start":
+        words.append(f"detected {value.detected}")
+    text = ", ".join(words)
+    return Field(read_redundancy(text), text)
 
 
 def computed_next(counts: Mapping[str, int]) -> Field[Transitions]:

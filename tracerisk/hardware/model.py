@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from tracerisk.errors import Location
+from tracerisk.hardware.redundancy import ALL_NEEDED, Detection, Redundancy
+from tracerisk.trace import SensorKind
 
 
 class Basis(enum.Enum):
@@ -23,71 +25,137 @@ class Basis(enum.Enum):
         return {Basis.MINUTE: 60.0, Basis.HOUR: 3600.0}.get(self)
 
 
-Detection = Literal["mission_start", "each_visit"]
-"""When the failed units of a redundant group are found, and the group is whole again."""
+State = Literal["moving", "holding", "grasping"]
+"""A state of use that lasts, and so is exposure."""
+Demand = Literal["start", "grasp", "release"]
+"""A use that is counted: a motion begun, a grasp closed, a grasp opened."""
 
 
 @dataclass(frozen=True, slots=True)
 class FailureFigure:
-    """A failure probability per basis, or a constant failure rate per basis of time."""
+    """One term of a unit's failure probability.
 
-    kind: Literal["probability", "failure_rate"]
+    `probability`: of a failure per basis. `failure_rate`: constant, per basis of time.
+    `weibull`: `value` is the characteristic life, in the time of the basis, and `shape` the
+    exponent of wear-out (1 is a constant rate); the component's age says where on it the unit is.
+    A figure per time counts the time in use; one that is `standby` the time of the mission in
+    which the unit is not in use. A figure per demand counts `demand`, `None` for what is usual:
+    the grasps of a gripper, else the motions begun.
+    `error_factor` is p95/p50 of a lognormal, whose median is the value unless `value_is` mean.
+    """
+
+    kind: Literal["probability", "failure_rate", "weibull"]
     value: float
     per: Basis
+    shape: float = 1.0
+    standby: bool = False
+    demand: Demand | None = None
+    error_factor: float | None = None
+    value_is: Literal["median", "mean"] = "median"
+    source: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LoadLaw:
+    """How load ages a unit: rate x [(1-phi) + phi (L/L0)^k], of what moves and carries.
+
+    `wearing_share` is phi, `exponent` k (one of `tracerisk.trace.WEAR_EXPONENTS`).
+    `reference_load` is L0 and `reference_speed` the speed at which the figures hold, as fractions
+    of the rated torque and speed; without a speed it is the mean speed of the mission.
+    """
+
+    reference_load: float
+    wearing_share: float
+    exponent: float = 3.0
+    reference_speed: float | None = None
+    source: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class FailureMode:
+    """A share of a unit's failures, which counts only while it can matter.
+
+    `when` are the states whose time counts for figures per time, and the demands that count for
+    figures per demand.
+    """
+
+    name: str
+    fraction: float
+    when: tuple[State | Demand, ...]
+    source: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class TwinBinding:
-    """Where the twin sees a component: joints by name (`"*"` for each of the arm), grippers.
+    """Where the twin sees a component; each field that is given adds elements.
 
-    An `optional` one stands for each gripper that the robot has, be it none.
+    `joints` by name, `"*"` for each of the arm; `actuators` by name, for the joints that they
+    move; `gripper` for the grippers; `sensors` by name, or a kind for all of that kind;
+    `contacts` by the link that touches.
+    An `optional` one stands for each that the robot has, be it none.
     """
 
     joints: tuple[str, ...] | Literal["*"] = ()
     gripper: bool = False
     optional: bool = False
+    actuators: tuple[str, ...] = ()
+    sensors: tuple[str, ...] | SensorKind = ()
+    contacts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Component:
-    """One hardware component: `quantity` equal units, all needed unless `redundancy`.
+    """One hardware component: `quantity` units, all needed unless `redundancy`.
 
+    `name` is qualified by its assemblies (`arm.joint.motor`).
     `figures` are the terms of one unit's failure probability; they add up as independent causes.
-    `quantity` is `None` where the description leaves it to the number of joints that the robot has.
-    `detected` tells how long the first failure of a redundant group stays hidden, `None` where
-    the description does not say; `test_interval_s` is the time between tests [s], where it is
-    tested within the mission.
+    `quantity` is `None` where the description leaves it to what the robot has.
+    `redundancy.detected` is resolved: the published reading where all figures are per visit.
+    `test_interval_s` is the time between tests [s], of a group that is tested within the mission.
+    `age_s` is the time for which the units were in use before the mission [s].
     """
 
     name: str
     figures: tuple[FailureFigure, ...]
     quantity: int | None = 1
-    redundancy: bool = False
+    redundancy: Redundancy = ALL_NEEDED
     always_active: bool = False
     twin: TwinBinding | None = None
+    load_law: LoadLaw | None = None
+    modes: tuple[FailureMode, ...] = ()
+    age_s: float = 0.0
     source: str | None = None
-    location: Location | None = None
-    detected: Detection | None = None
+    location: Location | None = field(default=None, compare=False)
     test_interval_s: float | None = None
 
     @property
-    def detection(self) -> Detection:
-        """How long a first failure stays hidden: until the next mission starts, if none says.
+    def is_assumed(self) -> bool:
+        """Whether a figure of the component has no source: its `source` begins with `assumed`."""
+        own = [each.source for each in self.figures]
+        return any(
+            source is not None and source.lstrip().lower().startswith("assumed")
+            for source in (self.source, *own)
+        )
 
-        Figures per visit alone are the published reading, and so are groups that are whole again
-        at each visit.
-        """
-        if self.detected is not None:
-            return self.detected
-        published = all(figure.per is Basis.VISIT for figure in self.figures)
-        return "each_visit" if published and self.test_interval_s is None else "mission_start"
+
+def default_detection(figures: tuple[FailureFigure, ...], tested: bool) -> Detection:
+    """Return how long a first failure stays hidden where the description does not say.
+
+    Figures per visit alone are the published reading, and so are groups that are whole again
+    at each visit; else a failure stays hidden until the next mission starts.
+    """
+    published = all(figure.per is Basis.VISIT for figure in figures)
+    return "each_visit" if published and not tested else "mission_start"
 
 
 @dataclass(frozen=True, slots=True)
 class Hardware:
-    """A hardware description; `components` in the order of the file."""
+    """A hardware description; `components` in the order of the file.
 
-    file: str
+    Two descriptions of the same are equal, whatever their files and formats.
+    """
+
+    file: str = field(compare=False)
     components: tuple[Component, ...]
     robot: str | None = None
     source: str | None = None

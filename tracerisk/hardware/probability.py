@@ -12,7 +12,8 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from tracerisk.hardware.model import Basis, Detection, FailureFigure
+from tracerisk.hardware.model import Basis, FailureFigure
+from tracerisk.hardware.redundancy import Detection
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,11 +9,12 @@ from tracerisk.errors import HardwareError, Location, one_of
 from tracerisk.hardware.model import (
     Basis,
     Component,
-    Detection,
     FailureFigure,
     Hardware,
     TwinBinding,
+    default_detection,
 )
+from tracerisk.hardware.redundancy import Detection, Redundancy
 from tracerisk.yaml_reader import YamlMap, read_yaml
 
 _TOP_KEYS = frozenset({"components", "robot", "source"})
@@ -84,16 +85,16 @@ def _component(name: str, entry: YamlMap, location: Location) -> Component:
     if "detected" in entry and not redundancy:
         entry.fail("detected", "of units that are all needed none stays hidden; leave it out")
     detected, test_interval_s = _detected(entry)
+    found = detected or default_detection(figures, test_interval_s is not None)
     return Component(
         name=name,
         figures=figures,
         quantity=_quantity(entry, twin),
-        redundancy=redundancy,
+        redundancy=Redundancy(redundancy, detected=found) if redundancy else Redundancy(False),
         always_active=always,
         twin=twin,
         source=entry.optional_string("source"),
         location=location,
-        detected=detected,
         test_interval_s=test_interval_s,
     )
 
