@@ -19,8 +19,9 @@ from tracerisk.adder.values import (
 from tracerisk.config import ActiveMode
 from tracerisk.errors import HardwareError, InputError, one_of
 from tracerisk.hardware.binding import BoundComponent, bind
+from tracerisk.hardware.groups import group_unit_probability
 from tracerisk.hardware.model import Basis, Hardware
-from tracerisk.hardware.probability import Use, group_unit_probability, unit_probability
+from tracerisk.hardware.probability import Use, unit_probability
 from tracerisk.trace import Cycle, Exposure, FunctionRef, Trace, Visit
 
 SHORTEST_ACTIVITY_S = 0.05
