@@ -5,11 +5,13 @@ import pytest
 from tracerisk import trace_json
 from tracerisk.errors import Location, LogError
 from tracerisk.trace import (
+    Contact,
     Element,
     Exposure,
     Finding,
     FunctionRef,
     ObjectOffset,
+    Payload,
     QualifiedName,
     RunEnd,
     Trace,
@@ -38,11 +40,24 @@ TRACE = Trace(
     robot="panda",
     scene="tube_racks",
     end=RunEnd("ended", "the controller returned", 12.5),
-    elements=(Element("j1", "joint"), Element("hand", "gripper")),
+    elements=(
+        Element("j1", "joint"),
+        Element("hand", "gripper"),
+        Element("j1/encoder", "sensor", "encoder", "j1"),
+    ),
     functions=(TracedFunction(ref("place"), 7, 1),),
     visits=(
         Visit(ref("place"), 0.1, 12.4, "succeeded", {"j1": Exposure(1.0, 2.0, active_s=3.0)}),
         Visit(ref("place"), 0.1, None, "aborted", {"hand": None}),
+        Visit(
+            ref("place"),
+            0.2,
+            1.0,
+            "succeeded",
+            {"j1": Exposure(1.0, releases=2, travel_s=0.1, wear=(0.5, 0.25, 1 / 3))},
+            payloads=(Payload("hand", "tube_1", 0.025, 0.5, 12.0, 20.0),),
+            contacts=(Contact("link5", "table", 0.3, 0.1, 140.0, expected=False),),
+        ),
     ),
     active={"j1": Exposure(1.0, 2.0, active_s=3.0, starts=2, borderline=True)},
     uncovered=(Uncovered(ref("recover"), 40),),

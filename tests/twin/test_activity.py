@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 
 import numpy as np
@@ -10,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import LogError
-from tracerisk.trace import Element
+from tracerisk.trace import WEAR_EXPONENTS, Element
 from tracerisk.twin.activity import (
     ElementActivity,
     Thresholds,
@@ -242,6 +243,47 @@ def test_exposures_partition_the_run(seed: int, cuts: list[int]):
         mask = np.zeros(n, dtype=bool)
         mask[begin:end] = True
         parts.append(exposure(activity, mask, STEP))
-    for field in ("moving_s", "holding_s", "grasping_s", "active_s", "starts", "grasps"):
+    for field in (
+        "moving_s", "holding_s", "grasping_s", "active_s", "grasping_moving_s", "travel_s",
+    ):  # fmt: skip
         total = sum(getattr(part, field) for part in parts)
         assert total == pytest.approx(getattr(whole, field), abs=1e-9)
+    for field in ("starts", "grasps", "releases"):
+        assert sum(getattr(part, field) for part in parts) == getattr(whole, field)
+    for i, wear in enumerate(whole.wear):
+        assert math.fsum(part.wear[i] for part in parts if part.wear) == pytest.approx(
+            wear, rel=1e-12
+        )
+
+
+def test_travel_and_wear_are_integrals_over_the_moving_time(panda: Robot):
+    limit, rated = 87.0, 2.175
+    samples = crafted(
+        panda,
+        torque_panda_joint1=steps((0, 500, 0.25 * limit), (500, 1000, 0.5 * limit)),
+        velocity_panda_joint1=steps((100, 500, 0.5 * rated), (500, 600, 0.125 * rated)),
+    )
+    found = element_activity(samples, panda)
+    got = exposure(found["panda_joint1"], np.ones(N, dtype=bool), STEP)
+    assert got.travel_s == pytest.approx(0.8 * 0.5 + 0.2 * 0.125)
+    expected = [0.4 * 0.25**k + 0.025 * 0.5**k for k in WEAR_EXPONENTS]
+    assert got.wear == pytest.approx(expected)
+    cubic = got.wear[WEAR_EXPONENTS.index(3.0)] / got.travel_s
+    assert got.torque_cubic == pytest.approx(cubic ** (1 / 3))
+    assert exposure(found["panda_joint2"], np.ones(N, dtype=bool), STEP).wear == ()
+
+
+def test_a_release_belongs_to_the_span_in_which_the_grasp_ends(panda: Robot):
+    left, right = panda.grippers[0].pads
+    samples = crafted(
+        panda,
+        **{f"force_{left}": steps((200, 500, 5.0)), f"force_{right}": steps((200, 500, 5.0))},
+        **{f"velocity_{panda.grippers[0].joints[0]}": steps((450, 600, 0.1))},
+    )
+    found = element_activity(samples, panda)[panda.grippers[0].name]
+    first = exposure(found, steps((0, 500, 1.0)).astype(bool), STEP)
+    second = exposure(found, steps((500, 1000, 1.0)).astype(bool), STEP)
+    assert (first.grasps, first.releases) == (1, 0)
+    assert (second.grasps, second.releases) == (0, 1)
+    assert first.grasping_moving_s == pytest.approx(0.1)
+    assert second.grasping_moving_s == 0.0

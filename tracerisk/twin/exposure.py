@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.trace import Exposure
+from tracerisk.trace import WEAR_EXPONENTS, Exposure
 from tracerisk.twin.activity import ElementActivity
 
 Flags = NDArray[np.bool_]
@@ -19,12 +19,14 @@ _BORDER = 2.0  # a factor of the threshold, up or down
 def exposure(activity: ElementActivity, mask: Flags, step_s: float) -> Exposure:
     """Return the exposure of an element over the steps in `mask`, (n_steps,).
 
-    Over masks that split the run, times, starts and grasps sum to those of the whole run.
+    Over masks that split the run, times, travel, wear, starts, grasps and releases sum to those
+    of the whole run; a release belongs to the first step in which nothing is grasped any more.
     torque_rms is over the active steps. torque_cubic is (sum |v| T^3 / sum |v|)^(1/3) over the
     moving steps: the load at which a drive that wears by revolutions would age alike.
     """
     moving, holding = activity.moving & mask, activity.holding & mask
     grasping, active = activity.grasping & mask, activity.active & mask
+    speed, torque = activity.speed[moving], activity.torque[moving]
     return Exposure(
         moving_s=_seconds(moving, step_s),
         holding_s=_seconds(holding, step_s),
@@ -35,8 +37,12 @@ def exposure(activity: ElementActivity, mask: Flags, step_s: float) -> Exposure:
         starts=int(np.count_nonzero(_begins(activity.moving) & mask)),
         grasps=int(np.count_nonzero(_begins(activity.grasping) & mask)),
         torque_rms=_rms(activity.torque[active]),
-        torque_cubic=_cubic_mean(activity.torque[moving], activity.speed[moving]),
+        torque_cubic=_cubic_mean(torque, speed),
         borderline=_is_borderline(activity, mask, step_s),
+        releases=int(np.count_nonzero(_ends(activity.grasping) & mask)),
+        grasping_moving_s=_seconds(grasping & moving, step_s),
+        travel_s=float(speed.sum()) * step_s,
+        wear=_wear(torque, speed, step_s) if moving.any() else (),
     )
 
 
@@ -67,6 +73,15 @@ def _runs(flags: Flags) -> tuple[Steps, Steps]:
 
 def _begins(flags: Flags) -> Flags:
     return flags & ~np.concatenate(([False], flags[:-1]))
+
+
+def _ends(flags: Flags) -> Flags:
+    return ~flags & np.concatenate(([False], flags[:-1]))
+
+
+def _wear(torque: Array, speed: Array, step_s: float) -> tuple[float, ...]:
+    """Return the integral of |v| T^k over the steps given, for each of `WEAR_EXPONENTS` [s]."""
+    return tuple(float((speed * torque**k).sum()) * step_s for k in WEAR_EXPONENTS)
 
 
 def _rms(torque: Array) -> float:
