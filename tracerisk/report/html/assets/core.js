@@ -1,0 +1,120 @@
+// What every part of the page shares: data, the clock, what is selected, the theme.
+const listeners = new Set();
+
+const clock = {
+  time: 0,
+  end: 0,
+  set(time, source = null) {
+    const held = Math.min(Math.max(Number(time) || 0, 0), clock.end);
+    if (held === clock.time) return;
+    clock.time = held;
+    for (const listener of [...listeners]) listener(held, source);
+  },
+  setEnd(end) {
+    clock.end = Math.max(Number(end) || 0, 0);
+    if (clock.time > clock.end) clock.set(clock.end);
+  },
+  subscribe(listener) {
+    listeners.add(listener);
+    listener(clock.time, null);
+    return () => listeners.delete(listener);
+  },
+};
+
+const tracerisk = {
+  clock,
+  selected: { function: null, component: null },
+  data(id) {
+    return JSON.parse(document.getElementById(id).textContent);
+  },
+  bytes(id) {
+    const text = atob(document.getElementById(id).textContent.trim());
+    return Uint8Array.from(text, (character) => character.charCodeAt(0));
+  },
+  colour(name) {
+    return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+  },
+  select({ function: name = null, component = null, source = null } = {}) {
+    const same =
+      tracerisk.selected.function === name && tracerisk.selected.component === component;
+    if (same) return;
+    tracerisk.selected = { function: name, component };
+    const detail = { function: name, component, source };
+    document.dispatchEvent(new CustomEvent("tracerisk:select", { detail }));
+  },
+};
+window.tracerisk = tracerisk;
+
+// An element fits when nothing that it names differs from what is chosen, and something is equal.
+function fits(element, chosen) {
+  const { function: name, component } = element.dataset;
+  if (name === undefined && component === undefined) return false;
+  const agrees = (own, wanted) => own === undefined || wanted === null || own === wanted;
+  const equal = (own, wanted) => own !== undefined && own === wanted;
+  return (
+    agrees(name, chosen.function) &&
+    agrees(component, chosen.component) &&
+    (equal(name, chosen.function) || equal(component, chosen.component))
+  );
+}
+
+document.addEventListener("tracerisk:select", (event) => {
+  const chosen = event.detail;
+  const isAny = chosen.function !== null || chosen.component !== null;
+  document.documentElement.classList.toggle("has-selection", isAny);
+  for (const element of document.querySelectorAll("[data-function], [data-component]")) {
+    const isChosen = isAny && fits(element, chosen);
+    element.classList.toggle("is-selected", isChosen);
+    if (element.hasAttribute("aria-pressed")) element.setAttribute("aria-pressed", isChosen);
+  }
+});
+
+document.addEventListener("click", (event) => {
+  const button = event.target.closest("button[data-function], button[data-component]");
+  if (!button) return;
+  const chosen = {
+    function: button.dataset.function ?? null,
+    component: button.dataset.component ?? null,
+  };
+  const isSame =
+    tracerisk.selected.function === chosen.function &&
+    tracerisk.selected.component === chosen.component;
+  tracerisk.select(isSame ? { source: "button" } : { ...chosen, source: "button" });
+});
+
+document.addEventListener("keydown", (event) => {
+  if (event.key === "Escape") tracerisk.select({ source: "keyboard" });
+});
+
+const root = document.documentElement;
+const themes = ["auto", "light", "dark"];
+const dark = matchMedia("(prefers-color-scheme: dark)");
+const told = () => document.dispatchEvent(new CustomEvent("tracerisk:theme"));
+
+function showTheme(theme) {
+  if (theme === "auto") delete root.dataset.theme;
+  else root.dataset.theme = theme;
+  for (const button of document.querySelectorAll("[data-theme-choice]")) {
+    button.setAttribute("aria-pressed", button.dataset.themeChoice === theme);
+  }
+  told();
+}
+
+dark.addEventListener("change", told);
+document.addEventListener("click", (event) => {
+  const button = event.target.closest("[data-theme-choice]");
+  if (!button) return;
+  showTheme(button.dataset.themeChoice);
+  try {
+    localStorage.setItem("tracerisk-theme", button.dataset.themeChoice);
+  } catch {
+    // A page from a file may have no storage; the choice then holds for this visit.
+  }
+});
+let kept = null;
+try {
+  kept = localStorage.getItem("tracerisk-theme");
+} catch {
+  kept = null;
+}
+showTheme(themes.includes(kept) ? kept : "auto");
