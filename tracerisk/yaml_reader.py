@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -35,10 +35,32 @@ class YamlMap:
 
     def key_location(self, key: str) -> Location:
         """Return where `key` stands; where the mapping begins if it has no such key."""
-        if key not in self._node:
+        # A key that was merged in (`<<: *other`) has no place of its own here.
+        if key not in self._node or key not in (self._node.lc.data or {}):
             return self.location
         line, column = self._node.lc.key(key)
         return Location(self._file, line + 1, column + 1)
+
+    def entry_location(self, key: str, index: int) -> Location:
+        """Return where entry `index`, from 0, of the list at `key` stands."""
+        value = self._node.get(key)
+        if not hasattr(value, "lc") or index not in (value.lc.data or {}):
+            return self.key_location(key)
+        line, column = value.lc.item(index)
+        return Location(self._file, line + 1, column + 1)
+
+    def nested_location(self, keys: Sequence[str]) -> Location:
+        """Return where the key stands that `keys` lead to, or the last of them that is there."""
+        place = self.location
+        map_ = self
+        for key in keys:
+            if key not in map_:
+                break
+            place = map_.key_location(key)
+            if not _is_map(map_.get(key)):
+                break
+            map_ = map_.map(key)
+        return place
 
     def name_of(self, key: str) -> str:
         """Return the dotted path of `key`, as messages call it."""
@@ -136,7 +158,10 @@ class YamlMap:
         value = self.require(key)
         if isinstance(value, bool) or not isinstance(value, int | float):
             self.fail(key, f"expected a number, found {_kind(value)}")
-        number = float(value)
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
         if not math.isfinite(number):
             self.fail(key, f"expected a finite number, found {number}")
         low = minimum is not None and number < minimum

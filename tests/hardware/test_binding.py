@@ -61,5 +61,7 @@ def test_one_unit_a_gripper_where_the_quantity_says_so():
     two = (*PANDA, Element("other_hand", "gripper"))
     (bound,) = bind(one(quantity=2, twin=TwinBinding(gripper=True)), two)
     assert bound.units() == ("hand", "other_hand")
-    with pytest.raises(HardwareError, match="the robot has 2; give 'quantity: 2', one a gripper"):
+    with pytest.raises(
+        HardwareError, match="the robot has 2 such grippers; give 'quantity: 2', one"
+    ):
         bind(one(twin=TwinBinding(gripper=True)), two)

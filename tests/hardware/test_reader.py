@@ -63,16 +63,15 @@ BROKEN = {
         "'per' is missing"
     ),
     "components: {a: {probability: 0, redundancy: true, detected: {test_interval: 0, per: hour}}}": (
-        "is 0; give the time between two tests"
+        "components.a.detected.test_interval: is 0; give a number above 0"
     ),
     "components: {a: {probability: 1e-7, active: often}}": "allowed: always",
     "components: {a: {probability: 1e-7, twin: {}}}": "names nothing",
     "components: {a: {probability: 1e-7, twin: {joints: all}}}": 'write "*"',
     "components: {a: {probability: 1e-7, twin: {joints: [j, j]}}}": "names a joint twice",
     "components: {a: {probability: 1e-7, twin: {joints: []}}}": "empty list",
-    "components: {a: {probability: 1e-7, quantity: 3, twin: {joints: [j, k]}}}": "names 2 joints",
+    "components: {a: {probability: 1e-7, quantity: 3, twin: {joints: [j, k]}}}": "names 2 places",
     "components: {a: {probability: 1e-7, twin: {gripper: false}}}": "sees nothing",
-    "components: {a: {probability: 1e-7, twin: {gripper: true, joints: [j]}}}": "not by both",
     "components: {a: {probability: 1e-7, active: always, twin: {gripper: true}}}": "either",
     "components: {'two words': {probability: 1e-7}}": "not a component's name",
     "components: {a: {probability: {value: 1e-7, per: demand}, active: always}}": "has no demands",

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import NoReturn
 
 from tracerisk.errors import HardwareError, one_of
-from tracerisk.hardware.model import Component, Hardware
-from tracerisk.trace import Element, ElementKind
+from tracerisk.hardware.checks import check_required
+from tracerisk.hardware.model import Component, Hardware, TwinBinding
+from tracerisk.trace import Element
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,23 +36,22 @@ def bind(hardware: Hardware, elements: Sequence[Element]) -> tuple[BoundComponen
 
     Elements of kind `component` (of a log in the published format) are bound by name; one that
     the description does not know is an error, for its failures would be left out.
-    Raises HardwareError with file and line for a component that the robot has no place for.
+    Raises HardwareError with file and line for a component that the robot has no place for, for
+    a quantity that is not that of the places, and for a group of which as many must work as
+    there are.
     """
-    by_kind: dict[ElementKind, list[str]] = {}
-    for element in elements:
-        by_kind.setdefault(element.kind, []).append(element.name)
-    logged = by_kind.get("component")
-    if logged is not None:
+    logged = [element.name for element in elements if element.kind == "component"]
+    if logged:
         _check_logged(hardware, logged)
     bound = []
     for component in hardware.components:
         if component.always_active:
             bound.append(BoundComponent(component, component.quantity or 1, ()))
-        elif logged is not None:
+        elif logged:
             if component.name in logged:
                 bound.append(BoundComponent(component, component.quantity or 1, (component.name,)))
-        elif not _is_left_out(component, by_kind):
-            bound.append(_bind_to_robot(component, by_kind))
+        elif (found := _bind_to_robot(component, elements)) is not None:
+            bound.append(found)
     return tuple(bound)
 
 
@@ -64,13 +65,8 @@ def _check_logged(hardware: Hardware, logged: Sequence[str]) -> None:
             )
 
 
-def _is_left_out(component: Component, by_kind: dict[ElementKind, list[str]]) -> bool:
-    """Say whether a component is one that this robot need not have, and has not."""
-    optional = component.twin is not None and component.twin.optional
-    return optional and not by_kind.get("gripper")
-
-
-def _bind_to_robot(component: Component, by_kind: dict[ElementKind, list[str]]) -> BoundComponent:
+def _bind_to_robot(component: Component, elements: Sequence[Element]) -> BoundComponent | None:
+    """Return a component with its elements, `None` for an optional one that the robot lacks."""
     twin = component.twin
     if twin is None:
         raise HardwareError(
@@ -78,31 +74,130 @@ def _bind_to_robot(component: Component, by_kind: dict[ElementKind, list[str]]) 
             "(twin: {joints: \"*\"} or twin: {gripper: true}), or 'active: always'",
             component.location,
         )
-    if twin.gripper:
-        grippers = by_kind.get("gripper", [])
-        if len(grippers) > 1 and (twin.optional or component.quantity == len(grippers)):
-            return BoundComponent(component, len(grippers), tuple(grippers))
-        if len(grippers) != 1:
-            told = f"; give 'quantity: {len(grippers)}', one a gripper" if grippers else ""
-            raise HardwareError(
-                f"component '{component.name}' is bound to the gripper, but the robot has "
-                f"{len(grippers)}{told}",
-                component.location,
-            )
-        return BoundComponent(component, component.quantity or 1, tuple(grippers))
-    joints = by_kind.get("joint", [])
-    chosen = tuple(joints) if twin.joints == "*" else tuple(twin.joints)
-    for name in chosen:
+    places = tuple(name for find in _PLACES for name in find(component, twin, elements))
+    for index, name in enumerate(places):
+        if name in places[:index]:
+            _fail(component, f"sees '{name}' twice; name it in one of its bindings only")
+    if not places:
+        return None
+    quantity = _quantity(component, twin, len(places))
+    check_required(component, quantity, lambda *_: component.location)
+    return BoundComponent(component, quantity, places)
+
+
+def _fail(component: Component, message: str) -> NoReturn:
+    raise HardwareError(f"component '{component.name}' {message}", component.location)
+
+
+def _quantity(component: Component, twin: TwinBinding, places: int) -> int:
+    """Return how many units there are: one a place, or several that share a single place."""
+    asked = component.quantity
+    if asked is None or asked == places or (twin.optional and places > 1):
+        return places
+    if places == 1 and twin.named_units is not None:
+        return asked
+    kinds = _kinds(twin)
+    _fail(
+        component,
+        f"has quantity {asked}, but the robot has {places} such {' and '.join(kinds)}; give "
+        f"'quantity: {places}', one a {'or '.join(each[:-1] for each in kinds)}, or name those "
+        "that it stands for",
+    )
+
+
+def _kinds(twin: TwinBinding) -> list[str]:
+    given = {
+        "joints": twin.joints,
+        "actuators": twin.actuators,
+        "grippers": twin.gripper,
+        "sensors": twin.sensors,
+        "contacts": twin.contacts,
+    }
+    return [kind for kind, value in given.items() if value]
+
+
+def _joints(component: Component, twin: TwinBinding, elements: Sequence[Element]) -> list[str]:
+    joints = [element.name for element in elements if element.kind == "joint"]
+    if twin.joints == "*":
+        if not joints:
+            _fail(component, "is bound to the joints, but the robot has none")
+        return joints
+    for name in twin.joints:
         if name not in joints:
-            raise HardwareError(
-                f"component '{component.name}' is bound to joint '{name}', which the robot "
-                f"lacks; {one_of(joints, name)}",
-                component.location,
+            _fail_lacking(component, "joint", name, joints)
+    return list(twin.joints)
+
+
+def _actuators(component: Component, twin: TwinBinding, elements: Sequence[Element]) -> list[str]:
+    """Return the joints that the actuators move.
+
+    A trace names no actuators: each joint has the one of its own that moves it, by its name.
+    """
+    joints = [element.name for element in elements if element.kind == "joint"]
+    for name in twin.actuators:
+        if name not in joints:
+            _fail(
+                component,
+                f"is bound to actuator '{name}', but no joint has one of this name; an actuator "
+                f"has the name of the joint that it moves; {one_of(joints, name)}",
             )
-    if component.quantity not in (None, len(chosen)):
-        raise HardwareError(
-            f"component '{component.name}' has quantity {component.quantity}, but the robot has "
-            f"{len(chosen)} such joints; give 'quantity: {len(chosen)}' or name the joints",
-            component.location,
+    return list(twin.actuators)
+
+
+def _grippers(component: Component, twin: TwinBinding, elements: Sequence[Element]) -> list[str]:
+    if not twin.gripper:
+        return []
+    found = [element.name for element in elements if element.kind == "gripper"]
+    if not found and not twin.optional:
+        _fail(
+            component,
+            "is bound to the gripper, but the robot has 0; leave it out, or write "
+            "'optional: true' in its 'twin' for robots that may have none",
         )
-    return BoundComponent(component, len(chosen), chosen)
+    return found
+
+
+def _sensors(component: Component, twin: TwinBinding, elements: Sequence[Element]) -> list[str]:
+    sensors = [element for element in elements if element.kind == "sensor"]
+    if isinstance(twin.sensors, str):
+        found = [element.name for element in sensors if element.sensor == twin.sensors]
+        if not found and not twin.optional:
+            kinds = {element.sensor for element in sensors if element.sensor is not None}
+            _fail(
+                component,
+                f"is bound to the sensors of kind '{twin.sensors}', of which the robot has none; "
+                f"{one_of(kinds, twin.sensors)}, or write 'optional: true' in its 'twin'",
+            )
+        return found
+    names = [element.name for element in sensors]
+    found = [name for name in twin.sensors if name in names]
+    if not twin.optional:
+        for name in twin.sensors:
+            if name not in names:
+                _fail_lacking(component, "sensor", name, names)
+    return found
+
+
+def _contacts(component: Component, twin: TwinBinding, elements: Sequence[Element]) -> list[str]:
+    """Return the elements of the links that touch, each by the name of its link."""
+    links: dict[str, list[str]] = {}
+    for element in elements:
+        if element.kind == "contact":
+            links.setdefault(element.part or element.name, []).append(element.name)
+    for link in twin.contacts:
+        if link not in links:
+            _fail_lacking(component, "contacts of link", link, links)
+    return [name for link in twin.contacts for name in links[link]]
+
+
+def _fail_lacking(component: Component, what: str, name: str, there: Iterable[str]) -> NoReturn:
+    _fail(component, f"is bound to {what} '{name}', which the robot lacks; {one_of(there, name)}")
+
+
+_PLACES: tuple[Callable[[Component, TwinBinding, Sequence[Element]], list[str]], ...] = (
+    _joints,
+    _actuators,
+    _grippers,
+    _sensors,
+    _contacts,
+)

@@ -102,6 +102,19 @@ class TwinBinding:
     sensors: tuple[str, ...] | SensorKind = ()
     contacts: tuple[str, ...] = ()
 
+    @property
+    def moves(self) -> bool:
+        """Whether what it sees can move and carry."""
+        return self.gripper or bool(self.joints) or bool(self.actuators)
+
+    @property
+    def named_units(self) -> int | None:
+        """How many elements it names, one a gripper; `None` where only the robot can tell."""
+        if self.joints == "*" or isinstance(self.sensors, str):
+            return None
+        named = (self.joints, self.actuators, self.sensors, self.contacts)
+        return sum(map(len, named)) + int(self.gripper)
+
 
 @dataclass(frozen=True, slots=True)
 class Component:
@@ -109,6 +122,7 @@ class Component:
 
     `name` is qualified by its assemblies (`arm.joint.motor`).
     `figures` are the terms of one unit's failure probability; they add up as independent causes.
+    They are kept by kind, for their order says nothing: probabilities, rates, standby, Weibull.
     `quantity` is `None` where the description leaves it to what the robot has.
     `redundancy.detected` is resolved: the published reading where all figures are per visit.
     `test_interval_s` is the time between tests [s], of a group that is tested within the mission.
@@ -128,14 +142,26 @@ class Component:
     location: Location | None = field(default=None, compare=False)
     test_interval_s: float | None = None
 
+    def __post_init__(self) -> None:
+        ordered = tuple(sorted(self.figures, key=_rank))
+        object.__setattr__(self, "figures", ordered)
+
     @property
     def is_assumed(self) -> bool:
         """Whether a figure of the component has no source: its `source` begins with `assumed`."""
-        own = [each.source for each in self.figures]
+        own = [each.source for each in (*self.figures, *self.modes)]
+        own += [self.load_law.source] if self.load_law is not None else []
         return any(
             source is not None and source.lstrip().lower().startswith("assumed")
             for source in (self.source, *own)
         )
+
+
+_KIND_ORDER = {"probability": 0, "failure_rate": 1, "weibull": 3}
+
+
+def _rank(figure: FailureFigure) -> int:
+    return 2 if figure.standby else _KIND_ORDER[figure.kind]
 
 
 def default_detection(figures: tuple[FailureFigure, ...], tested: bool) -> Detection:

@@ -1,0 +1,287 @@
+"""What must fit together within one component, whatever the format that describes it."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import NoReturn, Protocol
+
+from tracerisk.errors import HardwareError, Location
+from tracerisk.hardware.model import Basis, Component, FailureFigure, FailureMode, State
+
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.\-]*")
+_STATES: frozenset[State] = frozenset({"moving", "holding", "grasping"})
+_ROUNDING = 1e-9
+"""How far fractions may sum above 1, for thirds and the like are rounded."""
+
+
+class Place(Protocol):
+    """Tells where a field of the component stands: `place("modes", "jam", "when")`.
+
+    Where there is no such field it gives the nearest that there is, up to the component itself.
+    """
+
+    def __call__(self, *keys: str) -> Location | None:
+        """Return the place of the field that `keys` lead to, of the component without any."""
+
+
+def check_component(component: Component, place: Place) -> None:
+    """Raise HardwareError, at the place of the cause, where fields contradict one another."""
+    for check in (
+        _check_name,
+        _check_figures,
+        _check_place,
+        _check_quantity,
+        _check_redundancy,
+        _check_modes,
+        _check_load_law,
+        _check_age,
+    ):
+        check(component, place)
+
+
+def _fail(component: Component, place: Place, keys: tuple[str, ...], message: str) -> NoReturn:
+    where = ".".join((component.name, *keys))
+    raise HardwareError(f"{where}: {message}", place(*keys))
+
+
+def _check_name(component: Component, place: Place) -> None:
+    if not _NAME.fullmatch(component.name):
+        raise HardwareError(
+            f"'{component.name}' is not a component's name; "
+            "allowed: letters, digits, '_', '.', '-', a letter or '_' first",
+            place(),
+        )
+
+
+def _check_figures(component: Component, place: Place) -> None:
+    if not component.figures:
+        raise HardwareError(
+            f"component '{component.name}' has no failure figure; give it "
+            "'probability: {value: 1e-7, per: hour}', 'failure_rate: {value: 1e-7, per: hour}', "
+            "'standby_rate' or 'weibull'",
+            place(),
+        )
+    twin = component.twin
+    for figure in component.figures:
+        if figure.demand in ("grasp", "release") and not (twin is None or twin.gripper):
+            _fail(
+                component,
+                place,
+                ("probability",),
+                f"counts each {figure.demand}, but only a gripper grasps and releases; "
+                "bind it to the gripper (twin: {gripper: true}), or count 'of: start'",
+            )
+
+
+def _check_place(component: Component, place: Place) -> None:
+    """Check what is always active: it has no use of its own that could be counted."""
+    if not component.always_active:
+        return
+    if component.twin is not None:
+        _fail(
+            component,
+            place,
+            ("active",),
+            "a component is either always active or seen by the twin; leave out one of the two",
+        )
+    for figure in component.figures:
+        if figure.per is Basis.DEMAND:
+            _fail(
+                component,
+                place,
+                ("probability",),
+                "what is always active has no demands; give its figure per time",
+            )
+        if figure.standby:
+            _fail(
+                component,
+                place,
+                ("standby_rate",),
+                "what is always active is never idle; leave it out",
+            )
+    for key, given in (("modes", component.modes), ("load_law", component.load_law)):
+        if given:
+            _fail(
+                component,
+                place,
+                (key,),
+                "the twin does not see what is always active, neither when it is used nor how "
+                "hard; bind it (twin: ...) in place of 'active: always', or leave this out",
+            )
+
+
+def _check_quantity(component: Component, place: Place) -> None:
+    twin = component.twin
+    quantity = component.quantity
+    if quantity is None:
+        if twin is None:
+            _fail(
+                component,
+                place,
+                ("quantity",),
+                "is left to what the robot has, but no 'twin' says where to count; give a number",
+            )
+        return
+    if quantity < 1:
+        _fail(component, place, ("quantity",), f"{quantity} is below 1")
+    named = None if twin is None or twin.optional else twin.named_units
+    if named is not None and named > 1 and quantity != named:
+        _fail(
+            component,
+            place,
+            ("quantity",),
+            f"is {quantity}, but its 'twin' names {named} places; give 'quantity: {named}', one "
+            "unit a place",
+        )
+
+
+def _check_redundancy(component: Component, place: Place) -> None:
+    group = component.redundancy
+    if not group:
+        if group.common_cause or group.switch or group.dormancy != 1.0 or group.required != 1:
+            _fail(
+                component,
+                place,
+                ("redundancy",),
+                "is false, but units required, spares or a common cause are for redundant units",
+            )
+        return
+    if component.quantity is not None:
+        check_required(component, component.quantity, place)
+
+
+def check_required(component: Component, quantity: int, place: Place) -> None:
+    """Raise HardwareError where a redundant group of `quantity` units has none to spare."""
+    group = component.redundancy
+    units = "unit" if quantity == 1 else "units"
+    if group.required > quantity:
+        _fail(
+            component,
+            place,
+            ("required",),
+            f"{group.required} must work, but there are only {quantity} {units}; "
+            f"allowed: 1 to {max(quantity - 1, 1)}",
+        )
+    if group.required == quantity > 1:
+        _fail(
+            component,
+            place,
+            ("required",),
+            f"all {quantity} must work, so none of them is redundant; leave it out",
+        )
+    if quantity == 1 and (group.has_spares or group.common_cause):
+        key = "spare" if group.has_spares else "common_cause"
+        _fail(
+            component,
+            place,
+            (key,),
+            "there is only 1 unit, none beside it; give a quantity of 2 or more, or leave it out",
+        )
+
+
+def _check_modes(component: Component, place: Place) -> None:
+    if not component.modes:
+        return
+    total = math.fsum(mode.fraction for mode in component.modes)
+    if total > 1.0 + _ROUNDING:
+        message = f"the fractions sum to {total:.12g}; they may be at most 1"
+        _fail(component, place, ("modes",), message)
+    for mode in component.modes:
+        _check_mode(component, mode, place)
+    for figure in component.figures:
+        if not _is_moded(figure) or any(_counts(figure, mode) for mode in component.modes):
+            continue
+        needed: list[str] = sorted(_STATES)
+        what = "per time"
+        if figure.per is Basis.DEMAND:
+            needed = [figure.demand or "start, grasp, release"]
+            what = f"per demand of {figure.demand}" if figure.demand else "per demand"
+        _fail(
+            component,
+            place,
+            ("modes",),
+            f"none of them counts the figure {what}, so it would count for nothing; name in a "
+            f"mode's 'when' one of: {', '.join(needed)}",
+        )
+
+
+def _check_mode(component: Component, mode: FailureMode, place: Place) -> None:
+    keys = ("modes", mode.name, "when")
+    twin = component.twin
+    figures = [figure for figure in component.figures if _is_moded(figure)]
+    for word in mode.when:
+        if not any(_counts_word(figure, word) for figure in figures):
+            needed = "per time in use" if word in _STATES else f"per demand that counts '{word}'"
+            _fail(
+                component,
+                place,
+                keys,
+                f"'{word}' counts for nothing, for the component has no figure {needed}; "
+                "leave it out, or give such a figure",
+            )
+        grips = word in ("grasping", "grasp", "release")
+        if grips and twin is not None and not (twin.gripper or twin.sensors or twin.contacts):
+            _fail(
+                component,
+                place,
+                keys,
+                f"'{word}' is of a gripper, but the component is bound to joints; "
+                "allowed: holding, moving, start",
+            )
+
+
+def _is_moded(figure: FailureFigure) -> bool:
+    """Whether modes share out the figure: those per time in use, and per demand."""
+    return figure.per is not Basis.VISIT and not figure.standby
+
+
+def _counts(figure: FailureFigure, mode: FailureMode) -> bool:
+    return any(_counts_word(figure, word) for word in mode.when)
+
+
+def _counts_word(figure: FailureFigure, word: str) -> bool:
+    if figure.per is Basis.DEMAND:
+        return word not in _STATES and figure.demand in (None, word)
+    return word in _STATES
+
+
+def _check_load_law(component: Component, place: Place) -> None:
+    if component.load_law is None:
+        return
+    keys = ("load_law",)
+    if component.twin is None or not component.twin.moves:
+        _fail(
+            component,
+            place,
+            keys,
+            "needs a component that moves; bind it to joints, actuators or the gripper, or leave "
+            "it out",
+        )
+    if not any(figure.per.seconds and not figure.standby for figure in component.figures):
+        _fail(
+            component,
+            place,
+            keys,
+            "ages nothing, for the component has no figure per time in use (probability, "
+            "failure_rate or weibull per hour); give one, or leave it out",
+        )
+    if component.modes and not any("moving" in mode.when for mode in component.modes):
+        _fail(
+            component,
+            place,
+            keys,
+            "ages nothing, for no failure mode counts while moving; name 'moving' in a mode's "
+            "'when', or leave it out",
+        )
+
+
+def _check_age(component: Component, place: Place) -> None:
+    if component.age_s and not any(figure.kind == "weibull" for figure in component.figures):
+        _fail(
+            component,
+            place,
+            ("age",),
+            "matters only to what wears out; give 'weibull: {shape: 2, scale: 30000, per: hour}', "
+            "or leave it out",
+        )
