@@ -216,12 +216,7 @@ def _entry(bound: BoundComponent, visits: Sequence[Visit], mode: ActiveMode) -> 
                 "give its figure 'per: visit', or use a trace of the twin",
                 component.location,
             ) from error
-    probability = group_unit_probability(
-        units,
-        quantity=bound.quantity,
-        redundancy=component.redundancy.is_redundant,
-        detected=component.redundancy.detected,
-    )
+    probability = group_unit_probability(units, component.redundancy)
     return ComponentEntry(
         name=component.name,
         probability=computed_probability(probability),
