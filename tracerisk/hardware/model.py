@@ -149,7 +149,8 @@ class Component:
     @property
     def is_assumed(self) -> bool:
         """Whether a figure of the component has no source: its `source` begins with `assumed`."""
-        own = [each.source for each in (*self.figures, *self.modes)]
+        own = [each.source for each in self.figures]
+        own += [each.source for each in self.modes]
         own += [self.load_law.source] if self.load_law is not None else []
         return any(
             source is not None and source.lstrip().lower().startswith("assumed")

@@ -20,6 +20,11 @@ def hardware_of(robot: str) -> Hardware:
     return shipped_hardware(robot if is_shipped(robot) else GENERIC)
 
 
+def shipped_names() -> tuple[str, ...]:
+    """Return the robots for which a description is shipped, and the generic one, sorted."""
+    return tuple(sorted(entry.stem for entry in _FOLDER.glob("*.yaml")))
+
+
 def is_shipped(robot: str) -> bool:
     """Say whether a description of its own is shipped for a robot."""
     return robot != GENERIC and (_FOLDER / f"{robot}.yaml").is_file()
@@ -29,9 +34,8 @@ def shipped_hardware(robot: str) -> Hardware:
     """Return the description shipped for `robot`; raise HardwareError if there is none."""
     path = _FOLDER / f"{robot}.yaml"
     if not path.is_file():
-        names = [entry.stem for entry in _FOLDER.glob("*.yaml")]
         raise HardwareError(
-            f"no hardware description is shipped for robot '{robot}'; {one_of(names, robot)}; "
+            f"no hardware description is shipped for robot '{robot}'; {one_of(shipped_names(), robot)}; "
             "name your own with --hardware FILE"
         )
     return read_hardware(path, shown=f"tracerisk/hardware/robots/{robot}.yaml")

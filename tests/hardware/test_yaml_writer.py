@@ -1,0 +1,48 @@
+"""A description that is written as YAML reads back as the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+
+from tests.hardware.strategies import hardware_descriptions
+from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware
+from tracerisk.hardware.reader import read_hardware
+from tracerisk.hardware.shipped import shipped_hardware, shipped_names
+from tracerisk.hardware.yaml_writer import write_hardware
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory) -> Path:
+    return tmp_path_factory.mktemp("written") / "hardware.yaml"
+
+
+@given(hardware=hardware_descriptions())
+def test_what_is_written_reads_back_as_the_same_description(file, hardware):
+    text = write_hardware(hardware)
+    file.write_text(text, encoding="utf-8")
+    again = read_hardware(file)
+    assert again == hardware, text
+    assert write_hardware(again) == text
+
+
+@pytest.mark.parametrize("robot", shipped_names())
+def test_shipped_descriptions_survive_writing(file, robot):
+    hardware = shipped_hardware(robot)
+    file.write_text(write_hardware(hardware), encoding="utf-8")
+    assert read_hardware(file) == hardware
+
+
+@pytest.mark.parametrize(("fit", "per_hour"), [("570", 5.7e-7), ("0.57", 5.7e-10), ("3e9", 3.0)])
+def test_fit_and_the_same_rate_per_hour_are_one_figure(file, fit, per_hour):
+    expected = (FailureFigure("failure_rate", per_hour, Basis.HOUR),)
+    file.write_text(
+        f"components: {{a: {{failure_rate: {{value: {fit}, unit: FIT}}, active: always}}}}\n"
+    )
+    (component,) = read_hardware(file).components
+    assert component.figures == expected
+    hardware = Hardware("h", (Component("a", expected, always_active=True),))
+    file.write_text(write_hardware(hardware))
+    assert read_hardware(file) == hardware
