@@ -35,7 +35,7 @@ def shipped_hardware(robot: str) -> Hardware:
     path = _FOLDER / f"{robot}.yaml"
     if not path.is_file():
         raise HardwareError(
-            f"no hardware description is shipped for robot '{robot}'; {one_of(shipped_names(), robot)}; "
-            "name your own with --hardware FILE"
+            f"no hardware description is shipped for robot '{robot}'; "
+            f"{one_of(shipped_names(), robot)}; name your own with --hardware FILE"
         )
     return read_hardware(path, shown=f"tracerisk/hardware/robots/{robot}.yaml")

@@ -119,7 +119,7 @@ def _redundancy(component: Component) -> Iterator[tuple[str, str]]:
 def _figures(figures: tuple[FailureFigure, ...]) -> Iterator[tuple[str, str]]:
     by_key: dict[str, list[str]] = {}
     for figure in figures:
-        key = "standby_rate" if figure.standby else figure.kind
+        key: str = "standby_rate" if figure.standby else figure.kind
         by_key.setdefault(key, []).append(_map(_figure(figure)))
     for key, texts in by_key.items():
         yield key, texts[0] if len(texts) == 1 else "[" + ", ".join(texts) + "]"
