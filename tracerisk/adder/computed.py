@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from tracerisk.adder.assumptions import assumptions_of
 from tracerisk.adder.block import ComponentEntry, Field, RiskBlock, Transition
 from tracerisk.adder.model_names import model_names
 from tracerisk.adder.values import (
@@ -19,13 +20,12 @@ from tracerisk.adder.values import (
 from tracerisk.config import ActiveMode
 from tracerisk.errors import HardwareError, InputError, one_of
 from tracerisk.hardware.binding import BoundComponent, bind
-from tracerisk.hardware.groups import group_unit_probability
-from tracerisk.hardware.model import Basis, Hardware
-from tracerisk.hardware.probability import Use, unit_probability
-from tracerisk.trace import Cycle, Exposure, FunctionRef, Trace, Visit
-
-SHORTEST_ACTIVITY_S = 0.05
-"""A component counts as active in a function if a state lasted this long [s]."""
+from tracerisk.hardware.groups import FunctionUse, group_unit_probabilities
+from tracerisk.hardware.mission import ComponentUse, component_use, mission_time
+from tracerisk.hardware.model import Component, Hardware
+from tracerisk.hardware.probability import failure_probability
+from tracerisk.hardware.use import UnknownUseError
+from tracerisk.trace import Cycle, FunctionRef, Trace
 
 ProfileText = Mapping[str, Mapping[str, str]]
 """An operational profile: for each function the share of each target, as a person wrote it."""
@@ -71,31 +71,67 @@ def compute_blocks(
     counts = next_counts(trace)
     names = model_names([function.ref for function in trace.functions])
     _check_profile(profile or {}, list(names.values()))
+    visits = _visits_of(trace)
+    used = [use_of(each, trace, active) for each in bound]
+    entries = [_entries(each, visits, counts) for each in used]
     blocks = {}
     exposures = {}
     observed = {}
     for function in trace.functions:
-        visits = [visit for visit in trace.visits if visit.function == function.ref]
-        here = [each for each in bound if _is_active(each, visits, active)]
-        following = computed_next(counts[function.ref])
-        name = names[function.ref]
+        ref = function.ref
+        here = [each for each, entry in zip(used, entries, strict=True) if ref in entry]
+        following = computed_next(counts[ref])
+        name = names[ref]
         if profile and name in profile:
             following = _pinned(profile[name], following.text, name)
-        blocks[function.ref] = RiskBlock(
-            name=function.ref.name,
+        blocks[ref] = RiskBlock(
+            name=ref.name,
             call_sequence=computed_count(function.call_sequence),
             next=following,
-            components=tuple(_entry(each, visits, active) for each in here),
+            components=tuple(entry[ref] for entry in entries if ref in entry),
         )
-        exposures[function.ref] = {
+        exposures[ref] = {
             each.component.name: seconds
             for each in here
-            if (seconds := _mean_exposure(each, visits, active)) is not None
+            if (seconds := _mean_exposure(each, visits[ref])) is not None
         }
-        observed[function.ref] = tuple(
-            each.component.name for each in here if not each.component.always_active
+        observed[ref] = tuple(
+            each.component.name
+            for each in here
+            if not each.component.always_active
+            and any(each.is_active[visit] for visit in visits[ref])
         )
-    return ComputedBlocks(blocks, exposures, observed, _assumptions(bound))
+    return ComputedBlocks(blocks, exposures, observed, assumptions_of(bound))
+
+
+def use_of(bound: BoundComponent, trace: Trace, active: ActiveMode) -> ComponentUse:
+    """Return what the units of a component do over the run.
+
+    Raises HardwareError where the trace does not tell what a figure needs.
+    """
+    try:
+        return component_use(bound, trace, active)
+    except UnknownUseError as error:
+        raise _unknown(bound.component, error) from error
+
+
+def group_values(
+    used: ComponentUse,
+    visits: Mapping[FunctionRef, Sequence[int]],
+    counts: Mapping[FunctionRef, Mapping[str, int]],
+) -> dict[FunctionRef, float]:
+    """Return, for each function in which a component counts, the probability of its block.
+
+    `visits` are the numbers of each function's visits in the trace, `counts` what followed them
+    in a mission.
+    """
+    functions = [ref for ref, here in visits.items() if used.is_at_stake(here)]
+    uses = []
+    for ref in functions:
+        units = [list(map(failure_probability, row)) for row in _hazards(used, visits[ref])]
+        uses.append(FunctionUse(units, sum(counts[ref].values())))
+    values = group_unit_probabilities(uses, used.component.redundancy) if uses else ()
+    return dict(zip(functions, values, strict=True))
 
 
 def next_counts(trace: Trace) -> dict[FunctionRef, dict[str, int]]:
@@ -160,77 +196,50 @@ def _pinned(shares: Mapping[str, str], computed: str, name: str) -> Field[tuple[
         raise InputError(f"profile of '{name}': expected {error}") from error
 
 
-def _is_active(bound: BoundComponent, visits: Sequence[Visit], mode: ActiveMode) -> bool:
-    if bound.component.always_active:
-        return True
-    return any(_is_active_in(bound, visit, mode) for visit in visits)
+def _visits_of(trace: Trace) -> dict[FunctionRef, list[int]]:
+    """Return the numbers of each function's visits, in the order of the functions."""
+    found: dict[FunctionRef, list[int]] = {function.ref: [] for function in trace.functions}
+    for number, visit in enumerate(trace.visits):
+        found[visit.function].append(number)
+    return found
 
 
-def _is_active_in(bound: BoundComponent, visit: Visit, mode: ActiveMode) -> bool:
-    for element in bound.elements:
-        if element not in visit.exposures:
-            continue
-        exposure = visit.exposures[element]
-        if exposure is None:
-            return True
-        longest = exposure.longest_moving_s if mode == "moving" else exposure.longest_active_s
-        if longest >= SHORTEST_ACTIVITY_S:
-            return True
-    return False
+def _entries(
+    used: ComponentUse,
+    visits: Mapping[FunctionRef, Sequence[int]],
+    counts: Mapping[FunctionRef, Mapping[str, int]],
+) -> dict[FunctionRef, ComponentEntry]:
+    """Return what the block of each function says of a component that counts there."""
+    component = used.component
+    return {
+        ref: ComponentEntry(
+            name=component.name,
+            probability=computed_probability(value),
+            quantity=computed_count(used.bound.quantity),
+            redundancy=computed_redundancy(component.redundancy),
+        )
+        for ref, value in group_values(used, visits, counts).items()
+    }
 
 
-def _seconds(exposure: Exposure, mode: ActiveMode) -> float:
-    return exposure.moving_s if mode == "moving" else exposure.active_s
+def _hazards(used: ComponentUse, visits: Sequence[int]) -> list[list[float]]:
+    try:
+        return used.hazards(visits)
+    except UnknownUseError as error:
+        raise _unknown(used.component, error) from error
 
 
-def _uses(bound: BoundComponent, visit: Visit, mode: ActiveMode) -> list[Use]:
-    """Return the use of each unit during one visit."""
-    if bound.component.always_active:
-        return [Use(visit.duration_s, None)] * bound.quantity
-    uses = []
-    for element in bound.units():
-        exposure = visit.exposures.get(element, Exposure())
-        if exposure is None:
-            uses.append(Use(None, None))
-        else:
-            demands = max(exposure.starts, exposure.grasps)
-            uses.append(Use(_seconds(exposure, mode), demands))
-    return uses
-
-
-def _entry(bound: BoundComponent, visits: Sequence[Visit], mode: ActiveMode) -> ComponentEntry:
-    component = bound.component
-    per_visit = tuple(f for f in component.figures if f.per is Basis.VISIT)
-    by_use = tuple(f for f in component.figures if f.per is not Basis.VISIT)
-    units = []
-    for visit in visits:
-        counted = by_use
-        if component.always_active or _is_active_in(bound, visit, mode):
-            # The published reading: one figure for each visit in which the component is active.
-            counted = (*by_use, *per_visit)
-        try:
-            units.append([unit_probability(counted, use) for use in _uses(bound, visit, mode)])
-        except ValueError as error:
-            raise HardwareError(
-                f"component '{component.name}': {error} from this trace; "
-                "give its figure 'per: visit', or use a trace of the twin",
-                component.location,
-            ) from error
-    probability = group_unit_probability(units, component.redundancy)
-    return ComponentEntry(
-        name=component.name,
-        probability=computed_probability(probability),
-        quantity=computed_count(bound.quantity),
-        redundancy=computed_redundancy(component.redundancy),
+def _unknown(component: Component, error: UnknownUseError) -> HardwareError:
+    return HardwareError(
+        f"component '{component.name}': {error} from this trace; {error.advice}",
+        component.location,
     )
 
 
-def _mean_exposure(
-    bound: BoundComponent, visits: Sequence[Visit], mode: ActiveMode
-) -> float | None:
-    seconds = [use.exposure_s for visit in visits for use in _uses(bound, visit, mode)]
+def _mean_exposure(used: ComponentUse, visits: Sequence[int]) -> float | None:
+    seconds = [unit.seconds(visit) for visit in visits for unit in used.units]
     known = [each for each in seconds if each is not None]
-    return sum(known) / bound.quantity if len(known) == len(seconds) else None
+    return sum(known) / used.bound.quantity if len(known) == len(seconds) else None
 
 
 def _check_tests(bound: Sequence[BoundComponent], trace: Trace) -> None:
@@ -239,7 +248,7 @@ def _check_tests(bound: Sequence[BoundComponent], trace: Trace) -> None:
         component = each.component
         if component.test_interval_s is None:
             continue
-        mission_s = _mission_time(trace)
+        mission_s = mission_time(trace)
         if mission_s is None:
             found = "the time of a mission, which this trace does not tell"
         elif component.test_interval_s > mission_s:
@@ -253,49 +262,3 @@ def _check_tests(bound: Sequence[BoundComponent], trace: Trace) -> None:
             "'detected: mission_start'",
             component.location,
         )
-
-
-def _mission_time(trace: Trace) -> float | None:
-    """Return the time of a mission [s], each visit of a cycle counted as often as it comes."""
-    total = 0.0
-    for number, visit in enumerate(trace.visits):
-        if visit.duration_s is None:
-            return None
-        times = 1
-        if trace.cycle is not None:
-            first, length = trace.cycle.first_visit, trace.cycle.visits
-            if number >= first + length:
-                break
-            times = trace.cycle.mission_cycles if number >= first else 1
-        total += times * visit.duration_s
-    return total
-
-
-def _assumptions(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
-    return (*_per_visit(bound), *_tested(bound))
-
-
-def _tested(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
-    names = sorted(
-        each.component.name for each in bound if each.component.test_interval_s is not None
-    )
-    if not names:
-        return ()
-    return (
-        f"{', '.join(names)}: tests within the mission are not counted: a failure is taken to "
-        "stay hidden until the mission ends, which overstates the risk",
-    )
-
-
-def _per_visit(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
-    per_visit = sorted(
-        each.component.name
-        for each in bound
-        if any(figure.per is Basis.VISIT for figure in each.component.figures)
-    )
-    if not per_visit:
-        return ()
-    return (
-        f"{', '.join(per_visit)}: failure figures are per visit, whatever its length, so the "
-        "mission's figure depends on how the code is cut into functions",
-    )
