@@ -132,14 +132,15 @@ def load_hardware(settings: Settings, robot: str) -> Hardware:
     """Return the hardware description of the settings, else the one shipped for the robot.
 
     A robot for which none is shipped has the generic one, whose figures are all assumed.
+    One whose name ends in `.sysml` is read as SysML v2, any other as YAML.
     Raises HardwareError when it is malformed, or is that of another robot.
     """
-    from tracerisk.hardware.reader import read_hardware
+    from tracerisk.hardware.formats import read_description
     from tracerisk.hardware.shipped import hardware_of
 
     if settings.hardware is None:
         return hardware_of(robot)
-    hardware = read_hardware(Path(settings.hardware))
+    hardware = read_description(Path(settings.hardware))
     if hardware.robot is not None and robot not in ("", hardware.robot):
         raise HardwareError(
             f"describes robot '{hardware.robot}', but the controller drives '{robot}'; give the "
