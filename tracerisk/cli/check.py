@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_json
+from tracerisk.cli.output import note, print_json, write_sarif
 from tracerisk.errors import ExitCode, InputError, TraceRiskError
 
 
@@ -18,6 +18,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         help="a controller, or what one depends on; else all of the lock in this folder",
     )
+    shared.add_sarif(parser)
     shared.add_json(parser)
 
 
@@ -35,6 +36,10 @@ def run(options: argparse.Namespace) -> int:
     checked = [each for each in found if isinstance(each, Checked)]
     errors = [each for each in found if isinstance(each, TraceRiskError)]
     findings = [finding for each in checked for finding in each.findings]
+    if options.sarif is not None:
+        from tracerisk.pipeline.alerts import check_alerts
+
+        write_sarif(options.sarif, check_alerts(paths, found))
     code = max(
         (*(finding.exit_code for finding in findings), *(error.exit_code for error in errors)),
         default=ExitCode.FINE,

@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.cli import options as shared
-from tracerisk.cli.output import print_json, terminal_width
+from tracerisk.cli.output import print_json, terminal_width, write_sarif
 from tracerisk.errors import ExitCode, InputError
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="print a source with its risk model below it, for `git diff`: docs/review.md",
     )
+    shared.add_sarif(parser)
     shared.add_json(parser)
 
 
@@ -64,6 +66,11 @@ def run(options: argparse.Namespace) -> int:
         for line in _exceeded(each, options.max_increase, options.max_risk)
     ]
     code = ExitCode.WOULD_CHANGE if exceeded else ExitCode.FINE
+    if options.sarif is not None:
+        from tracerisk.pipeline.alerts import repository_root, review_alerts
+
+        alerts = review_alerts(found, repository_root(Path.cwd() / "_"))
+        write_sarif(options.sarif, alerts)
     if options.json:
         _print_json(found, code, exceeded)
     else:

@@ -24,6 +24,13 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress and no notes")
 
 
+def add_sarif(parser: argparse.ArgumentParser) -> None:
+    """Add `--sarif`."""
+    parser.add_argument(
+        "--sarif", metavar="FILE", help="write what was found as SARIF, for code scanning"
+    )
+
+
 def add_run_options(parser: argparse.ArgumentParser) -> None:
     """Add the controller and what its run depends on."""
     parser.add_argument("controller", metavar="FILE", help="the controller's Python file")

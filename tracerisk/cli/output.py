@@ -7,11 +7,15 @@ import difflib
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from tracerisk.errors import InputError, Location
 
 if TYPE_CHECKING:
     from tracerisk.pipeline import Annotated
+    from tracerisk.report.sarif import Alert
 
 SCHEMA = "tracerisk"
 VERSION = 1
@@ -26,6 +30,19 @@ def print_json(verb: str, *, exit_code: int = 0, **data: Any) -> None:
     )
     sys.stdout.buffer.write(f"{text}\n".encode())
     sys.stdout.flush()
+
+
+def write_sarif(path: str, alerts: Sequence[Alert]) -> None:
+    """Write alerts as SARIF; raises InputError when the file cannot be written."""
+    from tracerisk import __version__
+    from tracerisk.report.sarif import render_sarif
+
+    try:
+        Path(path).write_text(
+            render_sarif(alerts, version=__version__), encoding="utf-8", newline="\n"
+        )
+    except OSError as error:
+        raise InputError(f"cannot be written: {error.strerror}", Location(path)) from error
 
 
 def scenario_advice(lines: str) -> str:

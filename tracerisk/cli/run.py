@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.cli import options as shared
 from tracerisk.cli.assessment import print_assessment, risk_exit
-from tracerisk.cli.output import note, print_diffs, print_json, progress_bar
+from tracerisk.cli.output import note, print_diffs, print_json, progress_bar, write_sarif
 from tracerisk.cli.run_report import (
     blocks_line,
     failure_of,
@@ -44,6 +44,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         type=shared.probability,
         help="exit 1 if the mission's failure probability is above P",
     )
+    shared.add_sarif(parser)
     shared.add_json(parser)
 
 
@@ -93,6 +94,10 @@ def run(options: argparse.Namespace) -> int:
         trace = pipeline.at_annotated_lines(trace, annotated)
     if options.trace is not None:
         write_file(options.trace, trace_json.dumps(trace))
+    if options.sarif is not None:
+        from tracerisk.pipeline.alerts import run_alerts
+
+        write_sarif(options.sarif, run_alerts(trace, controller.root))
     code = risk_exit(assessment, options.max_risk)
     if options.check and annotated.is_changed:
         code = ExitCode.WOULD_CHANGE

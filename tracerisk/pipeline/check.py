@@ -49,11 +49,16 @@ _OF_LOCK_AND_SOURCE = frozenset({"edited", "missing", "orphaned"})
 
 @dataclass(frozen=True, slots=True)
 class CheckFinding:
-    """One thing that `check` does not let pass, with its place."""
+    """One thing that `check` does not let pass, with its place.
+
+    `subject` is the dotted path of what it is about, such as `place.gripper.probability` or
+    `place`; empty where it is the whole controller.
+    """
 
     kind: FindingKind
     message: str
     location: Location
+    subject: str = ""
 
     @property
     def exit_code(self) -> ExitCode:
@@ -285,6 +290,7 @@ def _of_blocks(
                 "orphaned",
                 f"the function of the block `{old}` is called `{new}` now",
                 Location(each.shown, line),
+                old,
             )
         current = {block.function: block for block in each.placed}
         candidates = [
@@ -319,7 +325,7 @@ def _edits(
                 else f"{edit.field} was {edit.kind} by hand"
             )
             advice = "write `:=` to keep it, or refresh with --accept-edits or --discard-edits"
-            yield CheckFinding("edited", f"{what}; {advice}", place)
+            yield CheckFinding("edited", f"{what}; {advice}", place, edit.field)
 
 
 def _missing(
@@ -334,7 +340,7 @@ def _missing(
     for name in lost:
         if name in lines or name == "<module>":
             place = Location(source.shown, lines.get(QualifiedName(name), 1))
-            yield CheckFinding("missing", f"the risk block of {name} is gone", place)
+            yield CheckFinding("missing", f"the risk block of {name} is gone", place, name)
 
 
 def _unjustified(settings: Settings, sources: Sequence[_Source]) -> Iterable[CheckFinding]:
@@ -342,12 +348,13 @@ def _unjustified(settings: Settings, sources: Sequence[_Source]) -> Iterable[Che
         return
     for each in sources:
         for placed in each.placed:
-            for path, place in _without_reason(placed.block):
+            for path, place in values_without_reason(placed.block):
                 message = f"{path} is set by hand without a reason; write `; why` behind it"
-                yield CheckFinding("unjustified", message, place or Location(each.shown))
+                yield CheckFinding("unjustified", message, place or Location(each.shown), path)
 
 
-def _without_reason(block: RiskBlock) -> Iterable[tuple[str, Location | None]]:
+def values_without_reason(block: RiskBlock) -> Iterable[tuple[str, Location | None]]:
+    """Yield the dotted path and the place of each thing that a person set without a reason."""
     if block.added and block.reason is None:
         yield block.name, block.location
     for key, value in (("callSequence", block.call_sequence), ("next", block.next)):

@@ -1,0 +1,105 @@
+"""`--sarif` of check, diff and run, in a repository as code scanning finds it."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+
+def results_in(folder, name: str) -> list[dict]:
+    return json.loads((folder / name).read_text(encoding="utf-8"))["runs"][0]["results"]
+
+
+def summary(results: list[dict]) -> set[tuple[str, str]]:
+    return {
+        (each["ruleId"], each["locations"][0]["physicalLocation"]["artifactLocation"]["uri"])
+        for each in results
+    }
+
+
+def fingerprints(results: list[dict]) -> list[str]:
+    return sorted(each["partialFingerprints"]["tracerisk/v1"] for each in results)
+
+
+@pytest.fixture
+def steps(annotated_source):
+    return annotated_source(
+        pick=("place 1", "motor = 2e-8 x7; power = 1e-5 of2"),
+        place=("pick 9/10, done 1/10", "gripper := 2e-07"),
+    )
+
+
+def test_check_tells_what_code_scanning_should_show(repository, steps):
+    repository.write("src/cell.py", steps)
+    repository.commit()
+    outcome = repository.run("check", "src/cell.py", "--sarif", "found.sarif")
+    assert outcome.code == 1
+    found = results_in(repository.folder, "found.sarif")
+    assert summary(found) == {
+        (rule, "src/cell.py")
+        for rule in ("unknown-blocks", "unjustified-pin", "single-point-of-failure")
+    }
+    points = [each for each in found if each["ruleId"] == "single-point-of-failure"]
+    assert {
+        each["locations"][0]["logicalLocations"][1]["fullyQualifiedName"] for each in points
+    } == {
+        "motor",
+        "gripper",
+    }
+
+
+def test_shifted_lines_give_the_same_fingerprints(repository, steps):
+    repository.write("cell.py", steps)
+    repository.commit()
+    repository.run("check", "cell.py", "--sarif", "one.sarif")
+    repository.write("cell.py", "import os\n\n\nX = os.name\n\n\n" + steps)
+    repository.commit()
+    repository.run("check", "cell.py", "--sarif", "two.sarif")
+    one, two = (results_in(repository.folder, name) for name in ("one.sarif", "two.sarif"))
+    lines = [
+        sorted(each["locations"][0]["physicalLocation"]["region"]["startLine"] for each in found)
+        for found in (one, two)
+    ]
+    assert fingerprints(one) == fingerprints(two)
+    assert lines[0] != lines[1]
+    assert len(set(fingerprints(one))) == len(one) == 4
+
+
+def test_a_block_that_cannot_be_read_is_an_alert(repository, steps):
+    repository.write("cell.py", steps.replace("# | }", "# | ]", 1))
+    outcome = repository.run("check", "cell.py", "--sarif", "found.sarif")
+    assert outcome.code == 2
+    assert summary(results_in(repository.folder, "found.sarif")) == {("unreadable", "cell.py")}
+
+
+def test_diff_tells_of_redundancy_that_a_change_took(repository, steps):
+    repository.write("cell.py", steps)
+    repository.commit()
+    repository.write("cell.py", steps.replace("redundancy = true", "redundancy := false  ! ; sold"))
+    outcome = repository.run("diff", "--sarif", "found.sarif")
+    assert outcome.code == 0, outcome.err
+    assert summary(results_in(repository.folder, "found.sarif")) == {
+        ("lost-redundancy", "cell.py"),
+        ("single-point-of-failure", "cell.py"),
+    }
+
+
+def test_run_tells_of_motions_that_never_ran(example, quick):
+    source = quick().replace("def main():", "def never(arm):\n    home(arm)\n\n\ndef main():")
+    source = source.replace("    act(arm)\n", "    if False:\n        never(arm)\n    act(arm)\n")
+    example.write("controller.py", source)
+    outcome = example.run("run", "controller.py", "--check", "--sarif", "found.sarif")
+    assert outcome.code == 1, outcome.err
+    found = results_in(example.folder, "found.sarif")
+    assert {each["ruleId"] for each in found} == {"uncovered-motion"}
+    names = [each["locations"][0]["logicalLocations"][0]["fullyQualifiedName"] for each in found]
+    assert names == ["home", "never"]
+    assert "never can move the arm and never ran" in found[1]["message"]["text"]
+
+
+def test_a_file_that_cannot_be_written_is_bad_input(repository, steps):
+    repository.write("cell.py", steps)
+    outcome = repository.run("check", "cell.py", "--sarif", "gone/found.sarif")
+    assert outcome.code == 2
+    assert "gone/found.sarif: cannot be written" in outcome.err

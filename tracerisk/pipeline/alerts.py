@@ -1,0 +1,200 @@
+"""What code scanning should show of controllers: from checks, reviews and runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+from tracerisk.adder.lock import LOCK_NAME, lock_key, read_lock
+from tracerisk.adder.model_names import model_names
+from tracerisk.adder.read import PlacedBlock, read_blocks
+from tracerisk.adder.values import COMPONENT_KINDS
+from tracerisk.config import controller_root
+from tracerisk.errors import Location, TraceRiskError
+from tracerisk.pipeline.check import Checked, CheckFinding, FindingKind, values_without_reason
+from tracerisk.prm.risk_change import Review
+from tracerisk.report.diff_words import some
+from tracerisk.report.sarif import Alert, alert_at
+from tracerisk.trace import FunctionRef, Trace
+
+_RULES: dict[FindingKind, str] = {
+    "stale": "stale-block",
+    "edited": "edited-block",
+    "missing": "missing-block",
+    "orphaned": "missing-block",
+    "over_threshold": "over-threshold",
+    "unjustified": "unjustified-pin",
+    "unequal": "unequal-units",
+    "unknown": "unknown-blocks",
+}
+_CONTACT = "unexpected_contact"
+
+
+def repository_root(path: Path) -> Path:
+    """Return the folder that holds the `.git` above a file, else that of its controller."""
+    folder = path.resolve().parent
+    for each in (folder, *folder.parents):
+        if (each / ".git").exists():
+            return each
+    return controller_root(path)
+
+
+def check_alerts(
+    paths: Sequence[Path], found: Sequence[Checked | TraceRiskError]
+) -> tuple[Alert, ...]:
+    """Return the alerts of checked controllers: what `check_controllers` found for `paths`.
+
+    Beside what a check does not let pass they tell of single points of failure, and of values
+    set by hand without a reason, whether or not the settings demand one.
+    """
+    alerts: list[Alert] = []
+    for path, each in zip(paths, found, strict=True):
+        if isinstance(each, TraceRiskError):
+            place = each.location or Location(str(path))
+            alerts.append(alert_at("unreadable", each.message, place, _file(place.file)))
+            continue
+        sources = {file: read_blocks(file.read_bytes(), str(file)) for file in _sources(path)}
+        placed = [block for blocks in sources.values() for block in blocks]
+        alerts += [_of_check(finding, placed) for finding in each.findings]
+        alerts += _unjustified(placed)
+        if not any(finding.kind in ("missing", "orphaned") for finding in each.findings):
+            alerts += _single_points(path, sources)
+    return tuple(dict.fromkeys(alerts))
+
+
+def review_alerts(review: Review, folder: Path) -> tuple[Alert, ...]:
+    """Return the alerts of a change: redundancy that it took, single points that it made.
+
+    `folder` is where the places of the review stand, the root of the repository.
+    """
+    alerts = []
+    for diff in review.controllers:
+        for change in diff.changes:
+            field = next((each for each in change.fields if not each.is_gone), None)
+            place = None if field is None else field.location
+            if field is None or place is None:
+                continue
+            names = {"function": field.function, "component": change.component or ""}
+            for mark, rule in (
+                ("lost_redundancy", "lost-redundancy"),
+                ("single_point_of_failure", "single-point-of-failure"),
+            ):
+                if mark in change.marks:
+                    file = _file(str(folder / place.file))
+                    alerts.append(alert_at(rule, change.summary, place, file, **names))
+    return tuple(alerts)
+
+
+def run_alerts(trace: Trace, root: Path) -> tuple[Alert, ...]:
+    """Return the alerts of a run: its findings, and motions of which it tells nothing.
+
+    `root` is the controller's root, from which the trace names files.
+    """
+    alerts = []
+    for finding in trace.findings:
+        place = finding.location or Location(trace.controller)
+        rule = "unexpected-contact" if finding.kind == _CONTACT else "run-finding"
+        file = _file(str(root / place.file))
+        subject = f"{finding.kind} {finding.message}" if rule == "run-finding" else ""
+        alerts.append(alert_at(rule, finding.message, place, file, subject=subject))
+    names = model_names([each.ref for each in trace.uncovered])
+    alerts += [_uncovered(each.ref, names[each.ref], each.line, root) for each in trace.uncovered]
+    return tuple(alerts)
+
+
+def _uncovered(ref: FunctionRef, name: str, line: int, root: Path) -> Alert:
+    message = f"{name} can move the arm and never ran: no risk data, which is not no risk"
+    file = _file(str(root / ref.file))
+    return Alert("uncovered-motion", message, file, line, function=ref.name)
+
+
+def _file(shown: str) -> str:
+    """Return a file's name from the root of its repository, with `/`."""
+    path = Path(shown)
+    resolved = path.resolve()
+    root = repository_root(path)
+    return (resolved.relative_to(root) if resolved.is_relative_to(root) else path).as_posix()
+
+
+def _sources(path: Path) -> list[Path]:
+    """Return the files with blocks of a controller, itself first."""
+    root = controller_root(path)
+    entry = read_lock(root / LOCK_NAME).controllers.get(lock_key(path, root))
+    others = [] if entry is None else [root / file for file in sorted(entry.blocks)]
+    return [path, *(each for each in others if each.is_file() and not each.samefile(path))]
+
+
+def _of_check(finding: CheckFinding, placed: Sequence[PlacedBlock]) -> Alert:
+    function, component, rest = _names(finding.subject, placed)
+    return alert_at(
+        _RULES[finding.kind],
+        finding.message,
+        finding.location,
+        _file(finding.location.file),
+        function=function,
+        component=component,
+        subject=rest,
+    )
+
+
+def _names(path: str, placed: Sequence[PlacedBlock]) -> tuple[str, str, str]:
+    """Return the function, the component and the key of a dotted path into a block."""
+    names = [each.block.name for each in placed]
+    inside = [name for name in names if path == name or path.startswith(f"{name}.")]
+    if not inside:
+        return path, "", ""
+    function = max(inside, key=len)
+    rest = path[len(function) + 1 :]
+    component, _, key = rest.rpartition(".")
+    if key in {kind.key for kind in COMPONENT_KINDS}:
+        return function, component, key
+    return (function, "", rest) if rest in ("callSequence", "next", "") else (function, rest, "")
+
+
+def _unjustified(placed: Sequence[PlacedBlock]) -> Iterator[Alert]:
+    for each in placed:
+        for path, place in values_without_reason(each.block):
+            if place is None:
+                continue
+            message = f"{path} is set by hand without a reason; write `; why` behind it"
+            function, component, key = _names(path, placed)
+            yield alert_at(
+                "unjustified-pin",
+                message,
+                place,
+                _file(place.file),
+                function=function,
+                component=component,
+                subject=key,
+            )
+
+
+def _single_points(path: Path, sources: dict[Path, tuple[PlacedBlock, ...]]) -> Iterable[Alert]:
+    from tracerisk.pipeline.stages import build
+    from tracerisk.prm.model_parts import single_points
+
+    held = {str(file): file.read_bytes() for file, blocks in sources.items() if blocks}
+    if not held:
+        return
+    points = single_points(build(held, name=path.name))
+    for component, functions in points.items():
+        places = [
+            (each.block, entry.location)
+            for blocks in sources.values()
+            for each in blocks
+            for entry in each.block.components
+            if entry.name == component and not entry.omitted and entry.location is not None
+        ]
+        if not places:
+            continue
+        block, place = places[0]
+        where = some(functions)
+        assert place is not None
+        yield alert_at(
+            "single-point-of-failure",
+            f"one failed unit of {component} fails the mission: in {where}",
+            place,
+            _file(place.file),
+            function=block.name,
+            component=component,
+        )

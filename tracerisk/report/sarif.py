@@ -1,0 +1,246 @@
+"""What a review should see, as SARIF 2.1.0 for code scanning.
+
+Source of the format: OASIS, "Static Analysis Results Interchange Format (SARIF) Version 2.1.0".
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+from urllib.parse import quote
+
+from tracerisk.errors import Location
+
+SCHEMA = (
+    "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+)
+ROOT = "SRCROOT"
+"""What the files of the results are relative to: the root of the repository."""
+
+Level = Literal["error", "warning", "note"]
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A kind of alert: its id, what it says in one line, why it matters and what to do."""
+
+    id: str
+    name: str
+    level: Level
+    says: str
+    help: str
+
+
+RULES: tuple[Rule, ...] = (
+    Rule(
+        "stale-block",
+        "StaleBlock",
+        "warning",
+        "The risk blocks are older than what they depend on.",
+        "The controller, its robot, scene, settings or hardware data changed after the blocks "
+        "were written, so their figures are those of another program. Run `tracerisk refresh`.",
+    ),
+    Rule(
+        "edited-block",
+        "EditedBlock",
+        "error",
+        "A value that tracerisk computes was changed by hand.",
+        "Write `:=` and a reason behind `;` to keep the value, or refresh with --discard-edits.",
+    ),
+    Rule(
+        "missing-block",
+        "MissingBlock",
+        "error",
+        "A risk block is gone, or stands in a function of another name.",
+        "The model is built from the blocks alone: without this one the function's failures are "
+        "left out. Run `tracerisk refresh`.",
+    ),
+    Rule(
+        "unknown-blocks",
+        "UnknownBlocks",
+        "warning",
+        "The lock file knows nothing of a controller's risk blocks.",
+        "Whether the blocks fit the controller cannot be told. Run `tracerisk run` and commit "
+        "tracerisk.lock with the source.",
+    ),
+    Rule(
+        "unreadable",
+        "Unreadable",
+        "error",
+        "A source, a block or the lock file cannot be read.",
+        "Nothing can be said of the controller's risk until it is mended.",
+    ),
+    Rule(
+        "over-threshold",
+        "OverThreshold",
+        "error",
+        "The mission fails more often than is allowed.",
+        "The failure probability of the mission is above `max_risk`. The table of "
+        "`tracerisk solve` tells which components it comes from.",
+    ),
+    Rule(
+        "single-point-of-failure",
+        "SinglePointOfFailure",
+        "note",
+        "A component fails the mission alone.",
+        "One failed unit is a failed mission: nothing takes over. State redundancy in the "
+        "hardware description if there is any; what is new in a change deserves a look.",
+    ),
+    Rule(
+        "lost-redundancy",
+        "LostRedundancy",
+        "warning",
+        "A component lost its redundancy.",
+        "Fewer units may fail than before. Check that the change of hardware data, or of the "
+        "value set by hand, is meant.",
+    ),
+    Rule(
+        "unjustified-pin",
+        "UnjustifiedPin",
+        "warning",
+        "A value is set by hand without a reason.",
+        "Write why behind `;`: who decided, and on what ground. The next engineer cannot check "
+        "the figure otherwise.",
+    ),
+    Rule(
+        "unequal-units",
+        "UnequalUnits",
+        "error",
+        "A redundancy is set by hand over units that differ.",
+        "A block holds one probability for all units, computed for the redundancy that the "
+        "hardware description states. State the redundancy there, or set the probability by "
+        "hand as well.",
+    ),
+    Rule(
+        "unexpected-contact",
+        "UnexpectedContact",
+        "error",
+        "The arm, or what it holds, touched something that it should not.",
+        "On the twin two bodies touched that are not to. Watch the moment in the report's "
+        "replay; mend the motion, the scene or the planning scene.",
+    ),
+    Rule(
+        "uncovered-motion",
+        "UncoveredMotion",
+        "note",
+        "A function can move the arm and never ran: no risk data.",
+        "Its risk is unknown, which is not none. Run the branch with a scenario or arguments, or "
+        "give the function a block by hand (`@Function := {`).",
+    ),
+    Rule(
+        "run-finding",
+        "RunFinding",
+        "warning",
+        "The run on the twin showed something that a person should know.",
+        "The message tells what; `tracerisk trace` shows the run again.",
+    ),
+)
+
+_RULES = {rule.id: index for index, rule in enumerate(RULES)}
+
+
+@dataclass(frozen=True, slots=True)
+class Alert:
+    """One alert of a rule of `RULES`, at a place of a source.
+
+    `file` is relative to the root of the repository, with `/`; `line` counts from 1.
+    `function` and `component` are qualified names, empty where it concerns none; with rule and
+    file they are what tells the alert again when lines have shifted.
+    `subject` tells alerts of one rule, function and component apart (the field of a block, the
+    other body of a contact).
+    """
+
+    rule: str
+    message: str
+    file: str
+    line: int | None = None
+    column: int | None = None
+    function: str = ""
+    component: str = ""
+    subject: str = ""
+
+    @property
+    def fingerprint(self) -> str:
+        """What identifies the alert from one version to the next; no line is part of it."""
+        parts = (self.rule, self.file, self.function, self.component, self.subject)
+        return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
+
+
+def alert_at(rule: str, message: str, location: Location, file: str, **names: str) -> Alert:
+    """Return the alert at a location, whose file is called `file` from the root."""
+    return Alert(rule, message, file, location.line, location.column, **names)
+
+
+def render_sarif(alerts: Sequence[Alert], *, version: str) -> str:
+    """Return the alerts as a SARIF log of one run, sorted by place; `version` is the tool's."""
+    ordered = sorted(
+        set(alerts),
+        key=lambda each: (each.file, each.line or 0, _RULES[each.rule], each.fingerprint),
+    )
+    log = {
+        "$schema": SCHEMA,
+        "version": "2.1.0",
+        "runs": [
+            {
+                "tool": {
+                    "driver": {
+                        "name": "tracerisk",
+                        "semanticVersion": version,
+                        "rules": [_rule(rule) for rule in RULES],
+                    }
+                },
+                "columnKind": "unicodeCodePoints",
+                "originalUriBaseIds": {
+                    ROOT: {"description": {"text": "The root of the repository."}}
+                },
+                "results": [_result(alert) for alert in ordered],
+            }
+        ],
+    }
+    return json.dumps(log, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
+
+
+def _rule(rule: Rule) -> dict[str, Any]:
+    return {
+        "id": rule.id,
+        "name": rule.name,
+        "shortDescription": {"text": rule.says},
+        "fullDescription": {"text": rule.help},
+        "help": {"text": f"{rule.says} {rule.help}", "markdown": f"{rule.says}\n\n{rule.help}"},
+        "defaultConfiguration": {"level": rule.level},
+        "properties": {"tags": ["reliability", "risk"]},
+    }
+
+
+def _result(alert: Alert) -> dict[str, Any]:
+    place: dict[str, Any] = {
+        "artifactLocation": {"uri": quote(alert.file, safe="/"), "uriBaseId": ROOT},
+    }
+    if alert.line is not None:
+        place["region"] = {"startLine": alert.line}
+        if alert.column is not None:
+            place["region"]["startColumn"] = alert.column
+    location: dict[str, Any] = {"physicalLocation": place}
+    names = [
+        {"fullyQualifiedName": name, "kind": kind}
+        for name, kind in ((alert.function, "function"), (alert.component, "resource"))
+        if name
+    ]
+    if names:
+        location["logicalLocations"] = names
+    index = _RULES[alert.rule]
+    return {
+        "ruleId": alert.rule,
+        "ruleIndex": index,
+        "level": RULES[index].level,
+        "message": {"text": alert.message},
+        "locations": [location],
+        # GitHub knows alerts again by the first only, and computes it from the line if it lacks.
+        "partialFingerprints": {
+            "primaryLocationLineHash": f"{alert.fingerprint}:1",
+            "tracerisk/v1": alert.fingerprint,
+        },
+    }
