@@ -9,10 +9,12 @@ from typing import Any, TypeAlias
 
 from tracerisk.adder.block import RiskBlock
 from tracerisk.adder.insert import insert_blocks
+from tracerisk.adder.instance_values import InstanceValues
 from tracerisk.adder.lock import ControllerLock, Lock, WrittenBlock, written_block
 from tracerisk.adder.merge import MergePolicy, PersonEdit, edits_error, merge
 from tracerisk.adder.model_names import model_names
 from tracerisk.adder.person_words import check_targets, give_way, is_next_by_hand, ranks_by_hand
+from tracerisk.adder.pinned_redundancy import check_redundancies
 from tracerisk.adder.read import read_blocks
 from tracerisk.adder.renames import base_with_names, follow_renames
 from tracerisk.adder.values import DONE, computed_count
@@ -29,6 +31,7 @@ class SourceBlocks:
     `lines` gives the `def` line of a function, needed where its name is defined twice.
     `original` is what the file holds where functions were renamed since it was annotated: in
     `source` their blocks have the new names, to which `renamed` maps the old ones.
+    `instances` tells of each function how the units of its components fail.
     """
 
     file: str
@@ -38,6 +41,7 @@ class SourceBlocks:
     shown_as: str | None = None
     original: bytes | None = None
     renamed: Mapping[QualifiedName, QualifiedName] = field(default_factory=dict)
+    instances: Mapping[QualifiedName, InstanceValues] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -126,7 +130,8 @@ def annotate_sources(
     function that is not computed any more goes, unless a person set something in it.
 
     Raises:
-        BlockError, SourceError: if a source or a block in it cannot be read.
+        BlockError, SourceError: if a source or a block in it cannot be read, or a redundancy is
+            set by hand over units that differ.
         InputError: if a function to annotate is not defined in its source.
         UnsafeRewriteError: if a source cannot be rewritten safely.
     """
@@ -147,6 +152,11 @@ def annotate_sources(
             (block for block in one.blocks.values() if block and is_next_by_hand(block, None)),
             names,
         )
+    for source in sources:
+        for function, values in source.instances.items():
+            block = merged[source.file].blocks.get(function)
+            if block is not None:
+                check_redundancies(block, values)
     changed = []
     for source in sources:
         after = insert_blocks(source.source, merged[source.file].blocks, source.name, source.lines)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from tracerisk.adder.assumptions import assumptions_of
 from tracerisk.adder.block import ComponentEntry, Field, RiskBlock, Transition
+from tracerisk.adder.instances import ComponentInstances, instances_of
 from tracerisk.adder.model_names import model_names
 from tracerisk.adder.values import (
     DONE,
@@ -37,13 +38,15 @@ class ComputedBlocks:
 
     `exposures` are seconds active by function and component, summed over visits and averaged
     over units; `observed` the components seen active in each function, those that are always
-    active left out; `assumptions` what a reader must know to read the figures.
+    active left out; `assumptions` what a reader must know to read the figures; `instances` the
+    units behind the one value of each component, in the order of the description.
     """
 
     blocks: Mapping[FunctionRef, RiskBlock]
     exposures: Mapping[FunctionRef, Mapping[str, float]]
     observed: Mapping[FunctionRef, tuple[str, ...]]
     assumptions: tuple[str, ...]
+    instances: tuple[ComponentInstances, ...] = ()
 
     @property
     def names(self) -> dict[FunctionRef, str]:
@@ -73,7 +76,8 @@ def compute_blocks(
     _check_profile(profile or {}, list(names.values()))
     visits = _visits_of(trace)
     used = [use_of(each, trace, active) for each in bound]
-    entries = [_entries(each, visits, counts) for each in used]
+    uses = [function_uses(each, visits, counts) for each in used]
+    entries = [_entries(*each) for each in zip(used, uses, strict=True)]
     blocks = {}
     exposures = {}
     observed = {}
@@ -101,7 +105,8 @@ def compute_blocks(
             if not each.component.always_active
             and any(each.is_active[visit] for visit in visits[ref])
         )
-    return ComputedBlocks(blocks, exposures, observed, assumptions_of(bound))
+    instances = tuple(instances_of(*each) for each in zip(used, uses, strict=True))
+    return ComputedBlocks(blocks, exposures, observed, assumptions_of(bound), instances)
 
 
 def use_of(bound: BoundComponent, trace: Trace, active: ActiveMode) -> ComponentUse:
@@ -125,13 +130,30 @@ def group_values(
     `visits` are the numbers of each function's visits in the trace, `counts` what followed them
     in a mission.
     """
-    functions = [ref for ref, here in visits.items() if used.is_at_stake(here)]
-    uses = []
-    for ref in functions:
-        units = [list(map(failure_probability, row)) for row in _hazards(used, visits[ref])]
-        uses.append(FunctionUse(units, sum(counts[ref].values())))
-    values = group_unit_probabilities(uses, used.component.redundancy) if uses else ()
-    return dict(zip(functions, values, strict=True))
+    return _values(used, function_uses(used, visits, counts))
+
+
+def function_uses(
+    used: ComponentUse,
+    visits: Mapping[FunctionRef, Sequence[int]],
+    counts: Mapping[FunctionRef, Mapping[str, int]],
+) -> dict[FunctionRef, FunctionUse]:
+    """Return, for each function in which a component counts, how its units fail in each visit."""
+    uses = {}
+    for ref, here in visits.items():
+        if used.is_at_stake(here):
+            units = [list(map(failure_probability, row)) for row in _hazards(used, here)]
+            uses[ref] = FunctionUse(units, sum(counts[ref].values()))
+    return uses
+
+
+def _values(
+    used: ComponentUse, uses: Mapping[FunctionRef, FunctionUse]
+) -> dict[FunctionRef, float]:
+    if not uses:
+        return {}
+    values = group_unit_probabilities(list(uses.values()), used.component.redundancy)
+    return dict(zip(uses, values, strict=True))
 
 
 def next_counts(trace: Trace) -> dict[FunctionRef, dict[str, int]]:
@@ -205,9 +227,7 @@ def _visits_of(trace: Trace) -> dict[FunctionRef, list[int]]:
 
 
 def _entries(
-    used: ComponentUse,
-    visits: Mapping[FunctionRef, Sequence[int]],
-    counts: Mapping[FunctionRef, Mapping[str, int]],
+    used: ComponentUse, uses: Mapping[FunctionRef, FunctionUse]
 ) -> dict[FunctionRef, ComponentEntry]:
     """Return what the block of each function says of a component that counts there."""
     component = used.component
@@ -218,7 +238,7 @@ def _entries(
             quantity=computed_count(used.bound.quantity),
             redundancy=computed_redundancy(component.redundancy),
         )
-        for ref, value in group_values(used, visits, counts).items()
+        for ref, value in _values(used, uses).items()
     }
 
 

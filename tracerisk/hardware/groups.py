@@ -79,7 +79,7 @@ def group_unit_probabilities(
         if len(found) == len(alone):
             return tuple(found)
     if quantity == 1 or (_needs_all(redundancy, quantity) and not redundancy.common_cause):
-        return tuple(_mean(each.visits) for each in functions)
+        return tuple(mean_probability(each.visits) for each in functions)
     if _stays_hidden(redundancy, quantity):
         return _hidden(functions, redundancy, quantity)
     return tuple(_renewed(each.visits, redundancy, quantity) for each in functions)
@@ -105,18 +105,28 @@ def instance_shares(
 ) -> tuple[InstanceShare, ...]:
     """Return what each unit of a group contributes over a mission, in the order of the units."""
     quantity = len(functions[0].visits[0])
-    own = [
-        math.fsum(
-            -each.scale * survival_log(units[unit]) for each in functions for units in each.visits
-        )
-        for unit in range(quantity)
-    ]
     drops = _drops(functions, redundancy, quantity)
     total = sum(drops, ZERO)
     return tuple(
-        InstanceShare(-math.expm1(-hazard), float(drop), float(drop / total) if total else 0.0)
-        for hazard, drop in zip(own, drops, strict=True)
+        InstanceShare(
+            mission_probability(functions, unit),
+            float(drop),
+            float(drop / total) if total else 0.0,
+        )
+        for unit, drop in enumerate(drops)
     )
+
+
+def mission_probability(functions: Sequence[FunctionUse], unit: int) -> float:
+    """Return the failure probability of one unit of a group over a mission."""
+    logs = (each.scale * survival_log(units[unit]) for each in functions for units in each.visits)
+    return -math.expm1(math.fsum(logs))
+
+
+def mean_probability(visits: Visits) -> float:
+    """Return the failure probability of the mean hazard over visits and units."""
+    total = math.fsum(survival_log(p) for units in visits for p in units)
+    return -math.expm1(total / math.fsum(len(units) for units in visits))
 
 
 def _drops(
@@ -154,13 +164,7 @@ def _of_one_unit(each: FunctionUse, redundancy: Redundancy) -> float | None:
         and not redundancy.has_spares
         and not redundancy.common_cause
     )
-    return _mean(each.visits) if plain else None
-
-
-def _mean(visits: Visits) -> float:
-    """Return the probability of the mean hazard over visits and units."""
-    total = math.fsum(survival_log(p) for units in visits for p in units)
-    return -math.expm1(total / math.fsum(len(units) for units in visits))
+    return mean_probability(each.visits) if plain else None
 
 
 def _outcome(p: float) -> Outcome:

@@ -209,8 +209,8 @@ def annotate(
     `given` are those of the settings that came from the command line: a refresh uses them again.
     Raises EditInTheWayError when a person edited a computed value and the policy says to stop,
     HardwareError when the description does not fit, SettingsError when `states` or `helpers` name
-    what is no function, BlockError or UnsafeRewriteError when the
-    source cannot be annotated.
+    what is no function, BlockError or UnsafeRewriteError when the source cannot be annotated, or
+    holds a redundancy set by hand over units that differ.
     """
     from tracerisk.adder.annotate import annotate_sources
 
@@ -226,14 +226,17 @@ def annotate(
         before = {file: controller.source_of(file) for file in files}
     _forbid_shared(key, files, lock, controller)
     inputs = run_inputs(controller, trace, settings, given=given)
+    policy = policy or MergePolicy()
+    entry = lock.controllers.get(key)
+    kept = entry.trace if entry is not None and not policy.fresh else None
     outcome: Annotation = annotate_sources(
         key,
         [_source_blocks(controller, file, before[file], trace, computed) for file in files],
         lock,
         fingerprint=inputs.fingerprint,
-        trace=trace_summary(trace),
+        trace=trace_summary(trace, computed.instances, kept=kept),
         inputs=inputs.data(),
-        policy=policy or MergePolicy(),
+        policy=policy,
     )
     if isinstance(outcome, EditsInTheWay):
         raise outcome.error()
@@ -287,7 +290,13 @@ def _source_blocks(
         for function in trace.functions
         if function.line > 0 and function.ref.file == file
     }
-    return SourceBlocks(file, source, blocks, lines, str(controller.path_of(file)))
+    instances = {
+        ref.name: {each.component.name: each.in_function(ref) for each in computed.instances}
+        for ref in computed.blocks
+        if ref.file == file
+    }
+    shown = str(controller.path_of(file))
+    return SourceBlocks(file, source, blocks, lines, shown, instances=instances)
 
 
 def _forbid_shared(key: str, files: Sequence[str], lock: Lock, controller: Controller) -> None:

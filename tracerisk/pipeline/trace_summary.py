@@ -2,14 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from tracerisk.adder.instance_values import kept_values
+from tracerisk.adder.instances import ComponentInstances
+from tracerisk.adder.merge import NOISE
 from tracerisk.adder.model_names import model_names
-from tracerisk.trace import Trace
+from tracerisk.trace import FunctionRef, Trace
 
 
-def trace_summary(trace: Trace) -> dict[str, Any]:
-    """Return what the lock keeps of a trace: the exposures of each function's elements [s]."""
+def trace_summary(
+    trace: Trace,
+    instances: Sequence[ComponentInstances] = (),
+    *,
+    kept: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
+    """Return what the lock keeps of a trace: by function the exposures of each element [s].
+
+    Beside these stand, by component, the failure probabilities of its instances in one visit,
+    with 4 significant digits. One within the noise of what is `kept`, the summary that the lock
+    has, keeps its text.
+    """
     functions: dict[str, Any] = {}
     names = model_names([function.ref for function in trace.functions])
     for function in trace.functions:
@@ -17,17 +31,24 @@ def trace_summary(trace: Trace) -> dict[str, Any]:
         elements: dict[str, Any] = {}
         for element in trace.elements:
             found = [e for v in visits if (e := v.exposures.get(element.name)) is not None]
-            if any(exposure.active_s for exposure in found):
+            if element.kind == "sensor":
+                # One that is not read is in use with its joint, which stands here.
+                read_s = _rounded(sum(e.reading_s for e in found))
+                if read_s:
+                    elements[element.name] = {"reading_s": read_s}
+            elif any(exposure.active_s for exposure in found):
                 elements[element.name] = {
                     "moving_s": _rounded(sum(e.moving_s for e in found)),
                     "holding_s": _rounded(sum(e.holding_s for e in found)),
                     "grasping_s": _rounded(sum(e.grasping_s for e in found)),
                 }
         known = [visit.duration_s for visit in visits if visit.duration_s is not None]
-        functions[names[function.ref]] = {
+        name = names[function.ref]
+        functions[name] = {
             "visits": len(visits),
             "duration_s": _rounded(sum(known)),
             "elements": elements,
+            "instances": _instances(function.ref, instances, kept_values(kept or {}, name)),
         }
     return {
         "robot": trace.robot,
@@ -35,6 +56,30 @@ def trace_summary(trace: Trace) -> dict[str, Any]:
         "end": trace.end.cause,
         "functions": functions,
     }
+
+
+def _instances(
+    function: FunctionRef,
+    instances: Sequence[ComponentInstances],
+    kept: Mapping[str, Mapping[str, float]],
+) -> dict[str, dict[str, float]]:
+    found = {}
+    for each in instances:
+        values = each.in_function(function)
+        before = kept.get(each.component.name, {})
+        if values:
+            found[each.component.name] = {
+                element: _steady(value, before.get(element)) for element, value in values.items()
+            }
+    return found
+
+
+def _steady(value: float, before: float | None) -> float:
+    """Return a probability with 4 significant digits, or the one before where it is as good."""
+    rounded = float(f"{value:.4g}")
+    if before is not None and abs(rounded - before) <= NOISE * abs(before):
+        return before
+    return rounded
 
 
 def _rounded(seconds: float) -> float:
