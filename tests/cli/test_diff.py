@@ -184,3 +184,26 @@ def test_textconv_leaves_a_source_without_blocks_as_it_is(changed):
     changed.write("plain.py", source)
     outcome = changed.run("diff", "--textconv", "plain.py")
     assert (outcome.code, outcome.out) == (0, source)
+
+
+@pytest.mark.parametrize(
+    ("change", "threshold", "is_told"),
+    [
+        ({"gripper": "= 2.1e-07"}, "0.1", False),
+        ({"gripper": "= 2.1e-07"}, "0.01", True),
+        ({"gripper": "= 1e-08"}, "0.1", True),
+        ({"gripper": ":= 2e-07"}, "0.5", True),
+        ({"power": "1e-9"}, "0.5", True),
+        ({}, "0", False),
+    ],
+)
+@pytest.mark.parametrize("form", ["text", "markdown"])
+def test_a_small_change_is_told_only_where_a_reviewer_must_see_it(
+    repository, steps, change, threshold, is_told, form
+):
+    repository.write("pick.py", steps())
+    repository.commit()
+    repository.write("pick.py", steps(**change))
+    outcome = repository.run("diff", "--silent-below", threshold, "--format", form)
+    assert outcome.code == 0, outcome.err
+    assert bool(outcome.out) == is_told

@@ -43,6 +43,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="exit 1 if a mission's failure probability is above P after the change",
     )
     parser.add_argument(
+        "--silent-below",
+        metavar="R",
+        type=_increase,
+        help="print nothing where no mission's failure probability changes by more than R of it",
+    )
+    parser.add_argument(
         "--textconv",
         metavar="FILE",
         help="print a source with its risk model below it, for `git diff`: docs/review.md",
@@ -73,7 +79,7 @@ def run(options: argparse.Namespace) -> int:
         write_sarif(options.sarif, alerts)
     if options.json:
         _print_json(found, code, exceeded)
-    else:
+    elif options.silent_below is None or found.is_worth_telling(options.silent_below):
         sys.stdout.buffer.write(_rendered(found, options.format).encode(errors="replace"))
         sys.stdout.flush()
     for line in exceeded:

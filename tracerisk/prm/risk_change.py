@@ -176,6 +176,17 @@ class RiskDiff:
         return is_noise(self.before.failure_probability, self.after.failure_probability)
 
 
+    def is_worth_telling(self, threshold: float) -> bool:
+        """Return what `Review.is_worth_telling` says, for one controller."""
+        if self.before is None or self.after is None or self.pins:
+            return True
+        marks = {mark for change in self.changes for mark in change.marks}
+        if marks & {"lost_redundancy", "single_point_of_failure"}:
+            return True
+        before, after = self.before.failure_probability, self.after.failure_probability
+        return abs(after - before) > threshold * before
+
+
 @dataclass(frozen=True, slots=True)
 class Review:
     """What changed in risk between two versions, by controller, the greatest change first.
@@ -190,6 +201,15 @@ class Review:
     notes: tuple[str, ...] = ()
     prefixes: tuple[str, str] = ("", "")
     statement: str = FIGURE_STATEMENT
+
+    def is_worth_telling(self, threshold: float) -> bool:
+        """Return whether a reviewer should hear of it: a figure changed by more, or a mark.
+
+        `threshold` is a relative change of a mission's failure probability, up or down. Whatever
+        the figure does, controllers that come or go, redundancy that is lost, new single points
+        of failure and values set by hand are told.
+        """
+        return any(each.is_worth_telling(threshold) for each in self.controllers)
 
     def place(self, location: Location | None, *, is_gone: bool = False) -> str:
         """Return a place as the user finds it: `place.py:12`, `HEAD:place.py:12` if it is gone."""
