@@ -1,0 +1,442 @@
+// The replay: the bodies where the run had them at the cursor's time, coloured by their state.
+
+// A colour of the page as three numbers from 0 to 1.
+const tone = (name) =>
+  tracerisk.colour(name).match(/[\d.]+/g).slice(0, 3).map((each) => Number(each) / 255);
+const mixed = (one, other, part) => one.map((v, i) => v + (other[i] - v) * part);
+
+// What of its states a drive is coloured by.
+function stateName(state) {
+  if (state & GRASPING) return "grasping";
+  if (state & MOVING) return "moving";
+  if (state & HOLDING) return "holding";
+  return state ? "in-use" : null;
+}
+
+// A ring about the axis of each driven hinge, a little wider than the link: where the motor is.
+function collarOf(body, bodies) {
+  if (body.joint !== "hinge" || !body.element) return null;
+  const around = [];
+  for (const [own, place] of [[body, [0, 0, 0]], [bodies[body.parent], body.xyz]]) {
+    for (const { kind, size, xyz = [0, 0, 0], quat = identity } of own?.shapes ?? []) {
+      const shape = { kind, size };
+      const inside = toBody({ xyz, quat }, place);
+      const near = nearestInShape(shape, inside);
+      const away = Math.hypot(...near.map((v, i) => v - inside[i]));
+      const radius = kind === "box" ? Math.min(...size) : size[0];
+      if (away < radius * 0.5) around.push(radius);
+    }
+  }
+  if (!around.length) return null;
+  const radius = Math.max(...around) * 1.12;
+  const [ax, ay, az] = body.axis;
+  const tilt = Math.acos(Math.min(Math.max(az, -1), 1));
+  const across = Math.hypot(ax, ay);
+  const quat = across > 1e-9 ? about([-ay / across, ax / across, 0], tilt) : identity;
+  return { kind: "cylinder", size: [radius, radius * 0.34], quat };
+}
+
+function boundsOf(bodies, meshes, posesAt) {
+  const radii = meshes.map((mesh) => {
+    let most = 0;
+    for (let i = 0; i < mesh.length; i += 6) {
+      most = Math.max(most, Math.hypot(mesh[i], mesh[i + 1], mesh[i + 2]));
+    }
+    return most;
+  });
+  const low = [Infinity, Infinity, Infinity];
+  const high = [-Infinity, -Infinity, -Infinity];
+  let floor = 0;
+  posesAt.forEach((posed, turn) => {
+    posed.forEach((pose, index) => {
+      const { kind } = bodies[index];
+      const mesh = meshes[index];
+      if (turn === 0) {
+        for (let i = 0; i < mesh.length; i += 6) {
+          floor = Math.min(floor, toWorld(pose, mesh.subarray(i, i + 3))[2]);
+        }
+      }
+      // A large table must not make the arm small.
+      if (kind === "fixture" && radii[index] > 0.6) return;
+      for (let i = 0; i < 3; i++) {
+        const reach = Math.min(radii[index], 0.12);
+        low[i] = Math.min(low[i], pose.xyz[i] - reach);
+        high[i] = Math.max(high[i], pose.xyz[i] + reach);
+      }
+    });
+  });
+  if (!Number.isFinite(low[0])) return { centre: [0, 0, 0.3], radius: 1, floor };
+  const centre = low.map((v, i) => (v + high[i]) / 2);
+  const radius = Math.max(Math.hypot(...low.map((v, i) => high[i] - v)) / 2, 0.1);
+  return { centre, radius, floor: floor - 1e-4 };
+}
+
+async function beginReplay() {
+  const stage = document.querySelector(".replay-stage");
+  const canvas = stage.querySelector("canvas");
+  const labels = stage.querySelector(".replay-labels");
+  const message = stage.querySelector(".replay-message");
+  const { bodies, frames } = tracerisk.data("replay-bodies");
+  const tell = (text) => {
+    message.hidden = !text;
+    message.textContent = text ?? "";
+    stage.classList.toggle("is-off", Boolean(text));
+  };
+
+  beginNow();
+  if (typeof DecompressionStream === "undefined") {
+    tell("This browser is too old for the replay: it cannot unpack its data. The timeline works.");
+    return;
+  }
+  const whole = await unpackFrames(frames, tracerisk.bytes("replay-frames"));
+  const values = new Float64Array(frames.quanta.length);
+  const posesAtTime = (time) => poses(bodies, valuesAt(frames, whole, time, values));
+  let posed = posesAtTime(clock.time);
+  let states = new Map();
+  let isLabelled = false;
+  const index = new Map(bodies.map(({ name }, i) => [name, i]));
+  Object.assign(tracerisk.replay, {
+    bodies, frames, poses, bodyPosition: (name) => posed[index.get(name)].xyz, labels,
+    stateOf: (element) => stateName(states.get(element) ?? 0),
+  });
+
+  const meshes = bodies.map(bodyMesh);
+  const samples = Array.from({ length: 24 }, (_, i) => posesAtTime((clock.end * i) / 23));
+  const bounds = boundsOf(bodies, meshes, samples);
+  const collars = bodies.map((body) => collarOf(body, bodies));
+  const collarMesh = new Map();
+  const allMeshes = [...meshes];
+  collars.forEach((shape, i) => {
+    if (shape) collarMesh.set(i, allMeshes.push(bodyMesh({ shapes: [shape] })) - 1);
+  });
+  const ball = allMeshes.push(bodyMesh({ shapes: [{ kind: "sphere", size: [1] }] })) - 1;
+  const camera = new Camera(bounds);
+  tracerisk.replay.camera = camera;
+  let drawing;
+  try {
+    drawing = new Drawing(canvas, allMeshes, bounds);
+  } catch (problem) {
+    const isNone = problem.message === "no WebGL2";
+    tell(
+      isNone
+        ? "This browser shows no 3-D pictures here (WebGL 2 is missing or switched off). The timeline and the text beside it tell the same run."
+        : `The 3-D picture cannot be drawn: ${problem.message}`,
+    );
+    return;
+  }
+
+  const componentOf = new Map(
+    run.rows.flatMap(({ component, elements }) => elements.map(({ name }) => [name, component])),
+  );
+  let colours = {};
+  const readColours = () => {
+    const own = ["background", "ground", "robot", "fixture", "object", "collar", "in-use"];
+    const shared = ["moving", "holding", "grasping", "fail"];
+    colours = Object.fromEntries([
+      ...own.map((name) => [name, tone(`replay-${name}`)]),
+      ...shared.map((name) => [name, tone(name)]),
+    ]);
+    colours.declared = colours.fixture;
+  };
+  readColours();
+
+  const isThere = ({ since = 0, until = Infinity }) => clock.time >= since && clock.time < until;
+  function colourOf(body) {
+    const base = colours[body.kind];
+    const state = stateName(states.get(body.element) ?? 0);
+    const { component } = tracerisk.selected;
+    const isOther = component !== null && componentOf.get(body.element) !== component;
+    if (!state || isOther) return base;
+    // What slides has no collar: it shows its state itself.
+    return mixed(base, colours[state], body.joint === "slide" ? 0.85 : 0.32);
+  }
+  function shownBodies() {
+    const shown = [];
+    bodies.forEach((body, i) => {
+      if (!meshes[i].length || !isThere(body)) return;
+      const model = poseMatrix(posed[i]);
+      shown.push({ mesh: i, model, colour: colourOf(body), body: i });
+      if (collarMesh.has(i)) {
+        const state = stateName(states.get(body.element) ?? 0);
+        const { component } = tracerisk.selected;
+        const isOther = component !== null && componentOf.get(body.element) !== component;
+        const colour = state && !isOther ? colours[state] : colours.collar;
+        shown.push({ mesh: collarMesh.get(i), model, colour, body: i });
+      }
+    });
+    return shown;
+  }
+
+  function touching() {
+    return contactsAt(clock.time).map((contact) => {
+      const find = (name) => index.get(name) ?? index.get(`declared/${name}`);
+      const [one, other] = [find(contact.link), find(contact.other)];
+      let point = null;
+      if (one !== undefined && other !== undefined) {
+        point = touchPoint(bodies[one], posed[one], bodies[other], posed[other]);
+      } else if (one !== undefined) point = posed[one].xyz;
+      return { contact, point };
+    });
+  }
+
+  let view = null;
+  let isAsked = false;
+  let touches = [];
+  function render() {
+    isAsked = false;
+    const shown = shownBodies();
+    for (const { contact, point } of touches) {
+      if (!point) continue;
+      const away = Math.hypot(...camera.eye.map((v, i) => v - point[i]));
+      const size = away * 0.008;
+      const colour = contact.expected ? colours.grasping : colours.fail;
+      const model = poseMatrix({ xyz: point, quat: identity }, size);
+      shown.push({ mesh: ball, model, colour, plain: 1 });
+    }
+    view = drawing.draw(camera, shown, colours) ?? view;
+    placeLabels();
+    tracerisk.replay.drawn = (tracerisk.replay.drawn ?? 0) + 1;
+  }
+  const ask = () => {
+    if (isAsked) return;
+    isAsked = true;
+    requestAnimationFrame(render);
+  };
+
+  // Labels that would lie on one another are moved down until they do not.
+  function placeLabels() {
+    labels.replaceChildren();
+    const wanted = [];
+    for (const { contact, point } of touches) {
+      const kind = contact.expected ? "is-grasping" : "is-fail";
+      const text = `${contact.link} \u2013 ${contact.other}, up to ${contact.force.toFixed(1)} N`;
+      if (point && (isLabelled || !contact.expected)) wanted.push({ text, point, kind });
+    }
+    const seen = new Set();
+    bodies.forEach(({ element, joint }, i) => {
+      const state = states.get(element);
+      if (!isLabelled || !element || !joint || !state || seen.has(element)) return;
+      seen.add(element);
+      const text = `${element}: ${stateWords(state)}`;
+      wanted.push({ text, point: posed[i].xyz, kind: `is-${stateName(state)}` });
+    });
+    const placed = [];
+    for (const { text, point, kind } of wanted) {
+      const place = view && inClip(view, point);
+      if (!place || Math.abs(place[0]) > 1 || Math.abs(place[1]) > 1) continue;
+      const x = (place[0] * 0.5 + 0.5) * canvas.clientWidth;
+      placed.push({ text, kind, x, y: (0.5 - place[1] * 0.5) * canvas.clientHeight });
+    }
+    placed.sort((one, other) => one.y - other.y);
+    placed.forEach((each, i) => {
+      const wide = each.text.length * 6.5;
+      for (const above of placed.slice(0, i)) {
+        const isBeside = Math.abs(above.x - each.x) > (wide + above.text.length * 6.5) / 2;
+        if (!isBeside && each.y - above.y < 20) each.y = above.y + 20;
+      }
+      const span = document.createElement("span");
+      span.className = `replay-label ${each.kind}`;
+      span.textContent = each.text;
+      span.style.left = `${each.x}px`;
+      span.style.top = `${each.y}px`;
+      labels.append(span);
+    });
+  }
+
+  clock.subscribe((time) => {
+    posed = posesAtTime(time);
+    states = new Map(
+      activeAt(time).flatMap(({ elements }) => elements.map(({ name, state }) => [name, state])),
+    );
+    touches = touching();
+    ask();
+  });
+  document.addEventListener("tracerisk:select", ask);
+  document.addEventListener("tracerisk:theme", () => {
+    readColours();
+    ask();
+  });
+  new ResizeObserver(ask).observe(canvas);
+  canvas.addEventListener("webglcontextlost", (event) => {
+    event.preventDefault();
+    tell("The graphics card gave up the picture; it comes back as soon as it can.");
+  });
+  canvas.addEventListener("webglcontextrestored", () => {
+    drawing.prepare();
+    tell(null);
+    ask();
+  });
+  window.addEventListener("beforeprint", render);
+  stage.querySelector('[data-view="reset"]').addEventListener("click", () => {
+    camera.reset();
+    ask();
+  });
+  stage.querySelector('[data-view="labels"]').addEventListener("click", ({ currentTarget }) => {
+    isLabelled = !isLabelled;
+    currentTarget.setAttribute("aria-pressed", isLabelled);
+    ask();
+  });
+  steer(canvas, camera, ask);
+  hover(canvas, labels, (x, y) => {
+    const way = camera.ray(x, y, canvas.clientWidth / canvas.clientHeight);
+    let [best, found] = [Infinity, null];
+    bodies.forEach((body, i) => {
+      if (!meshes[i].length || !isThere(body)) return;
+      const back = inverse(posed[i].quat);
+      const distance = rayHit(meshes[i], toBody(posed[i], camera.eye), rotate(back, way));
+      if (distance < best) [best, found] = [distance, body];
+    });
+    return found;
+  }, (body) => {
+    const state = states.get(body.element) ?? 0;
+    const told = body.element ? `, ${body.element}: ${state ? stateWords(state) : "idle"}` : "";
+    return `${body.name}${told}`;
+  }, (body) => {
+    const component = componentOf.get(body?.element) || null;
+    tracerisk.select({ component, source: "replay" });
+  });
+}
+
+// Mouse, touch and keys that move the camera.
+function steer(canvas, camera, ask) {
+  const pointers = new Map();
+  const spread = () => {
+    const [one, other] = [...pointers.values()];
+    return Math.hypot(one.x - other.x, one.y - other.y);
+  };
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    const last = pointers.get(event.pointerId);
+    if (!last) return;
+    const before = pointers.size === 2 ? spread() : 0;
+    const [dx, dy] = [event.clientX - last.x, event.clientY - last.y];
+    pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    const height = canvas.clientHeight;
+    if (pointers.size === 2) {
+      camera.zoom(before / Math.max(spread(), 1));
+      camera.pan(dx / height / 2, dy / height / 2);
+    } else if (event.shiftKey || event.buttons & 6) camera.pan(dx / height, dy / height);
+    else camera.orbit((dx / height) * 3, (dy / height) * 3);
+    ask();
+  });
+  for (const name of ["pointerup", "pointercancel"]) {
+    canvas.addEventListener(name, (event) => pointers.delete(event.pointerId));
+  }
+  canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+  canvas.addEventListener("wheel", (event) => {
+    // A page that is scrolled past the view must not be caught in it.
+    if (document.activeElement !== canvas && !event.ctrlKey) return;
+    event.preventDefault();
+    camera.zoom(Math.exp(event.deltaY * 0.0012));
+    ask();
+  }, { passive: false });
+  const moves = {
+    ArrowLeft: [0.12, 0], ArrowRight: [-0.12, 0], ArrowUp: [0, 0.12], ArrowDown: [0, -0.12],
+  };
+  canvas.addEventListener("keydown", (event) => {
+    if (timeKey(event) || event.ctrlKey || event.metaKey || event.altKey) return;
+    const move = moves[event.key];
+    if (move && event.shiftKey) camera.pan(move[0] * 0.5, move[1] * 0.5);
+    else if (move) camera.orbit(-move[0], move[1]);
+    else if (event.key === "+" || event.key === "=") camera.zoom(1 / 1.15);
+    else if (event.key === "-") camera.zoom(1.15);
+    else if (event.key === "0") camera.reset();
+    else return;
+    event.preventDefault();
+    ask();
+  });
+}
+
+// A label at what the pointer is on; a click without a drag chooses its component.
+function hover(canvas, labels, find, text, choose) {
+  const tip = document.createElement("span");
+  tip.className = "replay-tip";
+  tip.hidden = true;
+  labels.parentElement.append(tip);
+  let begun = null;
+  const under = (event) => {
+    const box = canvas.getBoundingClientRect();
+    const [x, y] = [event.clientX - box.left, event.clientY - box.top];
+    return { x, y, body: find((x / box.width) * 2 - 1, 1 - (y / box.height) * 2) };
+  };
+  canvas.addEventListener("pointermove", (event) => {
+    if (event.buttons) {
+      tip.hidden = true;
+      return;
+    }
+    const { x, y, body } = under(event);
+    tip.hidden = !body;
+    if (!body) return;
+    tip.textContent = text(body);
+    tip.style.left = `${x + 14}px`;
+    tip.style.top = `${y + 14}px`;
+  });
+  canvas.addEventListener("pointerleave", () => {
+    tip.hidden = true;
+  });
+  canvas.addEventListener("pointerdown", (event) => {
+    begun = [event.clientX, event.clientY];
+  });
+  canvas.addEventListener("pointerup", (event) => {
+    const isClick = begun && Math.hypot(event.clientX - begun[0], event.clientY - begun[1]) < 4;
+    begun = null;
+    if (isClick && event.button === 0) choose(under(event).body);
+  });
+}
+
+// What is current at the cursor, in words; at most ten times a second.
+function beginNow() {
+  const parts = Object.fromEntries(
+    [...document.querySelectorAll("[data-now]")].map((each) => [each.dataset.now, each]),
+  );
+  const line = (text, kind) => {
+    const item = document.createElement("li");
+    if (kind) {
+      const key = document.createElement("span");
+      key.className = `timeline-key is-${kind}`;
+      key.setAttribute("aria-hidden", "true");
+      item.append(key, " ");
+    }
+    item.append(text);
+    return item;
+  };
+  let last = "";
+  function show() {
+    const time = clock.time;
+    const visit = visitAt(time);
+    const active = activeAt(time).flatMap(({ component, always, elements }) =>
+      always
+        ? [[`${component}: always in use`, "in-use"]]
+        : elements.map(({ name, state }) => [
+            `${name}: ${stateWords(state)}${component ? ` (${component})` : ""}`,
+            stateName(state),
+          ]),
+    );
+    const touches = contactsAt(time).map(({ link, other, force, expected }) =>
+      [`${link} touches ${other}, up to ${force.toFixed(1)} N`, expected ? "expected" : "unexpected"]);
+    const held = visit < 0 ? [] : run.visits[visit].held.map(({ gripper, object, mass }) =>
+      [`${gripper} holds ${object} in this visit (${mass} kg)`, null]);
+    const now = JSON.stringify([visit, active, touches]);
+    if (now === last) return;
+    last = now;
+    parts.function.textContent = visit < 0 ? "no visit" : functionOf(visit);
+    parts.visit.textContent =
+      visit < 0 ? "" : `visit ${visit + 1} of ${run.visits.length}, ${run.visits[visit].outcome}`;
+    parts.active.replaceChildren(...active.map(([text, kind]) => line(text, kind)));
+    parts.touching.replaceChildren(...[...touches, ...held].map(([text, kind]) => line(text, kind)));
+  }
+  let waiting = null;
+  clock.subscribe(() => {
+    waiting ??= setTimeout(() => {
+      waiting = null;
+      show();
+    }, 100);
+  });
+  show();
+}
+
+tracerisk.replay = { poses };
+tracerisk.replay.ready = beginReplay();
