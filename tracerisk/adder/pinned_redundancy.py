@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from tracerisk.adder.block import ComponentEntry, RiskBlock
 from tracerisk.adder.instance_values import InstanceValues, are_alike
@@ -18,20 +19,28 @@ def check_redundancies(block: RiskBlock, instances: InstanceValues) -> None:
     The block's one value stands for unlike units by the gate of the hardware description: under
     another gate it is the value of nothing. A person who sets it too says what it is.
     """
-    for location, message in unfounded_redundancies(block, instances):
-        raise BlockError(message, location or block.location)
+    for each in unfounded_redundancies(block, instances):
+        raise BlockError(each.message, each.location or block.location)
 
 
-def unfounded_redundancies(
-    block: RiskBlock, instances: InstanceValues
-) -> Iterator[tuple[Location | None, str]]:
-    """Yield the place of each such redundancy, and what is wrong with it."""
+@dataclass(frozen=True, slots=True)
+class Unfounded:
+    """A redundancy over units that differ: its dotted path and place, and what is wrong."""
+
+    path: str
+    location: Location | None
+    message: str
+
+
+def unfounded_redundancies(block: RiskBlock, instances: InstanceValues) -> Iterator[Unfounded]:
+    """Yield each such redundancy of a block."""
     if block.added:
         return
     for entry in block.components:
         values = instances.get(entry.name, {})
         if _is_set_alone(entry) and not are_alike(values.values()):
-            yield (
+            yield Unfounded(
+                f"{block.name}.{entry.name}.redundancy",
                 entry.redundancy.location or entry.location,
                 f"function '{block.name}', component '{entry.name}': 'redundancy := "
                 f"{entry.redundancy.text}' stands over units that differ ({_shown(values)} a "

@@ -12,6 +12,7 @@ from typing import Literal
 from tracerisk.adder.annotate import bases_of
 from tracerisk.adder.block import RiskBlock
 from tracerisk.adder.definitions import definitions, parse_python
+from tracerisk.adder.instance_values import kept_values
 from tracerisk.adder.lock import (
     LOCK_NAME,
     ControllerLock,
@@ -22,6 +23,8 @@ from tracerisk.adder.lock import (
     read_lock,
 )
 from tracerisk.adder.merge import MergePolicy, merge
+from tracerisk.adder.model_names import model_names
+from tracerisk.adder.pinned_redundancy import unfounded_redundancies
 from tracerisk.adder.read import PlacedBlock, read_blocks
 from tracerisk.adder.renames import base_with_names, follow_renames
 from tracerisk.adder.values import component_fields
@@ -31,17 +34,18 @@ from tracerisk.pipeline.controller import Controller, load_controller
 from tracerisk.pipeline.freshness import RunInputs, stale_reasons, values_reasons
 from tracerisk.pipeline.known_functions import check_steps
 from tracerisk.pipeline.one_writer import one_writer
-from tracerisk.trace import QualifiedName
+from tracerisk.trace import FunctionRef, QualifiedName
 
 _OF_ALL = ("pyproject.toml", LOCK_NAME)  # what every controller of a root depends on
 _WORTH_A_PROCESS = 20  # files that take as long to check as a process takes to start
 
 FindingKind = Literal[
-    "stale", "edited", "missing", "orphaned", "over_threshold", "unjustified", "unknown"
+    "stale", "edited", "missing", "orphaned", "over_threshold", "unjustified", "unequal", "unknown"
 ]
 """Why blocks are not to be trusted: what they depend on has changed; a person changed a value
 that is the tool's; a block is gone; its function is gone or renamed; the mission's failure
-probability is above `max_risk`; a value is set by hand without a reason; the lock knows nothing."""
+probability is above `max_risk`; a value is set by hand without a reason; a redundancy is set by
+hand over units that differed in the last run; the lock knows nothing."""
 
 
 _OF_LOCK_AND_SOURCE = frozenset({"edited", "missing", "orphaned"})
@@ -182,6 +186,7 @@ def _check_once(path: Path | str) -> Checked:
         *_stale(controller, recorded, effective),
         *_of_blocks(controller, entry, sources),
         *_unjustified(settings, sources),
+        *_unequal(entry, sources),
     ]
     if settings.max_risk is not None and not findings:
         findings += _over_threshold(controller, sources, settings.max_risk)
@@ -367,6 +372,20 @@ def values_without_reason(block: RiskBlock) -> Iterable[tuple[str, Location | No
         for kind, value in component_fields(component):
             if value.pinned and value.reason is None:
                 yield f"{path}.{kind.key}", value.location
+
+
+def _unequal(entry: ControllerLock, sources: Sequence[_Source]) -> Iterable[CheckFinding]:
+    """Yield the redundancies set by hand over units that differed when it was last run."""
+    names = model_names(
+        [FunctionRef(each.file, placed.function) for each in sources for placed in each.placed]
+    )
+    for each in sources:
+        for placed in each.placed:
+            name = names[FunctionRef(each.file, placed.function)]
+            instances = kept_values(entry.trace, name)
+            for found in unfounded_redundancies(placed.block, instances):
+                place = found.location or Location(each.shown, placed.first_line)
+                yield CheckFinding("unequal", found.message, place, found.path)
 
 
 def _over_threshold(
