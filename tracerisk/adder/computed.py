@@ -74,7 +74,7 @@ def compute_blocks(
     counts = next_counts(trace)
     names = model_names([function.ref for function in trace.functions])
     _check_profile(profile or {}, list(names.values()))
-    visits = _visits_of(trace)
+    visits = visits_of(trace)
     used = [use_of(each, trace, active) for each in bound]
     uses = [function_uses(each, visits, counts) for each in used]
     entries = [_entries(*each) for each in zip(used, uses, strict=True)]
@@ -109,6 +109,14 @@ def compute_blocks(
     return ComputedBlocks(blocks, exposures, observed, assumptions_of(bound), instances)
 
 
+def visits_of(trace: Trace) -> dict[FunctionRef, list[int]]:
+    """Return the numbers of each function's visits, in the order of the functions."""
+    found: dict[FunctionRef, list[int]] = {function.ref: [] for function in trace.functions}
+    for number, visit in enumerate(trace.visits):
+        found[visit.function].append(number)
+    return found
+
+
 def use_of(bound: BoundComponent, trace: Trace, active: ActiveMode) -> ComponentUse:
     """Return what the units of a component do over the run.
 
@@ -120,25 +128,16 @@ def use_of(bound: BoundComponent, trace: Trace, active: ActiveMode) -> Component
         raise _unknown(bound.component, error) from error
 
 
-def group_values(
-    used: ComponentUse,
-    visits: Mapping[FunctionRef, Sequence[int]],
-    counts: Mapping[FunctionRef, Mapping[str, int]],
-) -> dict[FunctionRef, float]:
-    """Return, for each function in which a component counts, the probability of its block.
-
-    `visits` are the numbers of each function's visits in the trace, `counts` what followed them
-    in a mission.
-    """
-    return _values(used, function_uses(used, visits, counts))
-
-
 def function_uses(
     used: ComponentUse,
     visits: Mapping[FunctionRef, Sequence[int]],
     counts: Mapping[FunctionRef, Mapping[str, int]],
 ) -> dict[FunctionRef, FunctionUse]:
-    """Return, for each function in which a component counts, how its units fail in each visit."""
+    """Return, for each function in which a component counts, how its units fail in each visit.
+
+    `visits` are the numbers of each function's visits in the trace, `counts` what followed them
+    in a mission.
+    """
     uses = {}
     for ref, here in visits.items():
         if used.is_at_stake(here):
@@ -147,9 +146,10 @@ def function_uses(
     return uses
 
 
-def _values(
+def group_values(
     used: ComponentUse, uses: Mapping[FunctionRef, FunctionUse]
 ) -> dict[FunctionRef, float]:
+    """Return the one probability, before rounding, that stands in the block of each function."""
     if not uses:
         return {}
     values = group_unit_probabilities(list(uses.values()), used.component.redundancy)
@@ -218,14 +218,6 @@ def _pinned(shares: Mapping[str, str], computed: str, name: str) -> Field[tuple[
         raise InputError(f"profile of '{name}': expected {error}") from error
 
 
-def _visits_of(trace: Trace) -> dict[FunctionRef, list[int]]:
-    """Return the numbers of each function's visits, in the order of the functions."""
-    found: dict[FunctionRef, list[int]] = {function.ref: [] for function in trace.functions}
-    for number, visit in enumerate(trace.visits):
-        found[visit.function].append(number)
-    return found
-
-
 def _entries(
     used: ComponentUse, uses: Mapping[FunctionRef, FunctionUse]
 ) -> dict[FunctionRef, ComponentEntry]:
@@ -238,7 +230,7 @@ def _entries(
             quantity=computed_count(used.bound.quantity),
             redundancy=computed_redundancy(component.redundancy),
         )
-        for ref, value in _values(used, uses).items()
+        for ref, value in group_values(used, uses).items()
     }
 
 

@@ -119,8 +119,14 @@ def instance_shares(
 
 def mission_probability(functions: Sequence[FunctionUse], unit: int) -> float:
     """Return the failure probability of one unit of a group over a mission."""
-    logs = (each.scale * survival_log(units[unit]) for each in functions for units in each.visits)
-    return -math.expm1(math.fsum(logs))
+    return -math.expm1(-mission_hazard(functions, unit))
+
+
+def mission_hazard(functions: Sequence[FunctionUse], unit: int) -> float:
+    """Return the hazard of one unit of a group over a mission."""
+    return -math.fsum(
+        each.scale * survival_log(units[unit]) for each in functions for units in each.visits
+    )
 
 
 def mean_probability(visits: Visits) -> float:
@@ -133,6 +139,12 @@ def _drops(
     functions: Sequence[FunctionUse], redundancy: Redundancy, quantity: int
 ) -> list[Decimal]:
     """Return by how much the group's hazard falls with each unit perfect, relative."""
+    if _needs_all(redundancy, quantity) and not redundancy.common_cause:
+        # The hazards of units that are each needed add up: each takes its own with it.
+        own = [mission_hazard(functions, unit) for unit in range(quantity)]
+        total = math.fsum(own)
+        if math.isfinite(total):
+            return [Decimal(hazard / total if total else 0.0) for hazard in own]
     whole = _mission_hazard(functions, redundancy, quantity, None)
     if whole == ZERO:
         return [ZERO] * quantity
