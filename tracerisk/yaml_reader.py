@@ -119,7 +119,7 @@ class YamlMap:
         found = []
         for index, entry in enumerate(value):
             if not _is_map(entry):
-                self.fail(key, f"entry {index + 1}: expected a mapping, found {_kind(entry)}")
+                self._fail_entry(key, index, f"expected a mapping, found {_kind(entry)}")
             found.append(YamlMap(entry, self._file, f"{self.name_of(key)}[{index}]", self._error))
         return found
 
@@ -139,9 +139,10 @@ class YamlMap:
     def strings(self, key: str) -> list[str]:
         """Return the list of strings at `key`; empty where the key is absent."""
         value = self._list(key)
-        for entry in value:
+        for index, entry in enumerate(value):
             if not isinstance(entry, str):
-                self.fail(key, f"expected a list of strings, found {_kind(entry)} in it")
+                message = f"expected a list of strings, found {_kind(entry)} in it"
+                self._fail_entry(key, index, message)
         return [str(entry) for entry in value]
 
     def number(
@@ -158,12 +159,9 @@ class YamlMap:
         value = self.require(key)
         if isinstance(value, bool) or not isinstance(value, int | float):
             self.fail(key, f"expected a number, found {_kind(value)}")
-        try:
-            number = float(value)
-        except OverflowError:
-            number = math.inf
-        if not math.isfinite(number):
-            self.fail(key, f"expected a finite number, found {number}")
+        if not _is_finite(value):
+            self.fail(key, f"expected a finite number, found {_short(value)}")
+        number = float(value)
         low = minimum is not None and number < minimum
         high = maximum is not None and number > maximum
         if low or high:
@@ -195,16 +193,22 @@ class YamlMap:
     def numbers(self, key: str, *, length: int | None = None) -> list[float]:
         """Return the list of finite numbers at `key`, of the given length if one is given."""
         value = self._list(key)
-        for entry in value:
+        for index, entry in enumerate(value):
             if (
                 isinstance(entry, bool)
                 or not isinstance(entry, int | float)
-                or not math.isfinite(entry)
+                or not _is_finite(entry)
             ):
-                self.fail(key, f"expected a list of finite numbers, found {_kind(entry)} in it")
+                message = f"expected a list of finite numbers, found {_kind(entry)} in it"
+                self._fail_entry(key, index, message)
         if length is not None and len(value) != length:
             self.fail(key, f"expected {length} numbers, found {len(value)}")
         return [float(entry) for entry in value]
+
+    def _fail_entry(self, key: str, index: int, message: str) -> NoReturn:
+        raise self._error(
+            f"{self.name_of(key)}: entry {index + 1}: {message}", self.entry_location(key, index)
+        )
 
     def _list(self, key: str) -> list[Any]:
         if key not in self._node:
@@ -267,6 +271,18 @@ def read_yaml(
     return YamlMap(node, file, "", error)
 
 
+def _is_finite(value: float) -> bool:
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # a whole number above all floats
+        return False
+
+
+def _short(value: float) -> str:
+    text = str(value)
+    return text if len(text) < 40 else f"one of {len(text)} digits"
+
+
 def _is_map(value: Any) -> bool:
     return isinstance(value, dict) and hasattr(value, "lc")
 
@@ -292,7 +308,7 @@ def _kind(value: Any) -> str:
     if isinstance(value, bool):
         return f"the truth value {str(value).lower()}"
     if isinstance(value, int | float):
-        return f"the number {value}"
+        return f"the number {_short(value)}"
     if isinstance(value, str):
         return f"the string '{value}'"
     if isinstance(value, list):

@@ -2,8 +2,16 @@ from pathlib import Path
 
 import pytest
 
+from tests.hardware.broken import BROKEN as BROKEN_BLOCKS
 from tracerisk.errors import HardwareError
-from tracerisk.hardware.model import Basis, FailureFigure, TwinBinding
+from tracerisk.hardware.model import (
+    Basis,
+    Component,
+    FailureFigure,
+    FailureMode,
+    LoadLaw,
+    TwinBinding,
+)
 from tracerisk.hardware.reader import read_hardware
 from tracerisk.hardware.redundancy import Redundancy
 from tracerisk.hardware.shipped import shipped_hardware
@@ -68,7 +76,7 @@ BROKEN = {
     "components: {a: {probability: 1e-7, active: often}}": "allowed: always",
     "components: {a: {probability: 1e-7, twin: {}}}": "names nothing",
     "components: {a: {probability: 1e-7, twin: {joints: all}}}": 'write "*"',
-    "components: {a: {probability: 1e-7, twin: {joints: [j, j]}}}": "names a joint twice",
+    "components: {a: {probability: 1e-7, twin: {joints: [j, j]}}}": "names 'j' twice",
     "components: {a: {probability: 1e-7, twin: {joints: []}}}": "empty list",
     "components: {a: {probability: 1e-7, quantity: 3, twin: {joints: [j, k]}}}": "names 2 places",
     "components: {a: {probability: 1e-7, twin: {gripper: false}}}": "sees nothing",
@@ -144,3 +152,111 @@ def test_when_a_hidden_failure_is_detected_is_read_or_follows_from_the_figures(
     )
     (component,) = read_hardware(path).components
     assert (component.redundancy.detected, component.test_interval_s) == expected
+
+
+@pytest.mark.parametrize("broken", BROKEN_BLOCKS, ids=lambda broken: broken.message.split(":")[3])
+def test_each_fault_is_told_at_its_line_and_column(tmp_path, broken):
+    path = tmp_path / "h.yaml"
+    path.write_text(broken.text, encoding="utf-8")
+    with pytest.raises(HardwareError) as caught:
+        read_hardware(path, shown="h.yaml")
+    assert str(caught.value) == broken.message
+
+
+def test_every_key_of_a_component_is_read(tmp_path):
+    hardware = read(
+        tmp_path,
+        """\
+robot: ur5e
+source: "the maker's data book"
+components:
+  arm.joint.motor:
+    twin: {joints: [j1, j2, j3]}
+    required: 2
+    common_cause: {beta: 0.1}
+    detected: {test_interval: 8, per: hour}
+    probability:
+      - {value: 1e-7, per: demand, of: start, error_factor: 3, value_is: mean, source: "assumed"}
+      - {value: 2e-7, per: hour}
+    failure_rate: {value: 570, unit: FIT, error_factor: 10}
+    standby_rate: {value: 1e-8, per: hour}
+    weibull: {shape: 2.0, scale: 30000, per: hour}
+    age: {value: 12000, per: hour}
+    load_law: {reference_load: 0.3, wearing_share: 0.6, exponent: 10/3, reference_speed: 0.2}
+    modes:
+      lost_torque: {fraction: 0.6, when: [moving, holding, start]}
+      jam: {fraction: 0.4, when: [moving], source: "assumed: a third"}
+    source: "test report 7"
+  pump:
+    failure_rate: {value: 1e-6, per: hour}
+    quantity: 3
+    spare: warm
+    dormancy: 0.2
+    switch: 0.01
+    active: always
+  camera:
+    failure_rate: {value: 1e-6, per: hour}
+    twin: {sensors: camera, optional: true, contacts: [hand], actuators: [j1], gripper: true}
+""",
+    )
+    motor, pump, camera = hardware.components
+    assert (hardware.robot, hardware.source) == ("ur5e", "the maker's data book")
+    assert motor == Component(
+        "arm.joint.motor",
+        (
+            FailureFigure(
+                "probability",
+                1e-7,
+                Basis.DEMAND,
+                demand="start",
+                error_factor=3.0,
+                value_is="mean",
+                source="assumed",
+            ),
+            FailureFigure("probability", 2e-7, Basis.HOUR),
+            FailureFigure("failure_rate", 5.7e-7, Basis.HOUR, error_factor=10.0),
+            FailureFigure("failure_rate", 1e-8, Basis.HOUR, standby=True),
+            FailureFigure("weibull", 30000.0, Basis.HOUR, shape=2.0),
+        ),
+        quantity=3,
+        redundancy=Redundancy(True, required=2, common_cause=0.1),
+        twin=TwinBinding(joints=("j1", "j2", "j3")),
+        load_law=LoadLaw(0.3, 0.6, 10 / 3, 0.2),
+        modes=(
+            FailureMode("lost_torque", 0.6, ("moving", "holding", "start")),
+            FailureMode("jam", 0.4, ("moving",), "assumed: a third"),
+        ),
+        age_s=12000 * 3600.0,
+        source="test report 7",
+        test_interval_s=8 * 3600.0,
+    )
+    assert motor.is_assumed
+    assert pump.redundancy == Redundancy(True, dormancy=0.2, switch=0.01)
+    assert not pump.is_assumed
+    assert camera.twin == TwinBinding((), True, True, ("j1",), "camera", ("hand",))
+    assert camera.quantity is None
+
+
+def test_merged_keys_are_read_and_faults_in_them_have_a_place(tmp_path):
+    text = """\
+components:
+  one: &motor
+    failure_rate: {value: 1e-6, per: hour}
+    twin: {joints: [j1]}
+  two:
+    <<: *motor
+    twin: {joints: [j2]}
+"""
+    one, two = read(tmp_path, text).components
+    assert (two.figures, two.twin) == (one.figures, TwinBinding(joints=("j2",)))
+    with pytest.raises(HardwareError, match=r"^hardware\.yaml:3:5: a\.age: matters only"):
+        read(tmp_path, "components:\n  a:\n    age: {value: 1, per: hour}\n    probability: 1\n")
+    broken = text.replace("twin: {joints: [j2]}", "active: always")
+    with pytest.raises(HardwareError, match=r"^hardware\.yaml:7:5: two\.active: .* either"):
+        read(tmp_path, broken)
+    broken = text.replace("twin: {joints: [j2]}", "quantity: 0")
+    with pytest.raises(HardwareError, match=r"^hardware\.yaml:7:5: "):
+        read(tmp_path, broken)
+    merged = text.replace("  one: &motor\n", "  one: &motor\n    age: {value: 1, per: hour}\n")
+    with pytest.raises(HardwareError, match=r"^hardware\.yaml:3:5: one\.age"):
+        read(tmp_path, merged)

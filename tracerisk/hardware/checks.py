@@ -154,21 +154,21 @@ def _check_redundancy(component: Component, place: Place) -> None:
 def check_required(component: Component, quantity: int, place: Place) -> None:
     """Raise HardwareError where a redundant group of `quantity` units has none to spare."""
     group = component.redundancy
-    units = "unit" if quantity == 1 else "units"
     if group.required > quantity:
         _fail(
             component,
             place,
             ("required",),
-            f"{group.required} must work, but there are only {quantity} {units}; "
-            f"allowed: 1 to {max(quantity - 1, 1)}",
+            f"{group.required} must work, but the quantity is {quantity}; "
+            "allowed: less than that, or more units",
         )
     if group.required == quantity > 1:
         _fail(
             component,
             place,
             ("required",),
-            f"all {quantity} must work, so none of them is redundant; leave it out",
+            f"{quantity} of {quantity} must work: all are needed, so none is redundant; leave it out, "
+            "or give more units",
         )
     if quantity == 1 and (group.has_spares or group.common_cause):
         key = "spare" if group.has_spares else "common_cause"

@@ -73,7 +73,7 @@ def _names(twin: YamlMap, key: str, advice: str = "; name one, or leave it out")
     for index, name in enumerate(names):
         if name in names[:index]:
             raise HardwareError(
-                f"{twin.name_of(key)}: names a {key[:-1]} twice, '{name}'",
+                f"{twin.name_of(key)}: names '{name}' twice",
                 twin.entry_location(key, index),
             )
     return tuple(names)

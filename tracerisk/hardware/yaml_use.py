@@ -82,7 +82,7 @@ def _exponent(law: YamlMap) -> float:
         return 3.0
     given = law.require("exponent")
     if isinstance(given, str):
-        found = _EXPONENTS.get(given.replace(" ", ""))
+        found = _EXPONENTS[given] if given == "10/3" else None
     else:
         number = law.number("exponent")
         found = number if number in WEAR_EXPONENTS else None

@@ -1,0 +1,566 @@
+"""Broken descriptions, each with what is said of it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Broken(NamedTuple):
+    """A description, the whole message, and whether its structure alone is wrong.
+
+    A schema sees the structure: keys, types, bounds, and which keys go together.
+    """
+
+    text: str
+    message: str
+    structural: bool
+
+
+def _one(*lines: str) -> str:
+    """Return a description of one component, whose keys are the lines."""
+    return "components:\n  a:\n" + "".join(f"    {line}\n" for line in lines)
+
+
+BROKEN = (
+    Broken(
+        _one("failure_rate: 5e-6"),
+        "h.yaml:3:5: components.a.failure_rate: the number 5e-06 has no unit; write {value: 5.7e-6, per: hour} or {value: 5700, unit: FIT}",
+        True,
+    ),
+    Broken(
+        _one("weibull: 3"),
+        "h.yaml:3:5: components.a.weibull: the number 3 has no unit; write {shape: 2, scale: 30000, per: hour}",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: []"),
+        "h.yaml:3:5: components.a.failure_rate: is an empty list; give a figure, or leave it out",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6}"),
+        "h.yaml:3:19: 'per' is missing in components.a.failure_rate; give it one",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: [{value: 1e-6, per: hour}, {value: 1e-6, per: day}]"),
+        "h.yaml:3:60: components.a.failure_rate[1].per: 'day' is not allowed; allowed: hour, minute",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: [3]"),
+        "h.yaml:3:20: components.a.failure_rate: entry 1: expected a mapping, found the number 3",
+        True,
+    ),
+    Broken(
+        _one("probability: {value: 1e-7, per: hour, of: grasp}"),
+        "h.yaml:3:43: components.a.probability.of: counts demands, but the figure is per hour; leave 'of' out",
+        True,
+    ),
+    Broken(
+        _one("probability: {value: 1e-7, per: demand, of: wave}"),
+        "h.yaml:3:45: components.a.probability.of: 'wave' is not allowed; allowed: grasp, release, start",
+        True,
+    ),
+    Broken(
+        _one("probability: {value: 1e-7, per: demand, of: grasp}", "twin: {joints: [j1]}"),
+        "h.yaml:3:5: a.probability: counts each grasp, but only a gripper grasps and releases; bind it to the gripper (twin: {gripper: true}), or count 'of: start'",
+        False,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour, error_factor: 0.5}"),
+        "h.yaml:3:44: components.a.failure_rate.error_factor: 0.5 is outside [1, inf]",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour, value_is: mean}"),
+        "h.yaml:3:44: components.a.failure_rate.value_is: says nothing without 'error_factor'; give it, or leave both out",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour, error_factor: 3, value_is: mode}"),
+        "h.yaml:3:61: components.a.failure_rate.value_is: 'mode' is not allowed; allowed: mean, median",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour, unit: FIT}"),
+        "h.yaml:3:33: components.a.failure_rate.per: FIT are failures per 1e9 hours already; leave 'per' out",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: .inf, per: hour}"),
+        "h.yaml:3:20: components.a.failure_rate.value: expected a finite number, found inf",
+        False,
+    ),
+    Broken(
+        _one("failure_rate: {value: " + "9" * 400 + ", per: hour}"),
+        "h.yaml:3:20: components.a.failure_rate.value: expected a finite number, found one of 400 digits",
+        False,
+    ),
+    Broken(
+        _one("failure_rate: {value: '1e-6', per: hour}"),
+        "h.yaml:3:20: components.a.failure_rate.value: expected a number, found the string '1e-6'",
+        True,
+    ),
+    Broken(
+        _one("weibull: {shape: 0, scale: 30000, per: hour}"),
+        "h.yaml:3:15: components.a.weibull.shape: is 0; give a number above 0",
+        True,
+    ),
+    Broken(
+        _one("weibull: {shape: 2, scale: -1, per: hour}"),
+        "h.yaml:3:25: components.a.weibull.scale: -1 is outside [0, inf]",
+        True,
+    ),
+    Broken(
+        _one("weibull: {shape: 2, scale: 3, per: demand}"),
+        "h.yaml:3:35: components.a.weibull.per: 'demand' is not allowed; allowed: hour, minute",
+        True,
+    ),
+    Broken(
+        _one("weibull: {scale: 3, per: hour}"),
+        "h.yaml:3:14: 'shape' is missing in components.a.weibull; give it one",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour}", "age: {value: 12000, per: hour}"),
+        "h.yaml:4:5: a.age: matters only to what wears out; give 'weibull: {shape: 2, scale: 30000, per: hour}', or leave it out",
+        True,
+    ),
+    Broken(
+        _one("weibull: {shape: 2, scale: 3, per: hour}", "age: 12000"),
+        "h.yaml:4:5: components.a.age: the number 12000 has no unit; write {value: 8, per: hour}",
+        True,
+    ),
+    Broken(
+        _one("weibull: {shape: 2, scale: 3, per: hour}", "age: {value: 1, per: day}"),
+        "h.yaml:4:21: components.a.age.per: 'day' is not allowed; allowed: hour, minute, second",
+        True,
+    ),
+    Broken(
+        _one("standby_rate: {value: 1e-6, per: hour}", "active: always"),
+        "h.yaml:3:5: a.standby_rate: what is always active is never idle; leave it out",
+        True,
+    ),
+    Broken(
+        _one("probability: {value: 1e-7, per: demand}", "active: always"),
+        "h.yaml:3:5: a.probability: what is always active has no demands; give its figure per time",
+        False,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}", "active: always", "common_cause: {beta: 0.1}"
+        ),
+        "h.yaml:5:5: components.a.common_cause: of units that are all needed one failure is enough; it is for redundant ones (redundancy: true, required: k or spare: hot)",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "active: always",
+            "quantity: 2",
+            "redundancy: true",
+            "common_cause: {beta: 1.5}",
+        ),
+        "h.yaml:7:20: components.a.common_cause.beta: 1.5 is outside [0, 1]",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "active: always",
+            "quantity: 2",
+            "redundancy: true",
+            "common_cause: 0.1",
+        ),
+        "h.yaml:7:5: components.a.common_cause: expected a mapping, found the number 0.1",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "active: always",
+            "quantity: 3",
+            "redundancy: false",
+            "required: 2",
+        ),
+        "h.yaml:7:5: components.a.required: is for redundant units, but 'redundancy' is false; leave one out",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}", "active: always", "quantity: 2", "required: 3"
+        ),
+        "h.yaml:6:5: a.required: 3 must work, but the quantity is 2; allowed: less than that, or more units",
+        False,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}", "active: always", "quantity: 2", "required: 2"
+        ),
+        "h.yaml:6:5: a.required: 2 of 2 must work: all are needed, so none is redundant; leave it out, or give more units",
+        False,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour}", "quantity: 2", "required: 0"),
+        "h.yaml:5:5: components.a.required: 0 is below 1",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "active: always",
+            "quantity: 2",
+            "spare: tepid",
+        ),
+        "h.yaml:6:5: components.a.spare: 'tepid' is not allowed; allowed: cold, hot, warm",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}", "active: always", "quantity: 2", "spare: warm"
+        ),
+        "h.yaml:6:5: components.a.spare: a warm spare needs 'dormancy', its rate as a share of a working one's",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "active: always",
+            "quantity: 2",
+            "spare: cold",
+            "dormancy: 0.1",
+        ),
+        "h.yaml:7:5: components.a.dormancy: of a cold spare is 0 already; leave it out",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "active: always",
+            "quantity: 2",
+            "spare: warm",
+            "dormancy: 1",
+        ),
+        "h.yaml:7:5: components.a.dormancy: is 1, that of a hot spare; write 'spare: hot'",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "active: always",
+            "quantity: 2",
+            "redundancy: true",
+            "switch: 0.01",
+        ),
+        "h.yaml:7:5: components.a.switch: is the probability that a spare fails to take over; give 'spare' too",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "active: always",
+            "quantity: 2",
+            "redundancy: true",
+            "dormancy: 0.01",
+        ),
+        "h.yaml:7:5: components.a.dormancy: is that of a warm spare; give 'spare: warm' with it",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour}", "active: always", "dormancy: 0.01"),
+        "h.yaml:5:5: components.a.dormancy: is for spares; give 'spare: hot', 'warm' or 'cold', or leave it out",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour}", "active: always", "spare: cold"),
+        "h.yaml:5:5: a.spare: there is only 1 unit, none beside it; give a quantity of 2 or more, or leave it out",
+        False,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "active: always",
+            "redundancy: true",
+            "common_cause: {beta: 0.1}",
+        ),
+        "h.yaml:6:5: a.common_cause: there is only 1 unit, none beside it; give a quantity of 2 or more, or leave it out",
+        False,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "active: always",
+            "quantity: 2",
+            "redundancy: true",
+            "detected: {test_interval: 8, per: day}",
+        ),
+        "h.yaml:7:34: components.a.detected.per: 'day' is not allowed; allowed: hour, minute, second",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour}", "quantity: many", "twin: {joints: [j1]}"),
+        "h.yaml:4:5: components.a.quantity: 'many' is not allowed; write a whole number, or \"*\" for as many as the robot has",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour}", 'quantity: "*"'),
+        "h.yaml:4:5: a.quantity: is left to what the robot has, but no 'twin' says where to count; give a number",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "twin: {joints: [j1]}",
+            "modes: {jam: {fraction: 0.7, when: [moving]}, slip: {fraction: 0.4, when: [holding]}}",
+        ),
+        "h.yaml:5:5: a.modes: the fractions sum to 1.1; they may be at most 1",
+        False,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour}", "twin: {joints: [j1]}", "modes: {}"),
+        "h.yaml:5:5: components.a.modes: names none; give one such as jam: {fraction: 0.4, when: [moving]}",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "twin: {joints: [j1]}",
+            "modes: {jam: {fraction: 0, when: [moving]}}",
+        ),
+        "h.yaml:5:19: components.a.modes.jam.fraction: is 0; give a fraction above 0 and at most 1",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "twin: {joints: [j1]}",
+            "modes: {jam: {fraction: 0.4}}",
+        ),
+        "h.yaml:5:18: 'when' is missing in components.a.modes.jam; give it one",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "twin: {joints: [j1]}",
+            "modes: {jam: {fraction: 0.4, when: []}}",
+        ),
+        "h.yaml:5:34: components.a.modes.jam.when: is an empty list; allowed: grasp, grasping, holding, moving, release, start",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "twin: {joints: [j1]}",
+            "modes: {jam: {fraction: 0.4, when: [moving, movin]}}",
+        ),
+        "h.yaml:5:49: components.a.modes.jam.when: 'movin' is not allowed; did you mean 'moving'? allowed: grasp, grasping, holding, moving, release, start",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "twin: {joints: [j1]}",
+            "modes: {jam: {fraction: 0.4, when: [moving, moving]}}",
+        ),
+        "h.yaml:5:49: components.a.modes.jam.when: names 'moving' twice",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "twin: {joints: [j1]}",
+            "modes:",
+            "  jam: {fraction: 0.4, when: [start]}",
+        ),
+        "h.yaml:6:28: a.modes.jam.when: 'start' counts for nothing, for the component has no figure per demand that counts 'start'; leave it out, or give such a figure",
+        False,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "twin: {joints: [j1]}",
+            "modes:",
+            "  drop: {fraction: 0.4, when: [grasping]}",
+        ),
+        "h.yaml:6:29: a.modes.drop.when: 'grasping' is of a gripper, but the component is bound to joints; allowed: holding, moving, start",
+        False,
+    ),
+    Broken(
+        _one(
+            "probability: {value: 1e-7, per: demand, of: grasp}",
+            "failure_rate: {value: 1e-6, per: hour}",
+            "twin: {gripper: true}",
+            "modes:",
+            "  opens: {fraction: 0.4, when: [moving, release]}",
+        ),
+        "h.yaml:7:30: a.modes.opens.when: 'release' counts for nothing, for the component has no figure per demand that counts 'release'; leave it out, or give such a figure",
+        False,
+    ),
+    Broken(
+        _one(
+            "probability: {value: 1e-7, per: demand}",
+            "failure_rate: {value: 1e-6, per: hour}",
+            "twin: {gripper: true}",
+            "modes:",
+            "  opens: {fraction: 0.4, when: [moving]}",
+        ),
+        "h.yaml:6:5: a.modes: none of them counts the figure per demand, so it would count for nothing; name in a mode's 'when' one of: start, grasp, release",
+        False,
+    ),
+    Broken(
+        _one(
+            "probability: 1e-7",
+            "twin: {joints: [j1]}",
+            "modes: {jam: {fraction: 0.4, when: [moving]}}",
+        ),
+        "h.yaml:5:34: a.modes.jam.when: 'moving' counts for nothing, for the component has no figure per time in use; leave it out, or give such a figure",
+        False,
+    ),
+    Broken(
+        _one(
+            "active: always",
+            "failure_rate: {value: 1e-6, per: hour}",
+            "modes: {jam: {fraction: 0.4, when: [moving]}}",
+        ),
+        "h.yaml:5:5: a.modes: the twin does not see what is always active, neither when it is used nor how hard; bind it (twin: ...) in place of 'active: always', or leave this out",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "active: always",
+            "load_law: {reference_load: 0.3, wearing_share: 0.6}",
+        ),
+        "h.yaml:5:5: a.load_law: the twin does not see what is always active, neither when it is used nor how hard; bind it (twin: ...) in place of 'active: always', or leave this out",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "twin: {sensors: camera}",
+            "load_law: {reference_load: 0.3, wearing_share: 0.6}",
+        ),
+        "h.yaml:5:5: a.load_law: needs a component that moves; bind it to joints, actuators or the gripper, or leave it out",
+        False,
+    ),
+    Broken(
+        _one(
+            "probability: {value: 1e-7, per: demand}",
+            "twin: {joints: [j1]}",
+            "load_law: {reference_load: 0.3, wearing_share: 0.6}",
+        ),
+        "h.yaml:5:5: a.load_law: ages nothing, for the component has no figure per time in use (probability, failure_rate or weibull per hour); give one, or leave it out",
+        False,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "twin: {joints: [j1]}",
+            "load_law: {reference_load: 0.3, wearing_share: 0.6}",
+            "modes: {slip: {fraction: 0.4, when: [holding]}}",
+        ),
+        "h.yaml:5:5: a.load_law: ages nothing, for no failure mode counts while moving; name 'moving' in a mode's 'when', or leave it out",
+        False,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "twin: {joints: [j1]}",
+            "load_law: {reference_load: 0, wearing_share: 0.6}",
+        ),
+        "h.yaml:5:16: components.a.load_law.reference_load: is 0; give a fraction above 0 and at most 1",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "twin: {joints: [j1]}",
+            "load_law: {reference_load: 0.3, wearing_share: 60}",
+        ),
+        "h.yaml:5:37: components.a.load_law.wearing_share: 60 is outside [0, 1]",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "twin: {joints: [j1]}",
+            "load_law: {reference_load: 0.3, wearing_share: 0.6, exponent: 3.5}",
+        ),
+        "h.yaml:5:57: components.a.load_law.exponent: 3.5 is not one for which a run measures wear; allowed: 1, 2, 3, 10/3, 4, 6, 9",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "twin: {joints: [j1]}",
+            "load_law: {reference_load: 0.3, wearing_share: 0.6, exponent: 7/2}",
+        ),
+        "h.yaml:5:57: components.a.load_law.exponent: 7/2 is not one for which a run measures wear; allowed: 1, 2, 3, 10/3, 4, 6, 9",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "twin: {joints: [j1]}",
+            "load_law: {reference_lod: 0.3}",
+        ),
+        "h.yaml:5:16: unknown key 'reference_lod' in components.a.load_law; did you mean 'reference_load'? allowed: exponent, reference_load, reference_speed, source, wearing_share",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour}", "twin: {grippers: true}"),
+        "h.yaml:4:12: unknown key 'grippers' in components.a.twin; did you mean 'gripper'? allowed: actuators, contacts, gripper, joints, optional, sensors",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour}", "twin: {optional: true}"),
+        "h.yaml:4:5: components.a.twin: names nothing; allowed: actuators, contacts, gripper, joints, sensors, or write 'active: always' in its place",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour}", "twin: {joints: [j1], optional: true}"),
+        "h.yaml:4:26: components.a.twin.optional: only a component of the gripper or of sensors can be optional",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour}", "twin: {sensors: lidar}"),
+        "h.yaml:4:12: components.a.twin.sensors: 'lidar' is not a kind of sensor; allowed: camera, encoder, torque, wrench, or a list of sensors by name",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour}", "twin: {sensors: []}"),
+        "h.yaml:4:12: components.a.twin.sensors: is an empty list; name a sensor or write a kind, such as encoder",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour}", "twin: {actuators: [j1, j1]}"),
+        "h.yaml:4:28: components.a.twin.actuators: names 'j1' twice",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour}", "twin: {contacts: hand}"),
+        "h.yaml:4:12: components.a.twin.contacts: expected a list, found the string 'hand'",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour}", "twin: {joints: [1]}"),
+        "h.yaml:4:21: components.a.twin.joints: entry 1: expected a list of strings, found the number 1 in it",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, per: hour}", "twin: gripper"),
+        "h.yaml:4:5: components.a.twin: expected a mapping, found the string 'gripper'",
+        True,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}",
+            "quantity: 3",
+            "twin: {joints: [j1], sensors: [s1]}",
+        ),
+        "h.yaml:4:5: a.quantity: is 3, but its 'twin' names 2 places; give 'quantity: 2', one unit a place",
+        False,
+    ),
+)
