@@ -24,6 +24,7 @@ VERBS = {
     "refresh": "bring blocks up to date, simulating only what is stale",
     "overrides": "list what was set by hand in blocks, its reason, and how far it has drifted",
     "diff": "tell what a change does to the risk, from the blocks of two git versions",
+    "report": "write an HTML report of annotated sources that needs no network",
     "strip": "remove the risk blocks from sources, every other byte kept",
     "robots": "list the robots that are shipped, or show what one of them has",
     "doctor": "tell whether everything that tracerisk needs works here",

@@ -55,9 +55,12 @@ class Override:
         return self.drift is not None and abs(self.drift) > max_drift
 
 
-def overrides_in(files: Sequence[Path | str]) -> tuple[Override, ...]:
+def overrides_in(
+    files: Sequence[Path | str], *, contents: Mapping[str, bytes] | None = None
+) -> tuple[Override, ...]:
     """Return what persons set in the blocks of the files, sorted by place.
 
+    `contents` is what files are to hold that are not written yet, by their paths.
     What is computed now stands in the block; of a value not refreshed since it was set, the lock
     tells it, where there is one.
     Raises InputError for a file that cannot be read, BlockError for a malformed block.
@@ -66,7 +69,7 @@ def overrides_in(files: Sequence[Path | str]) -> tuple[Override, ...]:
     for each in files:
         path = Path(each)
         if path.resolve() not in found:
-            found[path.resolve()] = list(_of_file(path))
+            found[path.resolve()] = list(_of_file(path, (contents or {}).get(str(each))))
     listed = [override for of_one in found.values() for override in of_one]
     return tuple(sorted(listed, key=_order))
 
@@ -81,9 +84,9 @@ def files_of_lock(root: Path) -> tuple[Path, ...]:
     return tuple(root / name for name in sorted(names) if (root / name).is_file())
 
 
-def _of_file(path: Path) -> Iterator[Override]:
+def _of_file(path: Path, content: bytes | None) -> Iterator[Override]:
     try:
-        source = path.read_bytes()
+        source = path.read_bytes() if content is None else content
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", Location(str(path))) from error
     if is_c_like(path.name):

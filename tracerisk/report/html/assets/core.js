@@ -1,5 +1,7 @@
 // What every part of the page shares: data, the clock, what is selected, the theme.
 const listeners = new Set();
+const probe = document.body.appendChild(document.createElement("span"));
+probe.hidden = true;
 
 const clock = {
   time: 0,
@@ -32,7 +34,9 @@ const tracerisk = {
     return Uint8Array.from(text, (character) => character.charCodeAt(0));
   },
   colour(name) {
-    return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+    // A variable may hold one colour for each theme; an element tells which of them it is.
+    probe.style.color = `var(--${name})`;
+    return getComputedStyle(probe).color;
   },
   select({ function: name = null, component = null, source = null } = {}) {
     const same =
@@ -69,12 +73,17 @@ document.addEventListener("tracerisk:select", (event) => {
   }
 });
 
+// Drawings can be clicked too; with the keyboard, the buttons in the tables do the same.
+const choices = ["button", ".drawing "]
+  .flatMap((where) => [`${where}[data-function]`, `${where}[data-component]`])
+  .join(", ");
+
 document.addEventListener("click", (event) => {
-  const button = event.target.closest("button[data-function], button[data-component]");
-  if (!button) return;
+  const found = event.target.closest(choices);
+  if (!found) return;
   const chosen = {
-    function: button.dataset.function ?? null,
-    component: button.dataset.component ?? null,
+    function: found.dataset.function ?? null,
+    component: found.dataset.component ?? null,
   };
   const isSame =
     tracerisk.selected.function === chosen.function &&
@@ -85,6 +94,27 @@ document.addEventListener("click", (event) => {
 document.addEventListener("keydown", (event) => {
   if (event.key === "Escape") tracerisk.select({ source: "keyboard" });
 });
+
+// Paper has nothing to unfold.
+let folded = [];
+addEventListener("beforeprint", () => {
+  folded = [...document.querySelectorAll("details:not([open])")];
+  for (const each of folded) each.open = true;
+});
+addEventListener("afterprint", () => {
+  for (const each of folded) each.open = false;
+});
+
+// What a link leads to may be folded.
+function unfold() {
+  const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  for (let each = target?.closest("details"); each; each = each.parentElement.closest("details")) {
+    each.open = true;
+  }
+  target?.scrollIntoView();
+}
+addEventListener("hashchange", unfold);
+if (location.hash) unfold();
 
 const root = document.documentElement;
 const themes = ["auto", "light", "dark"];

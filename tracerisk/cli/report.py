@@ -1,0 +1,133 @@
+"""`tracerisk report`: an HTML report from annotated sources, without a run."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.cli import options as shared
+from tracerisk.cli.output import note, print_json
+from tracerisk.cli.report_input import RunShown, report_html, run_shown
+from tracerisk.cli.run_report import write_file
+from tracerisk.cli.sources import model_of_sources, read_file
+from tracerisk.errors import ExitCode, InputError, SourceError
+
+if TYPE_CHECKING:
+    from tracerisk.config import Settings
+    from tracerisk.pipeline.kept_run import KeptRun
+    from tracerisk.prm.risk_change import Review
+    from tracerisk.trace import Trace
+
+_HOW = "`tracerisk run` or `refresh` brings it up to date, `--trace` names another."
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    parser.add_argument(
+        "files",
+        metavar="FILE",
+        nargs="+",
+        help="annotated sources; of one that the lock knows, with the other files of its blocks",
+    )
+    parser.add_argument(
+        "-o", "--output", metavar="OUT.html", required=True, help="the page to write"
+    )
+    parser.add_argument(
+        "--against", metavar="REV", help="tell the difference to this revision, as git reads it"
+    )
+    parser.add_argument(
+        "--trace", metavar="FILE", help="the trace of a run as JSON; else the kept one, if fresh"
+    )
+    shared.add_hardware_options(parser)
+    shared.add_profile(parser)
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    from tracerisk import pipeline
+    from tracerisk.prm.formats.assessment_json import assessment_to_json
+
+    kept = _kept(options.files[0])
+    files = list(options.files)
+    if len(files) == 1 and kept is not None:
+        files = list(kept.files)
+    model = model_of_sources(files, shared.read_profile(options))
+    assessment = pipeline.solve(model)
+    html = report_html(
+        assessment,
+        model,
+        {name: read_file(name) for name in files},
+        run=_run_of(kept, options),
+        review=_review(options.against, files),
+    )
+    write_file(options.output, html)
+    if options.json:
+        print_json(
+            "report",
+            exit_code=int(ExitCode.FINE),
+            report=options.output,
+            assessment=assessment_to_json(assessment),
+        )
+        return int(ExitCode.FINE)
+    note(f"{options.output}: the report of {model.name}", quiet=options.quiet)
+    return int(ExitCode.FINE)
+
+
+def _kept(file: str) -> KeptRun | None:
+    """Return what is kept of the run behind a source; `None` for one that is not Python."""
+    from tracerisk.adder.published import is_c_like
+    from tracerisk.pipeline.kept_run import kept_run
+
+    try:
+        return None if is_c_like(file) else kept_run(file)
+    except SourceError:
+        # Its blocks are read next, where the error names what is wrong with them.
+        return None
+
+
+def _run_of(kept: KeptRun | None, options: argparse.Namespace) -> RunShown | str:
+    """Return what is known of the run, or why nothing is."""
+    trace = _given_trace(options.trace)
+    if trace is None:
+        if kept is None:
+            return "No run is known of these sources."
+        if kept.trace is None:
+            return f"{kept.reason} {_HOW}"
+        trace = kept.trace
+    return run_shown(trace, _settings(kept, options))
+
+
+def _settings(kept: KeptRun | None, options: argparse.Namespace) -> Settings:
+    from tracerisk.config import Settings
+
+    settings = Settings() if kept is None else kept.settings
+    return settings.with_options({"hardware": options.hardware, "active": options.active})
+
+
+def _given_trace(file: str | None) -> Trace | None:
+    if file is None:
+        return None
+    from tracerisk import trace_json
+
+    try:
+        text = read_file(file).decode("utf-8")
+    except UnicodeDecodeError as error:
+        from tracerisk.errors import Location
+
+        raise InputError("is not UTF-8 text", Location(file)) from error
+    return trace_json.loads(text, file)
+
+
+def _review(revision: str | None, files: list[str]) -> Review | None:
+    if revision is None:
+        return None
+    if ".." in revision:
+        raise InputError(
+            f"--against takes one revision, which the sources as they are now are compared with; "
+            f"'{revision}' names two"
+        )
+    from tracerisk.pipeline.review.review import review
+
+    return review([revision, *(str(Path(file)) for file in files)])

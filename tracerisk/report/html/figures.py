@@ -1,0 +1,62 @@
+"""How numbers are written in the report."""
+
+from __future__ import annotations
+
+import math
+
+NOTHING = "\N{EN DASH}"
+"""What stands in a cell for which there is no figure."""
+
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def probability(value: float) -> str:
+    """Return a probability as the tables and blocks have it."""
+    return f"{value:.3e}" if 0.0 < value < 1e-3 else f"{value:.4g}"
+
+
+def powered(value: float) -> str:
+    """Return a number for a sentence, 1.26 x 10⁻⁶, which no line end parts."""
+    if value == 0.0 or 1e-3 <= value < 1e4:
+        return f"{value:.3g}"
+    mantissa, _, exponent = f"{value:.2e}".partition("e")
+    power = str(int(exponent)).translate(_SUPERSCRIPTS)
+    return f"{mantissa}\N{NO-BREAK SPACE}\N{MULTIPLICATION SIGN}\N{NO-BREAK SPACE}10{power}"
+
+
+def one_in(value: float) -> str:
+    """Return a probability as one in so many, in words; empty where that says nothing."""
+    if not 0.0 < value < 0.5:
+        return ""
+    times = 1.0 / value
+    if times >= 1e15:
+        return f"one in {powered(times)}"
+    digits = max(0, math.floor(math.log10(times)) - 2)
+    return f"one in {round(times, -digits):,.0f}"
+
+
+def percent(share: float) -> str:
+    """Return a share in percent."""
+    return f"{100.0 * share:.3g} %"
+
+
+def ratio(value: float) -> str:
+    """Return how many times one figure is another."""
+    if math.isinf(value):
+        return "∞"
+    return f"{value:.3e}" if value >= 1e5 else f"{value:.4g}"
+
+
+def count(value: float) -> str:
+    """Return a number of visits or cycles."""
+    return f"{value:.4g}"
+
+
+def seconds(value: float | None) -> str:
+    """Return a time; a dash where none is known."""
+    return NOTHING if value is None else f"{value:.2f}"
+
+
+def counted(number: int, thing: str) -> str:
+    """Return a number of things in words."""
+    return f"{number:,} {thing}" if number == 1 else f"{number:,} {thing}s"

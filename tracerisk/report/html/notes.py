@@ -1,0 +1,81 @@
+"""What people set, what the run showed, what it did not, and what is assumed."""
+
+from __future__ import annotations
+
+import math
+
+from tracerisk.report.html import figures
+from tracerisk.report.html.page import rendered
+from tracerisk.report.html.report_input import Pin, ReportInput
+from tracerisk.report.html.section import Section
+from tracerisk.report.html.sources import line_links
+from tracerisk.report.html.tables import Cell, Column, Row, Table
+
+
+def pins_section(report: ReportInput) -> Section:
+    """Return what persons set by hand, why, and how far it is from what is computed."""
+    links = line_links(report.sources)
+    columns = (
+        Column("field"),
+        Column("set by hand"),
+        Column("computed now"),
+        Column("drift", "of the one from the other", is_number=True),
+        Column("reason"),
+        Column("place"),
+    )
+    rows = tuple(
+        Row(
+            (
+                Cell(pin.field),
+                Cell(pin.value),
+                Cell(pin.computed if pin.computed is not None else figures.NOTHING),
+                Cell(drift(pin)),
+                Cell(pin.reason or "none given", note="" if pin.reason else "without a reason"),
+                Cell(str(pin.location), link=links.get((pin.location.file, pin.location.line), "")),
+            )
+        )
+        for pin in report.pins
+    )
+    table = Table("pins", "Values set by hand", columns, rows) if rows else None
+    return Section("pins", "Set by hand", rendered("pins.html.j2", table=table))
+
+
+def findings_section(report: ReportInput) -> Section:
+    """Return what a person should look at."""
+    lines = (*report.findings, *report.assessment.findings)
+    html = rendered("list.html.j2", lines=lines, lead="", empty="Nothing stood out.")
+    return Section("findings", "Findings", html)
+
+
+def coverage_section(report: ReportInput) -> Section:
+    """Return the functions that can move the arm and did not run: no risk data, not no risk."""
+    trace = report.trace
+    table = None
+    if trace is not None and trace.uncovered:
+        columns = (Column("function"), Column("file"), Column("line", is_number=True))
+        rows = tuple(
+            Row((Cell(each.ref.name), Cell(each.ref.file), Cell(str(each.line))))
+            for each in trace.uncovered
+        )
+        table = Table("coverage", "Functions without risk data", columns, rows)
+    html = rendered(
+        "coverage.html.j2", table=table, is_known=trace is not None, no_trace=report.no_trace
+    )
+    return Section("coverage", "Coverage", html)
+
+
+def assumptions_section(report: ReportInput) -> Section:
+    """Return what must be believed for the figures to hold."""
+    lines = (*report.assumptions, *report.assessment.assumptions)
+    lead = "The figures hold if these do."
+    html = rendered("list.html.j2", lines=lines, lead=lead, empty="None beyond the model itself.")
+    return Section("assumptions", "Assumptions", html)
+
+
+def drift(pin: Pin) -> str:
+    """Return how far a person's value lies from the computed one."""
+    if pin.drift is None:
+        return figures.NOTHING
+    if math.isinf(pin.drift):
+        return "computed is zero"
+    return f"{pin.drift:+.3g} %" if pin.drift else "0 %"

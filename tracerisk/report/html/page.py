@@ -1,0 +1,107 @@
+"""The page: sections, styles and scripts in one file that fetches nothing."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from tracerisk.report.html.section import Section
+
+_HERE = Path(__file__).parent
+# What HTML cannot hold as a character, and what would be read as something else.
+_FORBIDDEN = dict.fromkeys(
+    (*range(9), 11, 12, *range(14, 32), *range(127, 160)), "\N{REPLACEMENT CHARACTER}"
+)
+
+
+def page(title: str, lead: Markup, sections: Sequence[Section]) -> str:
+    """Return the page, the same for the same sections.
+
+    `lead` stands before the sections: the headline and what belongs to it.
+    """
+    script = "\n".join(_function_of(js) for js in (asset("core.js"), *_each(sections, "js")))
+    style = "\n".join((asset("page.css"), *_each(sections, "css")))
+    for part, ends in ((script, ("</script", "<!--")), (style, ("</style",))):
+        for end in ends:
+            if end in part.lower():
+                raise ValueError(f"{end!r} must not stand in a script or style of the page")
+    text: str = rendered(
+        "page.html.j2",
+        title=title,
+        lead=lead,
+        sections=sections,
+        script=Markup(script),
+        style=Markup(style),
+        policy=_policy(script, style),
+    )
+    # A lone surrogate (of a file name that is not UTF-8) is no character of any encoding.
+    text = text.translate(_FORBIDDEN)
+    return text.encode("utf-8", errors="replace").decode("utf-8")
+
+
+def rendered(template: str, **values: Any) -> Markup:
+    """Return a template filled in; every value that is no `Markup` is escaped."""
+    return Markup(_environment().get_template(template).render(values))
+
+
+@cache
+def asset(name: str) -> str:
+    """Return the text of one of the package's own styles or scripts."""
+    return (_HERE / "assets" / name).read_text(encoding="utf-8")
+
+
+@cache
+def _environment() -> Environment:
+    environment = Environment(
+        loader=FileSystemLoader(_HERE / "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=False,
+    )
+    environment.filters["attributes"] = _attributes
+    return environment
+
+
+def _attributes(values: Mapping[str, object]) -> Markup:
+    """Return attributes of an element, those that are `None` or false left out."""
+    parts = [
+        Markup(" {}").format(Markup(name)) if value is True else _attribute(name, value)
+        for name, value in values.items()
+        if value is not None and value is not False
+    ]
+    return Markup("").join(parts)
+
+
+def _attribute(name: str, value: object) -> Markup:
+    return Markup(' {}="{}"').format(Markup(name), str(value))
+
+
+def _each(sections: Sequence[Section], kind: str) -> list[str]:
+    """Return the styles or scripts of the sections, each once, for two may share one."""
+    return list(dict.fromkeys(text for each in sections if (text := getattr(each, kind))))
+
+
+def _function_of(script: str) -> str:
+    return f'(() => {{\n"use strict";\n{script.strip()}\n}})();'
+
+
+def _policy(script: str, style: str) -> str:
+    # What a browser digests is the text of the element, line breaks around it among it.
+    return (
+        f"default-src 'none'; script-src '{_digest(script)}'; style-src '{_digest(style)}'; "
+        "img-src data:; base-uri 'none'; form-action 'none'"
+    )
+
+
+def _digest(text: str) -> str:
+    found = hashlib.sha256(text.encode("utf-8")).digest()
+    return f"sha256-{base64.b64encode(found).decode('ascii')}"

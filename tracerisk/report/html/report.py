@@ -1,0 +1,39 @@
+"""The report: its sections in their order, put into one page."""
+
+from __future__ import annotations
+
+from tracerisk.report.html.chain import chain_section
+from tracerisk.report.html.components import hardware_section, importance_section
+from tracerisk.report.html.difference import difference_section
+from tracerisk.report.html.fault_trees import fault_trees_section
+from tracerisk.report.html.functions import functions_section
+from tracerisk.report.html.notes import (
+    assumptions_section,
+    coverage_section,
+    findings_section,
+    pins_section,
+)
+from tracerisk.report.html.page import page
+from tracerisk.report.html.report_input import ReportInput
+from tracerisk.report.html.sources import sources_section
+from tracerisk.report.html.summary import lead
+
+
+def render_report(report: ReportInput) -> str:
+    """Return the report as one HTML page, the same for the same input."""
+    sections = (
+        difference_section(report),
+        *report.sections,
+        functions_section(report),
+        chain_section(report),
+        fault_trees_section(report),
+        importance_section(report),
+        hardware_section(report),
+        findings_section(report),
+        coverage_section(report),
+        pins_section(report),
+        assumptions_section(report),
+        sources_section(report),
+    )
+    shown = tuple(each for each in sections if each is not None)
+    return page(f"Risk of {report.model.name}", lead(report), shown)

@@ -1,0 +1,77 @@
+"""All that a report is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from tracerisk.errors import Location
+from tracerisk.hardware.model import Hardware
+from tracerisk.prm.assessment import Assessment
+from tracerisk.prm.hybrid import HybridModel
+from tracerisk.prm.risk_change import Review
+from tracerisk.report.html.section import Section
+from tracerisk.trace import Trace
+
+
+@dataclass(frozen=True, slots=True)
+class SourceBlock:
+    """The risk block of a function within a source, lines from 1 on.
+
+    `function` is its name in the model, `line` that of its definition.
+    """
+
+    function: str
+    line: int
+    first_line: int
+    last_line: int
+
+
+@dataclass(frozen=True, slots=True)
+class SourceFile:
+    """An annotated source, as text, under the name by which messages call it."""
+
+    name: str
+    text: str
+    blocks: tuple[SourceBlock, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Pin:
+    """What a person set in a block: see `tracerisk.pipeline.overrides.Override`.
+
+    `drift` is how far it lies from what is computed now [%], `None` where nothing is.
+    """
+
+    field: str
+    value: str
+    computed: str | None
+    reason: str | None
+    drift: float | None
+    location: Location
+
+
+@dataclass(frozen=True, slots=True)
+class ReportInput:
+    """All that a report is made of.
+
+    `trace` is that of the run behind the blocks; without it `no_trace` says in a sentence why.
+    `exposures` are the seconds active by function and component, over all visits of the run.
+    `findings` are those that are not the assessment's, `assumptions` likewise; functions without
+    risk data come from the trace.
+    `review` is what changed since an earlier version, where that was asked.
+    `sections` are put behind the summary: what is drawn of the run.
+    """
+
+    assessment: Assessment
+    model: HybridModel
+    sources: tuple[SourceFile, ...] = ()
+    pins: tuple[Pin, ...] = ()
+    trace: Trace | None = None
+    no_trace: str = ""
+    exposures: Mapping[str, Mapping[str, float]] | None = None
+    findings: tuple[str, ...] = ()
+    assumptions: tuple[str, ...] = ()
+    hardware: Hardware | None = None
+    review: Review | None = None
+    sections: tuple[Section, ...] = field(default=())

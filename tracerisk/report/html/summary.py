@@ -1,0 +1,119 @@
+"""The one sentence, and the few figures that belong beside it."""
+
+from __future__ import annotations
+
+from markupsafe import Markup
+
+from tracerisk.report.html import figures
+from tracerisk.report.html.page import rendered
+from tracerisk.report.html.report_input import ReportInput
+
+
+def lead(report: ReportInput) -> Markup:
+    """Return what stands first: what the mission risks, by most through what, and what that is."""
+    mission = report.assessment.mission
+    risk = mission.failure_probability
+    return rendered(
+        "summary.html.j2",
+        name=report.model.name,
+        context=_context(report),
+        sentence=_sentence(report),
+        cause=_cause(report),
+        statement=report.assessment.statement,
+        readings=_readings(report),
+        counts=_counts(report),
+        end=_end(report),
+        no_trace=report.no_trace,
+        is_certain=risk >= 1.0,
+    )
+
+
+def _sentence(report: ReportInput) -> str:
+    risk = report.assessment.mission.failure_probability
+    if risk == 0.0:
+        return f"No hardware failure that is modelled can end a mission of {report.model.name}."
+    told = f"A mission of {report.model.name} fails through hardware with probability "
+    often = figures.one_in(risk)
+    return f"{told}{figures.powered(risk)}{f', {often}' if often else ''}."
+
+
+def _cause(report: ReportInput) -> str:
+    """Return which component and which function matter most, in a sentence; empty for none."""
+    assessment = report.assessment
+    if not assessment.components or not assessment.mission.failure_probability:
+        return ""
+    first = assessment.components[0]
+    told = f"Without failures of {first.name}, {figures.percent(first.fussell_vesely)} of that "
+    told += "probability would be gone"
+    riskiest = max(assessment.states, key=lambda each: each.absorption_probability)
+    share = riskiest.absorption_probability / assessment.mission.failure_probability
+    return f"{told}; {figures.percent(share)} of it falls in {riskiest.name}."
+
+
+def _context(report: ReportInput) -> tuple[str, ...]:
+    trace = report.trace
+    if trace is None:
+        return ()
+    parts = [trace.robot, trace.scene]
+    if trace.end.simulated_s is not None:
+        parts.append(f"{trace.end.simulated_s:.1f} s simulated")
+    return tuple(part for part in parts if part)
+
+
+def _end(report: ReportInput) -> str:
+    trace = report.trace
+    if trace is None:
+        return ""
+    where = f" ({trace.end.location})" if trace.end.location is not None else ""
+    return f"How the run ended: {trace.end.message}{where}."
+
+
+def _readings(report: ReportInput) -> tuple[tuple[str, str, str], ...]:
+    mission = report.assessment.mission
+    cycles = figures.count(mission.expected_cycles)
+    is_one = cycles == "1"
+    return (
+        (
+            "by the chain",
+            figures.probability(mission.failure_probability),
+            "the number of cycles varies around its mean" if report.model.has_cycle else "exact",
+        ),
+        (
+            f"{cycles} cycle{'' if is_one else 's'}, fixed",
+            figures.probability(mission.fixed_cycles),
+            f"each fails with {figures.probability(mission.cycle_failure_probability)}",
+        ),
+        (
+            "visits as they ran",
+            figures.probability(mission.visits_as_run),
+            "each function visited as often as it is expected to be",
+        ),
+    )
+
+
+def _counts(report: ReportInput) -> tuple[tuple[str, int, str], ...]:
+    """Return how many of each thing there are, and where to read on; those of none left out."""
+    found = (
+        ("function", len(report.assessment.states), "#functions"),
+        ("component", len(report.assessment.components), "#importance"),
+        ("value set by hand", len(report.pins), "#pins"),
+        ("finding", len(report.findings) + len(report.assessment.findings), "#findings"),
+        (
+            "function without risk data",
+            len(report.trace.uncovered) if report.trace is not None else 0,
+            "#coverage",
+        ),
+        (
+            "assumption",
+            len(report.assumptions) + len(report.assessment.assumptions),
+            "#assumptions",
+        ),
+    )
+    return tuple((_plural(name, count), count, link) for name, count, link in found if count)
+
+
+def _plural(name: str, count: int) -> str:
+    if count == 1:
+        return name
+    head, _, rest = name.partition(" ")
+    return f"{head}s {rest}".rstrip()
