@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# Fail last, so that comment, alerts and report are there whatever was found.
+set -euo pipefail
+code=0
+if [ "${CHECK:-0}" -ne 0 ]; then
+    echo "::error title=tracerisk check::the risk blocks cannot be trusted as they stand (exit code $CHECK)"
+    code=$CHECK
+fi
+if [ "${DIFF:-0}" -ne 0 ]; then
+    echo "::error title=tracerisk diff::a limit on the risk is exceeded, or it cannot be told (exit code $DIFF)"
+    [ "$code" -ne 0 ] || code=$DIFF
+fi
+exit "$code"

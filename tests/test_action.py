@@ -1,0 +1,189 @@
+"""The steps of the GitHub Action, run as the runner would, in a repository of their own."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from ruamel.yaml import YAML
+
+ROOT = Path(__file__).parents[1]
+ACTION = ROOT / "action.yml"
+EXPRESSION = re.compile(r"\$\{\{\s*(.+?)\s*\}\}")
+
+pytestmark = pytest.mark.skipif(
+    not ACTION.is_file() or shutil.which("bash") is None, reason="needs the repository and bash"
+)
+
+# GitHub's own tool, for which there is no server here: it keeps comments in a file.
+GH = """\
+#!{python}
+import json, os, sys
+from pathlib import Path
+
+store = Path(os.environ["COMMENTS"])
+comments = json.loads(store.read_text()) if store.exists() else []
+arguments = sys.argv[1:]
+assert arguments[0] == "api" and os.environ["GH_TOKEN"] == "secret"
+path = next(each for each in arguments if each.startswith("repos/"))
+if "--method" not in arguments:
+    assert path == "repos/team/cell/issues/7/comments"
+    print(*(each["id"] for each in comments if each["body"].startswith("<!-- tracerisk-diff -->")))
+else:
+    method = arguments[arguments.index("--method") + 1]
+    body = Path(arguments[arguments.index("--field") + 1].removeprefix("body=@")).read_text()
+    if method == "POST":
+        assert path == "repos/team/cell/issues/7/comments"
+        comments.append({{"id": len(comments) + 1, "body": body}})
+    else:
+        (number,) = [int(path.rpartition("/")[2])]
+        assert method == "PATCH" and path == f"repos/team/cell/issues/comments/{{number}}"
+        comments[number - 1]["body"] = body
+    store.write_text(json.dumps(comments))
+"""
+
+
+class Runner:
+    """Runs the composite steps that are scripts; the steps of other actions are left out."""
+
+    def __init__(self, folder: Path, repository) -> None:
+        self.repository = repository
+        self.temp = folder / "temp"
+        self.comments_file = folder / "comments.json"
+        self.steps = YAML(typ="safe").load(ACTION)["runs"]["steps"]
+        self.inputs = {
+            name: each.get("default", "")
+            for name, each in YAML(typ="safe").load(ACTION)["inputs"].items()
+        }
+        tools = folder / "tools"
+        tools.mkdir()
+        (tools / "gh").write_text(GH.format(python=sys.executable))
+        (tools / "gh").chmod(stat.S_IRWXU)
+        self.path = (
+            f"{tools}{os.pathsep}{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+        )
+
+    def run(self, base: str, **inputs: str) -> dict[str, str]:
+        """Run every step; return the exit code of each by its id."""
+        shutil.rmtree(self.temp, ignore_errors=True)
+        self.temp.mkdir(parents=True)
+        # As install.sh leaves it; building an environment is left to CI's own run of the README.
+        folder = self.temp / "tracerisk"
+        (folder / "sarif").mkdir(parents=True)
+        (folder / "venv").symlink_to(sys.prefix)
+        values = {f"inputs.{name}": value for name, value in {**self.inputs, **inputs}.items()}
+        values |= {
+            "inputs.token": "secret",
+            "github.action_path": str(ROOT),
+            "github.event_name": "pull_request",
+            "github.repository": "team/cell",
+            "github.event.pull_request.base.sha": base,
+            "github.event.pull_request.number": "7",
+            "runner.temp": str(self.temp),
+        }
+        codes = {}
+        for step in self.steps:
+            if "run" not in step or step["id"] == "install":
+                continue
+            output = self.temp / f"{step['id']}.output"
+            environment = {
+                **os.environ,
+                "PATH": self.path,
+                "RUNNER_TEMP": str(self.temp),
+                "GITHUB_OUTPUT": str(output),
+                "COMMENTS": str(self.comments_file),
+                **{
+                    name: EXPRESSION.sub(lambda found: values[found[1]], str(text))
+                    for name, text in step["env"].items()
+                },
+            }
+            outcome = subprocess.run(
+                ["bash", "-euo", "pipefail", "-c", step["run"]],
+                cwd=self.repository.folder,
+                env=environment,
+                capture_output=True,
+                text=True,
+                check=False,
+            )
+            assert outcome.returncode == 0 or step["id"] == "verdict", outcome.stderr
+            codes[step["id"]] = str(outcome.returncode)
+            for line in output.read_text().splitlines() if output.exists() else ():
+                name, _, value = line.partition("=")
+                values[f"steps.{step['id']}.outputs.{name}"] = value
+        return codes
+
+    @property
+    def comments(self) -> list[str]:
+        found = json.loads(self.comments_file.read_text()) if self.comments_file.exists() else []
+        return [each["body"] for each in found]
+
+
+@pytest.fixture
+def steps(annotated_source):
+    def make(gripper="= 2e-07"):
+        return annotated_source(
+            pick=("place 1", "motor = 2e-8 x7"),
+            place=("pick 9/10, done 1/10", f"gripper {gripper}"),
+        )
+
+    return make
+
+
+@pytest.fixture
+def runner(tmp_path_factory, repository, steps):
+    repository.write("cell.py", steps())
+    repository.commit()
+    return Runner(tmp_path_factory.mktemp("runner"), repository)
+
+
+def commit(runner: Runner, text: str) -> str:
+    base = runner.repository.git("rev-parse", "HEAD").strip()
+    runner.repository.write("cell.py", text)
+    runner.repository.commit()
+    return base
+
+
+def test_one_comment_is_written_and_kept_up_to_date(runner, steps):
+    base = commit(runner, steps("= 4e-07"))
+    runner.run(base, files="cell.py")
+    (first,) = runner.comments
+    assert first.startswith("<!-- tracerisk-diff -->\n**cell.py: mission failure rises")
+    commit(runner, steps("= 8e-07"))
+    runner.run(base, files="cell.py")
+    (second,) = runner.comments
+    assert second != first
+    assert "8e-07" in second
+    commit(runner, steps())
+    runner.run(base, files="cell.py")
+    assert runner.comments == [
+        "<!-- tracerisk-diff -->\n**No change of risk worth telling any more.**\n"
+    ]
+
+
+def test_a_change_that_no_reviewer_need_see_is_passed_over(runner, steps):
+    base = commit(runner, steps("= 2.001e-07"))
+    runner.run(base, files="cell.py")
+    assert runner.comments == []
+
+
+def test_alerts_and_report_are_there_though_the_verdict_is_bad(runner, steps):
+    base = commit(runner, steps("= 4e-07"))
+    codes = runner.run(base, files="cell.py", **{"max-increase": "0.1"})
+    assert codes["verdict"] == "1"
+    folder = runner.temp / "tracerisk"
+    found = json.loads((folder / "sarif" / "tracerisk.sarif").read_text(encoding="utf-8"))
+    rules = {each["ruleId"] for each in found["runs"][0]["results"]}
+    assert rules == {"unknown-blocks", "single-point-of-failure"}
+    assert "cell.py" in (folder / "report" / "cell.html").read_text(encoding="utf-8")
+
+
+def test_expressions_stand_only_where_no_shell_reads_them():
+    for step in YAML(typ="safe").load(ACTION)["runs"]["steps"]:
+        assert "${{" not in step.get("run", "")

@@ -1,0 +1,127 @@
+"""The script of the GitLab job, run as its runner would, with a server of notes on loopback."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import threading
+from http.server import BaseHTTPRequestHandler, HTTPServer
+from pathlib import Path
+from urllib.parse import parse_qs
+
+import pytest
+from ruamel.yaml import YAML
+
+TEMPLATE = Path(__file__).parents[1] / "action" / "tracerisk.gitlab-ci.yml"
+NOTES = "/api/v4/projects/3/merge_requests/7/notes"
+
+pytestmark = pytest.mark.skipif(
+    not TEMPLATE.is_file() or shutil.which("curl") is None, reason="needs the repository and curl"
+)
+
+
+class Server(HTTPServer):
+    """Keeps the notes of one merge request."""
+
+    def __init__(self) -> None:
+        super().__init__(("127.0.0.1", 0), Handler)
+        self.notes: list[str] = ["looks good"]
+
+
+class Handler(BaseHTTPRequestHandler):
+    server: Server
+
+    def answer(self, data: object) -> None:
+        self.send_response(200)
+        self.end_headers()
+        self.wfile.write(json.dumps(data).encode())
+
+    def body(self) -> str:
+        assert self.headers["PRIVATE-TOKEN"] == "secret"
+        text = self.rfile.read(int(self.headers["Content-Length"])).decode()
+        return parse_qs(text)["body"][0]
+
+    def do_GET(self) -> None:
+        assert self.path.partition("?")[0] == NOTES
+        self.answer([{"id": i, "body": body} for i, body in enumerate(self.server.notes)])
+
+    def do_POST(self) -> None:
+        assert self.path == NOTES
+        self.server.notes.append(self.body())
+        self.answer({})
+
+    def do_PUT(self) -> None:
+        self.server.notes[int(self.path.removeprefix(f"{NOTES}/"))] = self.body()
+        self.answer({})
+
+    def log_message(self, *arguments: object) -> None:
+        pass
+
+
+@pytest.fixture
+def server():
+    with Server() as found:
+        thread = threading.Thread(target=found.serve_forever, daemon=True)
+        thread.start()
+        yield found
+        found.shutdown()
+        thread.join()
+
+
+@pytest.fixture
+def job(repository, server):
+    read = YAML(typ="safe").load(TEMPLATE)["tracerisk"]
+    (script,) = read["script"]
+
+    def run(base: str, token: str = "secret") -> int:
+        environment = {
+            **os.environ,
+            **read["variables"],
+            "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+            "CI_API_V4_URL": f"http://127.0.0.1:{server.server_port}/api/v4",
+            "CI_PROJECT_ID": "3",
+            "CI_MERGE_REQUEST_IID": "7",
+            "CI_MERGE_REQUEST_DIFF_BASE_SHA": base,
+            "TRACERISK_TOKEN": token,
+        }
+        return subprocess.run(
+            ["sh", "-c", script], cwd=repository.folder, env=environment, check=False
+        ).returncode
+
+    return run
+
+
+def test_one_note_is_kept_up_to_date(repository, annotated_source, server, job):
+    def commit(gripper):
+        repository.write("cell.py", annotated_source(place=("done 1", f"gripper = {gripper}")))
+        repository.write(
+            "tracerisk.lock", '{"schema": "tracerisk.lock", "version": 1, "controllers": {}}'
+        )
+        return repository.commit()
+
+    base = commit("2e-07")
+    commit("4e-07")
+    # The lock of this repository knows no controller: bad input, told last.
+    assert job(base) == 2
+    assert len(server.notes) == 2
+    assert server.notes[1].startswith("<!-- tracerisk-diff -->\n**cell.py: mission failure rises")
+    commit("8e-07")
+    job(base)
+    assert len(server.notes) == 2
+    assert "8e-07" in server.notes[1]
+    commit("2e-07")
+    job(base)
+    assert server.notes[1].endswith("**No change of risk worth telling any more.**\n")
+
+
+def test_no_token_writes_no_note(repository, annotated_source, server, job):
+    repository.write("cell.py", annotated_source(place=("done 1", "gripper = 2e-07")))
+    base = repository.commit()
+    repository.write("cell.py", annotated_source(place=("done 1", "gripper = 4e-07")))
+    repository.commit()
+    job(base, token="")
+    assert server.notes == ["looks good"]
+    assert "mission failure rises" in repository.read("tracerisk.md").decode()
