@@ -80,4 +80,4 @@ def test_sensors_stand_where_the_layout_says(panda: Robot, tube_racks: Scene):
     assert data.sensordata[layout.position].tolist() == initial
     dofs = [int(model.joint(joint.name).dofadr[0]) for joint in panda.joints]
     assert data.sensordata[layout.torque].tolist() == data.qfrc_actuator[dofs].tolist()
-    assert len(data.sensordata) == layout.pads.stop
+    assert len(data.sensordata) == layout.touching.stop

@@ -43,13 +43,14 @@ class SensorLayout:
     """Where each quantity stands in the model's sensor data.
 
     `position`, `velocity` and `torque` are one column a joint, in the robot's order;
-    `pads` is one column a pad, gripper by gripper.
+    `pads` is one column a pad, gripper by gripper; `touching` counts what touches the robot.
     """
 
     position: slice
     velocity: slice
     torque: slice
     pads: slice
+    touching: slice
 
     @staticmethod
     def of(robot: Robot) -> SensorLayout:
@@ -61,6 +62,7 @@ class SensorLayout:
             velocity=slice(n, 2 * n),
             torque=slice(2 * n, 3 * n),
             pads=slice(3 * n, 3 * n + n_pads),
+            touching=slice(3 * n + n_pads, 3 * n + n_pads + 1),
         )
 
 
@@ -336,6 +338,14 @@ def _add_sensors(spec: Any, robot: Robot, bodies: dict[str, Any]) -> None:
                 objtype=mujoco.mjtObj.mjOBJ_SITE,
                 objname=f"{pad}/pad",
             )
+    # Last, for what is sampled ends before it.
+    touching = spec.add_sensor(
+        name="touching",
+        type=mujoco.mjtSensor.mjSENS_CONTACT,
+        objtype=mujoco.mjtObj.mjOBJ_XBODY,
+        objname=robot.base_link,
+    )
+    touching.intprm[:] = (1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 0, 1)
 
 
 def add_geom(body: Any, shape: Shape, *, contype: int, conaffinity: int, friction: float) -> Any:

@@ -26,7 +26,8 @@ class Clearance:
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        self._world = CollisionWorld(robot)
+        self._world = self._alone = CollisionWorld(robot)
+        self._columns = self._alone.columns([joint.name for joint in robot.joints])
 
     def declare(self, bodies: Sequence[SceneBody], allowed: Iterable[Pair] = ()) -> None:
         """Take `bodies` for all that is declared; `allowed` pairs of names may touch.
@@ -44,6 +45,12 @@ class Clearance:
             yield
         finally:
             self._world = before
+
+    def of_itself(self, positions: Array) -> list[tuple[str, str]]:
+        """Return the pairs of links that collide; positions: (n_joints,), of the robot's joints."""
+        configuration = np.empty(len(positions))
+        configuration[self._columns] = positions
+        return self._alone.pairs(configuration)
 
     def collisions(self, positions: Mapping[str, float]) -> list[tuple[str, str]]:
         """Return the names of what collides at joint positions, pair by pair."""

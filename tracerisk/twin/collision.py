@@ -46,6 +46,8 @@ class CollisionWorld:
         self._robot = robot
         self._model = self._compiled(bodies)
         self._data = mujoco.MjData(self._model)
+        # With no other bodies all that overlaps are links, whose shapes overstate them.
+        self._least_depth = _TOUCH if bodies else _OVERSTATED
         names = {body_name(body.name): body.name for body in bodies}
         self._names = [
             names.get(self._model.body(i).name, self._model.body(i).name)
@@ -88,7 +90,7 @@ class CollisionWorld:
             return []
         depth = -self._data.contact.dist[:count]
         found: list[tuple[str, str]] = []
-        for index in np.flatnonzero(depth > _TOUCH):
+        for index in np.flatnonzero(depth >= self._least_depth):
             one, two = self._body_of[self._data.contact.geom[index]]
             if self._is_link[one] and self._is_link[two] and depth[index] < _OVERSTATED:
                 continue

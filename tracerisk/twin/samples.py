@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import Location, LogError
+from tracerisk.twin.contact_log import ContactLogWriter
 
 _ROWS = "samples.bin"
 _POSES = "poses.bin"
@@ -98,6 +99,7 @@ class SampleWriter:
         self._map: mmap.mmap | None = None
         self._segment: Array = np.empty((0, 0))
         self._committed = 0
+        self._contacts: ContactLogWriter | None = None
 
     def begin(self, header: SampleHeader) -> None:
         """Write the header and open the files; raises OSError when the disk refuses."""
@@ -131,6 +133,11 @@ class SampleWriter:
         """Append the pose of everything that can move; qpos: (n_pose,)."""
         os.write(self._poses, qpos.tobytes())
 
+    def contacts(self) -> ContactLogWriter:
+        """Return the writer of what touches what, which closes with this; raise as `begin`."""
+        self._contacts = ContactLogWriter(self._directory)
+        return self._contacts
+
     def model_changed(self) -> None:
         """Note that bodies were put into the simulation after the rows committed so far."""
         path = self._directory / _CHANGED
@@ -151,6 +158,8 @@ class SampleWriter:
         if end_pose is not None:
             (self._directory / _END).write_bytes(end_pose.tobytes())
         self._file = self._poses = -1
+        if self._contacts is not None:
+            self._contacts.close()
 
     def __enter__(self) -> SampleWriter:
         return self

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -10,6 +10,14 @@ from numpy.typing import NDArray
 
 from tracerisk.errors import RobotError, one_of
 from tracerisk.twin.builder import STEP_NS, compile_model, place_robot
+from tracerisk.twin.contact_watch import (
+    FRESH_STEPS,
+    LOOK_EVERY,
+    POSTURE_EVERY,
+    ContactWatch,
+    Points,
+    points,
+)
 from tracerisk.twin.declared import Declared, rebuild
 from tracerisk.twin.motion import JointState, Pose
 from tracerisk.twin.robot import Robot
@@ -41,11 +49,18 @@ class Controls(Protocol):
 class Simulation:
     """The physics of a robot in its scene; time advances in `step` alone.
 
+    `overlaps` says which links overlap at joint positions, (n_joints,).
     `actuator` maps each arm joint and gripper to its column of the controls, `joint_index` each
     joint to its row of what is measured.
     """
 
-    def __init__(self, robot: Robot, scene: Scene, samples: SampleWriter | None) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        scene: Scene,
+        samples: SampleWriter | None,
+        overlaps: Callable[[Array], list[tuple[str, str]]],
+    ) -> None:
         self.robot = robot
         self.scene = scene
         self._use(compile_model(robot, scene))
@@ -65,12 +80,17 @@ class Simulation:
         self._n_pose = int(model.nq)
         self._steps = 0
         self._samples = samples
-        self._scratch = np.zeros((_CHUNK, 1 + model.nu + model.nsensordata))
+        # The last sensor tells when to look at contacts, and is not sampled.
+        self._scratch = np.zeros((_CHUNK, 1 + model.nu + model.nsensordata - 1))
         self._declared = Declared()
         self._wanted: tuple[SceneBody, ...] = ()
+        self._watch: ContactWatch | None = None
+        self._n_contacts = self._fresh_until = 0
         place_robot(self._model, self._data, robot)
         if samples is not None:
             samples.begin(self._header())
+            self._watch = ContactWatch(robot, samples.contacts(), overlaps)
+            self._watch.use(model, self._declared, 0)
 
     @property
     def time_ns(self) -> int:
@@ -99,6 +119,8 @@ class Simulation:
         else:
             if self._steps % POSE_EVERY == 0:
                 writer.pose(self._data.qpos[: self._n_pose])
+                if self._watch is not None and self._steps % POSTURE_EVERY == 0:
+                    self._watch.posture(self._steps, self.position())
             rows = writer.rows(min(wanted, POSE_EVERY - self._steps % POSE_EVERY))
         n = len(rows)
         block = controls.set_points(n)
@@ -106,13 +128,27 @@ class Simulation:
         rows[:, 1:first_sensor] = block
         # Only views and C calls in here: this loop is the cost of sampling.
         model, data, step = self._model, self._data, mujoco.mj_step
-        control, sensors = data.ctrl, data.sensordata
-        for set_points, sampled in zip(block, rows[:, first_sensor:], strict=True):
+        control, sensors, touching = data.ctrl, data.sensordata[:-1], data.sensordata[-1:]
+        watch, seen, touched = self._watch, list[Points](), False
+        always = watch is not None and watch.is_on(self._steps)
+        count, fresh = self._n_contacts, self._fresh_until
+        for at, (set_points, sampled) in enumerate(
+            zip(block, rows[:, first_sensor:], strict=True), start=self._steps
+        ):
             control[:] = set_points
             step(model, data)
             sampled[:] = sensors
+            if touching[0] or always:
+                touched = touched or touching[0] > 0.0
+                if data.ncon != count:
+                    count, fresh = data.ncon, at + FRESH_STEPS
+                if at < fresh or at % LOOK_EVERY == 0:
+                    seen.append(points(at, data))
+        self._n_contacts, self._fresh_until = count, fresh
         if writer is not None:
             writer.commit(n)
+        if watch is not None:
+            watch.seen(self._steps + n, seen, touched=touched)
         self._steps += n
         if any(data.warning[kind].number for kind in _UNSTABLE):
             raise RobotError(
@@ -198,6 +234,8 @@ class Simulation:
         self._use(model, data)
         if self._samples is not None:
             self._samples.model_changed()
+        if self._watch is not None:
+            self._watch.use(self._model, self._declared, self._steps)
 
     def _header(self) -> SampleHeader:
         robot = self.robot

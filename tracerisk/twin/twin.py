@@ -39,7 +39,9 @@ class Twin:
         self.robot = robot
         self.scene = scene
         self.on_unknown_joints: Callable[[tuple[str, ...]], None] = lambda _: None
-        self._simulation = Simulation(robot, scene, samples)
+        self._simulation = Simulation(
+            robot, scene, samples, lambda at: self._clearance.of_itself(at)
+        )
         self._motions = MotionControl(robot, self._simulation)
         self._kinematics = Kinematics(robot)
         self._clearance = Clearance(robot)
