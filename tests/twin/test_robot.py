@@ -27,10 +27,12 @@ def test_the_panda_is_shipped():
     assert "panda" in robot_names()
 
 
-def test_elements_are_seven_joints_and_one_gripper(panda: Robot):
+def test_elements_are_seven_joints_and_one_gripper_then_sensors(panda: Robot):
     assert [(element.name, element.kind) for element in panda.elements] == [
         *((f"panda_joint{i}", "joint") for i in range(1, 8)),
         ("panda_hand", "gripper"),
+        *((f"panda_joint{i}/encoder", "sensor") for i in range(1, 8)),
+        *((f"panda_joint{i}/torque", "sensor") for i in range(1, 8)),
     ]
 
 

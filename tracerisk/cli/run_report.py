@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,11 @@ from tracerisk.adder.computed import ComputedBlocks
 from tracerisk.adder.model_names import model_names
 from tracerisk.cli.output import scenario_advice
 from tracerisk.errors import ExitCode, InputError, Location
-from tracerisk.trace import Finding, QualifiedName, Trace
+from tracerisk.trace import Element, Finding, QualifiedName, Trace
 from tracerisk.trace_log import write_log
 
 _AT_GOAL_M = 0.003
+_TOGETHER = {"encoder": "encoders", "torque": "torque sensors"}
 
 
 def headline(trace: Trace) -> str:
@@ -67,14 +69,25 @@ def trace_lines(trace: Trace) -> list[str]:
     """Return what the trace tells of each relevant function, a line each."""
     lines = []
     names = model_names([function.ref for function in trace.functions])
+    sensors = {each.name: each for each in trace.elements if each.kind == "sensor"}
     for function in trace.functions:
         visits = [visit for visit in trace.visits if visit.function == function.ref]
         seconds: dict[str, float] = {}
+        read: dict[str, float] = {}
         for visit in visits:
             for name, exposure in visit.exposures.items():
-                if exposure is not None:
+                if exposure is None:
+                    continue
+                if name in sensors:
+                    read[name] = read.get(name, 0.0) + exposure.reading_s
+                else:
                     seconds[name] = seconds.get(name, 0.0) + exposure.active_s
-        active = ", ".join(f"{name} {total:.2f} s" for name, total in seconds.items() if total)
+        active = ", ".join(
+            (
+                *(f"{name} {total:.2f} s" for name, total in seconds.items() if total),
+                *(f"{name} read {total:.2f} s" for name, total in _by_kind(read, sensors)),
+            )
+        )
         is_script = function.ref.file == trace.controller
         where = f"{'' if is_script else f'{function.ref.file}, '}line {function.line}"
         count = f"{len(visits)} visit{'s' if len(visits) != 1 else ''}"
@@ -83,6 +96,18 @@ def trace_lines(trace: Trace) -> list[str]:
             f"{active or 'nothing active'}"
         )
     return lines or ["  no function commanded hardware"]
+
+
+def _by_kind(
+    read: Mapping[str, float], sensors: Mapping[str, Element]
+) -> Iterable[tuple[str, float]]:
+    """Return for how long sensors were read, those in joints together: the longest of a kind."""
+    found: dict[str, float] = {}
+    for name, seconds in read.items():
+        kind = sensors[name].sensor
+        shown = _TOGETHER.get(kind or "", name)
+        found[shown] = max(found.get(shown, 0.0), seconds)
+    return [(name, seconds) for name, seconds in found.items() if seconds]
 
 
 def print_failure(trace: Trace) -> int:

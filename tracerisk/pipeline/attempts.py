@@ -17,6 +17,7 @@ from tracerisk.pipeline.controller_run import ControllerRun, run_controller
 from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
 from tracerisk.pipeline.robot_choice import choose_launched_robot
 from tracerisk.pipeline.run_files import Companion
+from tracerisk.pipeline.sensors import elements_of
 from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
@@ -128,7 +129,7 @@ def _with_robot(
     choice = choose_launched_robot(controller, settings, launch.setup)
     for _ in range(_ROBOTS_TRIED):
         # What the robot has no place for is told before a minute is spent on simulation.
-        bind(hardware_of(settings, choice.robot.name), choice.robot.elements)
+        bind(hardware_of(settings, choice.robot.name), elements_of(choice.robot, settings))
         done = run_controller(
             controller,
             choice.robot,

@@ -52,6 +52,7 @@ from tracerisk.ros.scenario import Scenario, read_scenario
 from tracerisk.ros.scenario_objects import with_objects
 from tracerisk.ros.scenario_parameters import read_parameters
 from tracerisk.ros.scenario_world import ScenarioWorld
+from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.twin_frames import TwinFrames
 from tracerisk.ros.twin_interfaces import TwinInterfaces
 from tracerisk.ros.twin_topics import TwinTopics
@@ -169,7 +170,12 @@ def _run_recorded(
     )
     stall = StallWatch(scheduler, watch, needs, lambda: schedule.is_pending)
     world.time_passed = [watch.time_passed, stall.time_passed]
-    end = ControllerEnd(recorder, twin, root, request.memory_limit_mb, watch.run_over, needs.judge)
+
+    def run_over(cause: str) -> None:
+        runtime.client(SensorReading).finish()
+        watch.run_over(cause)
+
+    end = ControllerEnd(recorder, twin, root, request.memory_limit_mb, run_over, needs.judge)
     stand_ins = StandInFinder(interfaces)
     kinds = stand_ins.provides.items()
     libraries = {name for name, kind in kinds if kind.startswith("library")} - VENDOR_LIBRARIES

@@ -20,6 +20,7 @@ from tracerisk.instrument.recording import Recording
 from tracerisk.instrument.tracer import Site
 from tracerisk.pipeline.run_files import ELSEWHERE, ENTRY, LAUNCH
 from tracerisk.pipeline.run_watch import CYCLE, MISSION_END
+from tracerisk.pipeline.sensors import elements_of, with_sensors
 from tracerisk.trace import (
     Cycle,
     Exposure,
@@ -55,6 +56,7 @@ def make_trace(
         helpers=settings.helpers,
         end_ns=round((end.simulated_s or 0.0) * 1e9),
     )
+    elements = elements_of(robot, settings)
     mission_end = recording.note(MISSION_END)
     active: Mapping[str, Exposure] = {}
     visits: tuple[Visit, ...] = ()
@@ -65,12 +67,15 @@ def make_trace(
         activity = element_activity(samples, robot)
         active = _exposures(activity, samples)
         visits = _visits(attribution, activity, samples)
+        active, visits = with_sensors(
+            elements, recording, attribution, activity, samples, active, visits
+        )
     return Trace(
         controller=controller.file,
         robot=robot.name,
         scene=scene,
         end=end,
-        elements=robot.elements,
+        elements=elements,
         functions=attribution.functions,
         visits=visits,
         active=active,

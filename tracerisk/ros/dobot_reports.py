@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.dobot_queue import NOT_EXECUTED, OK, DobotQueue, pose_of, values_of
 from tracerisk.ros.graph import Change, Publication
+from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.twin.motion import PlanningError
@@ -39,6 +40,7 @@ class DobotReports:
         self._messages = messages
         self._commands = commands
         self._queue, self._arm = queue, queue.arm
+        self._reading = runtime.client(SensorReading)
         self._pins: dict[tuple[str, int], int] = {}
         self._published: set[str] = set()
         self._reports: Mapping[str, Callable[[Any], Any]] = {
@@ -54,9 +56,7 @@ class DobotReports:
             "RobotMode": lambda asked, answer: self._tell(answer, [queue.mode]),
             "GetErrorID": lambda asked, answer: self._tell(answer, [queue.error]),
             "GetCurrentCommandId": lambda asked, answer: self._tell(answer, [queue.done]),
-            "GetAngle": lambda asked, answer: self._tell(
-                answer, [math.degrees(each) for each in self._arm.positions()]
-            ),
+            "GetAngle": self._get_angle,
             "GetPose": self._get_pose,
             "PositiveKin": self._positive,
             "InverseKin": self._inverse,
@@ -76,6 +76,10 @@ class DobotReports:
 
     # Where it is
 
+    def _get_angle(self, request: Any, answer: Any) -> int:
+        self._reading.asked("encoder")
+        return self._tell(answer, [math.degrees(each) for each in self._arm.positions()])
+
     def _get_pose(self, request: Any, answer: Any) -> int:
         if request.user or request.tool:
             self._commands.tell(
@@ -84,6 +88,7 @@ class DobotReports:
                 self._commands.stack(),
             )
             return NOT_EXECUTED
+        self._reading.asked("encoder")
         return self._tell(answer, values_of(self._arm.tool_pose()))
 
     def _positive(self, request: Any, answer: Any) -> int:
@@ -116,7 +121,9 @@ class DobotReports:
         is_one = change == "subscribed" and type_name in self._reports
         if is_one and name not in self._published:
             self._published.add(name)
-            self._schedule(self._graph.advertise(name, type_name, node=_NODE))
+            publication = self._graph.advertise(name, type_name, node=_NODE)
+            self._reading.tells_joints(publication, _HZ)
+            self._schedule(publication)
 
     def _schedule(self, publication: Publication) -> None:
         due_ns = self._scheduler.now_ns + round(1e9 / _HZ)

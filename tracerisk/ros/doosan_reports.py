@@ -9,6 +9,7 @@ from typing import Any
 
 from tracerisk.ros.doosan_motion import DoosanMotion, pose_of, rows_of, values_of
 from tracerisk.ros.poses import ORIGIN, compose
+from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.twin.motion import PlanningError, Pose
@@ -30,11 +31,13 @@ class DoosanReports:
         messages: TwinMessages,
         commands: TwinCommands,
         is_busy: Callable[[], bool],
+        reading: SensorReading,
     ) -> None:
         self._motion = motion
         self._messages = messages
         self._commands = commands
         self._is_busy = is_busy
+        self._reading = reading
         self._kept = {"robot_mode": _AUTONOMOUS, "robot_system": _VIRTUAL, "speed_mode": 0}
         self._tcps: dict[str, Pose] = {"": ORIGIN}
         self._tools: set[str] = {""}
@@ -75,9 +78,7 @@ class DoosanReports:
                 "get_desired_posx": lambda asked, answer: _told(
                     answer, pos=values_of(self._motion.here())
                 ),
-                "get_current_tool_flange_posx": lambda asked, answer: _told(
-                    answer, pos=values_of(self._motion.arm.tool_pose())
-                ),
+                "get_current_tool_flange_posx": self._flange,
                 "get_current_velj": self._speeds,
                 "get_joint_torque": self._torques,
                 "get_current_rotm": self._rotation,
@@ -150,28 +151,38 @@ class DoosanReports:
 
     def _joints(self, request: Any, answer: Any) -> bool:
         self._commands.scheduler.touch()
+        self._reading.asked("encoder")
         return _told(answer, pos=self._motion.positions())
 
     def _pose(self, request: Any, answer: Any) -> bool:
         self._commands.scheduler.touch()
+        self._reading.asked("encoder")
         is_joint = request.space_type == 0
         found = self._motion.positions() if is_joint else values_of(self._motion.here())
         return _told(answer, pos=found)
 
     def _posx(self, request: Any, answer: Any) -> bool:
         self._commands.scheduler.touch()
+        self._reading.asked("encoder")
         row = self._messages.new("std_msgs/Float64MultiArray")
         row.data = [*values_of(self._motion.here()), float(self._motion.solution_space())]
         return _told(answer, task_pos_info=[row])
 
+    def _flange(self, request: Any, answer: Any) -> bool:
+        self._reading.asked("encoder")
+        return _told(answer, pos=values_of(self._motion.arm.tool_pose()))
+
     def _speeds(self, request: Any, answer: Any) -> bool:
+        self._reading.asked("encoder")
         found = [math.degrees(each) for each in self._motion.arm.velocities()]
         return _told(answer, joint_speed=found)
 
     def _torques(self, request: Any, answer: Any) -> bool:
+        self._reading.asked("torque")
         return _told(answer, jts=self._motion.arm.efforts())
 
     def _rotation(self, request: Any, answer: Any) -> bool:
+        self._reading.asked("encoder")
         rows = []
         for values in rows_of(self._motion.here()):
             row = self._messages.new("std_msgs/Float64MultiArray")

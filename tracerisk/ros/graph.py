@@ -34,7 +34,10 @@ def _tell_on_stderr(message: str) -> None:
 
 @dataclass(slots=True, eq=False)
 class Publication:
-    """A node's right to publish on a topic; `copy` makes what is sent of what is given."""
+    """A node's right to publish on a topic; `copy` makes what is sent of what is given.
+
+    `on_received` is told which of the controller's subscriptions gets a message, each time.
+    """
 
     graph: Graph
     topic: str
@@ -48,6 +51,7 @@ class Publication:
     latched: Any = None
     sent: int = 0
     closed: bool = False
+    on_received: Callable[[Subscription], None] | None = None
 
     @property
     def subscriptions(self) -> tuple[Subscription, ...]:
@@ -76,7 +80,7 @@ class Publication:
         if self.latch and only is None:
             self.latched = snapshot
         for receiver in receivers:
-            receiver.deliver(snapshot, self)
+            receiver.receive(snapshot, self)
 
     def close(self) -> None:
         """Leave the topic."""
@@ -91,7 +95,8 @@ class Subscription:
     """A receiver of a topic's messages.
 
     `deliver` is called while the message is published, with what was sent and by whom; it must
-    neither wait nor change the message, which others receive too.
+    neither wait nor change the message, which others receive too. `on_close` are called when it
+    leaves its topic.
     """
 
     graph: Graph
@@ -103,6 +108,7 @@ class Subscription:
     by_controller: bool = True
     place: Location | None = None
     closed: bool = False
+    on_close: list[Callable[[], None]] = field(default_factory=list)
 
     @property
     def publications(self) -> tuple[Publication, ...]:
@@ -112,12 +118,20 @@ class Subscription:
         known = self.graph.publications(self.topic)
         return tuple(each for each in known if _types_agree(each.type_name, self.type_name))
 
+    def receive(self, message: Any, publication: Publication) -> None:
+        """Take a message of a publication."""
+        if publication.on_received is not None and self.by_controller:
+            publication.on_received(self)
+        self.deliver(message, publication)
+
     def close(self) -> None:
         """Leave the topic."""
         if not self.closed:
             senders = self.publications
             self.closed = True
             self.graph._remove_subscription(self, senders)
+            for told in self.on_close:
+                told()
 
 
 @dataclass(slots=True, eq=False)
@@ -265,7 +279,7 @@ class Graph:
             if publication.on_connect is not None:
                 publication.on_connect(subscription)
             if publication.latched is not None:
-                deliver(publication.latched, publication)
+                subscription.receive(publication.latched, publication)
         return subscription
 
     def publications(self, topic: str) -> tuple[Publication, ...]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.graph import Change, Publication, ServiceFailedError
 from tracerisk.ros.kortex_actions import KortexArm, write_pose
+from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.twin_messages import TwinMessages
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ class KortexReports:
         self._messages = messages
         self._kortex = kortex
         self._arm = kortex.arm
+        self._reading = runtime.client(SensorReading)
         self._published: set[str] = set()
         self._graph.watch(self._on_change)
 
@@ -46,11 +48,13 @@ class KortexReports:
     def measured_angles(self, request: Any, answer: Any) -> None:
         """Tell where the joints are."""
         self._scheduler.touch()
+        self._reading.asked("encoder")
         answer.output.joint_angles = joint_angles(self._messages, self._arm.positions())
 
     def measured_pose(self, request: Any, answer: Any) -> None:
         """Tell where the tool is."""
         self._scheduler.touch()
+        self._reading.asked("encoder")
         write_pose(answer.output, self._arm.tool_pose())
 
     def measured_gripper(self, request: Any, answer: Any) -> None:
@@ -74,7 +78,9 @@ class KortexReports:
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
         if change == "subscribed" and type_name == _FEEDBACK and name not in self._published:
             self._published.add(name)
-            self._schedule(self._graph.advertise(name, type_name, node=_NODE))
+            publication = self._graph.advertise(name, type_name, node=_NODE)
+            self._reading.tells_joints(publication, _HZ)
+            self._schedule(publication)
 
     def _schedule(self, publication: Publication) -> None:
         period_ns = round(1e9 / _HZ)

@@ -16,6 +16,7 @@ from tracerisk.ros.planning_scene import PlanningScene
 from tracerisk.ros.robot_groups import RobotGroups
 from tracerisk.ros.scene_changes import SceneChanges
 from tracerisk.ros.scene_shapes import scene_body
+from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.trajectory_execution import ErrorCode, TrajectoryExecution
 from tracerisk.twin.motion import (
     JointTrajectory,
@@ -100,6 +101,7 @@ class MoveGroupServer(RobotGroups):
     def positions(self) -> dict[str, float]:
         """Return the position of every joint [rad or m]."""
         self._runtime.scheduler.touch()
+        self._runtime.client(SensorReading).asked("encoder")
         return self._positions()
 
     def link_pose(self, link: str) -> Pose:
@@ -109,6 +111,7 @@ class MoveGroupServer(RobotGroups):
             RobotError: the robot has no such link; lists those it has.
         """
         self._runtime.scheduler.touch()
+        self._runtime.client(SensorReading).asked("encoder")
         return self._twin.link_pose(link)
 
     def forward(self, positions: Mapping[str, float], link: str) -> Pose:

@@ -10,6 +10,8 @@ from tracerisk.ros.runtime import Runtime
 from tracerisk.ros.scenario import Published
 from tracerisk.ros.scenario_message import MessageTemplate
 from tracerisk.ros.scenario_schedule import Schedule
+from tracerisk.ros.sensor_reading import SensorReading
+from tracerisk.ros.sensor_topics import sensors_told
 
 NODE = "/scenario"
 
@@ -40,6 +42,11 @@ class ScenarioTopic:
             by_controller=False,
             on_connect=None if entry.at or entry.rate is not None else self._on_subscriber,
         )
+        robot = getattr(runtime.twin, "robot", None)
+        if robot is not None:
+            runtime.client(SensorReading).tells(
+                self._publication, sensors_told(robot, entry), entry.rate
+            )
         if entry.rate is not None:
             self._begin_rate(entry.rate, entry.at[0] if entry.at else 0.0)
         else:
@@ -95,4 +102,4 @@ class ScenarioTopic:
         if only is None:
             self._publication.publish(message)
         elif only in self._publication.subscriptions:
-            only.deliver(message, self._publication)
+            only.receive(message, self._publication)

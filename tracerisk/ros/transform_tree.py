@@ -98,6 +98,14 @@ class TransformTree:
         self._check("lookupTransform argument source_frame", source)
         return self._walk(target, source, time_ns)
 
+    def way(self, target: str, source: str, time_ns: int) -> list[str]:
+        """Return the frames on the way from `source` to `target`.
+
+        Raises:
+            FrameError: as `lookup`.
+        """
+        return self._way(source, target, time_ns)
+
     def lookup_full(
         self, target: str, target_time_ns: int, source: str, source_time_ns: int, fixed: str
     ) -> tuple[Pose, int]:

@@ -20,6 +20,7 @@ from tracerisk.ros.command_streams import CommandStreams
 from tracerisk.ros.graph import Change, Publication
 from tracerisk.ros.message_dialect import set_time
 from tracerisk.ros.path_constraints import message_pose
+from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.ros.twin_set_points import SetPoints
@@ -41,6 +42,7 @@ _ELECTRIC = 2
 _SIDE = re.compile(r"/(left|right)(?:_gripper)?/")
 _LOOK_S = 1e-3
 _NUMBERS = ("position", "moving_force")
+_OF_JOINTS = ("sensor_msgs/JointState", f"{_CORE}/EndpointState", f"{_CORE}/HeadState")
 
 
 class BaxterDriver:
@@ -54,6 +56,7 @@ class BaxterDriver:
         set_points: SetPoints,
     ) -> None:
         self._graph, self._scheduler = runtime.graph, runtime.scheduler
+        self._reading = runtime.client(SensorReading)
         self._messages, self._commands = messages, commands
         self._twin = commands.twin
         self._set_points = set_points
@@ -111,6 +114,8 @@ class BaxterDriver:
         elif change == "subscribed" and type_name in self._tellers and name not in self._ticking:
             self._ticking.add(name)
             publication = self._graph.advertise(name, type_name, node=_NODE)
+            if type_name in _OF_JOINTS:
+                self._reading.tells_joints(publication, _HZ)
             self._schedule(publication, self._tellers[type_name])
 
     def _schedule(self, publication: Publication, make: Callable[[str], Any]) -> None:

@@ -17,6 +17,7 @@ from tracerisk.ros.command_streams import CommandStreams
 from tracerisk.ros.doosan_motion import DoosanMotion, pose_of
 from tracerisk.ros.doosan_reports import DoosanReports
 from tracerisk.ros.graph import Change, Publication
+from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.twin.execution import Motion
@@ -67,7 +68,13 @@ class DoosanController:
         self._live: Motion | None = None
         self._set_points = CommandStreams(commands)
         self._heard: set[str] = set()
-        self._reports = DoosanReports(self._motion, messages, commands, lambda: self._is_busy)
+        self._reports = DoosanReports(
+            self._motion,
+            messages,
+            commands,
+            lambda: self._is_busy,
+            runtime.client(SensorReading),
+        )
         for package in PACKAGES:
             for space, services in self._services().items():
                 for name, handle in services.items():

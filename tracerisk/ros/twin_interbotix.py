@@ -17,6 +17,7 @@ from tracerisk.ros.command_streams import CommandStreams
 from tracerisk.ros.dynamixel import LARGEST, MODES, SETTINGS, Servo, linkage_of
 from tracerisk.ros.graph import Change, Publication, ServiceFailedError
 from tracerisk.ros.interbotix_motion import InterbotixMotion
+from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.ros.twin_topics import JOINT_STATE_TYPE
@@ -51,6 +52,7 @@ class InterbotixDriver:
     def __init__(self, runtime: Runtime, messages: TwinMessages, commands: TwinCommands) -> None:
         self._graph = runtime.graph
         self._scheduler = runtime.scheduler
+        self._reading = runtime.client(SensorReading)
         self._messages = messages
         self._commands = commands
         self._twin = commands.twin
@@ -118,7 +120,9 @@ class InterbotixDriver:
     def _publish_states(self, topic: str) -> None:
         # The twin's own joint states need no second publisher.
         if topic not in self._publications and topic != "/joint_states":
-            self._publications[topic] = self._graph.advertise(topic, JOINT_STATE_TYPE, node=_NODE)
+            told = self._graph.advertise(topic, JOINT_STATE_TYPE, node=_NODE)
+            self._publications[topic] = told
+            self._reading.tells_joints(told, _HZ)
             self._schedule(topic)
 
     def _schedule(self, topic: str) -> None:

@@ -17,6 +17,7 @@ from tracerisk.ros.niryo_actions import STATUS_OF, NiryoActions
 from tracerisk.ros.niryo_motion import NiryoMotion
 from tracerisk.ros.niryo_places import Handler, NiryoPlaces
 from tracerisk.ros.poses import quaternion_from_rpy, rpy_from_quaternion
+from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.twin.motion import PlanningError, Pose
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
 _NODE = "/niryo_robot_arm_commander"
 _MESSAGES = "niryo_robot_msgs"
+_STATE = f"{_MESSAGES}/RobotState"  # the pose of the tool
 _HZ = 10.0
 _SUCCESS, _NOT_IMPLEMENTED, _INVALID = 1, -51, -52
 _PIN_ERROR, _NO_INVERSE, _NO_FORWARD = -114, -232, -233
@@ -37,6 +39,7 @@ class NiryoRobot:
 
     def __init__(self, runtime: Runtime, messages: TwinMessages, commands: TwinCommands) -> None:
         self._graph, self._scheduler = runtime.graph, runtime.scheduler
+        self._reading = runtime.client(SensorReading)
         self._messages = messages
         self._commands = commands
         self._arm = ArmMotion(commands, ("tool_link",))
@@ -57,7 +60,7 @@ class NiryoRobot:
         for name, value in self._parameters().items():
             self._graph.parameters.offer(name, partial(self._parameter, value))
         self._topics: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
-            "/niryo_robot/robot_state": (f"{_MESSAGES}/RobotState", self._state),
+            "/niryo_robot/robot_state": (_STATE, self._state),
             "/niryo_robot/learning_mode/state": (
                 "std_msgs/Bool",
                 lambda message: _with(message, data=self._is_learning),
@@ -183,6 +186,8 @@ class NiryoRobot:
         if is_one and name not in self._published:
             self._published.add(name)
             publication = self._graph.advertise(name, type_name, node=_NODE)
+            if type_name == _STATE:
+                self._reading.tells(publication, self._reading.named("encoder"), _HZ)
             soon_ns = self._scheduler.now_ns + 1_000_000
             self._scheduler.call_at(soon_ns, lambda: self._publish(publication), background=True)
 

@@ -10,12 +10,11 @@ from tracerisk.ros.message_dialect import set_time
 from tracerisk.ros.messages import Interfaces
 from tracerisk.ros.messages2 import Interfaces2, Message2
 from tracerisk.ros.runtime import Runtime
+from tracerisk.ros.sensor_reading import JOINT_STATES_HZ, SensorReading
 from tracerisk.ros.virtual_clock import EPOCH_NS
 
 JOINT_STATES = "/joint_states"
 JOINT_STATE_TYPE = "sensor_msgs/JointState"
-RATE_HZ = 50.0
-"""How often joint states are published while somebody listens; a usual rate of drivers."""
 
 CLOCK = "/clock"
 CLOCK_TYPE = "rosgraph_msgs/Clock"
@@ -40,18 +39,19 @@ class TwinTopics:
         runtime: Runtime,
         interfaces: Interfaces | Interfaces2,
         *,
-        rate_hz: float = RATE_HZ,
+        rate_hz: float = JOINT_STATES_HZ,
         order: Sequence[str] = (),
     ) -> None:
         self._runtime = runtime
         self._interfaces = interfaces
         self._order = tuple(order)
         self._sequence = 0
-        for topic, type_name, node, hz, make in (
-            (JOINT_STATES, JOINT_STATE_TYPE, _PUBLISHER, rate_hz, self._joint_state),
-            (CLOCK, CLOCK_TYPE, _CLOCK_PUBLISHER, CLOCK_HZ, self._clock),
-        ):
-            _Stream(runtime, runtime.graph.advertise(topic, type_name, node=node), hz, make)
+        advertise = runtime.graph.advertise
+        joints = advertise(JOINT_STATES, JOINT_STATE_TYPE, node=_PUBLISHER)
+        runtime.client(SensorReading).tells_joints(joints, rate_hz)
+        TopicStream(runtime, joints, rate_hz, self._joint_state)
+        clock = advertise(CLOCK, CLOCK_TYPE, node=_CLOCK_PUBLISHER)
+        TopicStream(runtime, clock, CLOCK_HZ, self._clock)
 
     def _joint_state(self) -> Any:
         state = self._runtime.twin.joint_state()
@@ -74,7 +74,7 @@ class TwinTopics:
         return message
 
 
-class _Stream:
+class TopicStream:
     """Publishes what `make` makes, `hz` times a second, while the topic has a subscription."""
 
     def __init__(

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.graph import Change, Publication
+from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_grippers import gripper_ends
 from tracerisk.ros.twin_messages import TwinMessages
@@ -30,6 +31,7 @@ class XarmDriver:
 
     def __init__(self, runtime: Runtime, messages: TwinMessages, commands: TwinCommands) -> None:
         self._graph, self._scheduler = runtime.graph, runtime.scheduler
+        self._reading = runtime.client(SensorReading)
         self._messages = messages
         self._commands = commands
         self._twin = commands.twin
@@ -111,7 +113,9 @@ class XarmDriver:
             return
         if name not in self._publications:
             self._publications.add(name)
-            self._schedule(self._graph.advertise(name, type_name, node=_NODE))
+            publication = self._graph.advertise(name, type_name, node=_NODE)
+            self._reading.tells_joints(publication, _HZ)
+            self._schedule(publication)
 
     def _schedule(self, publication: Publication) -> None:
         period_ns = round(1e9 / _HZ)
@@ -178,11 +182,13 @@ class XarmDriver:
 
     def _get_angles(self, request: Any, answer: Any) -> int:
         self._scheduler.touch()
+        self._reading.asked("encoder")
         answer.datas = self._motion.positions()
         return 0
 
     def _get_position(self, request: Any, answer: Any) -> int:
         self._scheduler.touch()
+        self._reading.asked("encoder")
         answer.datas = self._motion.flange_pose()
         return 0
 

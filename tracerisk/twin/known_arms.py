@@ -11,6 +11,7 @@ import numpy as np
 from tracerisk.twin.model_file_frames import rotation
 from tracerisk.twin.robot import Joint, Robot, load_robot
 from tracerisk.twin.robot_index import shipped_names
+from tracerisk.twin.sensors import sensors_like
 
 _MATCHES = 0.8  # the share of joint names that two robots of one make have in common
 _SAME_LENGTH = 0.03  # [m]
@@ -87,7 +88,8 @@ def completed_as_ours(robot: Robot, *, knows_motors: bool = False) -> Robot:
         else joint
         for joint in robot.joints
     )
-    return replace(robot, joints=joints)
+    sensors = sensors_like(like.own_sensors, mine, robot.link_names)
+    return replace(robot, joints=joints, own_sensors=robot.own_sensors or sensors)
 
 
 def _rated(joint: Joint, ours: Joint, assumed: bool, knows_motors: bool) -> Joint:

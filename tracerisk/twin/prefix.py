@@ -80,4 +80,6 @@ def with_prefix(robot: Robot, prefix: str) -> Robot:
             (named(one), named(other)) for one, other in robot.disabled_collisions
         ),
         assumes_names=True,
+        own_sensors=tuple(one.with_prefix(prefix) for one in robot.own_sensors),
+        without_encoder=all_named(robot.without_encoder),
     )

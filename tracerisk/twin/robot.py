@@ -13,6 +13,7 @@ from typing import Literal
 
 from tracerisk.errors import RobotError, one_of
 from tracerisk.trace import Element
+from tracerisk.twin.sensors import Sensor, joint_sensor
 from tracerisk.twin.shapes import Shape
 
 JointType = Literal["revolute", "continuous", "prismatic", "fixed"]
@@ -149,6 +150,7 @@ class Robot:
     controller asks for are assumed as well. `chosen_by` tells why it is this robot.
     `disabled_collisions` are pairs of links that may touch, each pair in order.
     `payload` is rated, in [kg], `None` where it is not known.
+    `own_sensors` are those beside the encoders, `without_encoder` the arm joints that have none.
     """
 
     name: str
@@ -172,6 +174,8 @@ class Robot:
     assumes_names: bool = False
     chosen_by: str = ""
     payload: float | None = None
+    own_sensors: tuple[Sensor, ...] = ()
+    without_encoder: tuple[str, ...] = ()
 
     @property
     def arm_joints(self) -> tuple[Joint, ...]:
@@ -181,9 +185,22 @@ class Robot:
 
     @property
     def elements(self) -> tuple[Element, ...]:
-        """What the twin watches: each arm joint, then each gripper."""
-        joints = tuple(Element(joint.name, "joint") for joint in self.arm_joints)
-        return joints + tuple(Element(gripper.name, "gripper") for gripper in self.grippers)
+        """What the twin watches: each arm joint, each gripper, then each sensor."""
+        return (
+            *(Element(joint.name, "joint") for joint in self.arm_joints),
+            *(Element(gripper.name, "gripper") for gripper in self.grippers),
+            *(sensor.element for sensor in self.sensors),
+        )
+
+    @property
+    def sensors(self) -> tuple[Sensor, ...]:
+        """The sensors: an encoder in each arm joint, unless it has none, then the others."""
+        encoders = tuple(
+            joint_sensor("encoder", joint.name)
+            for joint in self.arm_joints
+            if joint.name not in self.without_encoder
+        )
+        return encoders + self.own_sensors
 
     @property
     def link_names(self) -> tuple[str, ...]:

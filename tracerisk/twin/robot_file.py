@@ -20,6 +20,7 @@ from tracerisk.twin.robot import (
     Scaling,
     Servo,
 )
+from tracerisk.twin.sensors import Sensor
 from tracerisk.twin.shapes import Shape
 
 
@@ -59,6 +60,8 @@ def read_dumped_robot(path: Path) -> Robot:
             "disabled_collisions": frozenset(
                 (one, other) for one, other in data["disabled_collisions"]
             ),
+            "own_sensors": tuple(Sensor(**_tuples(each)) for each in data["own_sensors"]),
+            "without_encoder": tuple(data["without_encoder"]),
         }
     )
 

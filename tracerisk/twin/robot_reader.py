@@ -23,6 +23,7 @@ from tracerisk.twin.robot import (
     Scaling,
     Servo,
 )
+from tracerisk.twin.sensors import read_sensors
 from tracerisk.twin.shapes import read_shapes
 from tracerisk.yaml_reader import YamlMap, read_yaml
 
@@ -40,7 +41,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
         {
             "name", "title", "aliases", "source", "base_link", "links", "joints", "servos",
             "groups", "named_states", "initial_state", "grippers", "controllers",
-            "default_scaling", "default_scene", "payload",
+            "default_scaling", "default_scene", "payload", "sensors",
         }
     )  # fmt: skip
     plain = tuple(_link(entry) for entry in top.maps("links"))
@@ -65,6 +66,14 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
     initial.update({name: _rest(joint) for name, joint in by_name.items() if name not in initial})
     scaling = top.optional_map("default_scaling")
     _unique((entry.string("name") for entry in top.maps("grippers")), top, "grippers")
+    grippers = tuple(_gripper(entry, by_name, link_names, groups) for entry in top.maps("grippers"))
+    held = {name for gripper in grippers for name in gripper.joints}
+    sensors, without_encoder = read_sensors(
+        top,
+        tuple(name for name in by_name if name not in held),
+        tuple(link.name for link in links),
+        taken=(*by_name, *(gripper.name for gripper in grippers)),
+    )
     return Robot(
         name=top.string("name"),
         title=top.string("title"),
@@ -76,15 +85,15 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
         groups=MappingProxyType(groups),
         named_states=MappingProxyType(named_states),
         initial_state=MappingProxyType({name: initial[name] for name in by_name}),
-        grippers=tuple(
-            _gripper(entry, by_name, link_names, groups) for entry in top.maps("grippers")
-        ),
+        grippers=grippers,
         controllers=tuple(_controller(entry, by_name) for entry in top.maps("controllers")),
         default_scaling=Scaling(1.0, 1.0) if scaling is None else _scaling(scaling),
         default_scene=top.optional_string("default_scene"),
         file=file,
         aliases=tuple(top.strings("aliases")),
         payload=_positive(top, "payload") if "payload" in top else None,
+        own_sensors=sensors,
+        without_encoder=without_encoder,
     )
 
 

@@ -11,6 +11,7 @@ from geometry_msgs.msg import TransformStamped
 from tracerisk.ros.message_dialect import nanoseconds, set_time
 from tracerisk.ros.needs import Need
 from tracerisk.ros.runtime import current
+from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.transform_tree import CACHE_NS, FrameError, TransformTree
 from tracerisk.ros.twin_frames import WORLD
 from tracerisk.twin.motion import Pose
@@ -85,6 +86,7 @@ class BufferCore:
         self._look(target_frame, source_frame)
         time_ns = nanoseconds(time)
         found = self._answer(lambda: self._tree.lookup(target_frame, source_frame, time_ns))
+        self._read(target_frame, source_frame, time_ns)
         return _stamped(target_frame, source_frame, *found)
 
     def lookup_transform_full_core(
@@ -108,6 +110,8 @@ class BufferCore:
                 target_frame, target_ns, source_frame, source_ns, fixed_frame
             )
         )
+        self._read(fixed_frame, source_frame, source_ns)
+        self._read(target_frame, fixed_frame, target_ns)
         return _stamped(target_frame, source_frame, *found)
 
     def get_latest_common_time(self, target_frame: str, source_frame: str) -> Any:
@@ -180,6 +184,13 @@ class BufferCore:
                 runtime.scheduler.needs.meet(need)
             else:
                 runtime.scheduler.miss(need)
+
+    def _read(self, target: str, source: str, time_ns: int) -> None:
+        """Note that the way between two frames that was told comes from the joints on it."""
+        runtime = current()
+        if runtime.twin is not None:
+            way = self._tree.way(target, source, time_ns)
+            runtime.client(SensorReading).asked_of_frames(way)
 
     def _answer(self, ask: Callable[[], Answer]) -> Answer:
         try:
