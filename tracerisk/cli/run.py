@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from tracerisk.cli import options as shared
 from tracerisk.cli.assessment import print_assessment, risk_exit
 from tracerisk.cli.output import note, print_diffs, print_json, progress_bar, write_sarif
+from tracerisk.cli.report_input import RunShown, report_html
 from tracerisk.cli.run_report import (
     blocks_line,
     failure_of,
@@ -38,6 +39,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     shared.add_profile(parser)
     parser.add_argument("--trace", metavar="FILE", help="write the trace as JSON")
     parser.add_argument("--model", metavar="FILE", help="write the risk model as JSON")
+    parser.add_argument("--report", metavar="OUT.html", help="write a report as one HTML page")
     parser.add_argument(
         "--max-risk",
         metavar="P",
@@ -98,6 +100,9 @@ def run(options: argparse.Namespace) -> int:
         from tracerisk.pipeline.alerts import run_alerts
 
         write_sarif(options.sarif, run_alerts(trace, controller.root))
+    if options.report is not None:
+        shown = RunShown(trace, hardware, annotated.computed)
+        write_file(options.report, report_html(assessment, model, sources, run=shown))
     code = risk_exit(assessment, options.max_risk)
     if options.check and annotated.is_changed:
         code = ExitCode.WOULD_CHANGE
