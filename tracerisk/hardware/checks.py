@@ -167,8 +167,8 @@ def check_required(component: Component, quantity: int, place: Place) -> None:
             component,
             place,
             ("required",),
-            f"{quantity} of {quantity} must work: all are needed, so none is redundant; leave it out, "
-            "or give more units",
+            f"{quantity} of {quantity} must work: all are needed, so none is redundant; leave it "
+            "out, or give more units",
         )
     if quantity == 1 and (group.has_spares or group.common_cause):
         key = "spare" if group.has_spares else "common_cause"
