@@ -18,6 +18,7 @@ from tracerisk.instrument.motion_calls import MOTION_CALLS, calls_at
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
 from tracerisk.instrument.tracer import Site
+from tracerisk.pipeline.run_contacts import collisions, with_contacts
 from tracerisk.pipeline.run_files import ELSEWHERE, ENTRY, LAUNCH
 from tracerisk.pipeline.run_watch import CYCLE, MISSION_END
 from tracerisk.pipeline.sensors import elements_of, with_sensors
@@ -70,6 +71,9 @@ def make_trace(
         active, visits = with_sensors(
             elements, recording, attribution, activity, samples, active, visits
         )
+        active, visits = with_contacts(
+            folder, robot, elements, attribution, activity, samples, active, visits
+        )
     return Trace(
         controller=controller.file,
         robot=robot.name,
@@ -80,7 +84,7 @@ def make_trace(
         visits=visits,
         active=active,
         uncovered=_uncovered(controller, recording),
-        findings=_findings(recording, attribution),
+        findings=_findings(recording, attribution, collisions(robot, attribution, visits)),
         objects=_objects(recording),
         assumptions=_assumptions(robot, scene, settings, recording, end),
         cycle=_cycle(recording, attribution, settings),
@@ -160,8 +164,10 @@ def _uncovered(controller: Controller, recording: Recording) -> tuple[Uncovered,
     return uncovered(graph, motion, {site.ref for site in recording.functions_ran})
 
 
-def _findings(recording: Recording, attribution: Attribution) -> tuple[Finding, ...]:
-    found = [*recording.findings, *attribution.findings]
+def _findings(
+    recording: Recording, attribution: Attribution, collided: tuple[Finding, ...]
+) -> tuple[Finding, ...]:
+    found = [*recording.findings, *attribution.findings, *collided]
     return tuple(sorted(found, key=lambda finding: finding.time_s or 0.0))
 
 

@@ -1,0 +1,143 @@
+"""Give the visits of a trace what touched and what was held, and tell the collisions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.errors import Location
+from tracerisk.instrument.ownership import Attribution
+from tracerisk.trace import Contact, Element, Exposure, Finding, FunctionRef, Visit
+from tracerisk.twin.activity import ElementActivity
+from tracerisk.twin.contact_log import read_contacts
+from tracerisk.twin.contacts import (
+    contact_activity,
+    run_contacts,
+    visit_contacts,
+    visit_payloads,
+)
+from tracerisk.twin.exposure import exposure
+from tracerisk.twin.samples import Samples
+from tracerisk.twin.touches import moved_by
+
+if TYPE_CHECKING:
+    from tracerisk.twin.robot import Robot
+
+UNEXPECTED_CONTACT = "unexpected_contact"
+
+
+def with_contacts(
+    folder: Path,
+    robot: Robot,
+    elements: Sequence[Element],
+    attribution: Attribution,
+    activity: Mapping[str, ElementActivity],
+    samples: Samples,
+    active: Mapping[str, Exposure],
+    visits: tuple[Visit, ...],
+) -> tuple[Mapping[str, Exposure], tuple[Visit, ...]]:
+    """Return the exposures of the run and its visits with contacts, payloads and touching time.
+
+    Raises LogError when the log of contacts in `folder` is damaged.
+    """
+    n_steps, step_ns = samples.n_steps, samples.header.step_ns
+    log = read_contacts(folder, n_steps)
+    if not len(log.rows) and not log.welds:
+        return active, visits
+    owners: dict[str | None, NDArray[np.int64]] = {
+        name: attribution.assign(name, n_steps, step_ns) for name in activity
+    }
+    owners[None] = attribution.current(n_steps, step_ns)
+    commanded = {
+        gripper.name: _commanded(gripper.name, attribution, n_steps, step_ns)
+        for gripper in robot.grippers
+    }
+    run = run_contacts(robot, log, activity, commanded, samples.step_s)
+    contacts = visit_contacts(run, owners)
+    payloads = visit_payloads(run, activity, owners)
+    touching = contact_activity(run, elements)
+    everywhere = np.ones(n_steps, dtype=np.bool_)
+    found = {name: exposure(each, everywhere, samples.step_s) for name, each in touching.items()}
+    found = {name: each for name, each in found.items() if each != Exposure()}
+    given = []
+    for index, visit in enumerate(visits):
+        own = {
+            name: exposure(
+                touching[name],
+                owners[moved_by(robot, touching[name].element.part or "")] == index,
+                samples.step_s,
+            )
+            for name in found
+        }
+        given.append(
+            replace(
+                visit,
+                exposures={
+                    **visit.exposures,
+                    **{name: each for name, each in own.items() if each != Exposure()},
+                },
+                contacts=contacts.get(index, ()),
+                payloads=payloads.get(index, ()),
+            )
+        )
+    return {**active, **found}, tuple(given)
+
+
+def collisions(
+    robot: Robot, attribution: Attribution, visits: Sequence[Visit]
+) -> tuple[Finding, ...]:
+    """Return a finding for each pair of bodies whose touch was not to be expected, by function.
+
+    They are in the order in which they began.
+    """
+    by_pair: dict[tuple[FunctionRef, str, str], list[Contact]] = {}
+    for visit in visits:
+        for contact in visit.contacts:
+            if not contact.expected:
+                pair = (visit.function, contact.link, contact.other)
+                by_pair.setdefault(pair, []).append(contact)
+    lines = {function.ref: function.line for function in attribution.functions}
+    links = frozenset(robot.link_names)
+    found = [
+        Finding(
+            UNEXPECTED_CONTACT,
+            f"unexpected contact: {_told(function.name, link, other, contacts, links)}",
+            min(contact.start_s for contact in contacts),
+            Location(function.file, lines[function]),
+        )
+        for (function, link, other), contacts in by_pair.items()
+    ]
+    return tuple(sorted(found, key=lambda each: (each.time_s or 0.0, each.message)))
+
+
+def _told(
+    function: str, link: str, other: str, contacts: Sequence[Contact], links: frozenset[str]
+) -> str:
+    seconds = sum(contact.touching_s for contact in contacts)
+    visits = "" if len(contacts) == 1 else f" in {len(contacts)} visits"
+    if other in links:
+        return (
+            f"{link} overlaps {other}, of the arm itself, in {function}: for {seconds:.2f} s"
+            f"{visits}; its force is not simulated"
+        )
+    force = max(contact.force_n for contact in contacts)
+    what = link if link in links else f"{link}, which is held,"
+    return f"{what} touches {other} in {function}: up to {force:.3g} N, {seconds:.2f} s{visits}"
+
+
+def _commanded(
+    gripper: str, attribution: Attribution, n_steps: int, step_ns: int
+) -> NDArray[np.bool_]:
+    """Return in which steps a command that addresses the gripper was live."""
+    flags = np.zeros(n_steps, dtype=np.bool_)
+    for each in attribution.commands:
+        elements = each.command.elements
+        if gripper in elements:
+            until_ns = each.until_ns[elements.index(gripper)]
+            flags[-(-each.command.issue_ns // step_ns) : -(-until_ns // step_ns)] = True
+    return flags
