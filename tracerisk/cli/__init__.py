@@ -28,6 +28,7 @@ VERBS = {
     "strip": "remove the risk blocks from sources, every other byte kept",
     "robots": "list the robots that are shipped, or show what one of them has",
     "doctor": "tell whether everything that tracerisk needs works here",
+    "completion": "print the script by which a shell completes this command",
 }
 
 _EPILOG = """\
@@ -67,21 +68,26 @@ def _run(given: list[str]) -> int:
         sys.stdout.flush()
 
 
-def _parser(chosen: str | None, *, as_json: bool) -> argparse.ArgumentParser:
+def whole_parser() -> argparse.ArgumentParser:
+    """Return the parser with the options of every verb, for what describes the command."""
+    return _parser(*VERBS, as_json=False)
+
+
+def _parser(*chosen: str | None, as_json: bool) -> argparse.ArgumentParser:
     parser = _Parser(
         prog="tracerisk",
         description="Redo the risk assessment of a robot arm at every commit of its controller.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.verb = chosen if as_json else None
+    parser.verb = chosen[0] if as_json and chosen else None
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
     for verb, summary in VERBS.items():
         sub = verbs.add_parser(
             verb, help=summary, description=f"{summary[0].upper()}{summary[1:]}."
         )
-        if verb == chosen:
+        if verb in chosen:
             sub.verb = parser.verb
             parser.chosen = sub
             import_module(f"tracerisk.cli.{verb.replace('-', '_')}").add_options(sub)
