@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.cli import options as shared
+from tracerisk.cli.explain import derivation_json, explained, print_derivation
 from tracerisk.cli.output import note, print_diffs, print_json
 from tracerisk.cli.run_report import blocks_line
 from tracerisk.errors import ExitCode, InputError, Location
@@ -26,6 +27,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     shared.add_profile(parser)
     shared.add_write_options(parser)
     shared.add_edit_options(parser)
+    shared.add_explain(parser)
     shared.add_json(parser)
 
 
@@ -54,6 +56,7 @@ def run(options: argparse.Namespace) -> int:
         profile=profile,
         given=given,
     )
+    derivation = explained(options, annotated, hardware, settings)
     keeps_files = options.check or options.diff
     if not keeps_files:
         annotated.write()
@@ -67,6 +70,7 @@ def run(options: argparse.Namespace) -> int:
             changed=annotated.is_changed,
             blocks=blocks,
             assumptions=list(annotated.computed.assumptions),
+            **derivation_json(derivation),
         )
         return int(code)
     if options.diff:
@@ -80,6 +84,7 @@ def run(options: argparse.Namespace) -> int:
     note(line, quiet=options.quiet)
     for line in annotated.computed.assumptions:
         note(f"assumed: {line}", quiet=options.quiet)
+    print_derivation(derivation)
     return int(code)
 
 

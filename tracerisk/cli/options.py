@@ -144,6 +144,15 @@ def add_profile(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_explain(parser: argparse.ArgumentParser) -> None:
+    """Add the function whose figures are derived."""
+    parser.add_argument(
+        "--explain",
+        metavar="FUNCTION",
+        help="print where a function's figures come from, step by step",
+    )
+
+
 def add_mission_time(parser: argparse.ArgumentParser) -> None:
     """Add the mission time of a tree or a chain."""
     parser.add_argument(

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from tracerisk.pipeline.controller import Controller as Controller
     from tracerisk.pipeline.controller import load_controller as load_controller
+    from tracerisk.pipeline.explanation import explain as explain
     from tracerisk.pipeline.stages import Annotated as Annotated
     from tracerisk.pipeline.stages import annotate as annotate
     from tracerisk.pipeline.stages import at_annotated_lines as at_annotated_lines
@@ -31,6 +32,7 @@ __all__ = [
     "at_annotated_lines",
     "build",
     "check_blocks",
+    "explain",
     "hand_set",
     "load_controller",
     "load_hardware",
@@ -41,11 +43,13 @@ __all__ = [
     "trace_controller",
 ]
 
+_HOMES = {"Controller": "controller", "load_controller": "controller", "explain": "explanation"}
+
 
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module 'tracerisk.pipeline' has no attribute '{name}'")
-    home = "controller" if name in ("Controller", "load_controller") else "stages"
+    home = _HOMES.get(name, "stages")
     return getattr(import_module(f"tracerisk.pipeline.{home}"), name)
 
 
