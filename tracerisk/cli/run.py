@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.cli import options as shared
 from tracerisk.cli.assessment import print_assessment, risk_exit
+from tracerisk.cli.explain import derivation_json, explained, print_derivation
 from tracerisk.cli.output import note, print_diffs, print_json, progress_bar, write_sarif
 from tracerisk.cli.report_input import RunShown, report_html
 from tracerisk.cli.run_report import (
@@ -37,6 +38,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     shared.add_write_options(parser)
     shared.add_edit_options(parser)
     shared.add_profile(parser)
+    shared.add_explain(parser)
     parser.add_argument("--trace", metavar="FILE", help="write the trace as JSON")
     parser.add_argument("--model", metavar="FILE", help="write the risk model as JSON")
     parser.add_argument("--report", metavar="OUT.html", help="write a report as one HTML page")
@@ -90,6 +92,7 @@ def run(options: argparse.Namespace) -> int:
     if options.model is not None:
         write_file(options.model, model_json.dumps(model))
     assessment = pipeline.solve(model)
+    derivation = explained(options, annotated, hardware, settings)
     keeps_files = options.check or options.diff
     if not keeps_files:
         annotated.write()
@@ -115,6 +118,7 @@ def run(options: argparse.Namespace) -> int:
             assessment=assessment_to_json(assessment),
             assumptions=[*trace.assumptions, *annotated.computed.assumptions],
             model=model_json.model_data(model),
+            **derivation_json(derivation),
         )
         return int(code)
     if options.diff:
@@ -137,6 +141,7 @@ def run(options: argparse.Namespace) -> int:
             findings=finding_lines(trace),
             assumptions=(*trace.assumptions, *annotated.computed.assumptions),
         )
+    print_derivation(derivation)
     return int(code)
 
 
