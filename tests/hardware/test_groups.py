@@ -165,6 +165,12 @@ def test_a_group_that_never_or_surely_fails_keeps_that(redundancy):
         assert group_unit_probability([[1.0, 1.0, 1.0], [0.5, 0.1, 0.2]], redundancy) == 1.0
 
 
+def test_a_group_at_rest_has_no_negative_zero():
+    assert math.copysign(1.0, group_unit_probability([[0.0, 0.0], [-0.0, 0.0]], ALL_NEEDED)) == 1.0
+    (one, _) = instance_shares([FunctionUse([[0.0, 0.1]], 1)], ALL_NEEDED)
+    assert math.copysign(1.0, one.p_failure) == 1.0
+
+
 def test_a_pair_of_which_one_unit_never_fails_does_not_fail():
     assert group_unit_probability([[0.0, 0.1], [0.0, 0.2]], Redundancy(True)) == 0.0
     each_visit = Redundancy(True, detected="each_visit")

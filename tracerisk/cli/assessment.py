@@ -10,6 +10,8 @@ from tracerisk.cli.output import terminal_width, use_color
 from tracerisk.errors import ExitCode
 
 if TYPE_CHECKING:
+    from rich.table import Table
+
     from tracerisk.prm.assessment import Assessment
     from tracerisk.report.terminal import Exposures
 
@@ -20,6 +22,7 @@ def print_assessment(
     exposures: Exposures | None = None,
     findings: Sequence[str] = (),
     assumptions: Sequence[str] = (),
+    tables: Sequence[Table] = (),
 ) -> None:
     """Print the table of an assessment on standard output."""
     from tracerisk.report.terminal import render_assessment
@@ -29,6 +32,7 @@ def print_assessment(
         exposures=exposures,
         findings=findings,
         assumptions=assumptions,
+        tables=tables,
         width=terminal_width(),
         color=use_color(),
     )

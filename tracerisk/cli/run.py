@@ -55,8 +55,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     from tracerisk import pipeline, trace_json
+    from tracerisk.pipeline.stages import blocks_of
     from tracerisk.prm.formats import model_json
     from tracerisk.prm.formats.assessment_json import assessment_to_json
+    from tracerisk.report.run_figures import run_figures
 
     profile = shared.read_profile(options)
     policy = shared.merge_policy(options)
@@ -92,6 +94,12 @@ def run(options: argparse.Namespace) -> int:
     if options.model is not None:
         write_file(options.model, model_json.dumps(model))
     assessment = pipeline.solve(model)
+    figures = run_figures(
+        assessment,
+        hardware,
+        annotated.computed.instances,
+        [block for _, block in blocks_of(sources)],
+    )
     derivation = explained(options, annotated, hardware, settings)
     keeps_files = options.check or options.diff
     if not keeps_files:
@@ -119,6 +127,7 @@ def run(options: argparse.Namespace) -> int:
             assumptions=[*trace.assumptions, *annotated.computed.assumptions],
             model=model_json.model_data(model),
             **derivation_json(derivation),
+            **figures.data(annotated.computed.names),
         )
         return int(code)
     if options.diff:
@@ -140,6 +149,7 @@ def run(options: argparse.Namespace) -> int:
             exposures=annotated.computed.exposures_by_name,
             findings=finding_lines(trace),
             assumptions=(*trace.assumptions, *annotated.computed.assumptions),
+            tables=figures.tables(),
         )
     print_derivation(derivation)
     return int(code)

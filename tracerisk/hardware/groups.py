@@ -132,7 +132,7 @@ def mission_hazard(functions: Sequence[FunctionUse], unit: int) -> float:
 def mean_probability(visits: Visits) -> float:
     """Return the failure probability of the mean hazard over visits and units."""
     total = math.fsum(survival_log(p) for units in visits for p in units)
-    return -math.expm1(total / math.fsum(len(units) for units in visits))
+    return 0.0 - math.expm1(total / math.fsum(len(units) for units in visits))
 
 
 def _drops(

@@ -30,18 +30,25 @@ def render_assessment(
     exposures: Exposures | None = None,
     findings: Sequence[str] = (),
     assumptions: Sequence[str] = (),
+    tables: Sequence[Table] = (),
     width: int = 80,
     color: bool = False,
 ) -> str:
     """Return the table as text, the same for the same input on every machine.
 
     `exposures` are the seconds active where a run is known; `findings` and `assumptions` are
-    the caller's lines, shown before those of the assessment.
+    the caller's lines, shown before those of the assessment; `tables` the caller's, shown below
+    that of the components.
     `width` is the number of columns, at least 60; `color` adds escape sequences.
     """
     return rendered(
         lambda console: print_assessment(
-            console, assessment, exposures=exposures, findings=findings, assumptions=assumptions
+            console,
+            assessment,
+            exposures=exposures,
+            findings=findings,
+            assumptions=assumptions,
+            tables=tables,
         ),
         width=width,
         color=color,
@@ -55,6 +62,7 @@ def print_assessment(
     exposures: Exposures | None = None,
     findings: Sequence[str] = (),
     assumptions: Sequence[str] = (),
+    tables: Sequence[Table] = (),
 ) -> None:
     """Print the table to a console of rich, with the lines of `render_assessment`."""
     parts: list[RenderableType] = [
@@ -63,7 +71,7 @@ def print_assessment(
     ]
     if assessment.components:
         parts.append(_components(assessment.components))
-    for part in parts:
+    for part in (*parts, *tables):
         console.print(part)
     _print_lines(console, "Findings", (*findings, *assessment.findings))
     _print_lines(console, "Assumptions", (*assumptions, *assessment.assumptions))

@@ -1,0 +1,64 @@
+"""The assumed figures that a result hangs on."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from tracerisk.hardware.model import Hardware
+from tracerisk.hardware.sources import assumed_sources
+from tracerisk.prm.assessment import Assessment
+from tracerisk.report.instances import component_shares
+from tracerisk.report.tables import plain, table_of
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+MOST_SHOWN = 5
+
+
+@dataclass(frozen=True, slots=True)
+class AssumedFigure:
+    """A component whose figures are assumed: its share of the mission's failure, and its word.
+
+    `fussell_vesely` is the part of the mission's failure probability that goes with it.
+    """
+
+    component: str
+    fussell_vesely: float
+    source: str
+
+
+def assumed_figures(
+    hardware: Hardware, assessment: Assessment, *, by_hand: Collection[str] = ()
+) -> tuple[AssumedFigure, ...]:
+    """Return the assumed figures that are part of a result, that which matters most first.
+
+    `by_hand` names components whose probability is a person's in every block: there nothing
+    hangs on the description.
+    """
+    shares = component_shares(assessment)
+    found = [
+        AssumedFigure(name, shares[name], source)
+        for name, source in assumed_sources(hardware).items()
+        if name in shares and name not in by_hand
+    ]
+    return tuple(sorted(found, key=lambda each: (-each.fussell_vesely, each.component)))
+
+
+def assumed_table(figures: Sequence[AssumedFigure]) -> Table | None:
+    """Return the assumed figures that matter most as a table; `None` where there are none."""
+    if not figures:
+        return None
+    shown = figures[:MOST_SHOWN]
+    title = "Assumed figures that drive the result"
+    if len(figures) > len(shown):
+        title += f" ({len(shown)} of {len(figures)})"
+    table = table_of(title)
+    table.add_column("component", overflow="fold")
+    table.add_column("share", justify="right", no_wrap=True)
+    table.add_column("source", overflow="fold")
+    for each in shown:
+        table.add_row(*plain([each.component, f"{100.0 * each.fussell_vesely:.3g} %", each.source]))
+    return table

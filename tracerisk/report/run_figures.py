@@ -1,0 +1,69 @@
+"""What a run knows of its figures beyond the model: instances, and which figures are assumed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.adder.block import RiskBlock
+from tracerisk.adder.instances import ComponentInstances
+from tracerisk.hardware.model import Hardware
+from tracerisk.prm.assessment import Assessment
+from tracerisk.report.assumed import AssumedFigure, assumed_figures, assumed_table
+from tracerisk.report.instances import (
+    InstanceImportance,
+    instance_importances,
+    instances_data,
+    instances_table,
+)
+from tracerisk.trace import FunctionRef
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+
+@dataclass(frozen=True, slots=True)
+class RunFigures:
+    """The instances of a run's components with their importance, and its assumed figures."""
+
+    instances: tuple[ComponentInstances, ...]
+    importances: tuple[InstanceImportance, ...]
+    assumed: tuple[AssumedFigure, ...]
+
+    def tables(self) -> list[Table]:
+        """Return the tables for a terminal; none where instances are alike and none is assumed."""
+        found = (instances_table(self.instances, self.importances), assumed_table(self.assumed))
+        return [each for each in found if each is not None]
+
+    def data(self, names: Mapping[FunctionRef, str]) -> dict[str, Any]:
+        """Return all as plain data; `names` are the functions' names in the model."""
+        return {
+            "instances": instances_data(self.importances, names),
+            "assumed_figures": [asdict(each) for each in self.assumed],
+        }
+
+
+def run_figures(
+    assessment: Assessment,
+    hardware: Hardware,
+    instances: Sequence[ComponentInstances],
+    blocks: Iterable[RiskBlock],
+) -> RunFigures:
+    """Return what a run knows of the figures of an assessment of its blocks."""
+    return RunFigures(
+        tuple(instances),
+        instance_importances(instances, assessment),
+        assumed_figures(hardware, assessment, by_hand=_by_hand(blocks)),
+    )
+
+
+def _by_hand(blocks: Iterable[RiskBlock]) -> list[str]:
+    """Return the components whose probability is a person's in every block that has them."""
+    computed: dict[str, bool] = {}
+    for block in blocks:
+        for entry in block.components:
+            if not entry.omitted:
+                is_tools = not (block.added or entry.added or entry.probability.pinned)
+                computed[entry.name] = computed.get(entry.name, False) or is_tools
+    return [name for name, is_tools in computed.items() if not is_tools]
