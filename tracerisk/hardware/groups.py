@@ -119,14 +119,13 @@ def instance_shares(
 
 def mission_probability(functions: Sequence[FunctionUse], unit: int) -> float:
     """Return the failure probability of one unit of a group over a mission."""
-    return -math.expm1(-mission_hazard(functions, unit))
+    return 0.0 - math.expm1(-mission_hazard(functions, unit))
 
 
 def mission_hazard(functions: Sequence[FunctionUse], unit: int) -> float:
     """Return the hazard of one unit of a group over a mission."""
-    return -math.fsum(
-        each.scale * survival_log(units[unit]) for each in functions for units in each.visits
-    )
+    logs = (each.scale * survival_log(units[unit]) for each in functions for units in each.visits)
+    return 0.0 - math.fsum(logs)
 
 
 def mean_probability(visits: Visits) -> float:
