@@ -26,6 +26,7 @@ VERBS = {
     "diff": "tell what a change does to the risk, from the blocks of two git versions",
     "report": "write an HTML report of annotated sources that needs no network",
     "strip": "remove the risk blocks from sources, every other byte kept",
+    "hardware": "convert, show or start a hardware description; print its schema",
     "robots": "list the robots that are shipped, or show what one of them has",
     "doctor": "tell whether everything that tracerisk needs works here",
     "completion": "print the script by which a shell completes this command",
@@ -123,7 +124,16 @@ class _Parser(argparse.ArgumentParser):
     def _unknown(self, words: list[str]) -> None:
         from difflib import get_close_matches
 
-        known = [word for word in self._option_string_actions if word.startswith("--")]
+        # Of a verb with actions, what any of them knows.
+        nested = [
+            parser
+            for action in self._actions
+            if isinstance(action, argparse._SubParsersAction)
+            for parser in action.choices.values()
+        ]
+        parsers = (self, *nested)
+        options = (word for each in parsers for word in each._option_string_actions)
+        known = [word for word in options if word.startswith("--")]
         option = next((word for word in words if word.startswith("-")), None)
         if option is None:
             self.error(f"unexpected: {' '.join(words)}")

@@ -47,7 +47,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     if options.robot is not None:
-        robot = _robot(options.robot)
+        robot = named_robot(options.robot)
         if options.json:
             print_json("robots", robot=_as_json(robot))
         else:
@@ -63,7 +63,8 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _robot(name: str) -> Robot:
+def named_robot(name: str) -> Robot:
+    """Return a shipped robot by its name, or that of a model file."""
     from tracerisk.twin.robot import is_model_file, load_robot
 
     if is_model_file(name):

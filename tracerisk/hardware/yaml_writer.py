@@ -18,7 +18,7 @@ _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t"}
 def write_hardware(hardware: Hardware) -> str:
     """Return the description as YAML; reading it gives an equal one."""
     data = description_data(hardware)
-    lines = [f"{key}: {_text(value)}" for key, value in data.items() if key != "components"]
+    lines = [key_line(key, value) for key, value in data.items() if key != "components"]
     lines.append("components:")
     for component in hardware.components:
         lines += component_lines(component)
@@ -29,7 +29,12 @@ def component_lines(component: Component) -> Iterator[str]:
     """Yield the lines of one component, a key a line."""
     yield f"  {_text(component.name)}:"
     for key, value in component_data(component).items():
-        yield f"    {key}: {_text(value)}"
+        yield f"    {key_line(key, value)}"
+
+
+def key_line(key: str, value: Any) -> str:
+    """Return a key with its value, which is plain data, in one line."""
+    return f"{key}: {_text(value)}"
 
 
 def _text(value: Any) -> str:

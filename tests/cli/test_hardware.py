@@ -1,0 +1,225 @@
+"""`tracerisk hardware`: descriptions shown, begun and written in the other format."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from tracerisk.hardware.binding import bind
+from tracerisk.hardware.reader import read_hardware
+from tracerisk.hardware.shipped import hardware_of
+from tracerisk.twin.robot import load_robot, robot_names
+
+CELL = """\
+# a comment
+robot: panda
+components:
+  arm.motor:
+    failure_rate: {value: 570, unit: FIT, error_factor: 3}
+    twin: {joints: "*"}
+    load_law: {reference_load: 0.3, wearing_share: 0.6, exponent: 10/3}
+    modes: {jam: {fraction: 0.4, when: [moving]}}
+    source: "data book, table 3"
+  gripper:
+    probability: {value: 1e-7, per: demand, of: grasp}
+    twin: {gripper: true}
+    source: "assumed: as others"
+  power:
+    weibull: {shape: 2, scale: 30000, per: hour}
+    age: {value: 12000, per: hour}
+    quantity: 3
+    required: 2
+    detected: {test_interval: 8, per: hour}
+    active: always
+"""
+
+
+@pytest.fixture
+def cell(example):
+    example.write("cell.yaml", CELL)
+    return example
+
+
+def test_a_description_is_shown_with_units_places_and_sources(cell):
+    outcome = cell.run("hardware", "show", "cell.yaml")
+    assert outcome.code == 0, outcome.err
+    assert outcome.out == (Path(__file__).parent / "hardware_cell.txt").read_text()
+
+
+def test_with_a_robot_the_units_are_those_of_the_robot(cell):
+    outcome = cell.run("hardware", "show", "cell.yaml", "--robot", "panda", "--json")
+    assert outcome.code == 0, outcome.err
+    joints = [joint.name for joint in load_robot("panda").arm_joints]
+    assert outcome.json["units"]["arm.motor"] == {"quantity": 7, "elements": joints}
+    assert outcome.json["assumed"] == ["gripper"]
+    motor = outcome.json["hardware"]["components"]["arm.motor"]
+    assert motor["failure_rate"] == {"value": 5.7e-7, "per": "hour", "error_factor": 3.0}
+    assert cell.run("hardware", "show", "cell.yaml", "--json").json["units"] is None
+
+
+def test_the_shipped_description_of_a_robot_is_shown(example):
+    outcome = example.run("hardware", "show", "--robot", "baxter")
+    assert outcome.code == 0, outcome.err
+    (row,) = [line for line in outcome.out.splitlines() if line.startswith("gripper ")]
+    assert row.split()[:4] == ["gripper", "2", "all", "needed"]
+
+
+def test_what_an_optional_part_the_robot_lacks_is_told(example):
+    example.write(
+        "h.yaml",
+        "components:\n  camera:\n    failure_rate: {value: 1e-6, per: hour}\n"
+        "    twin: {sensors: wrench, optional: true}\n",
+    )
+    outcome = example.run("hardware", "show", "h.yaml", "--robot", "px100")
+    assert "the robot has none" in outcome.out
+
+
+def test_nothing_to_show_is_bad_input(example):
+    outcome = example.run("hardware", "show")
+    assert outcome.code == 2
+    assert "give a description, or --robot NAME" in outcome.err
+
+
+def test_yaml_is_written_anew_and_says_the_same(cell):
+    outcome = cell.run("hardware", "convert", "cell.yaml", "-o", "again.yml", "--json")
+    assert outcome.code == 0, outcome.err
+    assert (outcome.json["format"], outcome.json["to"], outcome.json["components"]) == (
+        "yaml",
+        "yaml",
+        3,
+    )
+    assert read_hardware(cell.folder / "again.yml") == read_hardware(cell.folder / "cell.yaml")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("cell.yaml", "-o", "cell.txt"), "ends in '.txt', which is no format; allowed: .sysml"),
+        (("cell", "-o", "a.yaml"), "cell: its name has no ending"),
+        (("cell.yaml", "-o", "./cell.yaml"), "whose comments would be lost"),
+        (("gone.yaml", "-o", "a.yaml"), "gone.yaml: cannot be read"),
+    ],
+)
+def test_what_cannot_be_converted_is_told(cell, arguments, told):
+    before = cell.files()
+    outcome = cell.run("hardware", "convert", *arguments)
+    assert outcome.code == 2
+    assert told in outcome.err
+    assert cell.files() == before
+
+
+def uncommented(text: str) -> str:
+    """The text with each of its examples in place."""
+    text = re.sub(
+        r"^    # with how sure it is: (\w+): (.*)$", r"    # sure \1: \2", text, flags=re.MULTILINE
+    )
+    found = []
+    for line in text.splitlines():
+        if match := re.match(r"    # sure (\w+): (.*)", line):
+            at = max(i for i, each in enumerate(found) if each.startswith(f"    {match[1]}: "))
+            found[at] = f"    {match[1]}: {match[2]}"
+        else:
+            found.append(re.sub(r"^    # ", "    ", line))
+    return "\n".join(found) + "\n"
+
+
+def units_by_figures(bound) -> Counter:
+    units = Counter()
+    for each in bound:
+        units[each.component.figures] += each.quantity
+    return units
+
+
+@pytest.mark.parametrize("robot", robot_names())
+def test_a_first_description_covers_every_part_of_the_robot(tmp_path, robot, capsys):
+    from tracerisk.cli import main
+
+    file = tmp_path / "h.yaml"
+    assert main(["hardware", "init", "--robot", robot, "-o", str(file), "-q"]) == 0
+    elements = load_robot(robot).elements
+    hardware = read_hardware(file)
+    bound = bind(hardware, elements)
+    assert hardware.robot == robot
+    assert {name for each in bound for name in each.elements} == {each.name for each in elements}
+    always = {each.name for each in hardware.components if each.always_active}
+    assert {"power_system", "control_system"} <= always
+    # The figures are those that are shipped, of as many units.
+    shipped = units_by_figures(bind(hardware_of(robot), elements))
+    assert shipped.items() <= units_by_figures(bound).items()
+    text = file.read_text(encoding="utf-8")
+    assert text.startswith("# yaml-language-server: $schema=hardware.schema.json\n")
+    file.write_text(uncommented(text), encoding="utf-8")
+    more = read_hardware(file)
+    bind(more, elements)
+    motor = next(each for each in more.components if each.name.endswith("electric_motor"))
+    assert (motor.load_law is not None, len(motor.modes), motor.age_s > 0) == (True, 2, True)
+    assert motor.figures[0].error_factor == 3.0
+
+
+def test_the_arms_of_a_robot_with_two_get_components_of_their_own(example):
+    outcome = example.run("hardware", "init", "--robot", "baxter", "--json")
+    names = [name for name in outcome.json["components"] if name.endswith("electric_motor")]
+    assert names == ["left_arm.electric_motor", "right_arm.electric_motor", "other.electric_motor"]
+
+
+def test_a_first_description_is_run(example, quick):
+    example.write("controller.py", quick())
+    assert example.run("hardware", "init", "--robot", "panda", "-o", "cell.yaml").code == 0
+    outcome = example.run("run", "controller.py", "--hardware", "cell.yaml", "--json")
+    assert outcome.code == 0, outcome.err
+    (state,) = outcome.json["model"]["states"]
+    assert {"power_system", "electric_motor"} <= set(state["probabilities"])
+
+
+def test_a_first_description_takes_no_other_files_place(cell):
+    before = cell.files()
+    outcome = cell.run("hardware", "init", "--robot", "ur5e", "-o", "cell.yaml")
+    assert outcome.code == 2
+    assert "cell.yaml: is there already; give another name, or move it away" in outcome.err
+    assert cell.files() == before
+
+
+def test_the_format_and_the_name_of_a_first_description_agree(example):
+    outcome = example.run(
+        "hardware", "init", "--robot", "ur5e", "-o", "a.yaml", "--format", "sysml"
+    )
+    assert outcome.code == 2
+    assert "a.yaml: is the name of a yaml file, but --format says sysml" in outcome.err
+    assert not example.files()
+
+
+def test_the_schema_is_printed_and_written(example):
+    printed = example.run("hardware", "schema")
+    assert printed.code == 0, printed.err
+    assert json.loads(printed.out)["$schema"].endswith("2020-12/schema")
+    example.run("hardware", "schema", "-o", "hardware.schema.json", "-q")
+    assert example.run("hardware", "schema", "-o", "hardware.schema.json").code == 0
+    assert example.read("hardware.schema.json").decode() == printed.out
+
+
+def test_usage_errors_of_an_action_suggest_and_are_json_too(example):
+    outcome = example.run("hardware", "init", "--robto", "x", "--robot", "ur5e", "--json")
+    assert outcome.code == outcome.json["exit_code"] == 2
+    assert "unknown option --robto; did you mean --robot?" in outcome.err
+    outcome = example.run("hardware", "init", "--json")
+    assert outcome.json["error"]["kind"] == "UsageError"
+    assert "required: --robot" in outcome.json["error"]["message"]
+
+
+@pytest.mark.parametrize(
+    "arguments", [["init", "--robot", "ur5e"], ["show", "--robot", "ur5e"], ["schema"]]
+)
+def test_hardware_is_shown_without_a_simulator_or_a_parser_of_sysml(arguments):
+    code = (
+        "import sys; from tracerisk.cli import main; "
+        f"assert main(['hardware', *{arguments!r}]) == 0; "
+        "assert not {'mujoco', 'dm_control', 'libcst', 'lark', 'scipy'} & sys.modules.keys()"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr.decode()

@@ -1,0 +1,211 @@
+"""`tracerisk hardware`: convert, show and start a hardware description, or print its schema."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.cli import options as shared
+from tracerisk.cli.output import note, print_json
+from tracerisk.errors import InputError, Location
+
+if TYPE_CHECKING:
+    from tracerisk.hardware.binding import BoundComponent
+    from tracerisk.hardware.model import Hardware
+    from tracerisk.twin.robot import Robot
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add what can be done with a description, each with its options."""
+    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
+    for name, (add, _, summary) in _ACTIONS.items():
+        action = actions.add_parser(
+            name, help=summary, description=f"{summary[0].upper()}{summary[1:]}."
+        )
+        # Usage errors are JSON too where that was asked for.
+        action.verb = getattr(parser, "verb", None)  # type: ignore[attr-defined]
+        add(action)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    _, act, _ = _ACTIONS[options.action]
+    return act(options)
+
+
+def _add_convert(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("file", metavar="FILE", help="the description, .yaml or .sysml")
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", required=True, help="the file to write, .yaml or .sysml"
+    )
+    shared.add_json(parser)
+
+
+def _convert(options: argparse.Namespace) -> int:
+    from tracerisk.hardware.formats import format_of_name, read_description, write_description
+
+    source, target = format_of_name(options.file), format_of_name(options.output)
+    hardware = read_description(Path(options.file))
+    if Path(options.output).exists() and Path(options.output).samefile(options.file):
+        raise InputError(
+            "is the file that is converted, whose comments would be lost; name another output",
+            Location(options.output),
+        )
+    _write(options.output, write_description(hardware, target))
+    if options.json:
+        print_json(
+            "hardware",
+            action="convert",
+            format=source,
+            to=target,
+            file=options.output,
+            components=len(hardware.components),
+        )
+    note(f"{options.output}: {source} as {target}", quiet=options.quiet)
+    return 0
+
+
+def _add_show(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "file", metavar="FILE", nargs="?", help="the description; else that of the robot"
+    )
+    parser.add_argument(
+        "--robot", metavar="NAME|FILE", help="the arm; tells how many of each there are"
+    )
+    shared.add_json(parser)
+
+
+def _show(options: argparse.Namespace) -> int:
+    from tracerisk.hardware.formats import read_description
+    from tracerisk.hardware.shipped import hardware_of
+
+    if options.file is None and options.robot is None:
+        raise InputError("nothing to show; give a description, or --robot NAME for the shipped one")
+    robot = None if options.robot is None else _robot(options.robot)
+    if options.file is not None:
+        hardware = read_description(Path(options.file))
+    else:
+        assert robot is not None
+        hardware = hardware_of(robot.name)
+    bound = None if robot is None else _bound(hardware, robot)
+    if options.json:
+        print_json("hardware", action="show", **_shown(hardware, bound))
+        return 0
+    from tracerisk.report.hardware_table import hardware_table
+
+    print("\n".join((f"{hardware.file}:", *hardware_table(hardware, bound))))
+    return 0
+
+
+def _add_init(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--robot", metavar="NAME|FILE", required=True, help="the arm")
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", help="the file to write; else it is printed"
+    )
+    parser.add_argument(
+        "--format", choices=("yaml", "sysml"), help="else told by the name of the output, or YAML"
+    )
+    shared.add_json(parser)
+
+
+def _init(options: argparse.Namespace) -> int:
+    from tracerisk.hardware.formats import format_of_name
+    from tracerisk.hardware.shipped import hardware_of
+    from tracerisk.hardware.starting_file import (
+        starting_description,
+        starting_sysml,
+        starting_yaml,
+    )
+
+    told = None if options.output is None else format_of_name(options.output)
+    if told is not None and options.format not in (None, told):
+        raise InputError(
+            f"is the name of a {told} file, but --format says {options.format}; leave one out",
+            Location(options.output),
+        )
+    robot = _robot(options.robot)
+    hardware = starting_description(
+        robot.name,
+        robot.elements,
+        {name: group.joints for name, group in robot.groups.items()},
+        hardware_of(robot.name),
+    )
+    kind = told or options.format or "yaml"
+    text = (starting_sysml if kind == "sysml" else starting_yaml)(hardware, robot.title)
+    names = [each.name for each in hardware.components]
+    _deliver(options, text, is_new=True, format=kind, components=names)
+    return 0
+
+
+def _add_schema(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", help="the file to write; else it is printed"
+    )
+    shared.add_json(parser)
+
+
+def _schema(options: argparse.Namespace) -> int:
+    from importlib.resources import files
+
+    path = files("tracerisk.hardware").joinpath("hardware.schema.json")
+    _deliver(options, path.read_text(encoding="utf-8"), is_new=False)
+    return 0
+
+
+def _deliver(options: argparse.Namespace, text: str, *, is_new: bool, **told: Any) -> None:
+    """Write a file, or print what would be in it; one that `is_new` takes no other's place."""
+    if options.output is not None:
+        _write(options.output, text, is_new=is_new)
+        note(f"{options.output}: written", quiet=options.quiet)
+    if options.json:
+        print_json("hardware", action=options.action, file=options.output, text=text, **told)
+    elif options.output is None:
+        print(text, end="")
+
+
+def _write(name: str, text: str, *, is_new: bool = False) -> None:
+    from tracerisk.adder.write import FileWrite, write_all
+
+    path = Path(name)
+    if is_new and path.exists():
+        raise InputError("is there already; give another name, or move it away", Location(name))
+    write_all([FileWrite(path, text.encode())])
+
+
+def _robot(name: str) -> Robot:
+    from tracerisk.cli.robots import named_robot
+
+    return named_robot(name)
+
+
+def _bound(hardware: Hardware, robot: Robot) -> dict[str, BoundComponent]:
+    from tracerisk.hardware.binding import bind
+
+    return {each.component.name: each for each in bind(hardware, robot.elements)}
+
+
+def _shown(hardware: Hardware, bound: dict[str, BoundComponent] | None) -> dict[str, Any]:
+    from tracerisk.hardware.description_data import description_data
+
+    return {
+        "file": hardware.file,
+        "hardware": description_data(hardware),
+        "assumed": [each.name for each in hardware.components if each.is_assumed],
+        "units": None
+        if bound is None
+        else {
+            name: {"quantity": each.quantity, "elements": list(each.elements)}
+            for name, each in bound.items()
+        },
+    }
+
+
+_Action = tuple[Callable[[argparse.ArgumentParser], None], Callable[[argparse.Namespace], int], str]
+_ACTIONS: dict[str, _Action] = {
+    "convert": (_add_convert, _convert, "write a description in the other format"),
+    "show": (_add_show, _show, "list the components: units, figures, where the twin sees them"),
+    "init": (_add_init, _init, "write a first description of a robot, to go on from"),
+    "schema": (_add_schema, _schema, "print the JSON Schema by which editors complete the YAML"),
+}

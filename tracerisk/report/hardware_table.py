@@ -1,0 +1,135 @@
+"""A hardware description as a table for the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import zip_longest
+
+from tracerisk.adder.values import computed_redundancy
+from tracerisk.hardware.binding import BoundComponent
+from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware, TwinBinding
+from tracerisk.hardware.yaml_use import exponent_text
+
+_TITLES = ("component", "quantity", "redundancy", "figures of one unit", "seen at", "source")
+
+
+def hardware_table(
+    hardware: Hardware, bound: Mapping[str, BoundComponent] | None = None
+) -> list[str]:
+    """Return the lines of a table of the components, and the sources that it numbers.
+
+    `bound` are the components that a robot has, by name: then quantities are those of the robot,
+    and what it need not have and has not is told so.
+    """
+    sources: list[str] = []
+    rows: list[Sequence[str]] = [_TITLES]
+    for component in hardware.components:
+        found = None if bound is None else bound.get(component.name)
+        if bound is not None and found is None:
+            rows.append((component.name, "0", "", "", "the robot has none", ""))
+            continue
+        quantity = component.quantity if found is None else found.quantity
+        cells = (
+            [component.name],
+            ["as the robot has" if quantity is None else str(quantity)],
+            list(_redundancy(component)),
+            list(_figures(component)),
+            list(_places(component)),
+            list(_source(component, hardware.source, sources)),
+        )
+        rows += zip_longest(*cells, fillvalue="")
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+    numbered = [f"[{number}] {text}" for number, text in enumerate(sources, start=1)]
+    return [*lines, *([""] if numbered else []), *numbered]
+
+
+def figure_text(figure: FailureFigure) -> str:
+    """Return a figure with its unit, in words."""
+    if figure.kind == "weibull":
+        text = f"wear-out: shape {figure.shape:g}, life {figure.value:g} {figure.per.value}s"
+    else:
+        per = figure.demand or figure.per.value
+        text = f"{figure.value:g} per {per}"
+        text += " not in use" if figure.standby else ""
+        text += " (rate)" if figure.kind == "failure_rate" and not figure.standby else ""
+    if figure.error_factor is not None:
+        text += f", error factor {figure.error_factor:g}"
+        text += " of the mean" if figure.value_is == "mean" else ""
+    return text
+
+
+def _redundancy(component: Component) -> Iterator[str]:
+    group = component.redundancy
+    if not group:
+        yield "all needed" if component.quantity != 1 else "-"
+        return
+    words = computed_redundancy(group).text.split(", ")
+    yield "one suffices" if words[0] == "true" else f"{group.required} must work"
+    yield from words[1:]
+    if component.test_interval_s is not None:
+        yield f"tested every {component.test_interval_s / 3600:g} h"
+
+
+def _figures(component: Component) -> Iterator[str]:
+    for figure in component.figures:
+        yield figure_text(figure)
+    if component.age_s:
+        yield f"age {component.age_s / Basis.HOUR.seconds:g} hours" if Basis.HOUR.seconds else ""
+    if (law := component.load_law) is not None:
+        speed = "" if law.reference_speed is None else f" at speed {law.reference_speed:g}"
+        yield (
+            f"load law: {law.wearing_share:.0%} x (load/{law.reference_load:g})^"
+            f"{exponent_text(law.exponent)}{speed}"
+        )
+    for mode in component.modes:
+        yield f"mode {mode.name}: {mode.fraction:.4g} while {', '.join(mode.when)}"
+
+
+def _places(component: Component) -> Iterator[str]:
+    if component.always_active:
+        yield "always in use"
+    elif component.twin is None:
+        yield "by its name in a log"
+    else:
+        yield from _binding(component.twin)
+
+
+def _binding(twin: TwinBinding) -> Iterator[str]:
+    if twin.joints:
+        yield "every joint" if twin.joints == "*" else f"joints {_joined(twin.joints)}"
+    if twin.actuators:
+        yield f"actuators {_joined(twin.actuators)}"
+    if twin.gripper:
+        yield "gripper, if any" if twin.optional else "gripper"
+    if isinstance(twin.sensors, str):
+        yield f"every {twin.sensors} sensor" + (", if any" if twin.optional else "")
+    elif twin.sensors:
+        yield f"sensors {_joined(twin.sensors)}"
+    if twin.contacts:
+        yield f"contacts of {_joined(twin.contacts)}"
+
+
+def _joined(names: Sequence[str]) -> str:
+    return ", ".join(names) if len(names) <= 2 else f"{names[0]} to {names[-1]} ({len(names)})"
+
+
+def _source(component: Component, default: str | None, sources: list[str]) -> Iterator[str]:
+    """Yield a word and the number of each source; `sources` takes those that are new."""
+    given = [
+        *(each.source for each in component.figures),
+        component.source if component.source is not None else default,
+        component.load_law.source if component.load_law is not None else None,
+        *(mode.source for mode in component.modes),
+    ]
+    texts = list(dict.fromkeys(" ".join(text.split()) for text in given if text))
+    if not texts:
+        yield "none"
+    for text in texts:
+        if text not in sources:
+            sources.append(text)
+        word = "assumed " if text.lower().startswith("assumed") else ""
+        yield f"{word}[{sources.index(text) + 1}]"
