@@ -47,10 +47,12 @@ def run_shown(trace: Trace, settings: Settings) -> RunShown:
     """
     from tracerisk.adder.computed import compute_blocks
     from tracerisk.pipeline import load_hardware
+    from tracerisk.pipeline.run_section import run_section
 
     hardware = load_hardware(settings, trace.robot)
     computed = compute_blocks(trace, hardware, active=settings.active)
-    return RunShown(trace, hardware, computed)
+    section = run_section(trace, hardware)
+    return RunShown(trace, hardware, computed, () if section is None else (section,))
 
 
 def report_html(

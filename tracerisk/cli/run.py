@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import tempfile
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -55,6 +58,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     from tracerisk import pipeline, trace_json
+    from tracerisk.pipeline.run_section import recorded_run, run_section
     from tracerisk.pipeline.stages import blocks_of
     from tracerisk.prm.formats import model_json
     from tracerisk.prm.formats.assessment_json import assessment_to_json
@@ -66,13 +70,12 @@ def run(options: argparse.Namespace) -> int:
     given = shared.run_settings(options)
     settings = pipeline.load_settings(controller, given)
     pipeline.check_blocks(controller)
-    with progress_bar(settings.duration_s, quiet=options.quiet) as progress:
-        trace = pipeline.trace_controller(
-            controller,
-            settings,
-            keep=None if options.keep is None else Path(options.keep),
-            progress=progress,
-        )
+    with _recording_folder(options) as keep:
+        with progress_bar(settings.duration_s, quiet=options.quiet) as progress:
+            trace = pipeline.trace_controller(controller, settings, keep=keep, progress=progress)
+        recorded = None
+        if keep is not None and options.report is not None and trace.end.is_good:
+            recorded = recorded_run(keep)
     if not trace.end.is_good:
         if options.trace is not None:
             write_file(options.trace, trace_json.dumps(trace))
@@ -112,7 +115,8 @@ def run(options: argparse.Namespace) -> int:
 
         write_sarif(options.sarif, run_alerts(trace, controller.root))
     if options.report is not None:
-        shown = RunShown(trace, hardware, annotated.computed)
+        section = run_section(trace, hardware, recorded)
+        shown = RunShown(trace, hardware, annotated.computed, () if section is None else (section,))
         write_file(options.report, report_html(assessment, model, sources, run=shown))
     code = risk_exit(assessment, options.max_risk)
     if options.check and annotated.is_changed:
@@ -153,6 +157,18 @@ def run(options: argparse.Namespace) -> int:
         )
     print_derivation(derivation)
     return int(code)
+
+
+@contextlib.contextmanager
+def _recording_folder(options: argparse.Namespace) -> Iterator[Path | None]:
+    """Give the folder in which the recording stays for as long as it is needed."""
+    if options.keep is not None:
+        yield Path(options.keep)
+    elif options.report is None:
+        yield None
+    else:
+        with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
+            yield Path(folder)
 
 
 def _nothing_commanded(trace: Trace, controller: Controller) -> ControllerFailedError:

@@ -108,7 +108,7 @@ def timeline_rows(
             for name in elements
         }
         seen = [codes[name] for name in elements if name in codes]
-        if seen:
+        if seen and len(seen) == len(elements):
             whole = seen[0].copy()
             for codes_of in seen[1:]:
                 whole |= codes_of
