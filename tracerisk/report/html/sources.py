@@ -23,7 +23,9 @@ class SourceLine:
 
 
 @dataclass(frozen=True, slots=True)
-class _Shown:
+class ShownSource:
+    """A source as the page has it, with a link to each of its blocks."""
+
     file: SourceFile
     lines: tuple[SourceLine, ...]
     links: tuple[tuple[str, str], ...]
@@ -33,16 +35,20 @@ def sources_section(report: ReportInput) -> Section | None:
     """Return the sources, folded; `None` where there are none."""
     if not report.sources:
         return None
-    shown = [
-        _Shown(
+    html = rendered("sources.html.j2", sources=shown_sources(report.sources))
+    return Section("source", "Annotated source", html)
+
+
+def shown_sources(sources: Sequence[SourceFile]) -> tuple[ShownSource, ...]:
+    """Return the lines of the sources, and where their blocks are."""
+    return tuple(
+        ShownSource(
             file,
             tuple(_lines(index, file)),
             tuple((block.function, f"#{_id(index, block.first_line)}") for block in file.blocks),
         )
-        for index, file in enumerate(report.sources)
-    ]
-    html = rendered("sources.html.j2", sources=shown)
-    return Section("source", "Annotated source", html)
+        for index, file in enumerate(sources)
+    )
 
 
 def definitions(sources: Sequence[SourceFile]) -> dict[str, tuple[str, int]]:
@@ -81,7 +87,7 @@ def _lines(index: int, file: SourceFile) -> Iterator[SourceLine]:
 
 def _split(text: str) -> list[str]:
     """Return the lines as Python counts them: a form feed or U+2028 ends none."""
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    lines = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n").split("\n")
     return lines[:-1] if lines and not lines[-1] else lines
 
 

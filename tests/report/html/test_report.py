@@ -1,0 +1,295 @@
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+from html import unescape
+from itertools import pairwise
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from tracerisk.errors import Location
+from tracerisk.prm import FaultTree, HybridModel
+from tracerisk.report.html.page import page, rendered
+from tracerisk.report.html.report import render_report
+from tracerisk.report.html.report_input import Pin, SourceBlock, SourceFile
+from tracerisk.report.html.section import Data, Section, json_in_script
+from tracerisk.report.html.sources import shown_sources
+
+
+@pytest.fixture(scope="module")
+def document(arm, report_of, parsed):
+    return parsed(render_report(report_of(arm)))
+
+
+def texts(elements):
+    return [" ".join(each.text_content().split()) for each in elements]
+
+
+def classed(root, kind, tag="*"):
+    return root.xpath(f".//{tag}[contains(concat(' ', @class, ' '), ' {kind} ')]")
+
+
+def rows(document, name):
+    return document.xpath(f"//table[@id='{name}-table']/tbody/tr")
+
+
+def test_the_one_sentence_is_the_heading_of_the_page(document, arm):
+    (heading,) = document.xpath("//h1")
+    # Ten cycles in the mean, each of a motor among seven, the gripper, or both power units.
+    assert arm.solve().mission.failure_probability == pytest.approx(7.1e-6, rel=1e-4)
+    figure = "7.10\xa0\N{MULTIPLICATION SIGN}\xa010⁻⁶"
+    assert heading.text_content() == (
+        f"A mission of arm.py fails through hardware with probability {figure}, one in 141,000."
+    )
+    assert "not harm" in document.text_content()
+
+
+def test_headings_are_in_order_and_sections_named_by_theirs(document):
+    levels = [int(each.tag[1]) for each in document.xpath("//h1|//h2|//h3|//h4")]
+    assert levels[0] == 1
+    assert all(after - before <= 1 for before, after in pairwise(levels))
+    for section in document.xpath("//section"):
+        label = section.get("aria-labelledby")
+        assert len(document.xpath(f"//*[@id='{label}']")) == 1
+
+
+def test_every_id_is_there_once_and_every_link_leads_to_one(document):
+    ids = document.xpath("//@id")
+    assert len(ids) == len(set(ids))
+    links = document.xpath("//a/@href")
+    assert links
+    assert {link.removeprefix("#") for link in links} <= set(ids)
+
+
+def test_the_chain_is_drawn_with_every_state_and_transition(document, arm):
+    (drawing,) = document.xpath("//*[@id='chain']//svg")
+    states = drawing.xpath(".//g/@data-state")
+    assert sorted(states) == ["done", "move", "move_failure", "pick", "pick_failure"]
+    edges = drawing.xpath(".//path/@data-edge")
+    assert sorted(edges) == [
+        "move move_failure", "move pick", "pick done", "pick move", "pick pick_failure",
+    ]  # fmt: skip
+    labels = texts(classed(drawing, "figure", "text"))
+    tops = [state.top_event for state in arm.solve().states]
+    assert sorted(labels) == sorted(["0.1", "0.9", "1", *(f"{top:.3e}" for top in tops)])
+    assert len(rows(document, "transitions")) == len(edges)
+
+
+def test_the_ways_on_of_a_state_add_up_with_its_failure(document):
+    found = [texts(row.xpath("./*")) for row in rows(document, "transitions")]
+    for state in ("move", "pick"):
+        assert sum(float(row[2]) for row in found if row[0] == state) == pytest.approx(1.0, 1e-5)
+
+
+def test_each_function_has_its_fault_tree_with_all_gates_and_events(document, arm):
+    trees = classed(document, "tree", "details")
+    assert len(trees) == len(arm.states)
+    for state, shown in zip(arm.states, trees, strict=True):
+        (drawing,) = shown.xpath(".//svg")
+        assert set(drawing.xpath(".//g/@data-gate")) == {gate.name for gate in state.tree.gates}
+        assert set(drawing.xpath(".//g/@data-event")) == {each.name for each in state.tree.events}
+        inputs = [f"{gate.name} {child}" for gate in state.tree.gates for child in gate.inputs]
+        assert sorted(drawing.xpath(".//path/@data-edge")) == sorted(inputs)
+        assert len(shown.xpath(".//li")) == len(state.tree.gates)
+
+
+def test_units_and_groups_of_a_tree_belong_to_their_component(document):
+    (pick,) = [
+        each for each in classed(document, "tree", "details") if each.get("data-function") == "pick"
+    ]
+    of_power = pick.xpath(".//g[@data-component='power']")
+    assert {each.get("data-gate") or each.get("data-event") for each in of_power} == {
+        "power", "power[1]", "power[2]",
+    }  # fmt: skip
+    assert texts(classed(pick.xpath(".//g[@data-gate='power']")[0], "mark")) == ["&"]
+
+
+def test_only_the_riskiest_function_is_unfolded(document, arm):
+    opened = [each for each in classed(document, "tree") if each.get("open") is not None]
+    riskiest = max(arm.solve().states, key=lambda each: each.absorption_probability)
+    assert [each.get("data-function") for each in opened] == [riskiest.name]
+
+
+def test_of_a_large_tree_the_uppermost_part_is_drawn_and_the_rest_told(report_of, parsed):
+    tree = FaultTree.of("top", {"top": ("or", *(f"e{n}" for n in range(200)))})
+    model = HybridModel.of("m", {"big": tree}, values={f"e{n}": 1e-9 for n in range(200)})
+    page = parsed(render_report(report_of(model)))
+    assert len(page.xpath("//*[@id='fault-trees']//svg//g/@data-event")) == 119
+    assert "81 more below are not drawn." in page.text_content()
+
+
+def test_of_a_long_chain_the_first_states_are_drawn_and_all_listed(report_of, parsed):
+    tree = FaultTree.of("top", {"top": ("or", "a")}, {"a": 1e-9})
+    model = HybridModel.of("m", {f"step{n}": tree for n in range(70)})
+    page = parsed(render_report(report_of(model)))
+    assert len(page.xpath("//*[@id='chain']//g[@data-function]/@data-state")) == 60
+    assert "10 more are in the table" in page.text_content()
+    assert len(rows(page, "transitions")) == 140
+
+
+def test_the_tables_have_a_row_for_each_function_and_component(document, arm):
+    pairs = sum(len(state.components) for state in arm.solve().states)
+    assert len(rows(document, "functions")) == pairs
+    assert texts(row.xpath("./th")[0] for row in rows(document, "importance")) == [
+        each.name for each in arm.solve().components
+    ]
+    assert len(rows(document, "shares")) == len(arm.states)
+    assert len(document.xpath("//dl[@class='meanings']//dt")) == 6
+
+
+def test_every_table_has_a_caption_and_scopes(document):
+    for table in document.xpath("//table"):
+        assert table.xpath("./caption")
+        assert all(head.get("scope") for head in table.xpath(".//th"))
+        widths = {
+            sum(int(cell.get("colspan", 1)) for cell in row.xpath("./*"))
+            for row in table.xpath("./thead/tr")
+        }
+        assert len(widths) == 1
+
+
+def test_the_same_input_gives_the_same_bytes(arm, report_of):
+    assert render_report(report_of(arm)) == render_report(report_of(arm))
+
+
+def test_nothing_is_fetched_and_the_policy_knows_the_script_and_style(document):
+    sources = document.xpath("//@src") + document.xpath("//link/@href") + document.xpath("//@data")
+    assert sources == ["data:,"]
+    (policy,) = document.xpath("//meta[@http-equiv]/@content")
+    assert policy.startswith("default-src 'none';")
+    assert "unsafe" not in policy
+    for element in (document.xpath("//script[not(@type)]")[0], document.xpath("//style")[0]):
+        digest = hashlib.sha256(element.text.encode()).digest()
+        assert f"'sha256-{base64.b64encode(digest).decode()}'" in policy
+    assert not document.xpath("//@style")
+    assert not re.search(r"url\((?!#)", document.xpath("//style")[0].text)
+
+
+def test_a_source_is_shown_line_by_line_with_its_blocks(arm, report_of, parsed):
+    text = "\ufeffdef move(arm):\r\n    # | RiskAnnotation\r\n\tarm.go('<b>')  # \f\r\n\r\nx = '''a\nb'''"
+    source = SourceFile("a/b.py", text, (SourceBlock("move", 1, 2, 2),))
+    page = parsed(render_report(report_of(arm, sources=(source,))))
+    lines = classed(page, "line", "span")
+    assert "".join(line.text_content() for line in lines).replace("\ufffd", "\f") == (
+        text.removeprefix("\ufeff").replace("\r\n", "\n") + "\n"
+    )
+    assert [line.get("data-n") for line in lines] == ["1", "2", "3", "4", "5", "6"]
+    (block,) = classed(page, "block", "span")
+    assert (block.get("id"), block.get("data-function")) == ("source-1-2", "move")
+    (link,) = page.xpath("//a[@class='note']")
+    assert (link.get("href"), link.text) == ("#source-1-1", "step 1, line 1")
+
+
+@given(st.text(st.characters(codec="utf-8", exclude_categories=("Cc",)), max_size=60))
+@example("if \ufeff\u2028")
+def test_a_source_keeps_every_character(text):
+    html = rendered("sources.html.j2", sources=_shown(text))
+    lines = re.findall(r'<span class="line".*?>(.*?)\n</span>', html, re.DOTALL)
+    assert [unescape(re.sub(r"<[^>]*>", "", line)) for line in lines] == (
+        [shown] if (shown := text.removeprefix("\ufeff")) else []
+    )
+
+
+def _shown(text):
+    return shown_sources((SourceFile("a.py", text),))
+
+
+def test_pins_are_told_with_reason_and_drift(arm, report_of, parsed):
+    place = Location("a.py", 1)
+    pins = (
+        Pin("move.motor.probability", "2e-7", "1e-7", "FMEA-112", 100.0, place),
+        Pin("pick.next", "done 1", None, None, None, place),
+    )
+    source = SourceFile("a.py", "x\n")
+    page = parsed(render_report(report_of(arm, pins=pins, sources=(source,))))
+    first, second = (texts(row.xpath("./*")) for row in rows(page, "pins"))
+    assert first == ["move.motor.probability", "2e-7", "1e-7", "+100 %", "FMEA-112", "a.py:1"]
+    assert second[2:5] == ["\N{EN DASH}", "\N{EN DASH}", "none givenwithout a reason"]
+    assert rows(page, "pins")[0].xpath(".//a/@href") == ["#source-1-1"]
+
+
+def test_without_a_run_the_page_says_why(arm, report_of, parsed):
+    page = parsed(render_report(report_of(arm, no_trace="The trace is gone.")))
+    assert page.xpath("//*[@id='coverage']/p")[0].text_content() == (
+        "Not known without a run. The trace is gone."
+    )
+    assert "active" not in texts(page.xpath("//table[@id='functions-table']/thead//th"))
+
+
+def test_a_difference_is_told_in_the_words_of_diff(arm, report_of, parsed, eventful, review_of):
+    review = review_of(eventful, notes=("a note",))
+    page = parsed(render_report(report_of(arm, review=review)))
+    section = page.get_element_by_id("difference")
+    assert section.xpath("./h2")[0].text == "Since HEAD"
+    assert len(rows(page, "difference-1-changes")) == len(eventful.changes) + 1
+    told = section.text_content()
+    assert "FMEA|112 <b>" in told
+    assert "a note" in told
+
+
+def test_a_model_that_cannot_fail_says_so(report_of, parsed):
+    model = HybridModel.of("idle.py", {"rest": FaultTree.of("rest", {"rest": ("or",)}, {})})
+    page = parsed(render_report(report_of(model)))
+    assert "No hardware failure that is modelled" in page.xpath("//h1")[0].text
+    assert "No function leans on a component." in page.text_content()
+
+
+def test_a_section_of_another_brings_its_style_script_and_data(arm, report_of, parsed):
+    html = rendered("list.html.j2", lines=("<i>",), lead="", empty="")
+    data = (Data.of_json("own-data", {"a": "</script><!--"}), Data.of_bytes("own-bytes", b"\0\xff"))
+    section = Section("own", "Own & more", html, ".own{color:red}", "let own = 1;", data)
+    page = parsed(render_report(report_of(arm, sections=(section,))))
+    assert page.get_element_by_id("own-title").text == "Own & more"
+    assert page.get_element_by_id("own-data").text == '{"a":"\\u003c/script\\u003e\\u003c!--"}'
+    assert base64.b64decode(page.get_element_by_id("own-bytes").text) == b"\0\xff"
+    assert ".own{color:red}" in page.xpath("//style")[0].text
+    assert "let own = 1;" in page.xpath("//script[not(@type)]")[0].text
+
+
+@pytest.mark.parametrize(
+    ("js", "css"), [("'</SCRIPT>'", ""), ("'<!--'", ""), ("", "a::after{content:'</style>'}")]
+)
+def test_a_script_or_style_that_would_end_itself_is_refused(js, css):
+    section = Section("own", "own", rendered("list.html.j2", lines=(), lead="", empty=""), css, js)
+    with pytest.raises(ValueError, match="must not stand in a script or style"):
+        page("title", section.html, (section,))
+
+
+@given(
+    st.recursive(st.none() | st.integers() | st.text(), lambda inner: st.lists(inner, max_size=3))
+)
+def test_json_in_a_script_reads_back_and_cannot_end_it(value):
+    text = json_in_script(value)
+    assert json.loads(text) == value
+    assert text.isascii()
+    assert not set("<>&\u2028\u2029") & set(text)
+
+
+def test_json_in_a_script_has_no_infinity():
+    with pytest.raises(ValueError, match="JSON"):
+        json_in_script(float("inf"))
+
+
+def test_hostile_texts_are_texts(hostile_page, parsed):
+    document = parsed(hostile_page)
+    assert len(document.xpath("//script[not(@type)]")) == 1
+    assert len(document.xpath("//style")) == 1
+    assert not document.xpath("//img | //b[text()='']")
+    assert not document.xpath("//@onmouseover | //@onerror")
+    told = document.text_content()
+    for text in ("</script><script>window.pwned = 1</script>", "{{ 7 * 7 }}{% raw %}"):
+        assert told.count(text) > 5
+
+
+def test_what_no_encoding_has_is_replaced(arm, report_of):
+    page = render_report(report_of(arm, findings=("a\0b\udc80c\x1b[31m",)))
+    assert "a\ufffdb?c\ufffd[31m" in page
+    assert page.encode("utf-8")
+
+
+def test_the_page_is_small(arm, report_of):
+    assert len(render_report(report_of(arm)).encode()) < 60_000
