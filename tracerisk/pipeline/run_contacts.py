@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 UNEXPECTED_CONTACT = "unexpected_contact"
 
+_WHOLE_N = 10.0  # forces from here on are told in whole newtons
+
 
 def with_contacts(
     folder: Path,
@@ -126,8 +128,9 @@ def _told(
             f"{visits}; its force is not simulated"
         )
     force = max(contact.force_n for contact in contacts)
+    told = f"{force:.0f}" if force >= _WHOLE_N else f"{force:.2g}"
     what = link if link in links else f"{link}, which is held,"
-    return f"{what} touches {other} in {function}: up to {force:.3g} N, {seconds:.2f} s{visits}"
+    return f"{what} touches {other} in {function}: up to {told} N, {seconds:.2f} s{visits}"
 
 
 def _commanded(

@@ -206,23 +206,21 @@ class _Judge:
         """Yield the touches of a pair that concern the robot or what it holds."""
         one, two = self._bodies[pair.one], self._bodies[pair.two]
         if "link" in (one.kind, two.kind):
-            link, other, place = (
-                (one, two, pair.two) if one.kind == "link" else (two, one, pair.one)
-            )
+            link, other = (one, two) if one.kind == "link" else (two, one)
             moves = moved_by(self._robot, link.name)
             for steps, force in _split(pair, self._gap):
-                fine = force is not None and self._is_grasp(link.name, place, steps)
+                fine = force is not None and self._is_grasp(link.name, other.name, steps)
                 yield Touch(link.name, other.name, steps, force, moves, fine)
             return
         for i, hold in enumerate(self._holds):
-            if hold.body not in (pair.one, pair.two) or self._bodies[hold.body].kind != "free":
+            if hold.body not in (pair.one, pair.two):
                 continue
             other_place = pair.two if hold.body == pair.one else pair.one
             within = self._while_held(pair, i, other_place)
             for steps, force in _split(within, self._gap):
                 thing = self._bodies[hold.body]
                 limit = GENTLE_N + 2.0 * _GRAVITY * thing.mass_kg
-                fine = other_place in self._supports[i] and force is not None
+                fine = self._bodies[other_place].name in self._supports[i] and force is not None
                 yield Touch(
                     thing.name,
                     self._bodies[other_place].name,
@@ -232,23 +230,24 @@ class _Judge:
                     fine and force is not None and float(force.max()) <= limit,
                 )
 
-    def _is_grasp(self, link: str, body: int, steps: Steps) -> bool:
-        """Say whether a link touches what its gripper grasps, or closes on by command."""
+    def _is_grasp(self, link: str, body: str, steps: Steps) -> bool:
+        """Say whether a link touches what its gripper grasps, or closes on by command.
+
+        Bodies are told by their names: one that is attached was another body before.
+        """
         for gripper, (fingers, hand) in self._hands.items():
             if link not in hand:
                 continue
             for hold in self._holds:
-                near = hold.start - self._around <= steps[-1] and (
-                    steps[0] < hold.stop + self._around
-                )
-                if hold.holder == gripper and hold.body == body and near:
+                is_held = hold.holder == gripper and self._bodies[hold.body].name == body
+                begun = hold.start - self._around <= steps[-1]
+                if is_held and begun and steps[0] < hold.stop + self._around:
                     return True
-            is_free = self._bodies[body].kind == "free"
-            if link in fingers and is_free and bool(self._commanded[gripper][steps].any()):
+            if link in fingers and bool(self._commanded[gripper][steps[0]]):
                 return True
         return False
 
-    def _supports_of(self, hold: Hold, pairs: Sequence[PairTouches]) -> frozenset[int]:
+    def _supports_of(self, hold: Hold, pairs: Sequence[PairTouches]) -> frozenset[str]:
         """Return what a thing was lifted from, and what it was put on."""
         found = set()
         for pair in pairs:
@@ -258,7 +257,8 @@ class _Judge:
                     for at in (hold.start, hold.stop)
                 ]
                 if bool((near[0] | near[1]).any()):
-                    found.add(pair.two if hold.body == pair.one else pair.one)
+                    place = pair.two if hold.body == pair.one else pair.one
+                    found.add(self._bodies[place].name)
         return frozenset(found)
 
     def _while_held(self, pair: PairTouches, hold: int, other: int) -> PairTouches:

@@ -81,7 +81,7 @@ def holds(
     touches: Sequence[PairTouches],
     activity: Mapping[str, ElementActivity],
 ) -> tuple[Hold, ...]:
-    """Return what was held: touched by all pads of a gripper while it grasps, or welded.
+    """Return what was held: free and touched by all pads of a gripper that grasps, or welded.
 
     A grasp holds a body from the first step in which a pad touches it up to the last.
     What is gripped and welded at once is held once.
@@ -94,7 +94,7 @@ def holds(
             for link, body in ((each.one, each.two), (each.two, each.one)):
                 name = log.bodies[link].name
                 is_pad = log.bodies[link].kind == "link" and name in gripper.pads
-                if is_pad and log.bodies[body].kind != "link" and each.force is not None:
+                if is_pad and log.bodies[body].kind == "free" and each.force is not None:
                     by_body.setdefault(body, {})[name] = each.steps
         for body, by_pad in sorted(by_body.items()):
             if len(by_pad) == len(gripper.pads):
