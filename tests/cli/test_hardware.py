@@ -149,6 +149,11 @@ def test_a_first_description_covers_every_part_of_the_robot(tmp_path, robot, cap
     assert {name for each in bound for name in each.elements} == {each.name for each in elements}
     always = {each.name for each in hardware.components if each.always_active}
     assert {"power_system", "control_system"} <= always
+    assert [each.name for each in hardware.components if each.twin and each.twin.optional] == [
+        each.name
+        for each in hardware_of(robot).components
+        if each.name not in {found.component.name for found in bind(hardware_of(robot), elements)}
+    ]
     # The figures are those that are shipped, of as many units.
     shipped = units_by_figures(bind(hardware_of(robot), elements))
     assert shipped.items() <= units_by_figures(bound).items()

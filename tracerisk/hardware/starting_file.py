@@ -48,9 +48,12 @@ def starting_description(
     """
     bound = bind(base, elements)
     parts = _joint_groups([each.name for each in elements if each.kind == "joint"], groups)
+    by_name = {each.component.name: each for each in bound}
     found: list[Component] = []
-    for each in bound:
-        found += _named(each, parts)
+    for component in base.components:
+        # What is optional and not there stays so: a controller may bring a gripper along.
+        placed = by_name.get(component.name)
+        found += [component] if placed is None else _named(placed, parts)
     seen = {name for each in bound for name in each.elements}
     for kind, name in _SENSOR_NAMES.items():
         of_kind = [each.name for each in elements if each.sensor == kind]
