@@ -22,6 +22,7 @@ from tracerisk.ros.twin_moveit import EXECUTE_TRAJECTORY, MOVE_GROUP, MoveItInte
 from tracerisk.ros.twin_moveit_scene import SceneInterfaces
 from tracerisk.ros.twin_set_points import SetPoints
 from tracerisk.ros.twin_vendors import serve_vendors
+from tracerisk.ros.twin_wrench import WrenchTopics
 
 _NODE = "/robot_driver"
 Handler = Callable[[ActionGoal], None]
@@ -57,6 +58,7 @@ class TwinInterfaces:
         if not hasattr(interfaces, "action"):
             ActionTopics(runtime, messages)
         ControllerManager(runtime, messages)
+        WrenchTopics(runtime, messages)
 
     def _on_action(self, change: ActionChange, name: str, type_name: str) -> None:
         if change != "client" or type_name not in self._types or (name, type_name) in self._served:

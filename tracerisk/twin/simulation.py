@@ -24,6 +24,7 @@ from tracerisk.twin.robot import Robot
 from tracerisk.twin.samples import POSE_EVERY, SampleHeader, SampleWriter
 from tracerisk.twin.scene import Scene
 from tracerisk.twin.scene_body import SceneBody, body_name
+from tracerisk.twin.wrench import Wrench, load_on, touch_on
 
 # After the builder, which says that no window is needed.
 import mujoco  # isort: skip
@@ -182,6 +183,14 @@ class Simulation:
             velocity=tuple(self.velocity().tolist()),
             effort=tuple(self._data.qfrc_actuator[self._dofs].tolist()),
         )
+
+    def load_on(self, link: str) -> Wrench:
+        """Return what a link, with all that hangs on it, exerts on what holds it."""
+        return load_on(self._model, self._data, link)
+
+    def touch_on(self, link: str) -> Wrench:
+        """Return what the world exerts by touch on a link and on all that moves as one with it."""
+        return touch_on(self._model, self._data, link, frozenset(self.robot.link_names))
 
     def pressed(self) -> tuple[str, str] | None:
         """Return the link of the robot that something holds back hardest, and what it is.

@@ -22,6 +22,7 @@ from tracerisk.twin.samples import SampleWriter
 from tracerisk.twin.scene import Scene
 from tracerisk.twin.scene_body import SceneBody
 from tracerisk.twin.simulation import Simulation
+from tracerisk.twin.wrench import Wrench
 
 _TRACKED = 0.01  # a measured position this near its set-point is planned from the set-point
 
@@ -101,6 +102,20 @@ class Twin:
     def link_poses(self) -> dict[str, Pose]:
         """Return where every link is, in the frame of the robot's base link."""
         return self._kinematics.forward_all(self._positions())
+
+    def load_on(self, link: str) -> Wrench:
+        """Return what a link, with all that hangs on it, exerts on what holds it: a wrist's load.
+
+        In the link's axes, about its origin, with weight, inertia and contacts.
+        """
+        return self._simulation.load_on(link)
+
+    def touch_on(self, link: str) -> Wrench:
+        """Return what the world exerts by touch on a link, its fellows and what hangs on them.
+
+        In the link's axes, about its origin, without their weight and inertia.
+        """
+        return self._simulation.touch_on(link)
 
     def object_pose(self, name: str) -> Pose:
         """Return where an object of the scene, or a declared body, is, in the world frame.

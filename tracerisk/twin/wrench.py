@@ -1,0 +1,63 @@
+"""The force and torque at a link, as a sensor in the wrist measures them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Triple = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Wrench:
+    """A force [N], and a torque about the origin of a link [N m], in the link's axes."""
+
+    force: Triple
+    torque: Triple
+
+
+def load_on(model: Any, data: Any, link: str) -> Wrench:
+    """Return what a link, with all that hangs on it, exerts on what holds it.
+
+    That is weight, inertia and contacts: what a sensor between the two measures, without a tare.
+    Recursive Newton-Euler after the constraints are solved (MuJoCo's mj_rnePostConstraint).
+    """
+    mujoco.mj_rnePostConstraint(model, data)
+    body = model.body(link).id
+    return _told(model, data, body, -data.cfrc_int[body])
+
+
+def touch_on(model: Any, data: Any, link: str, links: Collection[str]) -> Wrench:
+    """Return what the world exerts by touch on a link and on all that hangs on its last joint.
+
+    `links` are the names of the robot's links. A wrench that an arm estimates of the torques of
+    its joints is this, where it knows the masses of its own tool.
+    """
+    mujoco.mj_rnePostConstraint(model, data)
+    body = model.body(link).id
+    first = int(model.body_weldid[body])
+    hanging = {first}
+    for each in range(first + 1, model.nbody):
+        if model.body_parentid[each] in hanging and model.body(each).name in links:
+            hanging.add(each)
+    return _told(model, data, body, data.cfrc_ext[sorted(hanging)].sum(axis=0))
+
+
+def _told(model: Any, data: Any, body: int, spatial: Array) -> Wrench:
+    """Return a spatial force, about the centre of mass of the robot's tree, at a body's frame."""
+    torque, force = spatial[:3], spatial[3:]
+    centre = data.subtree_com[model.body_rootid[body]]
+    axes = data.xmat[body].reshape(3, 3)
+    about = torque + np.cross(centre - data.xpos[body], force)
+    return Wrench(_triple(axes.T @ force), _triple(axes.T @ about))
+
+
+def _triple(values: Array) -> Triple:
+    x, y, z = (float(value) for value in values)
+    return x, y, z
