@@ -31,7 +31,7 @@ def needed(redundancy: str) -> str:
 
 def law_lines(law: LoadLaw) -> list[str]:
     """Return the lines on a load law: what counts, and what its letters mean."""
-    share, k = f"{law.wearing_share:.6g}", _exponent(law.exponent)
+    share, k = f"{law.wearing_share:.6g}", Fraction(law.exponent).limit_denominator(9)
     lines = [
         f"  load law: counts (1 - {share}) T + {share} W, W = wear / (v0 L0^k), "
         f"L0 = {law.reference_load:.6g}, k = {k}",
@@ -143,8 +143,3 @@ def _counted(term: TermDerivation) -> str:
     if term.states is None:
         return "the time T in use"
     return f"the time T {' or '.join(term.states)}"
-
-
-def _exponent(exponent: float) -> str:
-    text = str(Fraction(exponent).limit_denominator(9))
-    return f"({text})" if "/" in text else text
