@@ -452,6 +452,7 @@ def test_a_run_and_its_trace_explain_alike(example, quick):
     shown = ran.out[ran.out.index("act (controller.py): 1 visit, ") :]
     annotated = example.run("annotate", "controller.py", "--trace", "trace.json", *asked)
     assert annotated.out == shown
+    (block,) = re.findall(rb"probability = (\S+)", example.read("controller.py"))
     told = example.run("annotate", "controller.py", "--trace", "trace.json", "--json", *asked).json
     assert told["derivation"]["function"] == "act"
     again = example.run("annotate", "controller.py", "--trace", "trace.json", "--json").json
@@ -470,5 +471,4 @@ def test_a_run_and_its_trace_explain_alike(example, quick):
         hazard += 5.7e-6 / 3600 * counted
     value = -math.expm1(-hazard / 7)
     assert printed(shown, r"1 - exp\(-\S+ / \(1 x 7\)\) = (\S+)") == close(value)
-    (block,) = re.findall(rb"probability = (\S+)", example.read("controller.py"))
     assert float(block) == pytest.approx(value, rel=1e-3)
