@@ -1,17 +1,53 @@
 from __future__ import annotations
 
-from collections.abc import Callable
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import pytest
 from lxml import html as lxml_html
 
 from tracerisk.errors import Location
+from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware
 from tracerisk.prm import FaultTree, HybridModel, solve
+from tracerisk.prm.risk_change import Review, RiskDiff
 from tracerisk.report.html.report import render_report
 from tracerisk.report.html.report_input import Pin, ReportInput, SourceBlock, SourceFile
+from tracerisk.trace import (
+    Element,
+    Exposure,
+    FunctionRef,
+    QualifiedName,
+    RunEnd,
+    Trace,
+    TracedFunction,
+    Uncovered,
+    Visit,
+)
+
+_ARGUMENTS = (
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--window-size=1280,900",
+)
+
+_FLAGS = (
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-dev-shm-usage",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--window-size=1400,1000",
+)
+"""Headless Chromium, with WebGL 2 in software."""
 
 HOSTILE = (
     "</script><script>window.pwned = 1</script>",
@@ -87,15 +123,111 @@ def hostile_page() -> str:
 
 
 @pytest.fixture(scope="session")
-def sample_report(tmp_path_factory: pytest.TempPathFactory, example_in: Any) -> Path:
-    """The report of a small controller, made at the end of its run."""
-    from tests.conftest import quick_controller
-
-    example = example_in(tmp_path_factory.mktemp("report"))
-    example.write(
-        "controller.py",
-        quick_controller().replace("    act(arm)\n", "    act(arm)\n    home(arm)\n"),
+def full_page(arm: HybridModel, eventful: RiskDiff, review_of: Callable[..., Review]) -> str:
+    """A page that has every section, of a run that showed something of everything."""
+    move, pick = (FunctionRef("arm.py", QualifiedName(name)) for name in ("move", "pick"))
+    elements = (Element("joint1", "joint"), Element("hand", "gripper"))
+    trace = Trace(
+        controller="arm.py",
+        robot="panda",
+        scene="tube_racks",
+        end=RunEnd("ended", "the controller ended", 12.5),
+        elements=elements,
+        functions=(TracedFunction(move, 1, 1), TracedFunction(pick, 9, 2)),
+        visits=(
+            Visit(move, 0.0, 5.0, "succeeded", {"joint1": Exposure(moving_s=4.0, active_s=5.0)}),
+            Visit(pick, 5.0, 7.5, "succeeded", {"hand": Exposure(grasping_s=3.0, active_s=3.0)}),
+        ),
+        uncovered=(Uncovered(FunctionRef("arm.py", QualifiedName("park")), 40),),
     )
-    outcome = example.run("run", "controller.py", "--report", "out.html", "--quiet")
-    assert outcome.code == 0, outcome.err
-    return Path(example.folder / "out.html")
+    source = "\n".join(
+        ["def move(arm):", "    # | RiskAnnotation", "    arm.go('x')  # on", ""] * 9
+    )
+    figure = FailureFigure("probability", 9e-8, Basis.MINUTE, source="assumed, like a servo's")
+    place = Location("arm.py", 2)
+    return render_report(
+        ReportInput(
+            assessment=solve(arm),
+            model=arm,
+            sources=(
+                SourceFile("arm.py", source, (SourceBlock("move", 1, 2, 2),)),
+                SourceFile("more/tool.py", source, (SourceBlock("pick", 9, 10, 10),)),
+            ),
+            pins=(
+                Pin("move.motor.probability", "2e-7", "1e-7", "FMEA-112", 100.0, place),
+                Pin("pick.next", "done 1", None, None, None, place),
+            ),
+            trace=trace,
+            exposures={"move": {"motor": 5.0}, "pick": {"gripper": 3.0}},
+            findings=("arm.py:3: the arm touched the table (at 3.20 s)",),
+            assumptions=("robot: panda, told by the names in the controller's strings",),
+            hardware=Hardware("hardware.yaml", (Component("motor", (figure,), 7),), "panda"),
+            review=review_of(eventful, notes=("a note",)),
+        )
+    )
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """A headless Chromium that says what it fetched and what it complained of."""
+    webdriver = pytest.importorskip("selenium.webdriver", reason="selenium is not installed")
+    chromium = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
+    driver = shutil.which("chromedriver")
+    if chromium is None or driver is None:
+        pytest.skip("Chromium and its driver are not installed")
+    options = webdriver.ChromeOptions()
+    options.binary_location = chromium
+    with tempfile.TemporaryDirectory() as profile:
+        for argument in (*_ARGUMENTS, f"--user-data-dir={profile}"):
+            options.add_argument(argument)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+        started = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
+        try:
+            yield started
+        finally:
+            started.quit()
+
+
+@pytest.fixture(scope="session")
+def start_browser() -> Callable[..., Any]:
+    """Starts headless Chromium with WebGL 2 in software, and further flags."""
+    pytest.importorskip("selenium", reason="selenium drives the browser")
+    from selenium import webdriver
+    from selenium.webdriver.chrome.options import Options
+    from selenium.webdriver.chrome.service import Service
+
+    browser, driver = shutil.which("chromium"), shutil.which("chromedriver")
+    if browser is None or driver is None:
+        pytest.skip("chromium and chromedriver are not installed")
+
+    def start(*flags: str) -> Any:
+        options = Options()
+        options.binary_location = browser
+        for flag in (*_FLAGS, *flags):
+            options.add_argument(flag)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        started = webdriver.Chrome(options=options, service=Service(driver))
+        started.set_script_timeout(60)
+        return started
+
+    return start
+
+
+@pytest.fixture(scope="session")
+def browser(start_browser: Callable[..., Any]) -> Iterator[Any]:
+    started = start_browser()
+    yield started
+    started.quit()
+
+
+@pytest.fixture(scope="session")
+def open_page(browser: Any) -> Callable[[Path], Any]:
+    """Opens a page from a file, its console empty, and returns the browser."""
+
+    def open_file(path: Path) -> Any:
+        browser.get("about:blank")
+        browser.get_log("browser")
+        browser.get(path.as_uri())
+        return browser
+
+    return open_file

@@ -65,7 +65,7 @@ def timeline_section(
             *(replay_data(replay) if replay is not None else ()),
         ),
         is_wide=True,
-        summary="Timeline",
+        summary="Replay" if replay is not None else "Timeline",
     )
 
 

@@ -407,14 +407,19 @@ function beginNow() {
   function show() {
     const time = clock.time;
     const visit = visitAt(time);
-    const active = activeAt(time).flatMap(({ component, always, elements }) =>
-      always
-        ? [[`${component}: always in use`, "in-use"]]
+    const all = activeAt(time);
+    const active = all.flatMap(({ component, always, elements }) =>
+      always || !component
+        ? []
         : elements.map(({ name, state }) => [
-            `${name}: ${stateWords(state)}${component ? ` (${component})` : ""}`,
+            `${name}: ${stateWords(state)} (${component})`,
             stateName(state),
           ]),
     );
+    const always = all.filter((each) => each.always).map(({ component }) => component);
+    if (always.length) active.push([`always in use: ${always.join(", ")}`, "in-use"]);
+    const loose = all.find((each) => !each.always && !each.component)?.elements.length;
+    if (loose) active.push([`${loose} more in use, of no component`, "in-use"]);
     const touches = contactsAt(time).map(({ link, other, force, expected }) =>
       [`${link} touches ${other}, up to ${force.toFixed(1)} N`, expected ? "expected" : "unexpected"]);
     const held = visit < 0 ? [] : run.visits[visit].held.map(({ gripper, object, mass }) =>

@@ -82,7 +82,7 @@ const contactsAt = (time) =>
 // The active components in one sentence: "electric_motor: 3 moving, 4 holding; gripper: grasping".
 function activeText(time) {
   const parts = activeAt(time)
-    .filter(({ always }) => !always)
+    .filter(({ always, component }) => !always && component)
     .map(({ component, elements }) => {
       const counts = new Map();
       for (const { state } of elements) {
@@ -90,7 +90,7 @@ function activeText(time) {
         counts.set(words, (counts.get(words) ?? 0) + 1);
       }
       const told = [...counts].map(([words, n]) => (elements.length > 1 ? `${n} ${words}` : words));
-      return `${component || "no component"}: ${told.join(", ")}`;
+      return `${component}: ${told.join(", ")}`;
     });
   return parts.length ? parts.join("; ") : "nothing is active";
 }
