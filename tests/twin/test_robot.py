@@ -27,13 +27,16 @@ def test_the_panda_is_shipped():
     assert "panda" in robot_names()
 
 
-def test_elements_are_seven_joints_and_one_gripper_then_sensors(panda: Robot):
+def test_elements_are_seven_joints_and_one_gripper_then_links_and_sensors(panda: Robot):
     assert [(element.name, element.kind) for element in panda.elements] == [
         *((f"panda_joint{i}", "joint") for i in range(1, 8)),
         ("panda_hand", "gripper"),
+        *((f"panda_link{i}", "contact") for i in range(8)),
+        *((f"panda_{name}", "contact") for name in ("hand/contact", "leftfinger", "rightfinger")),
         *((f"panda_joint{i}/encoder", "sensor") for i in range(1, 8)),
         *((f"panda_joint{i}/torque", "sensor") for i in range(1, 8)),
     ]
+    assert [e.part for e in panda.elements if e.name == "panda_hand/contact"] == ["panda_hand"]
 
 
 def test_rated_figures_are_those_of_the_data_sheet(panda: Robot):

@@ -49,8 +49,9 @@ def with_contacts(
     """
     n_steps, step_ns = samples.n_steps, samples.header.step_ns
     log = read_contacts(folder, n_steps)
+    untouched = {each.name: Exposure() for each in elements if each.kind == "contact"}
     if not len(log.rows) and not log.welds:
-        return active, visits
+        return {**active, **untouched}, visits
     owners: dict[str | None, NDArray[np.int64]] = {
         name: attribution.assign(name, n_steps, step_ns) for name in activity
     }
@@ -65,7 +66,6 @@ def with_contacts(
     touching = contact_activity(run, elements)
     everywhere = np.ones(n_steps, dtype=np.bool_)
     found = {name: exposure(each, everywhere, samples.step_s) for name, each in touching.items()}
-    found = {name: each for name, each in found.items() if each != Exposure()}
     given = []
     for index, visit in enumerate(visits):
         own = {
@@ -87,7 +87,7 @@ def with_contacts(
                 payloads=payloads.get(index, ()),
             )
         )
-    return {**active, **found}, tuple(given)
+    return {**active, **untouched, **found}, tuple(given)
 
 
 def collisions(

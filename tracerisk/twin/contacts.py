@@ -160,23 +160,24 @@ def visit_payloads(
 
 
 def contact_activity(run: RunContacts, elements: Sequence[Element]) -> dict[str, ElementActivity]:
-    """Return when each element of kind `contact` touches anything, as grasping, by its name."""
+    """Return when each element of kind `contact` that ever touches does so: as grasping."""
     limits = Thresholds()
     n_on, n_off = (round(span / run.step_s) for span in (limits.debounce_on, limits.debounce_off))
     rest, still = np.zeros(run.n_steps), np.zeros(run.n_steps, dtype=np.bool_)
+    forces: dict[str, Array] = {}
+    for touch in run.touches:
+        if touch.force is not None:
+            force = forces.setdefault(touch.link, np.zeros(run.n_steps))
+            force[touch.steps] += touch.force
     found = {}
     for element in elements:
-        if element.kind != "contact":
-            continue
-        force = np.zeros(run.n_steps)
-        for touch in run.touches:
-            if touch.link == element.part and touch.force is not None:
-                force[touch.steps] += touch.force
-        touching = hysteresis(force, limits.grasping_on, limits.grasping_off)
-        grasping = debounce(touching, n_on, n_off)
-        found[element.name] = ElementActivity(
-            element, still, still, grasping, rest, rest, force, limits
-        )
+        if element.kind == "contact" and element.part in forces:
+            force = forces[element.part]
+            touching = hysteresis(force, limits.grasping_on, limits.grasping_off)
+            grasping = debounce(touching, n_on, n_off)
+            found[element.name] = ElementActivity(
+                element, still, still, grasping, rest, rest, force, limits
+            )
     return found
 
 

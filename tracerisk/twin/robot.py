@@ -185,12 +185,22 @@ class Robot:
 
     @property
     def elements(self) -> tuple[Element, ...]:
-        """What the twin watches: each arm joint, each gripper, then each sensor."""
-        return (
+        """What the twin watches: each arm joint, gripper, link that can touch, and sensor.
+
+        A link has its own name there, unless another element is called so too.
+        """
+        own = (
             *(Element(joint.name, "joint") for joint in self.arm_joints),
             *(Element(gripper.name, "gripper") for gripper in self.grippers),
-            *(sensor.element for sensor in self.sensors),
         )
+        sensors = tuple(sensor.element for sensor in self.sensors)
+        taken = {element.name for element in own + sensors}
+        touching = [link.name for link in self.links if any(each.contact for each in link.shapes)]
+        contacts = tuple(
+            Element(f"{name}/contact" if name in taken else name, "contact", part=name)
+            for name in touching
+        )
+        return own + contacts + sensors
 
     @property
     def sensors(self) -> tuple[Sensor, ...]:
