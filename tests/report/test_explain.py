@@ -443,15 +443,16 @@ def test_a_run_and_its_trace_explain_alike(example, quick):
     example.write("cell.yaml", LOADED)
     example.write("controller.py", quick())
     asked = ("--hardware", "cell.yaml", "--explain", "act")
-    wrong = example.run("run", "controller.py", "--hardware", "cell.yaml", "--explain", "acct")
-    assert wrong.code == 2
-    assert "tracerisk: no function 'acct' in the trace; did you mean 'act'?" in wrong.err
-    assert example.read("controller.py") == quick().encode()
     ran = example.run("run", "controller.py", "--trace", "trace.json", *asked)
     assert ran.code == 0, ran.err
     shown = ran.out[ran.out.index("act (controller.py): 1 visit, ") :]
     annotated = example.run("annotate", "controller.py", "--trace", "trace.json", *asked)
     assert annotated.out == shown
+    before = example.read("controller.py")
+    wrong = example.run("annotate", "controller.py", "--trace", "trace.json", "--explain", "acct")
+    assert wrong.code == 2
+    assert "tracerisk: no function 'acct' in the trace; did you mean 'act'?" in wrong.err
+    assert example.read("controller.py") == before, "the shipped figures are not written"
     (block,) = re.findall(rb"probability = (\S+)", example.read("controller.py"))
     told = example.run("annotate", "controller.py", "--trace", "trace.json", "--json", *asked).json
     assert told["derivation"]["function"] == "act"

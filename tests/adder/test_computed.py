@@ -1,0 +1,219 @@
+"""From use to blocks: which components a block has, how its figure adds up, what is assumed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from tracerisk.adder.computed import compute_blocks
+from tracerisk.errors import HardwareError
+from tracerisk.hardware.reader import read_hardware
+from tracerisk.trace import (
+    WEAR_EXPONENTS,
+    Cycle,
+    Element,
+    Exposure,
+    FunctionRef,
+    QualifiedName,
+    RunEnd,
+    Trace,
+    TracedFunction,
+    Visit,
+)
+
+
+def ref(name: str) -> FunctionRef:
+    return FunctionRef("cell.py", QualifiedName(name))
+
+
+def moved(seconds: float, holding: float = 0.0, speed: float = 0.3, load: float = 0.2):
+    travel = seconds * speed
+    return Exposure(
+        moving_s=seconds,
+        holding_s=holding,
+        active_s=seconds + holding,
+        longest_moving_s=seconds,
+        longest_active_s=seconds + holding,
+        starts=int(seconds > 0),
+        travel_s=travel,
+        wear=tuple(travel * load**k for k in WEAR_EXPONENTS) if seconds else (),
+    )
+
+
+def trace_of(*visits: tuple[str, float, dict], kind="joint", cycle=None) -> Trace:
+    names = dict.fromkeys(name for name, _, _ in visits)
+    elements = dict.fromkeys(name for _, _, exposures in visits for name in exposures)
+    return Trace(
+        controller="cell.py",
+        robot="arm",
+        scene="bench",
+        end=RunEnd("ended", "returned", 1.0),
+        elements=tuple(Element(name, kind) for name in elements),
+        functions=tuple(TracedFunction(ref(name), n, n) for n, name in enumerate(names, start=1)),
+        visits=tuple(
+            Visit(ref(name), 0.0, seconds, "succeeded", exposures)
+            for name, seconds, exposures in visits
+        ),
+        cycle=cycle,
+    )
+
+
+@pytest.fixture
+def compute(tmp_path):
+    """Compute the blocks of a trace from the lines of one component."""
+
+    def make(trace, *lines, active="moving+holding"):
+        path = tmp_path / "hardware.yaml"
+        body = "".join(f"    {line}\n" for line in lines)
+        path.write_text(f"components:\n  part:\n{body}")
+        hardware = read_hardware(path, shown="hardware.yaml")
+        return compute_blocks(trace, hardware, active=active)
+
+    return make
+
+
+JOINTS = 'twin: {joints: "*"}'
+RATE = "failure_rate: {value: 3.6e-3, per: hour}"
+IDLE = "standby_rate: {value: 3.6e-3, per: hour}"
+
+
+def value(computed, name="move"):
+    (entry,) = computed.blocks[ref(name)].components
+    return entry.probability.value
+
+
+def mission(computed, visits):
+    """The failure probability of units that are all needed, by the values in the blocks."""
+    total = 0.0
+    for function, block in computed.blocks.items():
+        for entry in block.components:
+            units = entry.quantity.value * visits[function.name]
+            total += units * math.log1p(-entry.probability.value)
+    return -math.expm1(total)
+
+
+LINES = {
+    "time": (RATE,),
+    "load": (RATE, "load_law: {reference_load: 0.3, wearing_share: 0.6}"),
+    "modes": (
+        RATE,
+        "modes: {slips: {fraction: 0.4, when: [holding]}, jams: {fraction: 0.6, when: [moving]}}",
+    ),
+    "standby": (IDLE,),
+    "demands": ("probability: {value: 1.0e-6, per: demand}",),
+    "ageing": (
+        "weibull: {shape: 2.2, scale: 30000, per: hour}",
+        "age: {value: 9000, per: hour}",
+        "load_law: {reference_load: 0.3, wearing_share: 0.6, exponent: 10/3}",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", LINES)
+def test_the_cut_into_functions_moves_no_figure(name, compute):
+    parts = [
+        (3.0, {"j1": moved(2.0, 0.5, 0.5, 0.6), "j2": moved(3.0)}),
+        (4.0, {"j1": moved(1.0, 2.0), "j2": replace(moved(0.5, 3.0, 0.1, 0.9), starts=2)}),
+        (2.0, {"j1": moved(0.0, 2.0)}),
+    ]
+    one = trace_of(*(("work", *part) for part in parts))
+    cut = trace_of(*((f"step{n}", *part) for n, part in enumerate(parts)))
+    whole = mission(compute(one, *LINES[name], JOINTS), {"work": 3})
+    pieces = mission(
+        compute(cut, *LINES[name], JOINTS), dict.fromkeys(("step0", "step1", "step2"), 1)
+    )
+    assert whole > 0.0
+    # Four digits stand in a block.
+    assert pieces == pytest.approx(whole, rel=5e-4)
+
+
+def test_what_fails_idle_stands_in_the_blocks_of_functions_that_do_not_use_it(compute):
+    trace = trace_of(("move", 5.0, {"j1": moved(5.0)}), ("wait", 4.0, {}))
+    active = compute(trace, RATE, JOINTS)
+    assert active.blocks[ref("wait")].components == ()
+    idle = compute(trace, RATE, IDLE, JOINTS)
+    assert value(idle, "move") == pytest.approx(5e-6, rel=1e-3)
+    assert value(idle, "wait") == pytest.approx(4e-6, rel=1e-3)
+    assert idle.observed == {ref("move"): ("part",), ref("wait"): ()}
+    assert idle.exposures[ref("wait")] == {"part": 0.0}
+
+
+def test_the_mean_speed_is_that_of_the_mission_in_which_a_cycle_comes_often(compute):
+    law = "load_law: {reference_load: 0.5, wearing_share: 1.0}"
+    slow, fast = moved(1.0, 0.0, 0.1, 0.5), moved(1.0, 0.0, 0.4, 0.5)
+    visits = [("begin", 1.0, {"j1": slow}), *[("loop", 1.0, {"j1": fast})] * 3]
+    computed = compute(trace_of(*visits, cycle=Cycle(1, 1, 9)), RATE, law, JOINTS)
+    mean = (0.1 + 9 * 0.4) / 10
+    assert value(computed, "begin") == pytest.approx(1e-6 * 0.1 / mean, rel=1e-3)
+    assert value(computed, "loop") == pytest.approx(1e-6 * 0.4 / mean, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("exposure", "lines", "message"),
+    [
+        (
+            None,
+            (RATE,),
+            "component 'part': the exposure is not known from this trace; "
+            "give its figure 'per: visit', or use a trace of the twin",
+        ),
+        (
+            None,
+            ("probability: 1.0e-6", IDLE),
+            "component 'part': the exposure is not known from this trace; "
+            "give its figure 'per: visit', or use a trace of the twin",
+        ),
+        (
+            replace(moved(2.0), wear=()),
+            (RATE, "load_law: {reference_load: 0.5, wearing_share: 0.5}"),
+            "component 'part': the wear of what moves is not known from this trace; "
+            "run the controller again",
+        ),
+    ],
+)
+def test_what_a_trace_does_not_tell_is_an_error_that_says_what_to_do(
+    exposure, lines, message, compute
+):
+    trace = trace_of(("move", 5.0, {"j1": exposure}))
+    with pytest.raises(HardwareError) as caught:
+        compute(trace, *lines, JOINTS)
+    assert str(caught.value).startswith("hardware.yaml:2")
+    assert str(caught.value).endswith(message)
+
+
+MOVE = trace_of(("move", 5.0, {"j1": moved(5.0)}))
+
+
+def test_a_load_law_without_a_speed_says_whose_speed_it_takes(compute):
+    law = "load_law: {reference_load: 0.5, wearing_share: 0.5"
+    (line,) = compute(MOVE, RATE, f"{law}}}", JOINTS).assumptions
+    assert line == (
+        "part: the figures are taken to hold at the mean speed of the mission itself, since the "
+        "load law states no reference_speed: what moves faster throughout wears no more by that"
+    )
+    assert compute(MOVE, RATE, f"{law}, reference_speed: 0.3}}", JOINTS).assumptions == ()
+
+
+@pytest.mark.parametrize(
+    ("age", "told"),
+    [((), "are new"), (("age: {value: 12000, per: hour}",), "were in use for 12000 h")],
+)
+def test_what_ages_says_from_what_age(age, told, compute):
+    (line,) = compute(
+        MOVE, "weibull: {shape: 2, scale: 30000, per: hour}", *age, JOINTS
+    ).assumptions
+    assert line == (
+        f"part: Weibull, of units that {told} when the mission begins; the mission's hazard is "
+        "spread over its time in use"
+    )
+
+
+def test_failures_that_no_mode_has_are_told_as_harmless(compute):
+    modes = "modes: {jams: {fraction: 0.4, when: [moving]}, slips: {fraction: %s, when: [holding]}}"
+    (line,) = compute(MOVE, RATE, modes % "0.35", JOINTS).assumptions
+    assert line == (
+        "part: the failure modes make up 75 % of the failures; the other 25 % are taken as harmless"
+    )
+    assert compute(MOVE, RATE, modes % "0.6", JOINTS).assumptions == ()
