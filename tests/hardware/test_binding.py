@@ -3,6 +3,7 @@ import pytest
 from tracerisk.errors import HardwareError, Location
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware, TwinBinding
+from tracerisk.hardware.redundancy import Redundancy
 from tracerisk.trace import Element
 
 FIGURES = (FailureFigure("probability", 1e-7, Basis.MINUTE),)
@@ -65,3 +66,129 @@ def test_one_unit_a_gripper_where_the_quantity_says_so():
         HardwareError, match="the robot has 2 such grippers; give 'quantity: 2', one"
     ):
         bind(one(twin=TwinBinding(gripper=True)), two)
+
+
+SEEN = (
+    Element("j1", "joint"),
+    Element("j2", "joint"),
+    Element("j3", "joint"),
+    Element("hand", "gripper"),
+    Element("j1/encoder", "sensor", "encoder", "j1"),
+    Element("j2/encoder", "sensor", "encoder", "j2"),
+    Element("eye", "sensor", "camera", "link2"),
+    Element("contact/link1", "contact", part="link1"),
+    Element("contact/link2/left", "contact", part="link2"),
+    Element("contact/link2/right", "contact", part="link2"),
+)
+
+
+@pytest.mark.parametrize(
+    ("twin", "elements"),
+    [
+        (TwinBinding(actuators=("j2", "j1")), ("j2", "j1")),
+        (TwinBinding(sensors="encoder"), ("j1/encoder", "j2/encoder")),
+        (TwinBinding(sensors=("eye", "j1/encoder")), ("eye", "j1/encoder")),
+        (TwinBinding(contacts=("link1",)), ("contact/link1",)),
+        (TwinBinding(contacts=("link2",)), ("contact/link2/left", "contact/link2/right")),
+        (
+            TwinBinding(
+                joints=("j3",),
+                gripper=True,
+                actuators=("j1",),
+                sensors="camera",
+                contacts=("link1",),
+            ),
+            ("j3", "j1", "hand", "eye", "contact/link1"),
+        ),
+        (TwinBinding(joints="*", sensors="torque", optional=True), ("j1", "j2", "j3")),
+        (TwinBinding(sensors=("gone", "eye"), optional=True), ("eye",)),
+    ],
+)
+def test_each_kind_of_place_is_found_and_kinds_add_up(twin, elements):
+    (bound,) = bind(one(quantity=None, twin=twin), SEEN)
+    assert (bound.elements, bound.quantity) == (elements, len(elements))
+    assert bound.units() == elements
+
+
+def test_optional_parts_that_the_robot_lacks_are_left_out():
+    for twin in (
+        TwinBinding(sensors="wrench", optional=True),
+        TwinBinding(sensors=("gone",), optional=True),
+        TwinBinding(gripper=True, sensors="torque", optional=True),
+    ):
+        assert bind(one(quantity=None, twin=twin), SEEN[:3]) == ()
+
+
+def test_several_units_share_a_place_that_is_named():
+    (bound,) = bind(one(quantity=2, twin=TwinBinding(joints=("j2",))), SEEN)
+    assert bound.units() == ("j2", "j2")
+    (bound,) = bind(one(quantity=3, twin=TwinBinding(sensors=("eye",))), SEEN)
+    assert bound.units() == ("eye",) * 3
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        (
+            {"twin": TwinBinding(actuators=("motor1",))},
+            "is bound to actuator 'motor1', but no joint has one of this name; an actuator has the "
+            "name of the joint that it moves; allowed: j1, j2, j3",
+        ),
+        (
+            {"twin": TwinBinding(sensors=("eyes",))},
+            "is bound to sensor 'eyes', which the robot lacks; did you mean 'eye'? allowed: eye, "
+            "j1/encoder, j2/encoder",
+        ),
+        (
+            {"twin": TwinBinding(sensors="wrench"), "quantity": None},
+            "is bound to the sensors of kind 'wrench', of which the robot has none; allowed: "
+            "camera, encoder, or write 'optional: true' in its 'twin'",
+        ),
+        (
+            {"twin": TwinBinding(contacts=("link3",))},
+            "is bound to contacts of link 'link3', which the robot lacks; did you mean 'link2'? "
+            "allowed: link1, link2",
+        ),
+        (
+            {"twin": TwinBinding(joints="*", actuators=("j1",)), "quantity": None},
+            "sees 'j1' twice; name it in one of its bindings only",
+        ),
+        (
+            {"twin": TwinBinding(sensors="encoder"), "quantity": 3},
+            "has quantity 3, but the robot has 2 such sensors; give 'quantity: 2', one a sensor, "
+            "or name those that it stands for",
+        ),
+        (
+            {"twin": TwinBinding(sensors="camera"), "quantity": 3},
+            "has quantity 3, but the robot has 1 such sensors; give 'quantity: 1'",
+        ),
+    ],
+)
+def test_a_place_that_is_not_there_is_told_with_those_that_are(fields, message):
+    with pytest.raises(HardwareError) as caught:
+        bind(one(**fields), SEEN)
+    assert str(caught.value).startswith(f"h.yaml:3: component 'part' {message}")
+
+
+@pytest.mark.parametrize(
+    ("required", "message"),
+    [(4, "4 must work, but the quantity is 3"), (3, "3 of 3 must work: all are needed")],
+)
+def test_a_group_that_must_all_work_is_told_once_the_robot_says_how_many(required, message):
+    hardware = one(
+        quantity=None,
+        twin=TwinBinding(joints="*"),
+        redundancy=Redundancy(True, required=required),
+    )
+    with pytest.raises(HardwareError, match=message) as caught:
+        bind(hardware, SEEN)
+    assert str(caught.value).startswith("h.yaml:3: part.required: ")
+    (bound,) = bind(
+        one(
+            quantity=None,
+            twin=TwinBinding(joints="*"),
+            redundancy=Redundancy(True, required=2),
+        ),
+        SEEN,
+    )
+    assert bound.quantity == 3
