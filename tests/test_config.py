@@ -34,6 +34,7 @@ def test_a_named_file_of_the_root_becomes_its_path(tmp_path):
 BAD = {
     'actve = "moving"': "5: actve: unknown setting; did you mean 'active'?",
     'seed = 1\nactive = "still"': "6: active: 'still' is not allowed; allowed: moving",
+    'fail_on = "findings"': "5: fail_on: 'findings' is not allowed; did you mean 'finding'?",
     "duration_s = -1": "5: duration_s: expected a number above 0, found -1",
     "duration_s = true": "expected a number above 0",
     "seed = 1.5": "expected a whole number",

@@ -14,6 +14,9 @@ from tracerisk.errors import Location, SettingsError, one_of
 ActiveMode = Literal["moving", "moving+holding"]
 """Which time counts as exposure: moving only, or moving, holding and grasping."""
 
+FailOn = Literal["finding", "unexpected_contact", "planning_failure", "execution_failure"]
+"""Which findings of a run make `run` exit 1: any that is no mere note, or those of a kind."""
+
 _TABLE = ("tool", "tracerisk")
 _CONTROLLERS = "controllers"
 _ROOT_MARKS = ("package.xml", "pyproject.toml", "setup.py", ".git")
@@ -35,6 +38,7 @@ class Settings:
     `states` and `helpers` override, by qualified name, which functions are relevant.
     `max_risk` is the greatest failure probability of a mission that `check` lets pass;
     `require_reason` makes a value set by hand without a reason an error there.
+    `fail_on` says which findings make `run` exit 1.
     """
 
     robot: str | None = None
@@ -57,6 +61,7 @@ class Settings:
     answers: tuple[str, ...] = ()
     max_risk: float | None = None
     require_reason: bool = False
+    fail_on: FailOn | None = None
 
     def with_options(self, options: Mapping[str, Any]) -> Settings:
         """Return the settings with those options of the command line that were given."""
@@ -219,8 +224,9 @@ class _Reader:
             if not isinstance(value, bool | str) or value == "":
                 self._fail(key, f"expected a launch file, true or false, found {value!r}")
             return value
-        if key == "active" and value not in get_args(ActiveMode):
-            self._fail(key, f"{value!r} is not allowed; {one_of(get_args(ActiveMode), str(value))}")
+        for name, choices in (("active", get_args(ActiveMode)), ("fail_on", get_args(FailOn))):
+            if key == name and value not in choices:
+                self._fail(key, f"{value!r} is not allowed; {one_of(choices, str(value))}")
         default = getattr(Settings(), key)
         if isinstance(default, float):
             if isinstance(value, bool) or not isinstance(value, int | float) or value <= 0:

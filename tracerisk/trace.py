@@ -36,6 +36,8 @@ EndCause = Literal[
     "memory_limit",
     "not_importable",  # a module it imports is missing, or is not Python 3
 ]
+NOTES: frozenset[str] = frozenset({"assumed_name", "concurrent_owners", "not_simulated", "unused"})
+"""The kinds of findings by which nothing went wrong: what was assumed, or is not simulated."""
 GOOD_ENDS: frozenset[EndCause] = frozenset({"ended", "quiescent", "cycles", "idle", "duration"})
 
 

@@ -7,7 +7,7 @@ import re
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, get_args
 
-from tracerisk.config import ActiveMode
+from tracerisk.config import ActiveMode, FailOn
 from tracerisk.errors import InputError
 
 if TYPE_CHECKING:
@@ -153,6 +153,15 @@ def add_explain(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_fail_on(parser: argparse.ArgumentParser) -> None:
+    """Add the findings on which a run fails."""
+    parser.add_argument(
+        "--fail-on",
+        choices=get_args(FailOn),
+        help="exit 1 if the run has findings, or those of a kind",
+    )
+
+
 def add_mission_time(parser: argparse.ArgumentParser) -> None:
     """Add the mission time of a tree or a chain."""
     parser.add_argument(
@@ -196,6 +205,7 @@ def run_settings(options: argparse.Namespace) -> dict[str, Any]:
         "companions",
         "hardware",
         "active",
+        "fail_on",
         "duration_s",
         "wall_limit_s",
         "stall_limit_s",

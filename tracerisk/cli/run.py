@@ -18,6 +18,7 @@ from tracerisk.cli.report_input import RunShown, report_html
 from tracerisk.cli.run_report import (
     blocks_line,
     failure_of,
+    finding_exit,
     finding_lines,
     headline,
     object_lines,
@@ -51,6 +52,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         type=shared.probability,
         help="exit 1 if the mission's failure probability is above P",
     )
+    shared.add_fail_on(parser)
     shared.add_sarif(parser)
     shared.add_json(parser)
 
@@ -118,7 +120,7 @@ def run(options: argparse.Namespace) -> int:
         section = run_section(trace, hardware, recorded)
         shown = RunShown(trace, hardware, annotated.computed, () if section is None else (section,))
         write_file(options.report, report_html(assessment, model, sources, run=shown))
-    code = risk_exit(assessment, options.max_risk)
+    code = max(risk_exit(assessment, options.max_risk), finding_exit(trace, settings.fail_on))
     if options.check and annotated.is_changed:
         code = ExitCode.WOULD_CHANGE
     if options.json:

@@ -11,8 +11,9 @@ from typing import Any
 from tracerisk.adder.computed import ComputedBlocks
 from tracerisk.adder.model_names import model_names
 from tracerisk.cli.output import scenario_advice
+from tracerisk.config import FailOn
 from tracerisk.errors import ExitCode, InputError, Location
-from tracerisk.trace import Element, Finding, QualifiedName, Trace
+from tracerisk.trace import NOTES, Element, Finding, QualifiedName, Trace
 from tracerisk.trace_log import write_log
 
 _AT_GOAL_M = 0.003
@@ -63,6 +64,20 @@ def finding_lines(trace: Trace) -> list[str]:
         for each in trace.uncovered
     ]
     return lines
+
+
+def finding_exit(trace: Trace, fail_on: FailOn | None) -> ExitCode:
+    """Return 1 where the run has findings on which it is to fail, and say how many."""
+    counted = [
+        finding
+        for finding in trace.findings
+        if finding.kind == fail_on or (fail_on == "finding" and finding.kind not in NOTES)
+    ]
+    if not counted:
+        return ExitCode.FINE
+    told = "1 finding" if len(counted) == 1 else f"{len(counted)} findings"
+    print(f"tracerisk: {told}, and --fail-on {fail_on}", file=sys.stderr)
+    return ExitCode.WOULD_CHANGE
 
 
 def trace_lines(trace: Trace) -> list[str]:
