@@ -1,8 +1,7 @@
 """The conditional hazard of a unit that ages: Weibull, given that it lived to its age.
 
 The cumulative hazard of a Weibull life is H(t) = (t/scale)^shape, so a unit of age a fails within
-the next t of use with 1 - exp(-(H(a+t) - H(a))) (Rinne, The Weibull Distribution, 2009; MIL-HDBK-
-338B, section 5.3).
+the next t of use with 1 - exp(-(H(a+t) - H(a))): docs/theory.md#ageing.
 """
 
 from __future__ import annotations
