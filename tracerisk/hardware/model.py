@@ -180,9 +180,11 @@ class Hardware:
     """A hardware description; `components` in the order of the file.
 
     Two descriptions of the same are equal, whatever their files and formats.
+    `warnings` tell, with their places, what of the file was left out.
     """
 
     file: str = field(compare=False)
     components: tuple[Component, ...]
     robot: str | None = None
     source: str | None = None
+    warnings: tuple[str, ...] = field(default=(), compare=False)
