@@ -11,7 +11,7 @@ from lxml import html as lxml_html
 
 from tracerisk.errors import Location
 from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware
-from tracerisk.prm import FaultTree, HybridModel, solve
+from tracerisk.prm import BasicEvent, FaultTree, HybridModel, solve
 from tracerisk.prm.risk_change import Review, RiskDiff
 from tracerisk.report.html.report import render_report
 from tracerisk.report.html.report_input import Pin, ReportInput, SourceBlock, SourceFile
@@ -53,20 +53,26 @@ HOSTILE = (
 @pytest.fixture(scope="session")
 def arm() -> HybridModel:
     """Two functions in a cycle, over three components of which one is a pair."""
+
+    def units(component: str, count: int) -> dict[str, BasicEvent]:
+        names = [f"{component}[{number}]" for number in range(1, count + 1)]
+        return {name: BasicEvent(name, component) for name in names}
+
     pick = FaultTree.of(
         "pick fails",
         {"pick fails": ("or", "gripper", "power"), "power": ("and", "power[1]", "power[2]")},
-        {"gripper": 7e-8, "power[1]": 1e-4, "power[2]": 1e-4},
+        {"gripper": 7e-8, **units("power", 2)},
     )
     move = FaultTree.of(
         "move fails",
         {"move fails": ("or", "motor"), "motor": ("or", *(f"motor[{n}]" for n in range(1, 8)))},
-        {f"motor[{n}]": 9e-8 for n in range(1, 8)},
+        units("motor", 7),
     )
     return HybridModel.of(
         "arm.py",
         {"move": move, "pick": pick},
         {"move": "pick", "pick": {"move": Fraction(9, 10), "done": Fraction(1, 10)}},
+        values={"power": 1e-4, "motor": 9e-8},
     )
 
 

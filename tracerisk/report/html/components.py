@@ -5,6 +5,7 @@ from __future__ import annotations
 from tracerisk.hardware.model import Component, FailureFigure, Hardware
 from tracerisk.prm.assessment import ComponentImportance
 from tracerisk.report.html import figures
+from tracerisk.report.html.names import component_of
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
@@ -76,7 +77,7 @@ def _measures(components: tuple[ComponentImportance, ...]) -> Table:
     rows = tuple(
         Row(
             (
-                Cell(each.name, component=each.name),
+                Cell(each.name, component=component_of(each.name)),
                 Cell(
                     figures.percent(each.fussell_vesely),
                     share=min(max(each.fussell_vesely, 0.0), 1.0),
@@ -88,7 +89,7 @@ def _measures(components: tuple[ComponentImportance, ...]) -> Table:
                 Cell(figures.ratio(each.tenfold)),
                 Cell(figures.probability(each.theta)),
             ),
-            component=each.name,
+            component=component_of(each.name),
         )
         for each in components
     )
@@ -100,12 +101,12 @@ def _by_unit(components: tuple[ComponentImportance, ...]) -> Table | None:
     rows = tuple(
         Row(
             (
-                Cell(each.name, component=each.name),
+                Cell(each.name, component=component_of(each.name)),
                 Cell(part.name),
                 Cell(figures.ratio(part.birnbaum)),
                 Cell(figures.percent(part.criticality)),
             ),
-            component=each.name,
+            component=component_of(each.name),
         )
         for each in components
         if len(each.by_unit) > 1
@@ -140,7 +141,7 @@ def _described(hardware: Hardware, used: set[str]) -> Table:
                 *([Cell(_source(each) or figures.NOTHING)] if has_sources else []),
                 Cell("used" if each.name in used else "not used"),
             ),
-            component=each.name,
+            component=component_of(each.name),
         )
         for each in hardware.components
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -14,6 +13,7 @@ from tracerisk.prm.fault_tree import FaultTree
 from tracerisk.prm.gates import Gate, GateKind
 from tracerisk.prm.hybrid import FunctionState
 from tracerisk.report.html import figures
+from tracerisk.report.html.names import component_of
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
@@ -22,7 +22,6 @@ from tracerisk.report.html.svg import Drawing, Point, box, circle, number, tell,
 MOST_NODES = 120
 """How many gates and events a drawing holds: those nearest to the top."""
 
-_UNIT = re.compile(r"(?P<component>.*)\[(?P<unit>\d+|all|spares)\]")
 _ROW = 28.0
 _MARK = 30.0
 _MARKS = {
@@ -187,8 +186,8 @@ def _data(name: str, state: FunctionState) -> dict[str, str]:
     """Return what a node stands for: the whole function, or one of its components."""
     if name == state.tree.top:
         return {"function": state.name}
-    unit = _UNIT.fullmatch(name)
-    component = unit["component"] if unit else name.removesuffix(" apart")
+    parameters = {event.name: event.parameter for event in state.tree.events}
+    component = component_of(parameters.get(name, name))
     return {"function": state.name, "component": component}
 
 

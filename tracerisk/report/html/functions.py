@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from tracerisk.prm.assessment import ComponentContribution, StateAssessment
 from tracerisk.report.html import figures
+from tracerisk.report.html.names import component_of
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
@@ -68,12 +69,16 @@ def _of_function(
             cells += [Cell("none"), Cell(figures.NOTHING)]
         else:
             cells += [
-                Cell(component.name, component=component.name),
+                Cell(component.name, component=component_of(component.name)),
                 Cell(needed(component)),
             ]
         if exposures is not None:
             found = exposures.get(state.name, {})
-            cells.append(Cell(figures.seconds(found.get(component.name) if component else None)))
+            cells.append(
+                Cell(
+                    figures.seconds(found.get(component_of(component.name)) if component else None)
+                )
+            )
         cells += [
             Cell(
                 figures.NOTHING if component is None else figures.probability(component.probability)
@@ -82,7 +87,13 @@ def _of_function(
             Cell(figures.count(state.expected_visits), rows=span),
             Cell(figures.probability(state.absorption_probability), rows=span),
         ]
-        rows.append(Row(tuple(cells), state.name, None if component is None else component.name))
+        rows.append(
+            Row(
+                tuple(cells),
+                state.name,
+                None if component is None else component_of(component.name),
+            )
+        )
     return rows
 
 

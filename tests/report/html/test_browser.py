@@ -1,0 +1,183 @@
+from __future__ import annotations
+
+import base64
+import json
+
+import pytest
+
+WIDTHS = (360, 768, 1280, 1920)
+
+
+@pytest.fixture(scope="module")
+def opened(browser, full_page, tmp_path_factory):
+    """The full page in the browser, as it is after loading; and what the browser said."""
+    file = tmp_path_factory.mktemp("page") / "report.html"
+    file.write_text(full_page, encoding="utf-8")
+    browser.get("about:blank")
+    browser.get_log("performance")
+    browser.get_log("browser")
+    browser.get(file.as_uri())
+    browser.report = file.as_uri()
+    browser.requests = _requests(browser)
+    browser.complaints = browser.get_log("browser")
+    return browser
+
+
+@pytest.fixture(autouse=True)
+def as_loaded(request):
+    """The page as it was: no theme chosen, nothing selected, light and wide."""
+    if "opened" in request.fixturenames:
+        page = request.getfixturevalue("opened")
+        if page.current_url != page.report:
+            page.get(page.report)
+        page.execute_script("tracerisk.select({}); localStorage.clear();")
+        page.execute_script("document.querySelector('[data-theme-choice=auto]').click()")
+        _emulate(page, "light")
+        page.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def _requests(browser):
+    messages = (json.loads(entry["message"])["message"] for entry in browser.get_log("performance"))
+    return [
+        message["params"]["request"]["url"]
+        for message in messages
+        if message["method"] == "Network.requestWillBeSent"
+    ]
+
+
+def _emulate(browser, scheme, media=""):
+    features = [
+        {"name": "prefers-color-scheme", "value": scheme},
+        {"name": "prefers-reduced-motion", "value": "reduce"},
+    ]
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": media, "features": features})
+
+
+def _violations(browser):
+    axe = pytest.importorskip("selenium_axe_python", reason="selenium-axe-python is missing").Axe
+    checker = axe(browser)
+    checker.inject()
+    found = checker.run()["violations"]
+    return [each for each in found if each["impact"] in ("serious", "critical")], axe.report(found)
+
+
+def _state_of(browser, selector, property_name):
+    script = "return getComputedStyle(document.querySelector(arguments[0]))[arguments[1]]"
+    return browser.execute_script(script, selector, property_name)
+
+
+def test_a_page_from_a_file_fetches_nothing_and_logs_no_error(opened):
+    assert [url for url in opened.requests if not url.startswith("data:")] == [opened.report]
+    assert opened.complaints == []
+
+
+def test_hostile_texts_do_nothing(browser, hostile_page, tmp_path):
+    file = tmp_path / "hostile.html"
+    file.write_text(hostile_page, encoding="utf-8")
+    browser.get_log("browser")
+    browser.get(file.as_uri())
+    assert browser.execute_script("return window.pwned ?? null") is None
+    assert browser.execute_script("return document.images.length") == 0
+    assert browser.get_log("browser") == []
+    assert "{{ 7 * 7 }}" in browser.find_element("id", "findings").text
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing_serious(opened, scheme):
+    _emulate(opened, scheme)
+    opened.execute_script(
+        "for (const each of document.querySelectorAll('details')) each.open = true"
+    )
+    serious, told = _violations(opened)
+    assert not serious, told
+
+
+def test_the_page_follows_the_scheme_until_a_theme_is_chosen(opened):
+    light = _state_of(opened, "body", "backgroundColor")
+    _emulate(opened, "dark")
+    dark = _state_of(opened, "body", "backgroundColor")
+    assert light != dark
+    opened.execute_script("document.querySelector('[data-theme-choice=light]').click()")
+    assert _state_of(opened, "body", "backgroundColor") == light
+    chosen = opened.execute_script(
+        "return [...document.querySelectorAll('[data-theme-choice]')].map(e => e.ariaPressed)"
+    )
+    assert chosen == ["false", "true", "false"]
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_only_drawings_tables_and_sources_scroll_sideways(opened, width):
+    metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
+    opened.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    assert opened.execute_script("return document.documentElement.scrollWidth") <= width
+
+
+def test_choosing_a_component_marks_it_wherever_it_is(opened):
+    script = "return [...document.querySelectorAll('.is-selected')].map(e => e.dataset.component)"
+    assert opened.execute_script(script) == []
+    opened.execute_script(
+        "document.querySelector('#importance button[data-component=motor]').click()"
+    )
+    marked = opened.execute_script(script)
+    assert set(marked) == {"motor"}
+    assert len(marked) > 10
+    assert opened.execute_script("return tracerisk.selected.component") == "motor"
+    opened.execute_script("document.querySelector('#functions button.is-selected').click()")
+    assert opened.execute_script(script) == []
+
+
+def test_a_function_is_chosen_from_the_chain_and_let_go_by_escape(opened):
+    opened.execute_script(
+        "window.told = []; document.addEventListener('tracerisk:select', e => told.push(e.detail));"
+        "document.querySelector('#chain [data-state=pick] rect')"
+        ".dispatchEvent(new MouseEvent('click', {bubbles: true}))"
+    )
+    marked = opened.execute_script(
+        "return [...document.querySelectorAll('.line.is-selected')].map(e => e.id)"
+    )
+    assert marked == ["source-2-9", "source-2-10"]
+    opened.find_element("tag name", "body").send_keys("\ue00c")
+    told = opened.execute_script("return told")
+    assert [each["function"] for each in told] == ["pick", None]
+
+
+def test_the_clock_stays_within_the_run_and_tells_who_listens(opened):
+    told = opened.execute_script("""
+        const {clock} = tracerisk, told = [];
+        const end = clock.subscribe((time, source) => told.push([time, source]));
+        clock.setEnd(10);
+        clock.set(4, 'test'); clock.set(4, 'again'); clock.set(99, 'test'); clock.set(-1);
+        end();
+        clock.set(5);
+        clock.setEnd(0);
+        return told;
+    """)
+    assert told == [[0, None], [4, "test"], [10, "test"], [0, None]]
+
+
+def test_a_link_unfolds_what_it_leads_to(opened):
+    opened.execute_script(
+        "for (const each of document.querySelectorAll('details')) each.open = false"
+    )
+    opened.execute_script("location.hash = '#source-2-10'")
+    wait = pytest.importorskip("selenium.webdriver.support.wait").WebDriverWait(opened, 5)
+    script = "return document.getElementById('source-2-10').closest('details').open"
+    assert wait.until(lambda page: page.execute_script(script))
+
+
+def test_print_is_light_and_shows_what_is_folded(opened):
+    _emulate(opened, "dark", "print")
+    red = _state_of(opened, "body", "color")
+    assert red == "rgb(27, 29, 33)"
+    assert _state_of(opened, ".contents", "display") == "none"
+    _emulate(opened, "dark")
+    opened.execute_script(
+        "for (const each of document.querySelectorAll('details')) each.open = false;"
+        "window.unfolded = 0; addEventListener('beforeprint', () => "
+        "unfolded = document.querySelectorAll('details[open]').length)"
+    )
+    pdf = base64.b64decode(opened.print_page())
+    assert pdf.startswith(b"%PDF-")
+    folded = opened.execute_script("return document.querySelectorAll('details').length")
+    assert opened.execute_script("return unfolded") == folded
+    assert opened.execute_script("return document.querySelectorAll('details[open]').length") == 0
