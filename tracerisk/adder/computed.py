@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from tracerisk.adder.assumptions import assumptions_of
 from tracerisk.adder.block import ComponentEntry, Field, RiskBlock, Transition
@@ -21,8 +21,9 @@ from tracerisk.adder.values import (
 from tracerisk.config import ActiveMode
 from tracerisk.errors import HardwareError, InputError, one_of
 from tracerisk.hardware.binding import BoundComponent, bind
+from tracerisk.hardware.figure_shares import figure_shares
 from tracerisk.hardware.groups import FunctionUse, group_unit_probabilities
-from tracerisk.hardware.mission import ComponentUse, component_use, mission_time
+from tracerisk.hardware.mission import ComponentUse, component_use, mission_time, visits_of_mission
 from tracerisk.hardware.model import Component, Hardware
 from tracerisk.hardware.probability import failure_probability
 from tracerisk.hardware.use import UnknownUseError
@@ -105,8 +106,22 @@ def compute_blocks(
             if not each.component.always_active
             and any(each.is_active[visit] for visit in visits[ref])
         )
-    instances = tuple(instances_of(*each) for each in zip(used, uses, strict=True))
+    times = visits_of_mission(trace)
+    instances = tuple(
+        replace(
+            instances_of(each, use),
+            figure_shares=_figure_shares(each, [visits[ref] for ref in use], times),
+        )
+        for each, use in zip(used, uses, strict=True)
+    )
     return ComputedBlocks(blocks, exposures, observed, assumptions_of(bound), instances)
+
+
+def _figure_shares(
+    used: ComponentUse, visits: Sequence[Sequence[int]], times: Sequence[float]
+) -> tuple[float, ...]:
+    numbers = [number for here in visits for number in here]
+    return figure_shares(used, {number: times[number] for number in numbers}) if numbers else ()
 
 
 def visits_of(trace: Trace) -> dict[FunctionRef, list[int]]:

@@ -38,10 +38,15 @@ class Instance:
 
 @dataclass(frozen=True, slots=True)
 class ComponentInstances:
-    """A component of the description and its instances, in the order of its elements."""
+    """A component of the description and its instances, in the order of its elements.
+
+    `figure_shares` are the parts of its hazard over the mission that go with each of its
+    figures; empty where the component is not used.
+    """
 
     component: Component
     instances: tuple[Instance, ...]
+    figure_shares: tuple[float, ...] = ()
 
     @property
     def are_alike(self) -> bool:

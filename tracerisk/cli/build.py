@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from tracerisk.cli import options as shared
+from tracerisk.cli.hardware_spread import add_hardware_spread, spreads_of_files, tell
 from tracerisk.cli.output import note, print_json
 from tracerisk.cli.sources import model_of_sources
 
@@ -16,6 +17,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "-o", "--output", metavar="FILE", help="write the model there, not to standard output"
     )
     shared.add_profile(parser)
+    add_hardware_spread(parser)
     shared.add_json(parser)
 
 
@@ -25,6 +27,12 @@ def run(options: argparse.Namespace) -> int:
     from tracerisk.prm.formats import model_json
 
     model = model_of_sources(options.files, shared.read_profile(options))
+    spreads = spreads_of_files(options.files, model, options)
+    if spreads is not None:
+        from tracerisk.pipeline.figure_spreads import with_distributions
+
+        model = with_distributions(model, spreads.figures)
+        tell(spreads, options)
     text = model_json.dumps(model)
     if options.output is not None:
         write_file(options.output, text)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from tracerisk.cli import options as shared
 from tracerisk.cli.assessment import print_assessment, risk_exit
 from tracerisk.cli.explain import derivation_json, explained, print_derivation
+from tracerisk.cli.hardware_spread import add_run_uncertainty, uncertainty_of_run
 from tracerisk.cli.output import note, print_diffs, print_json, progress_bar, write_sarif
 from tracerisk.cli.report_input import RunShown, report_html
 from tracerisk.cli.run_report import (
@@ -26,6 +27,7 @@ from tracerisk.cli.run_report import (
     write_file,
     write_outputs,
 )
+from tracerisk.cli.what_if import print_what_if, what_if_data
 from tracerisk.errors import ControllerFailedError, ExitCode, Location
 
 if TYPE_CHECKING:
@@ -43,6 +45,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     shared.add_edit_options(parser)
     shared.add_profile(parser)
     shared.add_explain(parser)
+    add_run_uncertainty(parser)
     parser.add_argument("--trace", metavar="FILE", help="write the trace as JSON")
     parser.add_argument("--model", metavar="FILE", help="write the risk model as JSON")
     parser.add_argument("--report", metavar="OUT.html", help="write a report as one HTML page")
@@ -64,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
     from tracerisk.pipeline.stages import blocks_of
     from tracerisk.prm.formats import model_json
     from tracerisk.prm.formats.assessment_json import assessment_to_json
-    from tracerisk.report.run_figures import run_figures
+    from tracerisk.report.run_figures import run_figures, set_by_hand
 
     profile = shared.read_profile(options)
     policy = shared.merge_policy(options)
@@ -99,11 +102,11 @@ def run(options: argparse.Namespace) -> int:
     if options.model is not None:
         write_file(options.model, model_json.dumps(model))
     assessment = pipeline.solve(model)
-    figures = run_figures(
-        assessment,
-        hardware,
-        annotated.computed.instances,
-        [block for _, block in blocks_of(sources)],
+    blocks = [block for _, block in blocks_of(sources)]
+    instances = annotated.computed.instances
+    figures = run_figures(assessment, hardware, instances, blocks)
+    uncertainty = uncertainty_of_run(
+        model, hardware, instances, set_by_hand(blocks), options, seed=settings.seed
     )
     derivation = explained(options, annotated, hardware, settings)
     keeps_files = options.check or options.diff
@@ -134,6 +137,7 @@ def run(options: argparse.Namespace) -> int:
             model=model_json.model_data(model),
             **derivation_json(derivation),
             **figures.data(annotated.computed.names),
+            **what_if_data([], (), uncertainty),
         )
         return int(code)
     if options.diff:
@@ -157,6 +161,7 @@ def run(options: argparse.Namespace) -> int:
             assumptions=(*trace.assumptions, *annotated.computed.assumptions),
             tables=figures.tables(),
         )
+        print_what_if(assessment, [], uncertainty, importance=False, pairs=None)
     print_derivation(derivation)
     return int(code)
 

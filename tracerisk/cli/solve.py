@@ -8,6 +8,7 @@ from dataclasses import asdict
 from tracerisk.cli import options as shared
 from tracerisk.cli import what_if as asked
 from tracerisk.cli.assessment import print_assessment, risk_exit
+from tracerisk.cli.hardware_spread import notes_data, spreads_of_files, tell
 from tracerisk.cli.model_files import OWN, format_of
 from tracerisk.cli.output import print_json
 from tracerisk.cli.sources import linked_model, model_of_files
@@ -40,6 +41,7 @@ def run(options: argparse.Namespace) -> int:
     if kind is not None and kind not in OWN:
         from tracerisk.cli.model_solve import solve_model_file
 
+        _forbid_hardware(options)
         return solve_model_file(options.files, kind, options)
     if options.mission_time_h is not None:
         raise InputError("--mission-time goes with trees and chains of other tools; leave it out")
@@ -47,6 +49,7 @@ def run(options: argparse.Namespace) -> int:
     if model_of_links is not None:
         from tracerisk.cli.linked import solve_linked
 
+        _forbid_hardware(options)
         if options.profile:
             raise InputError("--profile goes with sources; a linked model has its own chains")
         if options.pairs:
@@ -61,7 +64,8 @@ def run(options: argparse.Namespace) -> int:
     model, changes = asked.set_in(given, options)
     assessment = solve(model)
     sweeps = asked.swept(model, options)
-    uncertainty = asked.uncertainty_of(model, options)
+    spreads = spreads_of_files(options.files, model, options)
+    uncertainty = asked.uncertainty_of(model, options, spreads)
     pairs = asked.pairs_of(model, options)
     code = risk_exit(assessment, options.max_risk)
     if options.json:
@@ -71,11 +75,18 @@ def run(options: argparse.Namespace) -> int:
             assessment=assessment_to_json(assessment),
             **({} if pairs is None else {"pairs": [asdict(pair) for pair in pairs]}),
             **asked.what_if_data(changes, sweeps, uncertainty),
+            **notes_data(spreads),
         )
     else:
+        tell(spreads, options)
         asked.print_set(changes)
         print_assessment(assessment)
         asked.print_what_if(
             assessment, sweeps, uncertainty, importance=options.importance, pairs=pairs
         )
     return int(code)
+
+
+def _forbid_hardware(options: argparse.Namespace) -> None:
+    if options.hardware is not None:
+        raise InputError("--hardware goes with models of functions; leave it out")

@@ -10,10 +10,12 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import options as shared
+from tracerisk.cli.hardware_spread import add_hardware_spread
 from tracerisk.cli.output import terminal_width, use_color
 from tracerisk.errors import InputError
 
 if TYPE_CHECKING:
+    from tracerisk.pipeline.figure_spreads import HardwareSpreads
     from tracerisk.prm.assessment import Assessment
     from tracerisk.prm.distributions import Distribution
     from tracerisk.prm.hybrid import HybridModel
@@ -69,6 +71,7 @@ def add_what_if(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="95th percentile over median of a lognormal figure, for one component or for all",
     )
+    add_hardware_spread(group)
     group.add_argument(
         "--samples", metavar="N", type=shared.count, help="samples of --uncertainty (10000)"
     )
@@ -137,8 +140,12 @@ def parse_sweeps(
     return found
 
 
-def uncertainty_of(model: HybridModel, options: argparse.Namespace) -> Uncertainty | None:
+def uncertainty_of(
+    model: HybridModel, options: argparse.Namespace, spreads: HardwareSpreads | None = None
+) -> Uncertainty | None:
     """Return the spread of the mission's figure where `--uncertainty` asks for it.
+
+    `spreads` are those of a hardware description; `--error-factor` goes before them.
 
     Raises InputError when an error factor is malformed, a name unknown, or what goes with
     `--uncertainty` is given without it.
@@ -157,13 +164,14 @@ def uncertainty_of(model: HybridModel, options: argparse.Namespace) -> Uncertain
         samples=SAMPLES if options.samples is None else options.samples,
         seed=options.seed or 0,
         distributions=parse_error_factors(options.error_factors, groups_of(model), known),
+        figures=None if spreads is None else spreads.figures,
     )
 
 
 def wants_uncertainty(options: argparse.Namespace) -> bool:
     """Return whether `--uncertainty` is given; raise InputError for what goes with it alone."""
     if not options.uncertainty:
-        for option in ("error_factors", "samples", "seed"):
+        for option in ("error_factors", "samples", "seed", "hardware"):
             if getattr(options, option) not in (None, []):
                 name = option.replace("_factors", "-factor")
                 raise InputError(f"--{name} goes with --uncertainty; add it")

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     Samples = NDArray[np.float64]
 
-_NORMAL_95 = 1.6448536269514722
+NORMAL_95 = 1.6448536269514722
 """The 95 % quantile of the standard normal distribution."""
 
 
@@ -58,7 +58,7 @@ class Lognormal:
     @property
     def sigma(self) -> float:
         """The standard deviation of the logarithm."""
-        return math.log(self.error_factor) / _NORMAL_95
+        return math.log(self.error_factor) / NORMAL_95
 
     def quantiles(self, shares: Samples, value: float) -> Samples:
         """Return the quantiles at `shares`."""

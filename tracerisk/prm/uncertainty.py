@@ -8,7 +8,7 @@ numpy and scipy are imported when something is sampled.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -34,6 +34,19 @@ class UncertainInput:
     value: float
     distribution: Distribution
     is_probability: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class FigureSpread:
+    """One of the figures that make up a component's: how far it may be off, drawn by itself.
+
+    `share` is the part of the component's figure that goes with it; what the shares of one
+    component leave of 1 is certain. A component's only figure has no `name`.
+    """
+
+    name: str
+    share: float
+    distribution: Distribution
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,10 +103,12 @@ def propagate(
     samples: int = SAMPLES,
     seed: int = 0,
     distributions: Mapping[str, Distribution] | None = None,
+    figures: Mapping[str, Sequence[FigureSpread]] | None = None,
 ) -> Uncertainty:
     """Draw the parameters and return the spread of the mission's failure probability.
 
-    `distributions` stand in for those of the model, by the names of parameters or components.
+    `distributions` stand in for those of the model, by the names of parameters or components;
+    where they say nothing of a component, so do the `figures` that make it up.
     Raises ModelError when a name is unknown, no parameter has a distribution, or `samples` is
     below 2.
     """
@@ -106,26 +121,35 @@ def propagate(
         for parameter in parameters_of(model, name):
             given[parameter.name] = distribution
     inputs: dict[str, UncertainInput] = {}
+    # What a component's figure is the sum of: its inputs, and what is certain of it.
+    sums: dict[str, tuple[float, list[str]]] = {}
     shares: dict[str, dict[str, float]] = {}
     for name, parts in groups_of(model).items():
-        stated = (given.get(part.name, part.distribution) for part in parts)
+        value = math.fsum(part.theta for part in parts)
+        own = [given.get(part.name) for part in parts]
+        spreads = (figures or {}).get(name, ()) if own == [None] * len(own) else ()
+        stated = (one or part.distribution for one, part in zip(own, parts, strict=True))
         known = next((each for each in stated if each is not None), None)
-        if known is not None:
-            value = math.fsum(part.theta for part in parts)
-            inputs[name] = UncertainInput(value, known)
-            shares[name] = {
-                part.name: part.theta / value if value > 0.0 else 1.0 / len(parts) for part in parts
-            }
+        if not spreads and known is not None:
+            spreads = (FigureSpread("", 1.0, known),)
+        if not spreads:
+            continue
+        named = {f"{name}: {each.name}" if each.name else name: each for each in spreads}
+        for key, each in named.items():
+            inputs[key] = UncertainInput(each.share * value, each.distribution)
+        certain = max(0.0, 1.0 - math.fsum(each.share for each in spreads))
+        sums[name] = (certain * value, list(named))
+        shares[name] = {
+            part.name: part.theta / value if value > 0.0 else 1.0 / len(parts) for part in parts
+        }
 
     def figure(drawn: Mapping[str, Samples]) -> Samples:
-        return failure_samples(
-            model,
-            {
-                part: drawn[name] * share
-                for name, parts in shares.items()
-                for part, share in parts.items()
-            },
-        )
+        thetas = {}
+        for name, (certain, keys) in sums.items():
+            total = _at_most_one([drawn[key] for key in keys], certain)
+            for part, share in shares[name].items():
+                thetas[part] = total * share
+        return failure_samples(model, thetas)
 
     point = solve_figures(model).mission.failure_probability
     return spread_of(figure, point, inputs, samples=samples, seed=seed)
@@ -185,6 +209,13 @@ def spread_of(
         percentiles=_percentiles(results),
         inputs=tuple(found_inputs),
     )
+
+
+def _at_most_one(parts: Sequence[Samples], certain: float) -> Samples:
+    import numpy as np
+
+    total: Samples = np.minimum(np.sum(parts, axis=0) + certain, 1.0)
+    return total
 
 
 def _percentiles(values: Samples) -> tuple[float, ...]:

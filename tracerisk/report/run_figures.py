@@ -54,11 +54,11 @@ def run_figures(
     return RunFigures(
         tuple(instances),
         instance_importances(instances, assessment),
-        assumed_figures(hardware, assessment, by_hand=_by_hand(blocks)),
+        assumed_figures(hardware, assessment, by_hand=set_by_hand(blocks)),
     )
 
 
-def _by_hand(blocks: Iterable[RiskBlock]) -> list[str]:
+def set_by_hand(blocks: Iterable[RiskBlock]) -> list[str]:
     """Return the components whose probability is a person's in every block that has them."""
     computed: dict[str, bool] = {}
     for block in blocks:

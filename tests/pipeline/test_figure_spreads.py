@@ -1,0 +1,260 @@
+"""Error factors of a hardware description, in the uncertainty of a model of blocks."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from tracerisk.adder.computed import compute_blocks
+from tracerisk.hardware.reader import read_hardware
+from tracerisk.pipeline import build
+from tracerisk.pipeline.figure_spreads import hardware_spreads, with_distributions
+from tracerisk.prm.build import build_model
+from tracerisk.prm.distributions import Lognormal
+from tracerisk.prm.formats import linked_json
+from tracerisk.prm.uncertainty import propagate
+from tracerisk.trace import (
+    Element,
+    Exposure,
+    FunctionRef,
+    QualifiedName,
+    RunEnd,
+    Trace,
+    TracedFunction,
+    Visit,
+)
+
+PICK = FunctionRef("cell.py", QualifiedName("pick"))
+SEEN = Exposure(moving_s=60.0, active_s=60.0, longest_moving_s=9, longest_active_s=9, starts=3)
+TRACE = Trace(
+    controller="cell.py",
+    robot="panda",
+    scene="bench",
+    end=RunEnd("ended", "returned", 1.0),
+    elements=(Element("one", "joint"), Element("two", "joint")),
+    functions=(TracedFunction(PICK, 1, 1),),
+    visits=(Visit(PICK, 0.0, 60.0, "succeeded", {"one": SEEN, "two": SEEN}),),
+)
+PER_MINUTE = "{value: 1e-6, per: minute, error_factor: 3}"
+PER_DEMAND = "{value: 1e-6, per: demand, error_factor: 10, value_is: mean}"
+
+
+@pytest.fixture
+def modelled(tmp_path):
+    """Return the model of a description's blocks, the description and the run's instances."""
+
+    def make(text):
+        path = tmp_path / "hardware.yaml"
+        path.write_text("components:\n" + text)
+        hardware = read_hardware(path)
+        computed = compute_blocks(TRACE, hardware, active="moving+holding")
+        blocks = list(computed.blocks.values())
+        return build_model(blocks, name="cell.py"), hardware, computed.instances
+
+    return make
+
+
+def motor(figures: str, more: str = "") -> str:
+    return f'  motor: {{probability: {figures}, twin: {{joints: "*"}}{more}}}\n'
+
+
+def test_one_figure_is_the_component_and_spreads_the_mission_as_its_lognormal(modelled):
+    model, hardware, instances = modelled(motor(PER_MINUTE))
+    spreads = hardware_spreads(model, hardware, instances)
+    assert spreads.notes == ()
+    found = propagate(model, samples=4000, figures=spreads.figures)
+    # Two motors, each needed; rare failures follow the factor.
+    assert found.percentiles == pytest.approx([2e-6 / 3, 2e-6, 6e-6], rel=0.01)
+    assert [each.name for each in found.inputs] == ["motor"]
+
+
+def test_several_figures_are_drawn_each_by_itself_with_the_part_that_the_run_tells(modelled):
+    model, hardware, instances = modelled(motor(f"[{PER_MINUTE}, {PER_DEMAND}]"))
+    # One minute against three demands.
+    assert instances[0].figure_shares == pytest.approx((0.25, 0.75), rel=1e-5)
+    spreads = hardware_spreads(model, hardware, instances)
+    found = propagate(model, samples=4000, figures=spreads.figures)
+    assert {each.name for each in found.inputs} == {
+        "motor: probability per minute",
+        "motor: probability per demand",
+    }
+    rng = np.random.default_rng(3)
+    z = rng.standard_normal((2, 400_000))
+    low, high = Lognormal(3.0).sigma, Lognormal(10.0).sigma
+    drawn = 2e-6 * np.exp(low * z[0]) + 6e-6 * np.exp(high * z[1] - high**2 / 2)
+    assert found.percentiles == pytest.approx(np.percentile(drawn, (5, 50, 95)), rel=0.03)
+
+
+def test_what_has_no_error_factor_is_certain(modelled):
+    text = motor(f"[{PER_MINUTE}, {{value: 1e-6, per: demand}}]")
+    model, hardware, instances = modelled(text)
+    found = propagate(model, figures=hardware_spreads(model, hardware, instances).figures)
+    assert found.percentiles == pytest.approx([2e-6 / 3 + 6e-6, 8e-6, 6e-6 + 6e-6], rel=0.01)
+
+
+def test_without_a_run_all_of_several_figures_is_off_by_the_widest_factor(modelled):
+    model, hardware, _ = modelled(motor(f"[{PER_MINUTE}, {PER_DEMAND}]"))
+    spreads = hardware_spreads(model, hardware)
+    (figure,) = spreads.figures["motor"]
+    assert (figure.share, figure.distribution) == (1.0, Lognormal(10.0, "mean"))
+    assert spreads.notes == (
+        "motor: which part each of its 2 figures has, a run tells; here all of it is off by the "
+        "widest error factor, 10",
+    )
+
+
+def test_units_and_their_common_cause_have_one_draw(modelled):
+    model, hardware, _ = modelled(
+        motor(PER_MINUTE, ", redundancy: true, common_cause: {beta: 0.1}")
+    )
+    found = propagate(model, samples=4000, figures=hardware_spreads(model, hardware).figures)
+    assert found.percentiles == pytest.approx([1e-7 / 3, 1e-7, 3e-7], rel=0.01)
+
+
+def test_groups_with_spares_are_left_out_and_told(modelled):
+    text = motor(PER_MINUTE, ", spare: cold") + (
+        f"  power: {{probability: {PER_MINUTE}, active: always}}\n"
+    )
+    model, hardware, instances = modelled(text)
+    spreads = hardware_spreads(model, hardware, instances)
+    assert list(spreads.figures) == ["power"]
+    assert spreads.notes == (
+        "motor: the error factors of a group with spares are left out, for its figure in the "
+        "model is that of the group",
+    )
+
+
+def test_a_value_set_by_hand_has_no_error_factor_of_the_description(modelled):
+    model, hardware, _ = modelled(motor(PER_MINUTE))
+    assert hardware_spreads(model, hardware, by_hand=["motor"]).figures == {}
+
+
+def test_alike_figures_are_numbered(modelled):
+    model, hardware, instances = modelled(motor(f"[{PER_MINUTE}, {PER_MINUTE}]"))
+    names = [each.name for each in hardware_spreads(model, hardware, instances).figures["motor"]]
+    assert names == ["probability per minute (1)", "probability per minute (2)"]
+
+
+def test_a_model_holds_one_distribution_a_component_of_the_same_variance(modelled):
+    model, hardware, instances = modelled(motor(f"[{PER_MINUTE}, {PER_DEMAND}]"))
+    spreads = hardware_spreads(model, hardware, instances)
+    (parameter,) = with_distributions(model, spreads.figures).parameters
+    law = parameter.distribution
+    assert isinstance(law, Lognormal)
+    low, high = Lognormal(3.0), Lognormal(10.0, "mean")
+    means = 0.25 * math.exp(low.sigma**2 / 2), 0.75
+    variances = [
+        mean**2 * math.expm1(each.sigma**2) for mean, each in zip(means, (low, high), strict=True)
+    ]
+    relative = sum(variances) / sum(means) ** 2
+    assert math.expm1(law.sigma**2) == pytest.approx(relative, rel=1e-4)
+    model, hardware, instances = modelled(motor(PER_DEMAND))
+    spreads = hardware_spreads(model, hardware, instances)
+    (parameter,) = with_distributions(model, spreads.figures).parameters
+    assert parameter.distribution == Lognormal(10.0, "mean")
+
+
+HARDWARE = """\
+robot: panda
+components:
+  electric_motor:
+    probability:
+      - {value: 9.5e-08, per: minute, error_factor: 3}
+      - {value: 1.0e-10, per: demand, error_factor: 10}
+    quantity: 7
+    twin: {joints: "*"}
+"""
+
+
+@pytest.fixture
+def sample(sample_run, example):
+    run, _ = sample_run
+    for name, data in run.files().items():
+        example.write(name, data)
+    folder = run.folder / ".tracerisk_cache"
+    (example.folder / ".tracerisk_cache").mkdir(exist_ok=True)
+    for path in folder.iterdir():
+        (example.folder / ".tracerisk_cache" / path.name).write_bytes(path.read_bytes())
+    example.write("hardware.yaml", HARDWARE)
+    return example
+
+
+def inputs(outcome):
+    return {each["name"] for each in json.loads(outcome.out)["uncertainty"]["inputs"]}
+
+
+def test_solve_draws_the_figures_of_a_description(sample):
+    asked = ("--hardware", "hardware.yaml", "--uncertainty", "--samples", "200", "--json")
+    outcome = sample.run("solve", "pick_and_place.py", *asked)
+    assert outcome.code == 0, outcome.err
+    assert inputs(outcome) == {
+        "electric_motor: probability per minute",
+        "electric_motor: probability per demand",
+    }
+    own = sample.run("solve", "pick_and_place.py", *asked, "--error-factor", "electric_motor=2")
+    assert inputs(own) == {"electric_motor"}
+
+
+def test_build_keeps_the_spread_in_the_model(sample):
+    built = sample.run(
+        "build", "pick_and_place.py", "--hardware", "hardware.yaml", "-o", "model.json"
+    )
+    assert built.code == 0, built.err
+    held = {
+        each["name"]: each.get("distribution")
+        for each in json.loads(sample.read("model.json"))["parameters"]
+    }
+    assert held["electric_motor"]["lognormal"]["errorFactor"] == pytest.approx(3.0, rel=0.2)
+    assert held["gripper"] is None
+    outcome = sample.run("solve", "model.json", "--uncertainty", "--samples", "200", "--json")
+    assert inputs(outcome) == {"electric_motor"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("solve", "pick_and_place.py"), "--hardware goes with --uncertainty; add it"),
+        (("solve", "linked.json", "--uncertainty"), "--hardware goes with models of functions"),
+        (("solve", "tree.xml", "--uncertainty"), "--hardware goes with models of functions"),
+    ],
+)
+def test_a_description_without_use_is_an_error(example, arguments, message):
+    example.write("pick_and_place.py", SOURCE)
+    model = build({"place.py": SOURCE.encode()}, name="place")
+    example.write("linked.json", linked_json.dumps(model.to_linked()))
+    example.write("tree.xml", "<opsa-mef/>")
+    example.write("hardware.yaml", HARDWARE)
+    outcome = example.run(*arguments, "--hardware", "hardware.yaml")
+    assert outcome.code == 2
+    assert message in outcome.err
+
+
+def test_a_description_without_error_factors_is_an_error(example):
+    example.write("pick_and_place.py", SOURCE)
+    example.write("hardware.yaml", HARDWARE.replace("electric_motor", "another"))
+    outcome = example.run(
+        "solve", "pick_and_place.py", "--uncertainty", "--hardware", "hardware.yaml"
+    )
+    assert outcome.code == 2
+    assert "hardware.yaml: has no error factor for a component of the model" in outcome.err
+
+
+SOURCE = """\
+def place():
+    # | RiskAnnotation
+    # | @Function {
+    # |   name = place
+    # |   callSequence = 1
+    # |   next = done 1
+    # | }
+    # | @Component {
+    # |   name = electric_motor
+    # |   probability = 1e-8
+    # |   quantity = 7
+    # |   redundancy = false
+    # | }
+    pass
+"""

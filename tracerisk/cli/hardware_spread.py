@@ -1,0 +1,153 @@
+"""The error factors of a hardware description, for the verbs that ask how sure a figure is."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.cli import options as shared
+from tracerisk.cli.output import note
+from tracerisk.errors import InputError, Location
+
+if TYPE_CHECKING:
+    from tracerisk.adder.instances import ComponentInstances
+    from tracerisk.hardware.model import Hardware
+    from tracerisk.pipeline.figure_spreads import HardwareSpreads
+    from tracerisk.prm.hybrid import HybridModel
+    from tracerisk.prm.uncertainty import Uncertainty
+
+
+def add_hardware_spread(group: argparse._ActionsContainer) -> None:
+    """Add the description whose error factors count."""
+    group.add_argument(
+        "--hardware",
+        metavar="FILE",
+        help="the hardware description whose error factors say how far figures may be off",
+    )
+
+
+def add_run_uncertainty(parser: argparse.ArgumentParser) -> None:
+    """Add the options with which a run tells how sure its figure is."""
+    group = parser.add_argument_group("how sure")
+    group.add_argument(
+        "--uncertainty",
+        action="store_true",
+        help="percentiles of the mission's failure probability, by the hardware's error factors",
+    )
+    group.add_argument(
+        "--samples", metavar="N", type=shared.count, help="samples of --uncertainty (10000)"
+    )
+
+
+def spreads_of_files(
+    files: Sequence[str], model: HybridModel, options: argparse.Namespace
+) -> HardwareSpreads | None:
+    """Return the spreads of `--hardware` for a model of these files, `None` without it.
+
+    Where the trace of a controller's last run is kept, it tells the part of each figure.
+    Raises HardwareError where the description is malformed or does not fit that run, InputError
+    where it has no error factor for the model.
+    """
+    if options.hardware is None:
+        return None
+    from tracerisk.hardware.formats import read_description
+
+    hardware = read_description(Path(options.hardware))
+    instances: Sequence[ComponentInstances] | None = None
+    by_hand: Sequence[str] = ()
+    sources = [name for name in files if Path(name).suffix == ".py"]
+    if sources:
+        from tracerisk.cli.sources import read_file
+        from tracerisk.pipeline.stages import blocks_of
+        from tracerisk.report.run_figures import set_by_hand
+
+        blocks = blocks_of({name: read_file(name) for name in sources})
+        by_hand = set_by_hand(block for _, block in blocks)
+        if _needs_shares(hardware):
+            instances = _kept_instances(sources, hardware)
+    return _checked(model, hardware, instances, by_hand)
+
+
+def uncertainty_of_run(
+    model: HybridModel,
+    hardware: Hardware,
+    instances: Sequence[ComponentInstances],
+    by_hand: Sequence[str],
+    options: argparse.Namespace,
+    *,
+    seed: int,
+) -> Uncertainty | None:
+    """Return the spread of a run's figure where `--uncertainty` asks for it.
+
+    Raises InputError where the description has no error factor for the model, or what goes with
+    `--uncertainty` is given without it.
+    """
+    if not options.uncertainty:
+        if options.samples is not None:
+            raise InputError("--samples goes with --uncertainty; add it")
+        return None
+    from tracerisk.prm.uncertainty import SAMPLES, propagate
+
+    spreads = _checked(model, hardware, instances, by_hand)
+    tell(spreads, options)
+    return propagate(
+        model,
+        samples=SAMPLES if options.samples is None else options.samples,
+        seed=seed,
+        figures=spreads.figures,
+    )
+
+
+def tell(spreads: HardwareSpreads | None, options: argparse.Namespace) -> None:
+    """Tell what a reader must know of the spreads."""
+    for text in () if spreads is None else spreads.notes:
+        note(f"assumed: {text}", quiet=options.quiet)
+
+
+def notes_data(spreads: HardwareSpreads | None) -> dict[str, Any]:
+    """Return the same for `--json`, only where there is something to tell."""
+    if spreads is None or not spreads.notes:
+        return {}
+    return {"uncertainty_assumptions": list(spreads.notes)}
+
+
+def _checked(
+    model: HybridModel,
+    hardware: Hardware,
+    instances: Sequence[ComponentInstances] | None,
+    by_hand: Sequence[str],
+) -> HardwareSpreads:
+    from tracerisk.pipeline.figure_spreads import hardware_spreads
+
+    found = hardware_spreads(model, hardware, instances, by_hand=by_hand)
+    if not found.figures:
+        raise InputError(
+            "has no error factor for a component of the model; give its figures one, as "
+            "{value: 1e-7, per: hour, error_factor: 3}, or say --error-factor 3 to `solve`",
+            Location(hardware.file),
+        )
+    return found
+
+
+def _needs_shares(hardware: Hardware) -> bool:
+    return any(
+        len(component.figures) > 1
+        and any(figure.error_factor is not None for figure in component.figures)
+        for component in hardware.components
+    )
+
+
+def _kept_instances(
+    files: Sequence[str], hardware: Hardware
+) -> Sequence[ComponentInstances] | None:
+    from tracerisk.adder.computed import compute_blocks
+    from tracerisk.pipeline.kept_run import kept_run
+
+    for file in files:
+        kept = kept_run(file)
+        if kept.trace is not None:
+            computed = compute_blocks(kept.trace, hardware, active=kept.settings.active)
+            return computed.instances
+    return None
