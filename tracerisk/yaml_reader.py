@@ -238,17 +238,7 @@ def read_yaml(
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
     file = shown if shown is not None else str(path)
-    try:
-        data = path.read_bytes()
-    except OSError as cause:
-        raise error(f"cannot be read: {cause.strerror}", Location(file)) from cause
-    if len(data) > _MAX_BYTES:
-        raise error(f"holds {len(data)} bytes; at most {_MAX_BYTES} are read", Location(file))
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as cause:
-        line = data[: cause.start].count(b"\n") + 1
-        raise error("is not UTF-8; save it as UTF-8", Location(file, line)) from cause
+    text = _text(path, file, error)
     try:
         yaml = YAML(typ="rt", pure=True)
         yaml.version = version
@@ -265,9 +255,49 @@ def read_yaml(
     except (TypeError, ValueError, RecursionError) as cause:
         # Keys that are mappings, dates that are none, what is nested without an end.
         raise error(f"cannot be read as YAML: {cause}", Location(file)) from cause
+    return _top(node, file, error)
+
+
+def read_large_yaml(
+    path: Path, error: type[InputError] = InputError, *, shown: str | None = None
+) -> YamlMap:
+    """Read one YAML document, which may hold thousands of entries, whose top is a mapping.
+
+    As `read_yaml`, by libyaml; a date is a string.
+    """
+    from tracerisk.yaml_nodes import PlacedYamlError, load_placed
+
+    file = shown if shown is not None else str(path)
+    text = _text(path, file, error)
+    try:
+        node = load_placed(text)
+    except PlacedYamlError as cause:
+        place = Location(file)
+        if cause.position is not None:
+            line, column = cause.position
+            place = Location(file, line + 1, column + 1)
+        raise error(f"is not valid YAML: {cause.message}", place) from cause
+    return _top(node, file, error)
+
+
+def _text(path: Path, file: str, error: type[InputError]) -> str:
+    try:
+        data = path.read_bytes()
+    except OSError as cause:
+        raise error(f"cannot be read: {cause.strerror}", Location(file)) from cause
+    if len(data) > _MAX_BYTES:
+        raise error(f"holds {len(data)} bytes; at most {_MAX_BYTES} are read", Location(file))
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as cause:
+        line = data[: cause.start].count(b"\n") + 1
+        raise error("is not UTF-8; save it as UTF-8", Location(file, line)) from cause
+
+
+def _top(node: Any, file: str, error: type[InputError]) -> YamlMap:
     if not _is_map(node):
         raise error(f"expected a mapping at the top, found {_kind(node)}", Location(file, 1))
-    _check_keys(node, file, error)
+    _check_keys(node, file, error, set())
     return YamlMap(node, file, "", error)
 
 
@@ -287,8 +317,12 @@ def _is_map(value: Any) -> bool:
     return isinstance(value, dict) and hasattr(value, "lc")
 
 
-def _check_keys(node: Any, file: str, error: type[InputError]) -> None:
+def _check_keys(node: Any, file: str, error: type[InputError], seen: set[int]) -> None:
+    """Raise at a key that is no string; what stands behind several anchors is looked at once."""
+    if id(node) in seen:
+        return
     if _is_map(node):
+        seen.add(id(node))
         for key in node:
             if not isinstance(key, str):
                 line, column = node.lc.key(key)
@@ -296,10 +330,11 @@ def _check_keys(node: Any, file: str, error: type[InputError]) -> None:
                     f"key {key!r} is not a string; put it in quotes",
                     Location(file, line + 1, column + 1),
                 )
-            _check_keys(node[key], file, error)
+            _check_keys(node[key], file, error, seen)
     elif isinstance(node, list):
+        seen.add(id(node))
         for entry in node:
-            _check_keys(entry, file, error)
+            _check_keys(entry, file, error, seen)
 
 
 def _kind(value: Any) -> str:

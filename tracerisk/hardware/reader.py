@@ -11,7 +11,7 @@ from tracerisk.hardware.yaml_figures import FIGURE_KEYS, read_figures, read_time
 from tracerisk.hardware.yaml_redundancy import REDUNDANCY_KEYS, read_redundancy
 from tracerisk.hardware.yaml_twin import read_twin
 from tracerisk.hardware.yaml_use import read_load_law, read_modes
-from tracerisk.yaml_reader import YamlMap, read_yaml
+from tracerisk.yaml_reader import YamlMap, read_large_yaml
 
 ROBOTS_NUMBER = "*"
 """What `quantity` says where the robot tells how many there are."""
@@ -31,7 +31,7 @@ def read_hardware(path: Path, *, shown: str | None = None) -> Hardware:
     Raises HardwareError with file, line and column at an unknown key, a missing value, a number
     outside its bounds, a value of the wrong type, or fields that contradict one another.
     """
-    top = read_yaml(path, HardwareError, shown=shown)
+    top = read_large_yaml(path, HardwareError, shown=shown)
     top.forbid_unknown(_TOP_KEYS)
     described = top.map("components")
     components = tuple(
