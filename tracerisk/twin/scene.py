@@ -12,7 +12,8 @@ from tracerisk.errors import RobotError, one_of
 from tracerisk.twin.shapes import Shape, read_shapes
 from tracerisk.yaml_reader import YamlMap, read_yaml
 
-_SCENES = Path(__file__).parent / "scenes"
+SHIPPED_SCENES = Path(__file__).parent / "scenes"
+"""Where the files of the shipped scenes are."""
 EMPTY_SCENE = "empty"
 
 Triple = tuple[float, float, float]
@@ -109,7 +110,7 @@ class _Rack:
 
 def scene_names() -> tuple[str, ...]:
     """Return the names of the shipped scenes, sorted."""
-    return tuple(sorted(path.stem for path in _SCENES.glob("*.yaml")))
+    return tuple(sorted(path.stem for path in SHIPPED_SCENES.glob("*.yaml")))
 
 
 def load_scene(name_or_path: str | Path) -> Scene:
@@ -120,7 +121,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
     """
     text = str(name_or_path)
     if text in scene_names():
-        path = _SCENES / f"{text}.yaml"
+        path = SHIPPED_SCENES / f"{text}.yaml"
         return _scene(read_yaml(path, RobotError, shown=f"scenes/{path.name}"), path.name)
     path = Path(name_or_path)
     if path.suffix in (".yaml", ".yml"):
