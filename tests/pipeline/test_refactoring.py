@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
+import json
+import math
+
 import pytest
+
+from tracerisk import trace_json
+from tracerisk.adder.computed import compute_blocks
+from tracerisk.hardware.reader import read_hardware
 
 
 def replace_once(text: str, old: str, new: str) -> str:
@@ -108,8 +115,51 @@ CHANGES = {
 }
 
 
+EVERY_LAW = """\
+components:
+  motor:
+    failure_rate: {value: 5.7e-04, per: hour}
+    standby_rate: {value: 1.0e-03, per: hour}
+    weibull: {shape: 2.0, scale: 3000, per: hour}
+    age: {value: 1200, per: hour}
+    load_law: {reference_load: 0.3, wearing_share: 0.6, exponent: 10/3}
+    modes:
+      lost_torque: {fraction: 0.6, when: [moving, holding]}
+      jam: {fraction: 0.3, when: [moving]}
+    twin: {joints: "*"}
+  hand:
+    probability: {value: 1.0e-5, per: demand}
+    standby_rate: {value: 1.0e-2, per: hour}
+    modes:
+      fails_to_close: {fraction: 0.5, when: [grasp]}
+      fails_to_open: {fraction: 0.5, when: [release]}
+    twin: {gripper: true}
+"""
+
+
+@pytest.fixture
+def by_every_law(tmp_path):
+    """Compute the mission's figure with rates, load, ageing, modes, standby and demands."""
+
+    def compute(trace) -> float:
+        path = tmp_path / "every_law.yaml"
+        path.write_text(EVERY_LAW)
+        known = trace_json.loads(json.dumps(trace), "trace")
+        blocks = compute_blocks(known, read_hardware(path), active="moving+holding").blocks
+        hazards = (
+            -entry.quantity.value * math.log1p(-entry.probability.value)
+            for visit in known.visits
+            for entry in blocks[visit.function].components
+        )
+        return -math.expm1(-math.fsum(hazards))
+
+    return compute
+
+
 @pytest.mark.parametrize("name", CHANGES)
-def test_the_missions_failure_probability_stays(name, sample_run, example, pick_and_place):
+def test_the_missions_failure_probability_stays(
+    name, sample_run, example, pick_and_place, by_every_law
+):
     change, functions = CHANGES[name]
     example.write("pick_and_place.py", change(pick_and_place.decode()))
     outcome = example.run("run", "pick_and_place.py", "--json")
@@ -120,6 +170,9 @@ def test_the_missions_failure_probability_stays(name, sample_run, example, pick_
     expected = original.json["assessment"]["mission"]
     for figure in ("failure_probability", "fixed_cycles", "visits_as_run"):
         assert assessment["mission"][figure] == pytest.approx(expected[figure], rel=0.01)
+    # Four digits stand in a block, and a changed program may move a step later.
+    by_use = by_every_law(original.json["trace"])
+    assert by_every_law(outcome.json["trace"]) == pytest.approx(by_use, rel=0.001)
 
 
 JOG = """\
@@ -140,7 +193,7 @@ for i in range(60):
 """
 
 
-def test_steps_shorter_than_any_activity_lose_no_hardware(example):
+def test_steps_shorter_than_any_activity_lose_no_hardware(example, by_every_law):
     """A motion streamed by two functions in turn, each for 20 ms at a time."""
     nudge = "def {}(target):\n    arm.go(target, wait=False)\n\n\n"
     programs = {
@@ -150,13 +203,15 @@ def test_steps_shorter_than_any_activity_lose_no_hardware(example):
             "(left if i % 2 else right)(target)",
         ),
     }
-    figures = []
+    figures, by_use = [], []
     for name, (functions, call) in programs.items():
         example.write(name, JOG.format(functions=functions, call=call))
         outcome = example.run("run", name, "--json")
         assert outcome.code == 0, outcome.err
         figures.append(outcome.json["assessment"]["mission"]["visits_as_run"])
+        by_use.append(by_every_law(outcome.json["trace"]))
     assert figures[1] == pytest.approx(figures[0], rel=0.01)
+    assert by_use[1] == pytest.approx(by_use[0], rel=0.01)
 
 
 def test_a_function_that_never_ran_is_told_as_no_risk_data(example, pick_and_place):
