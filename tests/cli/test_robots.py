@@ -53,6 +53,13 @@ def test_one_robot_is_shown_with_all_that_it_has(example):
     assert robot.source in outcome.out
 
 
+def test_the_sensors_of_a_robot_are_listed_with_their_place_and_topics(example):
+    lines = [line.split() for line in example.run("robots", "ur5e").out.splitlines()]
+    assert ["elbow_joint/encoder", "encoder", "elbow_joint"] in lines
+    wrist = ["tcp_fts_sensor", "wrench", "tool0", "wrench,"]
+    assert [*wrist, "force_torque_sensor_broadcaster/ft_data"] in lines
+
+
 def test_one_robot_as_json_gives_limits_states_and_sensors(example):
     found = example.run("robots", "j2s7s300", "--json").json["robot"]
     robot = load_robot("j2s7s300")
@@ -63,7 +70,14 @@ def test_one_robot_as_json_gives_limits_states_and_sensors(example):
     assert (limited["torque"], limited["units"]) == (80.0, "rad, N m")
     assert found["named_states"]["arm"]["Home"]["j2s7s300_joint_1"] == 4.71
     assert found["groups"]["arm"]["tip_link"] == "j2s7s300_end_effector"
-    assert {"of": "j2s7s300_link_finger_tip_3", "measures": "contact force"} in found["sensors"]
+    assert {"of": "j2s7s300_link_finger_tip_3", "measures": "contact force"} in found["measured"]
+    assert [each["name"] for each in found["sensors"]] == [each.name for each in robot.sensors]
+    assert found["sensors"][-1] == {
+        "name": "j2s7s300_joint_7/torque",
+        "kind": "torque",
+        "part": "j2s7s300_joint_7",
+        "topics": [],
+    }
     assert {
         "kind": "action",
         "name": "j2s7s300/follow_joint_trajectory",

@@ -13,6 +13,7 @@ from tracerisk.cli.output import print_json
 if TYPE_CHECKING:
     from tracerisk.twin.robot import Controller, Gripper, Joint, Robot
     from tracerisk.twin.robot_index import RobotNames
+    from tracerisk.twin.sensors import Sensor
 
 # What the driver of a robot offers under the names of its controllers, by the controller's type.
 _BY_CONTROLLER: Mapping[str, Sequence[tuple[str, str, str]]] = {
@@ -148,7 +149,8 @@ def _as_json(robot: Robot) -> dict[str, Any]:
         "grippers": [_gripper_as_json(gripper) for gripper in robot.grippers],
         "controllers": [_controller_as_json(controller) for controller in robot.controllers],
         "interfaces": interfaces(robot),
-        "sensors": _sensors(robot),
+        "sensors": [_sensor_as_json(sensor) for sensor in robot.sensors],
+        "measured": _measured(robot),
     }
 
 
@@ -185,7 +187,17 @@ def _controller_as_json(controller: Controller) -> dict[str, Any]:
     }
 
 
-def _sensors(robot: Robot) -> list[dict[str, str]]:
+def _sensor_as_json(sensor: Sensor) -> dict[str, Any]:
+    return {
+        "name": sensor.name,
+        "kind": sensor.kind,
+        "part": sensor.part,
+        "topics": list(sensor.topics),
+    }
+
+
+def _measured(robot: Robot) -> list[dict[str, str]]:
+    """Return what the twin samples, whichever sensors the robot itself has."""
     joints = [
         {"of": joint.name, "measures": what}
         for joint in robot.joints
@@ -227,7 +239,9 @@ def _described(robot: Robot) -> list[str]:
     served = [(each["kind"], each["name"], each["type"]) for each in interfaces(robot)]
     lines += ["", "served, under these and other names:", *_indented(_table(served))]
     touch = ", ".join(pad for gripper in robot.grippers for pad in gripper.pads)
-    lines += ["", "sensors:", "  position, velocity and torque of every joint"]
+    rows = [(each.name, each.kind, each.part, ", ".join(each.topics)) for each in robot.sensors]
+    lines += ["", "sensors:", *_indented(_table(rows) if rows else ["none"])]
+    lines += ["", "measured by the twin:", "  position, velocity and torque of every joint"]
     if touch:
         lines.append(f"  contact force on {touch}")
     return [*lines, "", f"source: {robot.source}"]
