@@ -62,6 +62,7 @@ def make_replay(run: RecordedRun, end_s: float | None = None) -> Replay:
     from tracerisk.twin.samples import POSE_EVERY
 
     samples = _cut(run.samples, end_s)
+    activity = element_activity(samples, run.robot)
     values, quanta = _columns(samples, run.robot, run.scene)
     notes = []
     if samples.changed_at is not None:
@@ -74,7 +75,7 @@ def make_replay(run: RecordedRun, end_s: float | None = None) -> Replay:
     return Replay(
         bodies=scene_bodies(run.robot, run.scene),
         frames=pack_frames(values, quanta, POSE_EVERY * samples.step_s),
-        activity=element_activity(samples, run.robot),
+        activity=activity,
         step_s=samples.step_s,
         notes=tuple(notes),
     )

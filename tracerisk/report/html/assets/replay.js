@@ -443,5 +443,5 @@ function beginNow() {
   show();
 }
 
-tracerisk.replay = { poses };
+tracerisk.replay = { poses, touchPoint };
 tracerisk.replay.ready = beginReplay();

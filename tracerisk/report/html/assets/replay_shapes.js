@@ -127,12 +127,14 @@ function touchPoint(one, onePose, other, otherPose) {
   const touching = pads.length ? { ...one, shapes: pads, triangles: [] } : one;
   let point = otherPose.xyz;
   let last = null;
-  for (let turn = 0; turn < 6; turn++) {
+  for (let turn = 0; turn < 60; turn++) {
     const mine = nearestInBody(touching, onePose, point);
     const theirs = mine && nearestInBody(other, otherPose, mine.point);
     if (!theirs) return mine ? mine.point : point;
-    last = mine.point.map((v, i) => (v + theirs.point[i]) / 2);
-    point = theirs.point;
+    const middle = mine.point.map((v, i) => (v + theirs.point[i]) / 2);
+    const moved = last ? Math.hypot(...middle.map((v, i) => v - last[i])) : Infinity;
+    [last, point] = [middle, theirs.point];
+    if (moved < 1e-6) break;
   }
   return last;
 }

@@ -1,0 +1,96 @@
+"""What the page is given to replay a run."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tracerisk.errors import LogError
+from tracerisk.pipeline.run_section import recorded_run
+from tracerisk.report.html.replay import RecordedRun, make_replay, replay_data
+from tracerisk.report.html.replay_frames import unpack_frames
+from tracerisk.report.html.replay_model import elements_of, scene_bodies
+from tracerisk.twin.robot import load_robot, robot_names
+from tracerisk.twin.samples import POSE_EVERY, SampleHeader, Samples
+from tracerisk.twin.scene import load_scene
+
+N_STEPS = 2_000
+
+
+@pytest.fixture(scope="module")
+def run() -> RecordedRun:
+    """Four seconds in which a Panda turns its joints and a tube rises."""
+    robot, scene = load_robot("panda"), load_scene("tube_racks")
+    names = tuple(joint.name for joint in robot.joints)
+    pads = tuple(pad for gripper in robot.grippers for pad in gripper.pads)
+    n_pose = len(names) + 7 * len(scene.objects)
+    header = SampleHeader("panda", "tube_racks", 2_000_000, ("c",), names, pads, n_pose)
+    times = np.arange(N_STEPS)[:, None] * 0.002
+    position = np.sin(times + np.arange(len(names)))
+    poses = np.zeros((N_STEPS // POSE_EVERY, n_pose))
+    poses[:, 3 : 7 * len(scene.objects) : 7] = 1.0
+    poses[:, 2] = times[::POSE_EVERY, 0]
+    samples = Samples(
+        header=header,
+        control=np.zeros((N_STEPS, 1)),
+        position=position,
+        velocity=np.cos(times + np.arange(len(names))),
+        torque=np.zeros((N_STEPS, len(names))),
+        pad_force=np.zeros((N_STEPS, len(pads))),
+        poses=poses,
+    )
+    return RecordedRun(samples, robot, scene)
+
+
+def test_frames_hold_joints_and_objects_to_half_a_tenth_of_a_millimetre(run):
+    values = unpack_frames(make_replay(run).frames)
+    n_joints = len(run.robot.joints)
+    joints = run.samples.position[::POSE_EVERY]
+    assert np.abs(values[:, :n_joints] - joints).max() <= 0.51e-4
+    objects = run.samples.poses[:, : 7 * len(run.scene.objects)]
+    assert np.abs(values[:, n_joints:] - objects).max() <= 1.01e-4
+
+
+def test_a_replay_ends_where_the_run_ended(run):
+    replay = make_replay(run, 1.0)
+    assert replay.frames.count == 25
+    assert all(len(each.moving) == 500 for each in replay.activity.values())
+
+
+def test_a_replay_of_another_robot_is_refused(run):
+    with pytest.raises(LogError, match="read them with the robot that was simulated"):
+        make_replay(replace(run, robot=load_robot("ur5e")))
+
+
+def test_the_same_run_gives_the_same_bytes(run):
+    assert replay_data(make_replay(run)) == replay_data(make_replay(run))
+
+
+def test_a_robot_without_shapes_is_told(run):
+    bare = replace(run.robot, links=tuple(replace(each, shapes=()) for each in run.robot.links))
+    assert make_replay(replace(run, robot=bare)).notes == (
+        "The model of panda has no shapes that could be shown.",
+    )
+
+
+def test_what_is_fixed_to_a_link_is_moved_by_its_joint():
+    bodies = scene_bodies(load_robot("panda"), load_scene("empty"))
+    moved = elements_of(bodies)
+    assert moved["panda_joint7"][0] == "panda_link7"
+    assert "panda_hand" in moved["panda_joint7"]
+    assert set(moved["panda_hand"]) == {"panda_leftfinger", "panda_rightfinger"}
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_each_link_is_there_once_behind_its_parent(name):
+    robot = load_robot(name)
+    bodies = scene_bodies(robot, load_scene("empty"))
+    assert all(body.parent < index for index, body in enumerate(bodies))
+    links = [body.name for body in bodies if body.kind == "robot"]
+    assert sorted(links) == sorted(robot.link_names)
+
+
+def test_a_folder_without_samples_has_no_run(tmp_path):
+    assert recorded_run(tmp_path) is None

@@ -1,0 +1,557 @@
+"""Replay and timeline in a browser: they show what the run did, and one cursor moves both."""
+
+from __future__ import annotations
+
+import math
+import re
+import shutil
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from markupsafe import Markup
+
+from tracerisk import trace_json
+from tracerisk.hardware.binding import bind
+from tracerisk.hardware.shipped import hardware_of
+from tracerisk.pipeline.run_section import recorded_run
+from tracerisk.report.html.page import page as page_text
+from tracerisk.report.html.replay import RecordedRun, Replay, make_replay
+from tracerisk.report.html.replay_model import bodies_data, scene_bodies
+from tracerisk.report.html.section import Section
+from tracerisk.report.html.timeline import timeline_section
+from tracerisk.report.html.timeline_segments import GRASPING, HOLDING, MOVING, SOMEWHEN
+from tracerisk.trace import Contact, Trace
+from tracerisk.twin.robot import load_robot, robot_names
+from tracerisk.twin.scene import load_scene
+
+_FLAGS = (
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-dev-shm-usage",
+    "--window-size=1400,1000",
+)
+_WEBGL = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+"""WebGL 2 in software."""
+
+TIMES = (0.0, 3.32, 7.88, 20.04, 33.2)
+N_VISITS = 15
+
+_READY = """
+const done = arguments[0];
+tracerisk.replay.ready.then(() => requestAnimationFrame(() => done("ready")), (e) => done(`${e}`));
+"""
+_GO_TO = """
+const [time, done] = arguments;
+const begun = tracerisk.replay.drawn;
+tracerisk.clock.set(time, "test");
+const look = () => (tracerisk.replay.drawn > begun ? done(true) : requestAnimationFrame(look));
+tracerisk.clock.time === time && begun ? setTimeout(look, 0) : look();
+"""
+_PIXELS = """
+const canvas = document.getElementById("replay-canvas");
+const gl = canvas.getContext("webgl2");
+const bytes = new Uint8Array(canvas.width * canvas.height * 4);
+gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+const seen = [];
+for (let y = 0; y < canvas.height; y += 4) {
+  for (let x = 0; x < canvas.width; x += 4) {
+    const at = 4 * (y * canvas.width + x);
+    seen.push(bytes[at], bytes[at + 1], bytes[at + 2]);
+  }
+}
+return [Math.ceil(canvas.height / 4), Math.ceil(canvas.width / 4), seen];
+"""
+_CHART = """
+const chart = document.querySelector(".timeline-chart");
+const all = (selector) => [...chart.querySelectorAll(selector)];
+return {
+  visits: all(".timeline-visit").length,
+  lanes: all(".timeline-name.is-function").map((each) => each.textContent),
+  lines: Object.fromEntries(all(".timeline-line").map((line) => [
+    line.dataset.line,
+    [...line.querySelectorAll(".timeline-segment")].map((each) => Number(each.dataset.state)),
+  ])),
+};
+"""
+_RESET = """
+tracerisk.player.pause();
+tracerisk.clock.set(0, "test");
+tracerisk.select({});
+tracerisk.timeline.show(0, tracerisk.clock.end);
+tracerisk.replay.camera.reset();
+document.activeElement.blur();
+for (const each of document.querySelectorAll(".timeline-fold[aria-expanded=true]")) each.click();
+"""
+_AFTER_FRAMES = """
+const done = arguments[0];
+let left = 10;
+const look = () => (left-- ? requestAnimationFrame(look) : done(tracerisk.clock.time));
+look();
+"""
+
+
+@pytest.fixture(scope="session")
+def start_browser() -> Callable[..., Any]:
+    """Starts a headless Chromium with further flags."""
+    pytest.importorskip("selenium", reason="selenium is not installed")
+    from selenium import webdriver
+    from selenium.webdriver.chrome.options import Options
+    from selenium.webdriver.chrome.service import Service
+
+    chromium, driver = shutil.which("chromium"), shutil.which("chromedriver")
+    if chromium is None or driver is None:
+        pytest.skip("Chromium and its driver are not installed")
+
+    def start(*flags: str) -> Any:
+        options = Options()
+        options.binary_location = chromium
+        for flag in (*_FLAGS, *flags):
+            options.add_argument(flag)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        started = webdriver.Chrome(options=options, service=Service(driver))
+        started.set_script_timeout(60)
+        return started
+
+    return start
+
+
+@pytest.fixture(scope="session")
+def chromium(start_browser: Callable[..., Any]) -> Iterator[Any]:
+    started = start_browser(*_WEBGL)
+    yield started
+    started.quit()
+
+
+@pytest.fixture(scope="session")
+def open_page(chromium: Any) -> Callable[[Path], Any]:
+    """Opens a page from a file, and returns the browser once the replay is drawn."""
+
+    def open_file(path: Path) -> Any:
+        chromium.get("about:blank")
+        chromium.get_log("browser")
+        chromium.get(path.as_uri())
+        assert chromium.execute_async_script(_READY) == "ready"
+        return chromium
+
+    return open_file
+
+
+@dataclass(frozen=True)
+class ShownRun:
+    """A recorded run, its trace and replay, and the page that shows them."""
+
+    trace: Trace
+    components: Mapping[str, tuple[str, ...]]
+    run: RecordedRun
+    replay: Replay
+    page: Path
+
+
+@pytest.fixture(scope="session")
+def page_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Section, str], Path]:
+    """Writes a page of one section to a file of a name."""
+    folder = tmp_path_factory.mktemp("pages")
+
+    def write(section: Section, name: str) -> Path:
+        path = folder / name
+        text = page_text("A run", Markup("<h1>A run</h1>"), [section])
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+@pytest.fixture(scope="session")
+def shown_run(
+    tmp_path_factory: pytest.TempPathFactory,
+    pick_and_place: bytes,
+    example_in: Any,
+    page_of: Callable[[Section, str], Path],
+) -> ShownRun:
+    """The sample with three of its ten tubes, recorded once."""
+    example = example_in(tmp_path_factory.mktemp("rounds"))
+    example.write("pick.py", pick_and_place.replace(b"TUBES = 10", b"TUBES = 3"))
+    outcome = example.run("trace", "pick.py", "--keep", "kept", "-o", "trace.json", "--quiet")
+    assert outcome.code == 0, outcome.err
+    trace = trace_json.loads(example.read("trace.json").decode(), "trace.json")
+    run = recorded_run(example.folder / "kept")
+    assert run is not None
+    bound = bind(hardware_of(trace.robot), trace.elements)
+    components = {each.component.name: each.elements for each in bound}
+    replay = make_replay(run, trace.end.simulated_s)
+    section = timeline_section(trace, components, replay=replay)
+    return ShownRun(trace, components, run, replay, page_of(section, "run.html"))
+
+
+@pytest.fixture
+def page(shown_run, open_page, chromium):
+    """The page of the run as it is when it was opened."""
+    if chromium.current_url != shown_run.page.as_uri():
+        return open_page(shown_run.page)
+    chromium.execute_script(_RESET)
+    return chromium
+
+
+def pixels(page):
+    """Every fourth pixel of the picture, (height, width, 3), from below."""
+    height, width, values = page.execute_script(_PIXELS)
+    return np.array(values).reshape(height, width, 3)
+
+
+def go_to(page, time):
+    assert page.execute_async_script(_GO_TO, time)
+
+
+def unfold_all(page):
+    while closed := page.find_elements("css selector", ".timeline-fold[aria-expanded=false]"):
+        page.execute_script("arguments[0].click()", closed[0])
+
+
+def keys(page, *pressed):
+    from selenium.webdriver import ActionChains
+
+    ActionChains(page).send_keys(*pressed).perform()
+
+
+# The replay
+
+
+def test_bodies_are_where_the_physics_engine_has_them(page, shown_run):
+    import mujoco
+
+    from tracerisk.twin.builder import compile_model
+
+    compiled = compile_model(shown_run.run.robot, shown_run.run.scene)
+    data = mujoco.MjData(compiled)
+    names = [compiled.body(i).name for i in range(1, compiled.nbody)]
+    for time in TIMES:
+        data.qpos[:] = shown_run.run.samples.poses[round(time / 0.04)]
+        mujoco.mj_kinematics(compiled, data)
+        page.execute_script("tracerisk.clock.set(arguments[0], 'test')", time)
+        found = page.execute_script("return arguments[0].map(tracerisk.replay.bodyPosition)", names)
+        assert np.abs(np.array(found) - data.xpos[1:]).max() < 1e-3
+
+
+def test_the_kinematics_of_every_shipped_robot_are_those_of_the_physics_engine(page):
+    import mujoco
+
+    from tracerisk.twin.builder import compile_model
+
+    generator = np.random.default_rng(7)
+    for name in robot_names():
+        robot, scene = load_robot(name), load_scene("pedestal")
+        compiled = compile_model(robot, scene)
+        data = mujoco.MjData(compiled)
+        values = np.zeros(len(robot.joints) + 7 * len(scene.objects))
+        for index, joint in enumerate(robot.joints):
+            low, high = max(joint.lower, -math.pi), min(joint.upper, math.pi)
+            values[index] = generator.uniform(low, high)
+            data.qpos[compiled.joint(joint.name).qposadr[0]] = values[index]
+        mujoco.mj_kinematics(compiled, data)
+        bodies = scene_bodies(robot, scene)
+        found = page.execute_script(
+            "return tracerisk.replay.poses(arguments[0], arguments[1])",
+            bodies_data(bodies),
+            values.tolist(),
+        )
+        for body, pose in zip(bodies, found, strict=True):
+            here = data.body(body.name)
+            assert pose["xyz"] == pytest.approx(here.xpos, abs=1e-5), f"{name}: {body.name}"
+            # A quaternion and its negative are the same turn.
+            assert abs(np.dot(pose["quat"], here.xquat)) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_moving_the_slider_changes_the_picture(page):
+    go_to(page, 1.0)
+    before = pixels(page)
+    slider = page.find_element("id", "timeline-slider")
+    for _ in range(3):
+        slider.send_keys("\ue00e")  # Page Up: a tenth more
+    page.execute_async_script(_AFTER_FRAMES)
+    assert page.execute_script("return tracerisk.clock.time") > 8.0
+    changed = np.abs(pixels(page) - before).max(axis=2) > 20
+    assert np.count_nonzero(changed) > 300
+
+
+def test_a_link_is_drawn_where_it_is(page):
+    """From the side of the camera, the middle of the picture is the link, and not the ground."""
+    page.execute_script(
+        "const { camera, bodyPosition } = tracerisk.replay; tracerisk.clock.set(3.32, 'test');"
+        "camera.target = bodyPosition('panda_link5'); camera.distance = 1.2; camera.pitch = 0;"
+    )
+    go_to(page, 3.28)
+    go_to(page, 3.32)
+    seen = pixels(page)
+    height, width, _ = seen.shape
+    middle = seen[height // 2 - 2 : height // 2 + 2, width // 2 - 2 : width // 2 + 2].mean((0, 1))
+    edge = seen[height // 2, :4].mean(0)
+    assert np.abs(middle - edge).max() > 15
+
+
+def test_a_drive_is_coloured_by_its_state(page, shown_run):
+    activity = shown_run.replay.activity["panda_joint4"]
+    for state in ("moving", "holding"):
+        step = int(np.flatnonzero(getattr(activity, state))[200])
+        go_to(page, step * 0.002)
+        assert page.execute_script("return tracerisk.replay.stateOf('panda_joint4')") == state
+    idle = int(np.flatnonzero(~shown_run.replay.activity["panda_hand"].active)[10])
+    go_to(page, idle * 0.002)
+    assert page.execute_script("return tracerisk.replay.stateOf('panda_hand')") is None
+
+
+def test_what_is_active_is_told_in_words(page, shown_run):
+    activity = shown_run.replay.activity["panda_hand"]
+    step = int(np.flatnonzero(activity.grasping & ~activity.moving)[100])
+    go_to(page, step * 0.002)
+    told = page.execute_async_script(
+        "const done = arguments[0];"
+        "setTimeout(() => done(document.querySelector('[data-now=active]').textContent), 300)"
+    )
+    assert re.search(r"panda_hand: (holding, )?grasping \(gripper\)", told)
+    assert "always in use: power_system" in told
+
+
+def test_keys_turn_the_view_and_move_the_time(page, shown_run):
+    camera = "return tracerisk.replay.camera"
+    canvas = page.find_element("id", "replay-canvas")
+    yaw, distance = (page.execute_script(f"{camera}.{name}") for name in ("yaw", "distance"))
+    canvas.send_keys("\ue012", "+")  # left
+    assert page.execute_script(f"{camera}.yaw") != yaw
+    assert page.execute_script(f"{camera}.distance") < distance
+    canvas.send_keys("0")
+    assert page.execute_script(f"{camera}.yaw") == yaw
+    canvas.send_keys("\ue00f")  # Page Down
+    now = page.execute_script("return tracerisk.clock.time")
+    assert now == pytest.approx(shown_run.trace.visits[1].start_s, abs=1e-6)
+    canvas.send_keys(" ")
+    assert page.execute_script("return tracerisk.player.isPlaying")
+    canvas.send_keys(" ")
+    assert not page.execute_script("return tracerisk.player.isPlaying")
+
+
+def test_dragging_turns_the_view_and_a_click_chooses_a_component(page):
+    from selenium.webdriver import ActionChains
+
+    canvas = page.find_element("id", "replay-canvas")
+    yaw = page.execute_script("return tracerisk.replay.camera.yaw")
+    ActionChains(page).drag_and_drop_by_offset(canvas, 80, 0).perform()
+    assert page.execute_script("return tracerisk.replay.camera.yaw") < yaw - 0.1
+    assert page.execute_script("return tracerisk.selected.component") is None
+    page.execute_script(
+        "const { camera, bodyPosition } = tracerisk.replay;"
+        "camera.target = bodyPosition('panda_link5'); camera.pitch = 0;"
+    )
+    ActionChains(page).click(canvas).perform()
+    assert page.execute_script("return tracerisk.selected.component") == "electric_motor"
+
+
+def test_a_touch_that_nobody_wants_has_a_mark_with_its_force(open_page, shown_run, page_of):
+    first, *rest = shown_run.trace.visits
+    touch = Contact("panda_link5", "table", 0.5, 1.0, 42.0, expected=False)
+    trace = replace(shown_run.trace, visits=(replace(first, contacts=(touch,)), *rest))
+    section = timeline_section(trace, shown_run.components, replay=shown_run.replay)
+    page = open_page(page_of(section, "touch.html"))
+    go_to(page, 0.7)
+    (label,) = page.find_elements("css selector", ".replay-label.is-fail")
+    assert label.text == "panda_link5 \N{EN DASH} table, up to 42.0 N"
+    go_to(page, 1.8)
+    assert not page.find_elements("css selector", ".replay-label")
+
+
+def test_a_mark_is_where_two_bodies_are_nearest(page):
+    """A ball of 0.1 m beside a box, a capsule above it: by hand."""
+    point = page.execute_script(
+        "const at = (x, y, z) => ({ xyz: [x, y, z], quat: [1, 0, 0, 0] });"
+        "const box = { shapes: [{ kind: 'box', size: [0.5, 0.5, 0.5] }] };"
+        "const ball = { shapes: [{ kind: 'sphere', size: [0.1] }] };"
+        "const capsule = { shapes: [{ kind: 'capsule', size: [0.1, 0.2] }] };"
+        "const { touchPoint } = tracerisk.replay;"
+        "return [touchPoint(ball, at(0.7, 0.2, 0), box, at(0, 0, 0)),"
+        " touchPoint(capsule, at(0.1, 0.1, 0.9), box, at(0, 0, 0))];"
+    )
+    assert point[0] == pytest.approx([0.55, 0.2, 0.0], abs=1e-5)
+    assert point[1] == pytest.approx([0.1, 0.1, 0.55], abs=1e-4)
+
+
+def test_without_webgl_a_sentence_says_so_and_the_timeline_works(start_browser, shown_run):
+    page = start_browser("--disable-3d-apis")
+    try:
+        page.get(shown_run.page.as_uri())
+        page.execute_async_script("tracerisk.replay.ready.then(arguments[0], arguments[0])")
+        message = page.find_element("css selector", ".replay-message")
+        assert message.is_displayed()
+        assert "WebGL 2 is missing" in message.text
+        assert page.execute_script(_CHART)["visits"] == N_VISITS
+    finally:
+        page.quit()
+
+
+def test_a_lost_picture_comes_back(page):
+    go_to(page, 2.0)
+    found = page.execute_async_script(
+        "const done = arguments[0];"
+        "const canvas = document.getElementById('replay-canvas');"
+        "const lose = canvas.getContext('webgl2').getExtension('WEBGL_lose_context');"
+        "const message = document.querySelector('.replay-message');"
+        "const seen = [];"
+        "canvas.addEventListener('webglcontextlost', () => setTimeout(() => {"
+        "  seen.push(message.hidden); lose.restoreContext(); }, 50));"
+        "canvas.addEventListener('webglcontextrestored', () => setTimeout(() => {"
+        "  seen.push(message.hidden); done(seen); }, 500));"
+        "lose.loseContext();"
+    )
+    assert found == [False, True]
+    assert np.ptp(pixels(page)) > 50
+
+
+def test_a_page_opens_from_a_file_with_no_request_and_no_complaint(open_page, shown_run):
+    page = open_page(shown_run.page)
+    assert page.execute_script("return performance.getEntriesByType('resource').length") == 0
+    assert [each for each in page.get_log("browser") if each["level"] != "INFO"] == []
+
+
+# The timeline
+
+
+def test_the_chart_has_what_the_trace_has(page, shown_run):
+    found = page.execute_script(_CHART)
+    assert found["visits"] == len(shown_run.trace.visits) == N_VISITS
+    assert found["lanes"] == [each.ref.name for each in shown_run.trace.functions]
+    assert set(shown_run.components) <= set(found["lines"])
+    unfold_all(page)
+    many = {name for own in shown_run.components.values() if len(own) > 1 for name in own}
+    assert set(found["lines"]) | many <= set(page.execute_script(_CHART)["lines"])
+
+
+def test_as_many_segments_are_drawn_as_there_are(page):
+    unfold_all(page)
+    lines = page.execute_script(_CHART)["lines"]
+    rows = page.execute_script("return tracerisk.data('timeline-data').rows")
+    for row in rows:
+        assert lines[row["component"]] == row["segments"][2::3]
+        for element in row["elements"] if len(row["elements"]) > 1 else ():
+            assert lines[element["name"]] == element["segments"][2::3]
+
+
+def test_segments_of_an_element_sum_to_its_exposure(page, shown_run):
+    """What the page has of each element, against what the trace says it did in the run."""
+    rows = page.execute_script("return tracerisk.data('timeline-data').rows")
+    segments = {each["name"]: each["segments"] for row in rows for each in row["elements"]}
+    assert set(shown_run.replay.activity) <= set(segments)
+    for name in shown_run.replay.activity:
+        exposure = shown_run.trace.active[name]
+        triples = np.array(segments[name]).reshape(-1, 3)
+        states = triples[:, 2].astype(int)
+        for bit, seconds in (
+            (MOVING, exposure.moving_s),
+            (HOLDING, exposure.holding_s),
+            (GRASPING, exposure.grasping_s),
+        ):
+            told = triples[(states & bit) > 0, 1].sum() / 1000
+            assert told == pytest.approx(seconds, abs=1e-6), f"{name}, {bit}"
+        assert triples[:, 1].sum() / 1000 == pytest.approx(exposure.active_s, abs=1e-6)
+
+
+def test_playing_moves_the_time_and_pausing_stops_it(page):
+    play = page.find_element("css selector", '[data-time="play"]')
+    assert page.execute_script("return tracerisk.clock.time") == 0
+    play.click()
+    assert play.get_attribute("aria-label") == "Pause"
+    reached = page.execute_async_script(
+        "const done = arguments[0];"
+        "tracerisk.clock.subscribe((time) => { if (time > 0.4) done(time); });"
+    )
+    assert 0.4 < reached < 3.0
+    play.click()
+    stopped = page.execute_script("return tracerisk.clock.time")
+    assert page.execute_async_script(_AFTER_FRAMES) == stopped
+
+
+def test_nothing_plays_by_itself(open_page, shown_run):
+    page = open_page(shown_run.page)
+    assert page.execute_async_script(_AFTER_FRAMES) == 0
+
+
+def test_buttons_step_from_visit_to_visit(page, shown_run):
+    for visit in shown_run.trace.visits[1:4]:
+        page.find_element("css selector", '[data-time="next"]').click()
+        now = page.execute_script("return tracerisk.clock.time")
+        assert now == pytest.approx(visit.start_s, abs=1e-6)
+    page.find_element("css selector", '[data-time="previous"]').click()
+    now = page.execute_script("return tracerisk.clock.time")
+    assert now == pytest.approx(shown_run.trace.visits[2].start_s, abs=1e-6)
+    told = page.find_element("id", "timeline-slider").get_attribute("aria-valuetext")
+    assert told == f"{now:.2f} s, pick, visit 3 of {N_VISITS}"
+
+
+def test_arrow_keys_go_along_the_visits_and_tell_each(page, shown_run):
+    page.execute_script("document.querySelector('.timeline-visit[tabindex=\"0\"]').focus()")
+    keys(page, "\ue014", "\ue014")  # right
+    tip = page.find_element("css selector", ".timeline-tip")
+    assert tip.is_displayed()
+    assert tip.text.startswith("pick, visit 3: ")
+    keys(page, "\ue007")  # Enter
+    now = page.execute_script("return tracerisk.clock.time")
+    assert now == pytest.approx(shown_run.trace.visits[2].start_s, abs=1e-6)
+    assert page.execute_script("return tracerisk.selected.function") == "pick"
+    assert len(page.find_elements("css selector", ".timeline-visit.is-chosen")) == 3
+
+
+def test_zooming_to_a_visit_shows_it_alone(page, shown_run):
+    visit = shown_run.trace.visits[2]
+    page.execute_script("tracerisk.clock.set(arguments[0], 'test')", visit.start_s + 0.1)
+    page.find_element("css selector", '[data-time="visit"]').click()
+    view = page.execute_script("return tracerisk.timeline.view")
+    assert view["from"] < visit.start_s < visit.start_s + visit.duration_s < view["to"]
+    assert view["to"] - view["from"] < 1.3 * visit.duration_s
+    assert page.execute_script(_CHART)["visits"] <= 3
+    page.find_element("css selector", '[data-time="whole"]').click()
+    assert page.execute_script(_CHART)["visits"] == N_VISITS
+
+
+def test_a_pointer_on_a_row_is_told_what_is_there(page):
+    from selenium.webdriver import ActionChains
+
+    line = page.find_element("css selector", '[data-line="gripper"]')
+    segment = line.find_element("css selector", ".timeline-segment")
+    ActionChains(page).move_to_element(segment).perform()
+    tip = page.find_element("css selector", ".timeline-tip").text
+    assert re.fullmatch(r"gripper: (moving|holding|grasping|, )+, [\d.]+ s to [\d.]+ s", tip)
+
+
+def test_what_is_spoken_waits_until_the_slider_rests(page):
+    changes, spoken = page.execute_async_script(
+        "const done = arguments[0];"
+        "const live = document.getElementById('timeline-live');"
+        "let changes = 0;"
+        "new MutationObserver(() => changes++).observe(live, { childList: true });"
+        "for (let i = 1; i <= 200; i++) tracerisk.clock.set(i / 20, 'slider');"
+        "setTimeout(() => done([changes, live.textContent]), 1500);"
+    )
+    assert changes == 1
+    assert re.match(rf"10\.00 s, \w+, visit \d+ of {N_VISITS}: .*electric_motor: ", spoken)
+
+
+def test_without_samples_there_is_a_timeline_of_visits(chromium, shown_run, page_of):
+    section = timeline_section(shown_run.trace, shown_run.components)
+    chromium.get(page_of(section, "visits.html").as_uri())
+    assert not chromium.find_elements("id", "replay-canvas")
+    found = chromium.execute_script(_CHART)
+    assert found["visits"] == N_VISITS
+    assert all(state & SOMEWHEN for state in found["lines"]["electric_motor"])
+    assert "there is no replay" in chromium.find_element("css selector", ".aside").text
+
+
+def test_every_visit_is_in_the_table(page, shown_run):
+    rows = page.execute_script(
+        "return [...document.querySelectorAll('#visits-table tbody tr')]"
+        ".map((row) => [...row.cells].slice(0, 5).map((cell) => cell.textContent.trim()))"
+    )
+    assert rows == [
+        [str(n), v.function.name, f"{v.start_s:.3f}", f"{v.duration_s:.3f}", v.outcome]
+        for n, v in enumerate(shown_run.trace.visits, start=1)
+    ]
