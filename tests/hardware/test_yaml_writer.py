@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 
 from tests.hardware.strategies import hardware_descriptions
-from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware
+from tracerisk.hardware.model import Basis, Component, FailureFigure, FailureMode, Hardware, LoadLaw
 from tracerisk.hardware.reader import read_hardware
 from tracerisk.hardware.shipped import shipped_hardware, shipped_names
 from tracerisk.hardware.yaml_writer import write_hardware
@@ -46,3 +48,31 @@ def test_fit_and_the_same_rate_per_hour_are_one_figure(file, fit, per_hour):
     hardware = Hardware("h", (Component("a", expected, always_active=True),))
     file.write_text(write_hardware(hardware))
     assert read_hardware(file) == hardware
+
+
+def test_a_thousand_components_are_read_in_less_than_a_second_of_computing(file):
+    (motor,) = (
+        each for each in shipped_hardware("ur5e").components if each.name == "electric_motor"
+    )
+    figures = (
+        FailureFigure("probability", 1e-7, Basis.DEMAND, demand="start", error_factor=3.0),
+        FailureFigure("failure_rate", 5.7e-7, Basis.HOUR, source="data book, table 3"),
+    )
+    modes = (FailureMode("jam", 0.4, ("moving", "start")), FailureMode("slip", 0.6, ("holding",)))
+    many = Hardware(
+        "h",
+        tuple(
+            replace(
+                motor,
+                name=f"cell{i}.motor",
+                figures=figures,
+                modes=modes,
+                load_law=LoadLaw(0.3, 0.6),
+            )
+            for i in range(1000)
+        ),
+    )
+    file.write_text(write_hardware(many), encoding="utf-8")
+    begin = time.process_time()
+    assert read_hardware(file) == many
+    assert time.process_time() - begin < 1.0
