@@ -69,8 +69,10 @@ def report_html(
     Raises BlockError or SourceError where blocks are malformed.
     """
     from tracerisk.cli.run_report import finding_line
+    from tracerisk.pipeline.stages import blocks_of
     from tracerisk.report.html.report import render_report
     from tracerisk.report.html.report_input import ReportInput
+    from tracerisk.report.run_figures import run_figures
 
     report = ReportInput(
         assessment=assessment,
@@ -81,6 +83,7 @@ def report_html(
     )
     if isinstance(run, str):
         return render_report(replace(report, no_trace=run))
+    blocks = [block for _, block in blocks_of(sources)]
     return render_report(
         replace(
             report,
@@ -89,6 +92,7 @@ def report_html(
             findings=tuple(finding_line(each) for each in run.trace.findings),
             assumptions=(*run.trace.assumptions, *run.computed.assumptions),
             hardware=run.hardware,
+            figures=run_figures(assessment, run.hardware, run.computed.instances, blocks),
             sections=run.sections,
         )
     )

@@ -23,5 +23,5 @@ What a script finds in the page (`assets/core.js`):
 The page forbids everything that it does not bring along (Content-Security-Policy): no `style`
 attribute in HTML, no handler in an attribute, no `eval`; styles set through `element.style` and
 SVG presentation attributes work. Each script runs as a function of its own, after the whole page
-is there.
+is there. On paper every `<details>` is unfolded but those with `data-print="folded"`.
 """

@@ -10,6 +10,7 @@ from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.tables import Cell, Column, Row, Table
+from tracerisk.report.run_figures import RunFigures
 
 _MEANINGS = (
     (
@@ -18,8 +19,8 @@ _MEANINGS = (
     ),
     (
         "criticality",
-        "by how many percent the mission's figure moves when the component's moves by one percent "
-        "of all of it: where better data or a better part pays first",
+        "how the mission's figure moves with the component's own: at 50 %, a tenth less of the "
+        "one is a twentieth less of the other; where a better part or better data pays first",
     ),
     (
         "Birnbaum",
@@ -44,6 +45,7 @@ def importance_section(report: ReportInput) -> Section:
     html = rendered(
         "importance.html.j2",
         table=_measures(components) if components else None,
+        instances=_by_instance(report.figures),
         units=_by_unit(components),
         meanings=_MEANINGS,
     )
@@ -60,7 +62,7 @@ def hardware_section(report: ReportInput) -> Section | None:
         "hardware.html.j2",
         table=_described(hardware, used),
         hardware=hardware,
-        assumed=[each.name for each in hardware.components if each.is_assumed],
+        assumed=_assumed(report.figures),
     )
     return Section("hardware", "Components", html)
 
@@ -94,6 +96,57 @@ def _measures(components: tuple[ComponentImportance, ...]) -> Table:
         for each in components
     )
     return Table("importance", "Importance of the components over the mission", columns, rows)
+
+
+def _by_instance(found: RunFigures | None) -> Table | None:
+    """Return what each instance does by itself; `None` where all of a component are alike."""
+    if found is None:
+        return None
+    unlike = {each.component.name for each in found.instances if not each.are_alike}
+    rows = tuple(
+        Row(
+            (
+                Cell(each.component, component=each.component),
+                Cell(each.instance.element),
+                Cell(figures.probability(each.instance.p_failure)),
+                Cell(figures.percent(each.share), share=min(max(each.share, 0.0), 1.0)),
+                Cell(figures.percent(each.fussell_vesely)),
+            ),
+            component=each.component,
+        )
+        for each in found.importances
+        if each.component in unlike
+    )
+    columns = (
+        Column("component"),
+        Column("instance"),
+        Column("fails", "in a mission", is_number=True),
+        Column("share", "of the component's failures", is_number=True),
+        Column("Fussell-Vesely", is_number=True),
+    )
+    return Table("instances", "Instances that differ", columns, rows) if rows else None
+
+
+def _assumed(found: RunFigures | None) -> Table | None:
+    """Return the assumed figures that the result hangs on; `None` for none."""
+    if found is None or not found.assumed:
+        return None
+    rows = tuple(
+        Row(
+            (
+                Cell(each.component, component=each.component),
+                Cell(
+                    figures.percent(each.fussell_vesely),
+                    share=min(max(each.fussell_vesely, 0.0), 1.0),
+                ),
+                Cell(each.source),
+            ),
+            component=each.component,
+        )
+        for each in found.assumed
+    )
+    columns = (Column("component"), Column("share", is_number=True), Column("source"))
+    return Table("assumed", "Assumed figures that the result hangs on", columns, rows)
 
 
 def _by_unit(components: tuple[ComponentImportance, ...]) -> Table | None:

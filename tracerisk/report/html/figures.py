@@ -37,7 +37,7 @@ def one_in(value: float) -> str:
 
 def percent(share: float) -> str:
     """Return a share in percent."""
-    return f"{100.0 * share:.3g} %"
+    return f"{100.0 * share:.3g}\N{NO-BREAK SPACE}%"
 
 
 def ratio(value: float) -> str:

@@ -11,6 +11,7 @@ from tracerisk.prm.assessment import Assessment
 from tracerisk.prm.hybrid import HybridModel
 from tracerisk.prm.risk_change import Review
 from tracerisk.report.html.section import Section
+from tracerisk.report.run_figures import RunFigures
 from tracerisk.trace import Trace
 
 
@@ -59,6 +60,7 @@ class ReportInput:
     `exposures` are the seconds active by function and component, over all visits of the run.
     `findings` are those that are not the assessment's, `assumptions` likewise; functions without
     risk data come from the trace.
+    `figures` are what a run knows of them: the instances of components, and what is assumed.
     `review` is what changed since an earlier version, where that was asked.
     `sections` are put behind the summary: what is drawn of the run.
     """
@@ -73,5 +75,6 @@ class ReportInput:
     findings: tuple[str, ...] = ()
     assumptions: tuple[str, ...] = ()
     hardware: Hardware | None = None
+    figures: RunFigures | None = None
     review: Review | None = None
     sections: tuple[Section, ...] = field(default=())

@@ -11,20 +11,18 @@ from tracerisk.report.html.report_input import ReportInput
 
 def lead(report: ReportInput) -> Markup:
     """Return what stands first: what the mission risks, by most through what, and what that is."""
-    mission = report.assessment.mission
-    risk = mission.failure_probability
     return rendered(
         "summary.html.j2",
         name=report.model.name,
         context=_context(report),
         sentence=_sentence(report),
         cause=_cause(report),
+        assumed=_assumed(report),
         statement=report.assessment.statement,
         readings=_readings(report),
         counts=_counts(report),
         end=_end(report),
         no_trace=report.no_trace,
-        is_certain=risk >= 1.0,
     )
 
 
@@ -48,6 +46,19 @@ def _cause(report: ReportInput) -> str:
     riskiest = max(assessment.states, key=lambda each: each.absorption_probability)
     share = riskiest.absorption_probability / assessment.mission.failure_probability
     return f"{told}; {figures.percent(share)} of it falls in {riskiest.name}."
+
+
+def _assumed(report: ReportInput) -> str:
+    """Return how much of the figure rests on figures without a source; empty for nothing."""
+    if report.figures is None or not report.figures.assumed:
+        return ""
+    found = report.figures.assumed
+    first = found[0]
+    told = (
+        f"Figures without a source that could be read, assumed ones, are behind {first.component}"
+    )
+    told += f" ({figures.percent(first.fussell_vesely)} of that probability)"
+    return f"{told}{'' if len(found) == 1 else f' and {len(found) - 1} more'}."
 
 
 def _context(report: ReportInput) -> tuple[str, ...]:

@@ -95,10 +95,10 @@ document.addEventListener("keydown", (event) => {
   if (event.key === "Escape") tracerisk.select({ source: "keyboard" });
 });
 
-// Paper has nothing to unfold.
+// Paper has nothing to unfold; what would fill pages and is drawn as well stays folded.
 let folded = [];
 addEventListener("beforeprint", () => {
-  folded = [...document.querySelectorAll("details:not([open])")];
+  folded = [...document.querySelectorAll("details:not([open], [data-print=folded])")];
   for (const each of folded) each.open = true;
 });
 addEventListener("afterprint", () => {
