@@ -14,12 +14,9 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import HardwareError
-from tracerisk.hardware.groups import (
-    FunctionUse,
-    group_unit_probabilities,
-    group_unit_probability,
-    instance_shares,
-)
+from tracerisk.hardware.function_use import FunctionUse
+from tracerisk.hardware.groups import group_unit_probabilities, group_unit_probability
+from tracerisk.hardware.instance_shares import instance_shares
 from tracerisk.hardware.redundancy import ALL_NEEDED, Redundancy
 
 TOLERANCE = 1e-14

@@ -14,9 +14,7 @@ from tracerisk.adder.block import ComponentEntry, RiskBlock
 from tracerisk.adder.computed import (
     function_uses,
     group_values,
-    next_counts,
     use_of,
-    visits_of,
 )
 from tracerisk.adder.derivation import (
     BlockValue,
@@ -35,7 +33,7 @@ from tracerisk.adder.values import computed_probability, computed_redundancy
 from tracerisk.config import ActiveMode
 from tracerisk.errors import InputError, one_of
 from tracerisk.hardware.binding import bind
-from tracerisk.hardware.groups import FunctionUse, mission_probability
+from tracerisk.hardware.function_use import FunctionUse, mission_probability
 from tracerisk.hardware.load import wear_s
 from tracerisk.hardware.mission import ComponentUse, UnitUse
 from tracerisk.hardware.model import Hardware
@@ -73,21 +71,20 @@ def derive_function(
 
     Raises HardwareError where the description does not fit the trace.
     """
-    counts = next_counts(trace)
-    visits = visits_of(trace)
+    visits = visits_by_function(trace)
     here = visits[function]
     components = []
     for bound in bind(hardware, trace.elements):
         used = use_of(bound, trace, active)
-        uses = function_uses(used, visits, counts)
+        uses = function_uses(used, visits)
         if function in uses:
             group = _group(used, here, function, uses)
-            components.append(_component(used, here, group, block))
+            components.append(_component(used, here.numbers, group, block))
     return FunctionDerivation(
         function=model_names([each.ref for each in trace.functions])[function],
         file=function.file,
         active=active,
-        times=sum(counts[function].values()),
+        times=here.total,
         visits=tuple(
             VisitOfFunction(n + 1, trace.visits[n].start_s, trace.visits[n].duration_s)
             for n in here

@@ -6,13 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from tracerisk.adder.instance_values import are_alike
-from tracerisk.hardware.groups import (
-    FunctionUse,
-    InstanceShare,
-    instance_shares,
-    mean_probability,
-    mission_probability,
-)
+from tracerisk.hardware.function_use import FunctionUse, mean_probability, mission_probability
+from tracerisk.hardware.instance_shares import InstanceShare, instance_shares
 from tracerisk.hardware.mission import ComponentUse
 from tracerisk.hardware.model import Component
 from tracerisk.trace import FunctionRef
