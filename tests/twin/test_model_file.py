@@ -1,5 +1,6 @@
 """MJCF, URDF and xacro files become robots that stand and move as their makers' models do."""
 
+import math
 import struct
 
 import mujoco
@@ -14,6 +15,7 @@ from tracerisk.twin.model_file_frames import rotation
 from tracerisk.twin.model_file_paths import ModelFolder
 from tracerisk.twin.robot_file import dump_robot, read_dumped_robot
 from tracerisk.twin.scene import load_scene
+from tracerisk.twin.sensors import Sensor
 from tracerisk.twin.twin import Twin
 
 ARM = """<mujoco model="reacher two">
@@ -196,6 +198,25 @@ def test_the_arm_stands_still_and_reaches_a_state(arm):
     while motion.outcome == "active":
         twin.advance(10**12)
     assert motion.outcome == "succeeded", motion.message
+
+
+def test_a_force_that_the_file_measures_is_of_a_sensor_in_the_wrist(arm, tmp_path):
+    assert arm.own_sensors == ()
+    assert [sensor.part for sensor in arm.sensors] == ["shoulder", "elbow", "twist", "reach"]
+    measured = ARM.replace(
+        "</mujoco>",
+        '<sensor><force site="tool_site"/><torque site="tool_site"/><jointpos joint="elbow"/>'
+        "</sensor></mujoco>",
+    )
+    found = read(tmp_path, measured).robot
+    assert found.own_sensors == (
+        Sensor("wrench", "tool_site", "palm", topics=("tool_site", "wrench")),
+    )
+    twin = Twin.build(found, load_scene("empty"))
+    twin.advance(2_000_000_000)
+    force = twin.load_on("palm").force
+    # Palm and fingers: 0.3 kg and twice 0.02 kg.
+    assert math.hypot(*force) == pytest.approx(9.81 * 0.34, rel=0.01)
 
 
 def test_two_arms_in_one_file_hang_on_one_root(tmp_path):

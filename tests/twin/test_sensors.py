@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from tracerisk.errors import RobotError
 from tracerisk.trace import Element
+from tracerisk.twin.known_arms import completed_as_ours
 from tracerisk.twin.prefix import with_prefix
 from tracerisk.twin.robot import SHIPPED_ROBOTS, Robot, load_robot, robot_names
 from tracerisk.twin.robot_file import dump_robot, read_dumped_robot
@@ -74,6 +76,14 @@ def test_sensors_survive_the_way_into_the_process_of_the_run(tmp_path):
     dumped = tmp_path / "robot.json"
     dumped.write_text(dump_robot(robot), encoding="utf-8")
     assert read_dumped_robot(dumped) == robot
+
+
+def test_a_description_of_a_shipped_arm_has_its_sensors():
+    ours = load_robot("iiwa14")
+    bare = replace(ours, own_sensors=())
+    assert completed_as_ours(bare).own_sensors == ours.own_sensors
+    own = (Sensor("wrench", "wrist", "lbr_link_ee"),)
+    assert completed_as_ours(replace(bare, own_sensors=own)).own_sensors[0] == own[0]
 
 
 def test_a_prefix_stands_before_sensors_in_joints():

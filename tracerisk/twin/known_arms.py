@@ -88,8 +88,13 @@ def completed_as_ours(robot: Robot, *, knows_motors: bool = False) -> Robot:
         else joint
         for joint in robot.joints
     )
-    sensors = sensors_like(like.own_sensors, mine, robot.link_names)
-    return replace(robot, joints=joints, own_sensors=robot.own_sensors or sensors)
+    taken = {element.name for element in robot.elements}
+    sensors = tuple(
+        each
+        for each in sensors_like(like.own_sensors, mine, robot.link_names)
+        if each.name not in taken
+    )
+    return replace(robot, joints=joints, own_sensors=(*robot.own_sensors, *sensors))
 
 
 def _rated(joint: Joint, ours: Joint, assumed: bool, knows_motors: bool) -> Joint:

@@ -9,7 +9,7 @@ What stands in the file beside the robot (floor, table, things to move) is left 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Literal
 
@@ -28,6 +28,7 @@ from tracerisk.twin.robot_assembly import (
     assembled_robot,
     hanging,
 )
+from tracerisk.twin.sensors import Sensor
 from tracerisk.twin.shapes import Shape
 from tracerisk.twin.srdf import Srdf
 from tracerisk.twin.urdf import outline_radius
@@ -42,12 +43,22 @@ _ZERO: Triple = (0.0, 0.0, 0.0)
 _AT = 1e-9  # an anchor nearer to its body's frame than this is the frame [m]
 
 
-def mjcf_robot(model: MjcfModel, file: str, stem: str, *, srdf: Srdf | None = None) -> Robot:
+def mjcf_robot(
+    model: MjcfModel,
+    file: str,
+    stem: str,
+    *,
+    srdf: Srdf | None = None,
+    felt: Collection[str] = (),
+) -> Robot:
     """Return the robot of a compiled model; groups and states of the SRDF where there is one.
 
-    `stem` names a model that has no name. Raises RobotError when nothing in it is an arm.
+    `stem` names a model that has no name; `felt` are the sites at which a force is measured.
+    Raises RobotError when nothing in it is an arm.
     """
-    return _Reader(model, file, stem, srdf).robot()
+    reader = _Reader(model, file, stem, srdf)
+    robot = reader.robot()
+    return replace(robot, own_sensors=reader.sensors(robot, felt))
 
 
 class _Reader:
@@ -101,6 +112,17 @@ class _Reader:
             )
         )
         return replace(robot, approximate=True)
+
+    def sensors(self, robot: Robot, felt: Collection[str]) -> tuple[Sensor, ...]:
+        """Return the sensors of forces at some sites, each in the link that bears the site."""
+        taken, links = {element.name for element in robot.elements}, set(robot.link_names)
+        found = []
+        for site in self._model.sites:
+            link = self._bodies[int(site["body"])]
+            name = site["name"]
+            if name in felt and link in links and name not in taken:
+                found.append(Sensor("wrench", name, link, topics=(name, "wrench")))
+        return tuple(found)
 
     def _name(self) -> str:
         return self._stem if self._model.name in ("", _UNNAMED) else self._model.name

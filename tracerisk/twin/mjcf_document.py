@@ -55,6 +55,7 @@ class MjcfDocument:
     `locations` tell for each line of the text where it came from; `meshes` are the files of the
     meshes that are there, by the names they have in the text; `missing` the names of meshes that
     have no file that can be read; `files` all that was read, the model's own file first.
+    `felt` are the sites at which a sensor measures a force or a torque.
     """
 
     text: str
@@ -62,6 +63,7 @@ class MjcfDocument:
     meshes: dict[str, Path]
     missing: tuple[str, ...]
     files: tuple[Path, ...]
+    felt: tuple[str, ...] = ()
 
 
 def read_mjcf_document(text: bytes, file: Path, shown: str, folder: ModelFolder) -> MjcfDocument:
@@ -73,6 +75,17 @@ def read_mjcf_document(text: bytes, file: Path, shown: str, folder: ModelFolder)
     reader = _Reader(file, shown, folder)
     root = reader.whole(text)
     return reader.document(root)
+
+
+def _felt(root: XmlElement) -> tuple[str, ...]:
+    """Return the sites at which the document's sensors measure a force or a torque, sorted."""
+    found = {
+        each.attributes.get("site", "")
+        for section in root.all("sensor")
+        for each in section.children
+        if each.tag in ("force", "torque")
+    }
+    return tuple(sorted(found - {""}))
 
 
 class _Reader:
@@ -104,6 +117,7 @@ class _Reader:
 
     def document(self, root: XmlElement) -> MjcfDocument:
         """Return the root as a text without files."""
+        felt = _felt(root)
         self._check(root, 1)
         lines: list[str] = []
         locations: list[Location] = []
@@ -114,6 +128,7 @@ class _Reader:
             self._meshes,
             tuple(self._missing),
             (*self._files, *dict.fromkeys(self._meshes.values())),
+            felt,
         )
 
     def _expand(self, element: XmlElement, here: Path) -> None:

@@ -81,7 +81,7 @@ def _of_mjcf(text: bytes, path: Path, shown: str, folder: ModelFolder) -> ModelF
     names = {each["name"] for each in (*model.bodies, *model.joints)}
     beside = _srdf_beside(path, model.name, names, folder)
     srdf = None if beside is None else beside[1]
-    robot = mjcf_robot(model, shown, path.stem, srdf=srdf)
+    robot = mjcf_robot(model, shown, path.stem, srdf=srdf, felt=document.felt)
     files = (*document.files, *([beside[0]] if beside else []))
     return _named(robot, srdf, files, knows_motors=bool(model.actuators))
 
