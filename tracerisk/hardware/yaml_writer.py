@@ -9,7 +9,7 @@ from typing import Any
 from tracerisk.hardware.description_data import component_data, description_data
 from tracerisk.hardware.model import Component, Hardware
 
-_PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_./\-]*")
+_PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_./\-]*|10/3")
 _WORDS_OF_YAML = frozenset({"true", "false", "null", "yes", "no", "on", "off", "y", "n"})
 """What is no string where it stands without quotes, in one version of YAML or the other."""
 _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t"}
