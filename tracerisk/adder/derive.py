@@ -14,7 +14,9 @@ from tracerisk.adder.block import ComponentEntry, RiskBlock
 from tracerisk.adder.computed import (
     function_uses,
     group_values,
+    next_counts,
     use_of,
+    visits_of,
 )
 from tracerisk.adder.derivation import (
     BlockValue,
@@ -71,20 +73,21 @@ def derive_function(
 
     Raises HardwareError where the description does not fit the trace.
     """
-    visits = visits_by_function(trace)
+    counts = next_counts(trace)
+    visits = visits_of(trace)
     here = visits[function]
     components = []
     for bound in bind(hardware, trace.elements):
         used = use_of(bound, trace, active)
-        uses = function_uses(used, visits)
+        uses = function_uses(used, visits, counts)
         if function in uses:
             group = _group(used, here, function, uses)
-            components.append(_component(used, here.numbers, group, block))
+            components.append(_component(used, here, group, block))
     return FunctionDerivation(
         function=model_names([each.ref for each in trace.functions])[function],
         file=function.file,
         active=active,
-        times=here.total,
+        times=sum(counts[function].values()),
         visits=tuple(
             VisitOfFunction(n + 1, trace.visits[n].start_s, trace.visits[n].duration_s)
             for n in here
