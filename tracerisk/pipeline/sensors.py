@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tracerisk.ros.scenario import read_scenario
 from tracerisk.ros.sensor_reading import CHANNEL, SPAN
 from tracerisk.ros.sensor_topics import scenario_elements
 from tracerisk.trace import Element, Exposure, Visit
@@ -28,6 +27,9 @@ def elements_of(robot: Robot, settings: Settings) -> tuple[Element, ...]:
     """Return what a run watches: the robot's elements, then the sensors of its scenario."""
     if settings.scenario is None:
         return robot.elements
+    # Few runs have one, and reading it takes more modules than all else here.
+    from tracerisk.ros.scenario import read_scenario
+
     return (*robot.elements, *scenario_elements(robot, read_scenario(Path(settings.scenario))))
 
 

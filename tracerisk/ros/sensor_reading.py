@@ -12,9 +12,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.graph import Publication, Subscription
-
 if TYPE_CHECKING:
+    from tracerisk.ros.graph import Publication, Subscription
     from tracerisk.ros.runtime import Runtime
     from tracerisk.trace import SensorKind
     from tracerisk.twin.sensors import Sensor
