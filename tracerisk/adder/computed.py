@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import math
+import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -24,7 +26,14 @@ from tracerisk.hardware.binding import BoundComponent, bind
 from tracerisk.hardware.figure_shares import figure_shares
 from tracerisk.hardware.function_use import FunctionUse
 from tracerisk.hardware.groups import group_unit_probabilities
-from tracerisk.hardware.mission import ComponentUse, component_use, mission_time, visits_of_mission
+from tracerisk.hardware.mission import (
+    ComponentUse,
+    FunctionVisits,
+    component_use,
+    mission_time,
+    visits_by_function,
+    visits_of_mission,
+)
 from tracerisk.hardware.model import Component, Hardware
 from tracerisk.hardware.probability import failure_probability
 from tracerisk.hardware.use import UnknownUseError
@@ -76,9 +85,9 @@ def compute_blocks(
     counts = next_counts(trace)
     names = model_names([function.ref for function in trace.functions])
     _check_profile(profile or {}, list(names.values()))
-    visits = visits_of(trace)
+    visits = visits_by_function(trace)
     used = [use_of(each, trace, active) for each in bound]
-    uses = [function_uses(each, visits, counts) for each in used]
+    uses = [function_uses(each, visits) for each in used]
     entries = [_entries(*each) for each in zip(used, uses, strict=True)]
     blocks = {}
     exposures = {}
@@ -99,19 +108,19 @@ def compute_blocks(
         exposures[ref] = {
             each.component.name: seconds
             for each in here
-            if (seconds := _mean_exposure(each, visits[ref])) is not None
+            if (seconds := _mean_exposure(each, visits[ref].numbers)) is not None
         }
         observed[ref] = tuple(
             each.component.name
             for each in here
             if not each.component.always_active
-            and any(each.is_active[visit] for visit in visits[ref])
+            and any(each.is_active[visit] for visit in visits[ref].numbers)
         )
     times = visits_of_mission(trace)
     instances = tuple(
         replace(
             instances_of(each, use),
-            figure_shares=_figure_shares(each, [visits[ref] for ref in use], times),
+            figure_shares=_figure_shares(each, [visits[ref].numbers for ref in use], times),
         )
         for each, use in zip(used, uses, strict=True)
     )
@@ -123,14 +132,6 @@ def _figure_shares(
 ) -> tuple[float, ...]:
     numbers = [number for here in visits for number in here]
     return figure_shares(used, {number: times[number] for number in numbers}) if numbers else ()
-
-
-def visits_of(trace: Trace) -> dict[FunctionRef, list[int]]:
-    """Return the numbers of each function's visits, in the order of the functions."""
-    found: dict[FunctionRef, list[int]] = {function.ref: [] for function in trace.functions}
-    for number, visit in enumerate(trace.visits):
-        found[visit.function].append(number)
-    return found
 
 
 def use_of(bound: BoundComponent, trace: Trace, active: ActiveMode) -> ComponentUse:
@@ -145,21 +146,35 @@ def use_of(bound: BoundComponent, trace: Trace, active: ActiveMode) -> Component
 
 
 def function_uses(
-    used: ComponentUse,
-    visits: Mapping[FunctionRef, Sequence[int]],
-    counts: Mapping[FunctionRef, Mapping[str, int]],
+    used: ComponentUse, visits: Mapping[FunctionRef, FunctionVisits]
 ) -> dict[FunctionRef, FunctionUse]:
-    """Return, for each function in which a component counts, how its units fail in each visit.
-
-    `visits` are the numbers of each function's visits in the trace, `counts` what followed them
-    in a mission.
-    """
+    """Return, for each function in which a component counts, how its units fail in each visit."""
     uses = {}
     for ref, here in visits.items():
-        if used.is_at_stake(here):
-            units = [list(map(failure_probability, row)) for row in _hazards(used, here)]
-            uses[ref] = FunctionUse(units, sum(counts[ref].values()))
+        if used.is_at_stake(here.numbers):
+            rows = _weighted(_hazards(used, here.numbers), here.weights, used.component)
+            units = [list(map(failure_probability, row)) for row in rows]
+            uses[ref] = FunctionUse(units, here.total)
     return uses
+
+
+def _weighted(
+    rows: list[list[float]], weights: Sequence[int], component: Component
+) -> list[list[float]]:
+    """Return rows of hazards each of which comes as often in a mission as any other.
+
+    Visits that come before a cycle, and in it, do not; where only the sums over visits matter,
+    their mean stands for all.
+    """
+    if all(weight == 1 for weight in weights):
+        return rows
+    group = component.redundancy
+    is_hidden = group.detected == "mission_start" and not group.has_spares
+    if not group.common_cause and (is_hidden or not group.is_redundant):
+        total = sum(weights)
+        columns = zip(*rows, strict=True)
+        return [[math.fsum(map(operator.mul, weights, column)) / total for column in columns]]
+    return [row for row, weight in zip(rows, weights, strict=True) for _ in range(weight)]
 
 
 def group_values(

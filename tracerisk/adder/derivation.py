@@ -13,9 +13,14 @@ from tracerisk.hardware.redundancy import Redundancy
 
 @dataclass(frozen=True, slots=True)
 class VisitOfFunction:
-    """One visit, by its number in the trace, from 1; times in [s], `None` where not told."""
+    """One visit, by its number in the trace, from 1; times in [s], `None` where not told.
+
+    `weight` is how often it comes in a mission, relative to the function's other visits: 1 but
+    where the function is visited before a cycle and in it.
+    """
 
     number: int
+    weight: int
     start_s: float
     duration_s: float | None
 
@@ -106,7 +111,8 @@ class HiddenGroup:
 class GroupDerivation:
     """How the units' figures become the block's one value, before rounding.
 
-    `hazard` is the sum over all units and visits. `is_mean`: the value is 1 - exp(-mean hazard),
+    `hazard` is the sum over all units and visits, of which there are `visits`, each as often as its
+    weight says. `is_mean`: the value is 1 - exp(-mean hazard),
     as of units that are each needed, and of units that are alike. Else the group is `hidden`, or
     renewed at each visit and fails in the visits with `renewed`; that is empty where spares or a
     common cause make it more than so many units out of so many.

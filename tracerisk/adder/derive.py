@@ -14,9 +14,7 @@ from tracerisk.adder.block import ComponentEntry, RiskBlock
 from tracerisk.adder.computed import (
     function_uses,
     group_values,
-    next_counts,
     use_of,
-    visits_of,
 )
 from tracerisk.adder.derivation import (
     BlockValue,
@@ -37,7 +35,7 @@ from tracerisk.errors import InputError, one_of
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.function_use import FunctionUse, mission_probability
 from tracerisk.hardware.load import wear_s
-from tracerisk.hardware.mission import ComponentUse, UnitUse
+from tracerisk.hardware.mission import ComponentUse, FunctionVisits, UnitUse, visits_by_function
 from tracerisk.hardware.model import Hardware
 from tracerisk.hardware.outcome import Outcome, at_least
 from tracerisk.hardware.probability import (
@@ -73,24 +71,23 @@ def derive_function(
 
     Raises HardwareError where the description does not fit the trace.
     """
-    counts = next_counts(trace)
-    visits = visits_of(trace)
+    visits = visits_by_function(trace)
     here = visits[function]
     components = []
     for bound in bind(hardware, trace.elements):
         used = use_of(bound, trace, active)
-        uses = function_uses(used, visits, counts)
+        uses = function_uses(used, visits)
         if function in uses:
             group = _group(used, here, function, uses)
-            components.append(_component(used, here, group, block))
+            components.append(_component(used, here.numbers, group, block))
     return FunctionDerivation(
         function=model_names([each.ref for each in trace.functions])[function],
         file=function.file,
         active=active,
-        times=sum(counts[function].values()),
+        times=here.total,
         visits=tuple(
-            VisitOfFunction(n + 1, trace.visits[n].start_s, trace.visits[n].duration_s)
-            for n in here
+            VisitOfFunction(n + 1, weight, trace.visits[n].start_s, trace.visits[n].duration_s)
+            for n, weight in zip(here.numbers, here.weights, strict=True)
         ),
         components=tuple(components),
         by_hand=tuple(each.name for each in block.components if each.added) if block else (),
@@ -133,25 +130,27 @@ def _component(
 
 def _group(
     used: ComponentUse,
-    visits: Sequence[int],
+    visits: FunctionVisits,
     function: FunctionRef,
     uses: Mapping[FunctionRef, FunctionUse],
 ) -> GroupDerivation:
     values = group_values(used, uses)
     value = values[function]
     redundancy, quantity = used.component.redundancy, used.bound.quantity
-    hazard = math.fsum(h for row in used.hazards(visits) for h in row)
-    mean = failure_probability(hazard / (len(visits) * quantity))
+    rows = used.hazards(visits.numbers)
+    hazard = math.fsum(
+        weight * h for weight, row in zip(visits.weights, rows, strict=True) for h in row
+    )
+    count = sum(visits.weights)
+    mean = failure_probability(hazard / (count * quantity))
     is_mean = math.isclose(mean, value, rel_tol=1e-12, abs_tol=0.0)
     hidden: HiddenGroup | None = None
     renewed: tuple[float, ...] = ()
     if not is_mean and redundancy.detected == "mission_start" and not redundancy.has_spares:
         hidden = _hidden(used, function, uses, values)
     elif not is_mean and not redundancy.has_spares and not redundancy.common_cause:
-        renewed = tuple(_fails(row, used) for row in uses[function].visits)
-    return GroupDerivation(
-        redundancy, len(visits), quantity, hazard, is_mean, value, hidden, renewed
-    )
+        renewed = tuple(_fails(list(map(failure_probability, row)), used) for row in rows)
+    return GroupDerivation(redundancy, count, quantity, hazard, is_mean, value, hidden, renewed)
 
 
 def _hidden(

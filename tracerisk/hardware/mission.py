@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
 from tracerisk.config import ActiveMode
 from tracerisk.hardware.binding import BoundComponent
@@ -20,7 +21,7 @@ from tracerisk.hardware.use import (
     time_counted,
     time_in_use,
 )
-from tracerisk.trace import ElementKind, Exposure, Trace, Visit
+from tracerisk.trace import ElementKind, Exposure, FunctionRef, Trace, Visit
 
 SHORTEST_ACTIVITY_S = 0.05
 """A component counts as active in a function if a state lasted this long [s]."""
@@ -93,24 +94,62 @@ class ComponentUse:
         return rows
 
 
-def visits_of_mission(trace: Trace) -> tuple[float, ...]:
+@dataclass(frozen=True, slots=True)
+class FunctionVisits:
+    """The visits of one function: their numbers in the trace, and how often a mission has each."""
+
+    numbers: tuple[int, ...]
+    times: tuple[Fraction, ...]
+
+    @property
+    def total(self) -> int:
+        """How often a mission visits the function."""
+        return round(sum(self.times))
+
+    @property
+    def weights(self) -> tuple[int, ...]:
+        """The times in the smallest whole numbers: ones where a mission has all alike often."""
+        common = math.lcm(*(each.denominator for each in self.times))
+        whole = [int(each * common) for each in self.times]
+        divisor = math.gcd(*whole)
+        return tuple(each // divisor for each in whole)
+
+
+def times_in_mission(trace: Trace) -> tuple[Fraction, ...]:
     """Return how often each visit of the run comes in a mission.
 
     Once, but of a cycle: each of those that were seen stands for its share of the cycles that
     the mission is declared to have.
     """
-    number = len(trace.visits)
     cycle = trace.cycle
     if cycle is None:
-        return (1.0,) * number
-    seen = max(1, (number - cycle.first_visit) // cycle.visits)
-    in_cycle = min(number - cycle.first_visit, seen * cycle.visits)
-    times = cycle.mission_cycles / seen
+        return (Fraction(1),) * len(trace.visits)
+    after = len(trace.visits) - cycle.first_visit
+    seen = max(1, after // cycle.visits)
+    in_cycle = min(after, seen * cycle.visits)
     return (
-        *(1.0,) * cycle.first_visit,
-        *(times,) * in_cycle,
-        *(0.0,) * (number - cycle.first_visit - in_cycle),
+        *(Fraction(1),) * cycle.first_visit,
+        *(Fraction(cycle.mission_cycles, seen),) * in_cycle,
+        *(Fraction(0),) * (after - in_cycle),
     )
+
+
+def visits_of_mission(trace: Trace) -> tuple[float, ...]:
+    """Return how often each visit of the run comes in a mission: see `times_in_mission`."""
+    return tuple(map(float, times_in_mission(trace)))
+
+
+def visits_by_function(trace: Trace) -> dict[FunctionRef, FunctionVisits]:
+    """Return the visits of each function, in the order of the functions."""
+    found: dict[FunctionRef, list[int]] = {function.ref: [] for function in trace.functions}
+    times = times_in_mission(trace)
+    for number, visit in enumerate(trace.visits):
+        if times[number]:
+            found[visit.function].append(number)
+    return {
+        ref: FunctionVisits(tuple(numbers), tuple(times[number] for number in numbers))
+        for ref, numbers in found.items()
+    }
 
 
 def mission_time(trace: Trace) -> float | None:

@@ -166,14 +166,17 @@ def _visit_table(component: ComponentDerivation, derivation: FunctionDerivation)
     one = component.group.quantity == 1
     headings = ["start [s]", "lasts [s]", "h" if one else "h of all units"]
     headings += ["group fails"] if renewed else []
+    is_weighted = any(visit.weight != 1 for visit in derivation.visits)
+    headings = ["comes", *headings] if is_weighted else headings
     rows = []
     for index, visit in enumerate(derivation.visits):
         hazard = math.fsum(unit.count * unit.hazards[index] for unit in component.units)
         lasts = "?" if visit.duration_s is None else number(visit.duration_s)
         row = [number(visit.start_s), lasts, number(hazard)]
+        row = [str(visit.weight), *row] if is_weighted else row
         rows.append([*row, number(renewed[index])] if renewed else row)
     names = [f"visit {visit.number}" for visit in derivation.visits]
-    total = ["", "", number(component.group.hazard), *[""] * bool(renewed)]
+    total = [*[""] * (2 + is_weighted), number(component.group.hazard), *[""] * bool(renewed)]
     return _table(headings, names, rows, total)
 
 
