@@ -1,0 +1,199 @@
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+from lxml import html
+
+from tracerisk.cli import main
+
+
+def parsed(example, name="out.html"):
+    return html.document_fromstring(example.read(name))
+
+
+def sections(document):
+    return document.xpath("//main/section/@id")
+
+
+def told(document, section):
+    return " ".join(document.get_element_by_id(section).text_content().split())
+
+
+def git(example, *words):
+    command = ["git", "-c", "user.name=t", "-c", "user.email=t@t", *words]
+    subprocess.run(command, cwd=example.folder, check=True, capture_output=True)
+
+
+ALL = [
+    "timeline", "functions", "chain", "fault-trees", "importance", "hardware", "findings",
+    "coverage", "pins", "assumptions", "source",
+]  # fmt: skip
+WITHOUT_A_RUN = [each for each in ALL if each not in ("timeline", "hardware")]
+
+
+@pytest.fixture
+def kept(annotated, annotated_run, monkeypatch):
+    """The folder of a run, with the trace that it keeps."""
+    run, _ = annotated_run
+    for path in (run.folder / ".tracerisk_cache").glob("*.json"):
+        annotated.write(f".tracerisk_cache/{path.name}", path.read_bytes())
+    monkeypatch.chdir(annotated.folder)
+    return annotated
+
+
+def test_a_run_writes_its_report(example, two_steps):
+    example.write("controller.py", two_steps)
+    outcome = example.run("run", "controller.py", "--report", "out.html", "--check", "--quiet")
+    assert outcome.code == 1, outcome.err
+    assert example.read("controller.py").decode() == two_steps
+    document = parsed(example)
+    assert sections(document) == ALL
+    assert "Replay and timeline" in told(document, "timeline")
+    assert len(document.xpath("//*[@class='line block']")) > 20
+    assert "act" in told(document, "functions")
+
+
+def test_a_report_is_made_of_what_a_run_has_kept(kept):
+    before = kept.files()
+    assert main(["report", "controller.py", "-o", "out.html", "--quiet"]) == 0
+    document = parsed(kept)
+    assert sections(document) == ALL
+    assert "panda" in document.xpath("//*[@class='context']")[0].text_content()
+    assert not document.xpath("//canvas[@id='replay-canvas']")
+    first = kept.read("out.html")
+    assert main(["report", "controller.py", "--output", "out.html", "-q"]) == 0
+    assert kept.read("out.html") == first
+    assert {name: data for name, data in kept.files().items() if name != "out.html"} == before
+
+
+def test_a_stale_trace_is_not_shown_and_the_page_says_why(kept):
+    source = kept.read("controller.py").decode()
+    kept.write("controller.py", source.replace("+= 0.05", "+= 0.06"))
+    assert main(["report", "controller.py", "-o", "out.html", "-q"]) == 0
+    document = parsed(kept)
+    assert sections(document) == WITHOUT_A_RUN
+    assert (
+        "The trace of its last run is stale: controller.py has changed. `tracerisk run` or "
+        "`refresh` brings it up to date, `--trace` names another."
+    ) in told(document, "coverage")
+
+
+def test_a_trace_that_is_not_kept_is_missed(annotated, monkeypatch):
+    monkeypatch.chdir(annotated.folder)
+    assert main(["report", "controller.py", "-o", "out.html", "-q"]) == 0
+    document = parsed(annotated)
+    assert sections(document) == WITHOUT_A_RUN
+    assert "The trace of its last run is not kept on this machine." in told(document, "coverage")
+
+
+def test_without_a_lock_no_run_is_known(annotated, monkeypatch):
+    monkeypatch.chdir(annotated.folder)
+    (annotated.folder / "tracerisk.lock").unlink()
+    assert main(["report", "controller.py", "-o", "out.html", "-q"]) == 0
+    assert "tracerisk.lock knows of no run of it." in told(parsed(annotated), "coverage")
+    assert main(["report", "controller.py", "-o", "b.html", "--trace", "trace.json", "-q"]) == 0
+    assert sections(parsed(annotated, "b.html")) == ALL
+
+
+def test_the_difference_to_a_revision_stands_first(kept):
+    git(kept, "init", "-q")
+    git(kept, "add", "controller.py", "tracerisk.lock")
+    git(kept, "commit", "-qm", "before")
+    source = kept.read("controller.py").decode()
+    old = next(line for line in source.splitlines() if "probability = " in line)
+    figure = old.rpartition(" ")[2]
+    pinned = old.replace(f"= {figure}", f":= 0.5  ! computed {figure}; <b>it broke</b>")
+    kept.write("controller.py", source.replace(old, pinned, 1))
+    assert main(["report", "controller.py", "-o", "out.html", "--against", "HEAD", "-q"]) == 0
+    document = parsed(kept)
+    assert sections(document)[0] == "difference"
+    assert "mission failure rises from" in told(document, "difference")
+    assert "<b>it broke</b>" in told(document, "difference")
+    assert "<b>it broke</b>" in told(document, "pins")
+
+
+def test_against_takes_one_revision(kept, capsys):
+    assert main(["report", "controller.py", "-o", "out.html", "--against", "A..B"]) == 2
+    assert "--against takes one revision" in capsys.readouterr().err
+
+
+def test_sources_of_other_languages_have_a_report(example, monkeypatch):
+    monkeypatch.chdir(example.folder)
+    block = (
+        "int x = '<';\n/***\n * RiskAnnotation\n * @Function {\n *   name = place\n"
+        " *   callSequence = 1\n * }\n * @Component {\n *   name = gripper\n"
+        " *   probability = 7.344e-08\n *   quantity = 1\n *   redundancy = false\n * }\n ***/\n"
+        "void place() {}\n"
+    )
+    example.write("place.cpp", block)
+    assert main(["report", "place.cpp", "-o", "out.html", "-q"]) == 0
+    document = parsed(example)
+    lines = document.xpath("//*[contains(@class, 'line block')]/@data-n")
+    assert lines == [str(number) for number in range(3, 15)]
+    assert "No run is known of these sources." in told(document, "coverage")
+
+
+def test_plain_blocks_are_marked_while_their_comment_lasts(example, monkeypatch):
+    monkeypatch.chdir(example.folder)
+    example.write(
+        "place.py",
+        "# @Function {\n#   name = place\n#   callSequence = 1\n# }\n# @Component {\n"
+        "#   name = gripper\n#   probability = 7e-08\n#   quantity = 1\n#   redundancy = false\n"
+        "# }\ndef place():\n    pass\n",
+    )
+    assert main(["report", "place.py", "-o", "out.html", "-q"]) == 0
+    lines = parsed(example).xpath("//*[contains(@class, 'line block')]/@data-n")
+    assert lines == [str(number) for number in range(1, 11)]
+
+
+def test_a_source_in_its_own_encoding_is_readable(example, annotated_source, monkeypatch):
+    monkeypatch.chdir(example.folder)
+    text = annotated_source(place=("done 1", "gripper = 1e-7"))
+    source = f"# -*- coding: latin-1 -*-\n# gr\xf6\xdfer\n{text}"
+    example.write("place.py", source.encode("latin-1"))
+    assert main(["report", "place.py", "-o", "out.html", "-q"]) == 0
+    assert "gr\xf6\xdfer" in told(parsed(example), "source")
+
+
+def test_json_names_the_page_and_has_the_figures(kept, capsys):
+    assert main(["report", "controller.py", "-o", "out.html", "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert (data["report"], data["exit_code"]) == ("out.html", 0)
+    assert 0.0 < data["assessment"]["mission"]["failure_probability"] < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["none.py", "-o", "out.html"], "none.py"),
+        (["plain.py", "-o", "out.html"], "no risk block in plain.py"),
+        (["controller.py", "-o", "no/folder/out.html"], "cannot be written"),
+        (["controller.py", "-o", "out.html", "--trace", "bytes"], "is not UTF-8 text"),
+        (["controller.py"], "-o/--output"),
+    ],
+)
+def test_what_cannot_be_done_is_told(kept, words, message, capsys):
+    kept.write("plain.py", "x = 1\n")
+    kept.write("bytes", b"\xff\xfe")
+    try:
+        code = main(["report", *words])
+    except SystemExit as error:
+        code = error.code
+    assert code == 2
+    assert message in capsys.readouterr().err
+    assert not (kept.folder / "out.html").exists()
+
+
+def test_a_report_without_a_run_needs_no_simulator(annotated):
+    script = (
+        "import sys; from tracerisk.cli import main; "
+        "code = main(['report', 'controller.py', '-o', 'out.html', '-q']); "
+        "print(code, sorted({'mujoco', 'dm_control', 'libcst', 'scipy', 'numba'} & set(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=annotated.folder, capture_output=True, check=True
+    )
+    assert done.stdout.decode().split("\n")[0] == "0 []"
