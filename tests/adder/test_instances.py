@@ -7,6 +7,8 @@ import pytest
 from tracerisk.adder.computed import compute_blocks
 from tracerisk.hardware.reader import read_hardware
 from tracerisk.pipeline.trace_summary import trace_summary
+from tracerisk.prm import solve
+from tracerisk.prm.build import build_model
 from tracerisk.trace import (
     Element,
     Exposure,
@@ -38,9 +40,12 @@ def trace_of(*visits: tuple[FunctionRef, float, float]) -> Trace:
         scene="bench",
         end=RunEnd("ended", "returned", 1.0),
         elements=(Element("joint1", "joint"), Element("joint2", "joint")),
-        functions=(TracedFunction(PICK, 1, 1), TracedFunction(PLACE, 5, 2)),
+        functions=tuple(
+            TracedFunction(ref, 1, rank)
+            for rank, ref in enumerate(dict.fromkeys(ref for ref, _, _ in visits), start=1)
+        ),
         visits=tuple(
-            Visit(ref, 0.0, 10.0, "succeeded", {"joint1": exposed(a), "joint2": exposed(b)})
+            Visit(ref, 0.0, a + b, "succeeded", {"joint1": exposed(a), "joint2": exposed(b)})
             for ref, a, b in visits
         ),
     )
@@ -98,3 +103,21 @@ def test_the_lock_holds_four_digits_and_keeps_what_is_within_the_noise(computed)
     assert kept == {"joint1": 2e-6, "joint2": 3.05e-6}
     fresh = trace_summary(near, computed(near).instances)
     assert fresh["functions"]["pick"]["instances"]["motor"]["joint1"] == 2.01e-6
+
+
+@pytest.mark.parametrize(
+    "more",
+    [", redundancy: true", ", redundancy: true, common_cause: {beta: 0.1}", ""],
+    ids=["hidden pair", "with a common cause", "each needed"],
+)
+def test_cutting_a_function_in_two_moves_no_figure_of_the_mission(computed, more):
+    # The one joint works in the first half of the function, the other in the second.
+    def mission(trace):
+        blocks = list(computed(trace, more).blocks.values())
+        model = build_model(blocks, name="cell.py")
+        return solve(model).mission.failure_probability
+
+    whole = trace_of((PICK, 500.0, 100.0))
+    cut = trace_of((PICK, 490.0, 0.0), (PLACE, 10.0, 100.0))
+    # Four digits of a block are what is left of it.
+    assert mission(cut) == pytest.approx(mission(whole), rel=1e-3)
