@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.cli import options as shared
 from tracerisk.cli.explain import derivation_json, explained, print_derivation
-from tracerisk.cli.output import note, print_diffs, print_json
+from tracerisk.cli.output import note, note_warnings, print_diffs, print_json
 from tracerisk.cli.run_report import blocks_line
 from tracerisk.errors import ExitCode, InputError, Location
 
@@ -47,6 +47,7 @@ def run(options: argparse.Namespace) -> int:
             "give one with --hardware FILE"
         )
     hardware = pipeline.load_hardware(settings, trace.robot)
+    note_warnings(hardware, quiet=options.quiet)
     annotated = pipeline.annotate(
         controller,
         trace,

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_json
+from tracerisk.cli.output import note, note_warnings, print_json
 from tracerisk.errors import InputError, Location
 
 if TYPE_CHECKING:
@@ -48,6 +48,7 @@ def _convert(options: argparse.Namespace) -> int:
 
     source, target = format_of_name(options.file), format_of_name(options.output)
     hardware = read_description(Path(options.file))
+    note_warnings(hardware, quiet=options.quiet)
     if Path(options.output).exists() and Path(options.output).samefile(options.file):
         raise InputError(
             "is the file that is converted, whose comments would be lost; name another output",
@@ -86,6 +87,7 @@ def _show(options: argparse.Namespace) -> int:
     robot = None if options.robot is None else _robot(options.robot)
     if options.file is not None:
         hardware = read_description(Path(options.file))
+        note_warnings(hardware, quiet=options.quiet)
     else:
         assert robot is not None
         hardware = hardware_of(robot.name)
@@ -192,6 +194,7 @@ def _shown(hardware: Hardware, bound: dict[str, BoundComponent] | None) -> dict[
     return {
         "file": hardware.file,
         "hardware": description_data(hardware),
+        "warnings": list(hardware.warnings),
         "assumed": [each.name for each in hardware.components if each.is_assumed],
         "units": None
         if bound is None

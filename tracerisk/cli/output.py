@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.errors import InputError, Location
 
 if TYPE_CHECKING:
+    from tracerisk.hardware.model import Hardware
     from tracerisk.pipeline import Annotated
     from tracerisk.report.sarif import Alert
 
@@ -54,6 +55,12 @@ def note(message: str, *, quiet: bool = False) -> None:
     """Print a line for the person at the terminal, on standard error."""
     if not quiet:
         print(message, file=sys.stderr)
+
+
+def note_warnings(hardware: Hardware, *, quiet: bool = False) -> None:
+    """Print what was left out of a hardware description, on standard error."""
+    for warning in hardware.warnings:
+        note(f"warning: {warning}", quiet=quiet)
 
 
 def print_diff(before: bytes, after: bytes, name: str) -> None:

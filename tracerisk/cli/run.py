@@ -14,7 +14,14 @@ from tracerisk.cli import options as shared
 from tracerisk.cli.assessment import print_assessment, risk_exit
 from tracerisk.cli.explain import derivation_json, explained, print_derivation
 from tracerisk.cli.hardware_spread import add_run_uncertainty, uncertainty_of_run
-from tracerisk.cli.output import note, print_diffs, print_json, progress_bar, write_sarif
+from tracerisk.cli.output import (
+    note,
+    note_warnings,
+    print_diffs,
+    print_json,
+    progress_bar,
+    write_sarif,
+)
 from tracerisk.cli.report_input import RunShown, report_html
 from tracerisk.cli.run_report import (
     blocks_line,
@@ -93,6 +100,7 @@ def run(options: argparse.Namespace) -> int:
     if not trace.functions:
         raise _nothing_commanded(trace, controller)
     hardware = pipeline.load_hardware(settings, trace.robot)
+    note_warnings(hardware, quiet=options.quiet)
     annotated = pipeline.annotate(
         controller, trace, hardware, settings, policy=policy, profile=profile, given=given
     )

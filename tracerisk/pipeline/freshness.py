@@ -16,6 +16,7 @@ from typing import Any
 
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
+from tracerisk.hardware.source_files import source_files
 from tracerisk.pipeline.code_digest import code_digest
 from tracerisk.pipeline.controller import Controller
 from tracerisk.trace import Trace
@@ -126,8 +127,18 @@ def settings_data(settings: Settings, root: Path) -> dict[str, Any]:
 
 
 def hardware_digest(settings: Settings) -> str:
-    """Return a digest of the hardware description of the settings; empty for a shipped one."""
-    return "" if settings.hardware is None else file_digest(Path(settings.hardware))
+    """Return a digest of the hardware description of the settings; empty for a shipped one.
+
+    It covers the files beside it from which it is read.
+    """
+    if settings.hardware is None:
+        return ""
+    path, *beside = source_files(Path(settings.hardware))
+    own = file_digest(path)
+    if not beside:
+        return own
+    others = (f"{each.name} {file_digest(each)}" for each in beside)
+    return _digest("\n".join((own, *others)).encode())
 
 
 def file_digest(path: Path) -> str:
