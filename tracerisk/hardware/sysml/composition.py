@@ -51,10 +51,10 @@ class Composition:
         return known
 
     def _collect(self, symbol: Symbol) -> tuple[Symbol, ...]:
-        found: list[Symbol] = []
+        found: dict[Symbol, None] = {}
         for general in reversed(ancestors(symbol)):
             if isinstance(general, Symbol):
-                _add_members(general, found)
+                found = _with_members(general, found)
         return tuple(found)
 
     def unfold(self, root: Symbol) -> Iterator[Place]:
@@ -99,13 +99,16 @@ class Composition:
         ]
 
 
-def _add_members(general: Symbol, found: list[Symbol]) -> None:
+def _with_members(general: Symbol, inherited: dict[Symbol, None]) -> dict[Symbol, None]:
+    """Return the parts that were inherited, and those of `general` in their place or after them."""
+    found: dict[Symbol, Symbol] = {each: each for each in inherited}
+    names = {each.name: each for each in inherited if each.name}
     for member in general.members:
         node = member.node
         if not isinstance(node, Element) or node.is_definition:
             continue
         redefined = member.redefined() if node.redefines else ()
-        replaced = [each for each in found if each in redefined]
+        replaced = [each for each in redefined if each in found]
         if node.kind not in ("part", "item") and not (node.kind == "" and replaced):
             continue
         if "ref" in node.prefixes and not replaced:
@@ -113,18 +116,21 @@ def _add_members(general: Symbol, found: list[Symbol]) -> None:
             continue
         _forbid_variation(member)
         if replaced:
-            found[found.index(replaced[0])] = member
+            found[replaced[0]] = member
             for each in replaced[1:]:
-                found.remove(each)
+                del found[each]
             continue
-        before = next((each for each in found if each.name == member.name and member.name), None)
-        if before is not None:
+        before = names.get(member.name) if member.name else None
+        if before is not None and found.get(before) is before:
             raise HardwareError(
                 f"'{member.name}' is inherited from line {before.location().line} already; write "
                 f"'part :>> {member.name}' to redefine it, or give it another name",
                 member.location(),
             )
-        found.append(member)
+        found[member] = member
+        if member.name:
+            names[member.name] = member
+    return dict.fromkeys(found.values())
 
 
 def _forbid_data_on_reference(member: Symbol) -> None:

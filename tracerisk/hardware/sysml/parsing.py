@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from importlib import resources
+from pathlib import Path
 
 from lark import Lark
 from lark.exceptions import UnexpectedToken, VisitError
@@ -17,7 +17,7 @@ from tracerisk.hardware.sysml.tree import NotationError, TreeBuilder, meaningles
 @cache
 def _parser() -> Lark:
     """Build the parser's tables, once a process."""
-    grammar = resources.files("tracerisk.hardware.sysml").joinpath("grammar.lark")
+    grammar = Path(__file__).with_name("grammar.lark")
     return Lark(
         grammar.read_text(encoding="utf-8"),
         parser="lalr",

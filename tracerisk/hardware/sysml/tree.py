@@ -113,7 +113,7 @@ class TreeBuilder(Transformer[Token, Package]):
     def longer_reference(self, first: Reference, then: Reference) -> Reference:
         return Reference(first.name, first.at, (*first.steps, then.name))
 
-    def ident(self, token: Token) -> Ident:
+    def plain_ident(self, token: Token) -> Ident:
         return unquoted(token), None, _at(token)
 
     def short_ident(
@@ -165,6 +165,9 @@ class TreeBuilder(Transformer[Token, Package]):
     def definition(self, kind: Token, *parts: Any) -> Element:
         return _element(str(kind), True, _at(kind), parts)
 
+    def wordless_definition(self, *parts: Any) -> Element:
+        return _element("part", True, 0, parts)
+
     def metadata_definition(self, *parts: Any) -> Element:
         return _element("metadata", True, 0, parts)
 
@@ -187,14 +190,11 @@ class TreeBuilder(Transformer[Token, Package]):
 
     # What follows a declared name.
 
-    def typed_by(self) -> None:
-        return None
-
     def conjugated(self, sign: Token, reference: Reference) -> Reference:
         del sign
         return reference
 
-    def typing(self, _: None, *types: Reference) -> Feature:
+    def typing(self, *types: Reference) -> Feature:
         return ":", types
 
     def relation(self, sign: Token, *targets: Reference) -> Feature:

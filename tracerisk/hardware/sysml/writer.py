@@ -182,8 +182,8 @@ class _Writer:
         is_whole = all(part for each in components for part in each.name.split("."))
         if is_whole and tree.is_free() and nested == [each.name for each in components]:
             return tree.lines(self)
-        # Quotes keep the dots of a name, where parts within parts would change the order or
-        # have the name of a failure mode.
+        # Quotes keep the dots of a name, where parts within parts would change the order, or
+        # what they are.
         return [line for each in components for line in self.part(each.name, each, [])]
 
     def part(self, name: str, component: Component, inner: list[str]) -> list[str]:
@@ -329,11 +329,18 @@ class _Assembly:
         return found
 
     def is_free(self) -> bool:
-        """Whether no part within a component has the name of one of its failure modes."""
-        modes = () if self._component is None else self._component.modes
-        return not any(mode.name in self._inner for mode in modes) and all(
-            each.is_free() for each in self._inner.values()
-        )
+        """Whether parts can stand within components as they are.
+
+        They cannot where one has the name of a failure mode around it, or where several units
+        are around it, which would multiply it.
+        """
+        here = self._component
+        if here is not None and self._inner:
+            if any(mode.name in self._inner for mode in here.modes):
+                return False
+            if _multiplicity(here) not in ("", " [1]"):
+                return False
+        return all(each.is_free() for each in self._inner.values())
 
     def lines(self, writer: _Writer) -> list[str]:
         """Return the parts within."""
