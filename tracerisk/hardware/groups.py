@@ -7,6 +7,7 @@ for like units at the block's value, are those that the unlike units give.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from decimal import Decimal
 
@@ -67,7 +68,10 @@ def _of_one_unit(each: FunctionUse, redundancy: Redundancy) -> float | None:
 
 def _renewed(visits: Visits, redundancy: Redundancy, quantity: int) -> float:
     """Return the value for groups that are whole again at each visit."""
-    target = sum((unlike_visit(units, redundancy).hazard for units in visits), ZERO) / len(visits)
+    # Visits of a cycle come again and again.
+    alike = Counter(map(tuple, visits))
+    hazards = (unlike_visit(units, redundancy).hazard * times for units, times in alike.items())
+    target = sum(hazards, ZERO) / len(visits)
     if target == ZERO:
         return 0.0
     if target.is_infinite():

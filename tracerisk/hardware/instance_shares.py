@@ -6,6 +6,7 @@ Own derivation: docs/theory.md#instances.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -85,9 +86,9 @@ def _mission_hazard(
         return at_least(threshold_of(redundancy, quantity), own).hazard + common
     return sum(
         (
-            Decimal(each.scale) * min(unlike_visit(units, redundancy, without).hazard, SURE)
+            Decimal(each.scale) * times * min(unlike_visit(units, redundancy, without).hazard, SURE)
             for each in functions
-            for units in each.visits
+            for units, times in Counter(map(tuple, each.visits)).items()
         ),
         ZERO,
     )
