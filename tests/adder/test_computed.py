@@ -150,6 +150,37 @@ def test_the_mean_speed_is_that_of_the_mission_in_which_a_cycle_comes_often(comp
     assert value(computed, "loop") == pytest.approx(1e-6 * 0.4 / mean, rel=1e-3)
 
 
+def mission_of_pairs(computed, visits):
+    """The failure probability of pairs that are whole again at each visit."""
+    total = 0.0
+    for function, block in computed.blocks.items():
+        for entry in block.components:
+            total += visits[function.name] * math.log1p(-(entry.probability.value**2))
+    return -math.expm1(total)
+
+
+@pytest.mark.parametrize(
+    ("lines", "failure"),
+    [
+        ((RATE, JOINTS), mission),
+        ((RATE, "quantity: 2", "redundancy: true", "active: always"), mission),
+        (
+            (RATE, "quantity: 2", "redundancy: true", "detected: each_visit", "active: always"),
+            mission_of_pairs,
+        ),
+    ],
+    ids=["each needed", "hidden", "whole again"],
+)
+def test_a_visit_before_the_cycle_weighs_once_in_a_function_of_the_cycle(lines, failure, compute):
+    cycle = [("back", 5.0, {"j1": moved(4.0)}), ("there", 3.0, {"j1": moved(2.0)})] * 3
+    begin = (300.0, {"j1": moved(200.0)})
+    declared = Cycle(1, 2, 10)
+    same = compute(trace_of(("there", *begin), *cycle, cycle=declared), *lines)
+    apart = compute(trace_of(("begin", *begin), *cycle, cycle=declared), *lines)
+    expected = failure(apart, {"begin": 1, "there": 10, "back": 10})
+    assert failure(same, {"there": 11, "back": 10}) == pytest.approx(expected, rel=5e-4)
+
+
 @pytest.mark.parametrize(
     ("exposure", "lines", "message"),
     [

@@ -19,6 +19,7 @@ from tracerisk.hardware.reader import read_hardware
 from tracerisk.report.explain import render_derivation
 from tracerisk.trace import (
     WEAR_EXPONENTS,
+    Cycle,
     Element,
     Exposure,
     FunctionRef,
@@ -403,6 +404,21 @@ def test_the_setting_is_told_where_only_moving_counts(hardware):
     _, brake = part(text, "motor"), part(text, "brake")
     assert "counts the time T moving\n" in brake
     assert column(tables(brake)[0], "T [s]") == {"j1": 8.0, "j2": 7.0, "j3": 1.0}
+
+
+def test_visits_that_a_mission_has_more_often_weigh_more(hardware):
+    # The second visit of each function is the cycle, which a mission has five times.
+    trace = replace(TRACE, cycle=Cycle(2, 2, 5))
+    text = render_derivation(derive_function(trace, hardware, CARRY, active="moving+holding"))
+    assert text.startswith("carry (cell.py): 2 visits seen, 6 in a mission, 15.5 s\n")
+    assert "\ncomes: how often a mission has a visit;" in text
+    shown = part(text, "hand")
+    by_visit = tables(shown)[-1]
+    assert column(by_visit, "comes") == {"visit 2": 1.0, "visit 4": 5.0}
+    first, second = column(by_visit, "h").values()
+    assert float(by_visit["sum"][-1]) == close(first + 5 * second)
+    p = -math.expm1(-(first + 5 * second) / 6)
+    assert printed(shown, r"1 - exp\(-\S+ / 6\) = (\S+)") == close(p)
 
 
 def test_long_names_are_told_beside_the_table(hardware):

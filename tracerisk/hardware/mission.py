@@ -73,6 +73,8 @@ class ComponentUse:
 
     def is_at_stake(self, visits: Sequence[int]) -> bool:
         """Whether it counts in a function: it is active in one of its visits, or fails idle."""
+        if not visits:
+            return False
         if self.component.always_active or any(self.is_active[visit] for visit in visits):
             return True
         return any(figure.standby for figure in self.component.figures) and any(

@@ -60,6 +60,8 @@ def _head(derivation: FunctionDerivation) -> list[str]:
         f"{derivation.function} ({derivation.file}): {seen}{mission}{lasted}",
         "hazard h = rate x share x what counts; hazards add up; p = 1 - exp(-h)",
     ]
+    if any(visit.weight != 1 for visit in visits):
+        lines.append("comes: how often a mission has a visit; the sum over visits counts it so")
     if derivation.active == "moving":
         lines.append("active = moving: only moving counts where no failure mode says otherwise")
     return lines
