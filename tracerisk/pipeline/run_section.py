@@ -37,6 +37,7 @@ def recorded_run(recording: Path) -> RecordedRun | None:
     What is returned needs the folder no longer.
     Raises LogError where the recording is damaged.
     """
+    from tracerisk.twin.declared_log import read_declared
     from tracerisk.twin.robot_file import read_dumped_robot
     from tracerisk.twin.samples import has_samples, read_samples
     from tracerisk.twin.scene import load_scene
@@ -51,4 +52,4 @@ def recorded_run(recording: Path) -> RecordedRun | None:
         from tracerisk.ros.scenario_objects import with_objects
 
         scene = with_objects(scene, read_scenario(Path(request.scenario)).objects)
-    return RecordedRun(read_samples(recording), robot, scene)
+    return RecordedRun(read_samples(recording), robot, scene, read_declared(recording))

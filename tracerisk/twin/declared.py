@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 
 from tracerisk.errors import RobotError
 from tracerisk.twin.builder import FIXTURE, OBJECT, ROBOT, build_spec
+from tracerisk.twin.declared_log import LoggedShape
 from tracerisk.twin.motion import Pose
 from tracerisk.twin.robot import Robot
 from tracerisk.twin.scene import Scene
-from tracerisk.twin.scene_body import SceneBody, add_body, add_weld, body_name
+from tracerisk.twin.scene_body import SceneBody, add_body, add_weld, body_name, wxyz
 
 import mujoco  # isort: skip
 
@@ -94,6 +95,30 @@ def rebuild(
     if overlaps:
         new_model, new_data = _compiled(robot, scene, now, anew, (model, data))
     return now, new_model, new_data
+
+
+def logged_bodies(declared: Declared, model: Any, data: Any) -> tuple[LoggedShape, ...]:
+    """Return the bodies of their own that are simulated, as they are logged.
+
+    Those that are free come in the order of their poses.
+    """
+    found = []
+    for body in declared.bodies:
+        if declared.simulated(body):
+            here = model.body(body_name(body.name))
+            planes = [each.pose for each in body.half_spaces]
+            pose = (*data.xpos[here.id].tolist(), *data.xquat[here.id].tolist())
+            logged = LoggedShape(
+                name=body.name,
+                is_free=bool(here.jntnum[0]),
+                pose=pose,
+                shapes=body.shapes,
+                hulls=tuple(hull.points for hull in body.hulls),
+                planes=tuple((*each.position, *wxyz(each.orientation)) for each in planes),
+            )
+            address = int(model.jnt_qposadr[here.jntadr[0]]) if logged.is_free else 0
+            found.append((address, logged))
+    return tuple(logged for _, logged in sorted(found, key=lambda each: each[0]))
 
 
 def _compiled(

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from tracerisk.errors import Location, LogError
 from tracerisk.twin.contact_log import ContactLogWriter
+from tracerisk.twin.declared_log import DECLARED_FILES, DeclaredLogWriter
 
 _ROWS = "samples.bin"
 _POSES = "poses.bin"
@@ -100,6 +101,7 @@ class SampleWriter:
         self._segment: Array = np.empty((0, 0))
         self._committed = 0
         self._contacts: ContactLogWriter | None = None
+        self._declared: DeclaredLogWriter | None = None
 
     def begin(self, header: SampleHeader) -> None:
         """Write the header and open the files; raises OSError when the disk refuses."""
@@ -109,6 +111,8 @@ class SampleWriter:
         (self._directory / _HEADER).write_text(text + "\n", encoding="utf-8")
         (self._directory / _END).unlink(missing_ok=True)
         (self._directory / _CHANGED).unlink(missing_ok=True)
+        for name in DECLARED_FILES:
+            (self._directory / name).unlink(missing_ok=True)
         flags = os.O_RDWR | os.O_CREAT | os.O_TRUNC
         self._file = os.open(self._directory / _ROWS, flags, 0o644)
         self._poses = os.open(self._directory / _POSES, flags, 0o644)
@@ -138,6 +142,12 @@ class SampleWriter:
         self._contacts = ContactLogWriter(self._directory)
         return self._contacts
 
+    def declared(self) -> DeclaredLogWriter:
+        """Return the writer of declared bodies, which closes with this; raise as `begin`."""
+        if self._declared is None:
+            self._declared = DeclaredLogWriter(self._directory)
+        return self._declared
+
     def model_changed(self) -> None:
         """Note that bodies were put into the simulation after the rows committed so far."""
         path = self._directory / _CHANGED
@@ -160,6 +170,8 @@ class SampleWriter:
         self._file = self._poses = -1
         if self._contacts is not None:
             self._contacts.close()
+        if self._declared is not None:
+            self._declared.close()
 
     def __enter__(self) -> SampleWriter:
         return self

@@ -18,7 +18,7 @@ from tracerisk.twin.contact_watch import (
     Points,
     points,
 )
-from tracerisk.twin.declared import Declared, rebuild
+from tracerisk.twin.declared import Declared, logged_bodies, rebuild
 from tracerisk.twin.motion import JointState, Pose
 from tracerisk.twin.robot import Robot
 from tracerisk.twin.samples import POSE_EVERY, SampleHeader, SampleWriter
@@ -120,6 +120,8 @@ class Simulation:
         else:
             if self._steps % POSE_EVERY == 0:
                 writer.pose(self._data.qpos[: self._n_pose])
+                if self._data.qpos.size > self._n_pose:
+                    writer.declared().pose(self._steps, self._data.qpos[self._n_pose :])
                 if self._watch is not None and self._steps % POSTURE_EVERY == 0:
                     self._watch.posture(self._steps, self.position())
             rows = writer.rows(min(wanted, POSE_EVERY - self._steps % POSE_EVERY))
@@ -243,6 +245,8 @@ class Simulation:
         self._use(model, data)
         if self._samples is not None:
             self._samples.model_changed()
+            simulated = logged_bodies(self._declared, self._model, self._data)
+            self._samples.declared().change(self._steps, simulated)
         if self._watch is not None:
             self._watch.use(self._model, self._declared, self._steps)
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from tracerisk.report.html.replay_frames import Frames
     from tracerisk.report.html.replay_model import Body
     from tracerisk.twin.activity import ElementActivity
+    from tracerisk.twin.declared_log import DeclaredChange
     from tracerisk.twin.robot import Robot
     from tracerisk.twin.samples import Samples
     from tracerisk.twin.scene import Scene
@@ -24,17 +25,17 @@ BODIES, FRAMES = "replay-bodies", "replay-frames"
 """The ids of the data within the page."""
 
 _JOINT_QUANTUM = 1e-4  # [rad or m]; half of it is 0.05 mm at the end of a link of 1 m
-_PLACE_QUANTUM = 1e-4  # [m]
-_TURN_QUANTUM = 2e-4  # of the parts of a quaternion
+_FREE_QUANTA = [1e-4] * 3 + [2e-4] * 4  # position [m], parts of a quaternion
 
 
 @dataclass(frozen=True, slots=True)
 class RecordedRun:
-    """What was simulated, and its samples."""
+    """What was simulated, its samples, and the bodies that the controller declared meanwhile."""
 
     samples: Samples
     robot: Robot
     scene: Scene
+    declared: tuple[DeclaredChange, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,24 +57,46 @@ def make_replay(run: RecordedRun, end_s: float | None = None) -> Replay:
 
     Raises LogError when the samples are of another robot.
     """
+    import numpy as np
+
     from tracerisk.report.html.replay_frames import pack_frames
-    from tracerisk.report.html.replay_model import scene_bodies
+    from tracerisk.report.html.replay_model import FREE_COLUMNS, scene_bodies
     from tracerisk.twin.activity import element_activity
     from tracerisk.twin.samples import POSE_EVERY
 
     samples = _cut(run.samples, end_s)
     activity = element_activity(samples, run.robot)
+    bodies = scene_bodies(run.robot, run.scene)
     values, quanta = _columns(samples, run.robot, run.scene)
     notes = []
-    if samples.changed_at is not None:
+    if run.declared:
+        from tracerisk.report.html.replay_declared import MOST_BODIES, declared_bodies
+
+        declared = declared_bodies(
+            run.declared,
+            first_column=values.shape[1],
+            n_frames=len(values),
+            steps_per_frame=POSE_EVERY,
+            step_s=samples.step_s,
+        )
+        bodies = (*bodies, *declared.bodies)
+        n_free = declared.values.shape[1] // FREE_COLUMNS
+        values = np.hstack((values, declared.values))
+        quanta = np.concatenate((quanta, _FREE_QUANTA * n_free))
+        if declared.left_out:
+            notes.append(
+                f"Of the bodies that the controller put into the scene, the first {MOST_BODIES} "
+                f"are shown, and {declared.left_out} are not."
+            )
+    elif samples.changed_at is not None:
         notes.append(
-            f"Bodies that the controller put into the scene from "
-            f"{samples.changed_at * samples.step_s:.3f} s on are simulated, but not shown."
+            f"The bodies that the controller put into the scene from "
+            f"{samples.changed_at * samples.step_s:.3f} s on are not in the recording."
         )
     if not any(link.shapes for link in run.robot.links):
         notes.append(f"The model of {run.robot.name} has no shapes that could be shown.")
     return Replay(
-        bodies=scene_bodies(run.robot, run.scene),
+        bodies=bodies,
         frames=pack_frames(values, quanta, POSE_EVERY * samples.step_s),
         activity=activity,
         step_s=samples.step_s,
@@ -105,8 +128,7 @@ def _columns(samples: Samples, robot: Robot, scene: Scene) -> tuple[Any, Any]:
     count = min(len(joints), len(samples.poses))
     # The objects of the scene come first in a pose, and the joints of the robot after them.
     values = np.hstack((joints[:count], samples.poses[:count, :n_free]))
-    place, turn = [_PLACE_QUANTUM] * 3, [_TURN_QUANTUM] * 4
-    quanta = [_JOINT_QUANTUM] * len(robot.joints) + (place + turn) * len(scene.objects)
+    quanta = [_JOINT_QUANTUM] * len(robot.joints) + _FREE_QUANTA * len(scene.objects)
     return values, np.array(quanta)
 
 

@@ -51,13 +51,13 @@ function boundsOf(bodies, meshes, posesAt) {
     posed.forEach((pose, index) => {
       const { kind } = bodies[index];
       const mesh = meshes[index];
-      if (turn === 0) {
+      if (turn === 0 && kind !== "declared") {
         for (let i = 0; i < mesh.length; i += 6) {
           floor = Math.min(floor, toWorld(pose, mesh.subarray(i, i + 3))[2]);
         }
       }
       // A large table must not make the arm small.
-      if (kind === "fixture" && radii[index] > 0.6) return;
+      if (kind !== "robot" && kind !== "object" && radii[index] > 0.6) return;
       for (let i = 0; i < 3; i++) {
         const reach = Math.min(radii[index], 0.12);
         low[i] = Math.min(low[i], pose.xyz[i] - reach);
@@ -94,9 +94,14 @@ async function beginReplay() {
   let posed = posesAtTime(clock.time);
   let states = new Map();
   let isLabelled = false;
-  const index = new Map(bodies.map(({ name }, i) => [name, i]));
+  const isThere = ({ since = 0, until = Infinity }) => clock.time >= since && clock.time < until;
+  // A name may be that of several bodies, one after the other.
+  const find = (name) => {
+    const all = bodies.flatMap((body, i) => (body.name === name ? [i] : []));
+    return all.find((i) => isThere(bodies[i])) ?? all[0];
+  };
   Object.assign(tracerisk.replay, {
-    bodies, frames, poses, bodyPosition: (name) => posed[index.get(name)].xyz, labels,
+    bodies, frames, poses, bodyPosition: (name) => posed[find(name)].xyz, labels,
     stateOf: (element) => stateName(states.get(element) ?? 0),
   });
 
@@ -140,7 +145,6 @@ async function beginReplay() {
   };
   readColours();
 
-  const isThere = ({ since = 0, until = Infinity }) => clock.time >= since && clock.time < until;
   function colourOf(body) {
     const base = colours[body.kind];
     const state = stateName(states.get(body.element) ?? 0);
@@ -169,7 +173,6 @@ async function beginReplay() {
 
   function touching() {
     return contactsAt(clock.time).map((contact) => {
-      const find = (name) => index.get(name) ?? index.get(`declared/${name}`);
       const [one, other] = [find(contact.link), find(contact.other)];
       let point = null;
       if (one !== undefined && other !== undefined) {
