@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk.hardware.binding import bind
+from tracerisk.hardware.formats import read_description
 from tracerisk.hardware.reader import read_hardware
 from tracerisk.hardware.shipped import hardware_of
 from tracerisk.twin.robot import load_robot, robot_names
@@ -228,3 +229,81 @@ def test_hardware_is_shown_without_a_simulator_or_a_parser_of_sysml(arguments):
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
     assert done.returncode == 0, done.stderr.decode()
+
+
+def test_a_description_goes_to_sysml_and_comes_back_the_same(cell):
+    there = cell.run("hardware", "convert", "cell.yaml", "-o", "cell.sysml", "--json")
+    assert there.code == 0, there.err
+    assert (there.json["format"], there.json["to"]) == ("yaml", "sysml")
+    back = cell.run("hardware", "convert", "cell.sysml", "-o", "back.yaml")
+    assert back.code == 0, back.err
+    assert read_description(cell.folder / "cell.sysml") == read_hardware(cell.folder / "cell.yaml")
+    assert read_hardware(cell.folder / "back.yaml") == read_hardware(cell.folder / "cell.yaml")
+    shown = cell.run("hardware", "show", "cell.sysml").out
+    assert shown == cell.run("hardware", "show", "cell.yaml").out.replace(
+        "cell.yaml:", "cell.sysml:", 1
+    )
+
+
+@pytest.mark.parametrize("robot", ["ur5e", "baxter", "panda"])
+def test_a_first_description_is_the_same_in_both_formats(tmp_path, robot):
+    from tracerisk.cli import main
+
+    files = [tmp_path / "h.yaml", tmp_path / "h.sysml"]
+    for file in files:
+        assert main(["hardware", "init", "--robot", robot, "-o", str(file), "-q"]) == 0
+    assert read_description(files[0]) == read_description(files[1])
+
+
+def test_blocks_and_result_are_the_same_from_either_format(annotated):
+    tested_within_the_mission = CELL.replace("interval: 8, per: hour", "interval: 1, per: second")
+    annotated.write("cell.yaml", tested_within_the_mission)
+    assert annotated.run("hardware", "convert", "cell.yaml", "-o", "cell.sysml").code == 0
+    sources = []
+    for name in ("cell.yaml", "cell.sysml"):
+        outcome = annotated.run(
+            "annotate", "controller.py", "--trace", "trace.json", "--hardware", name
+        )
+        assert outcome.code == 0, outcome.err
+        sources.append(annotated.read("controller.py"))
+        solved = annotated.run("solve", "controller.py", "--json")
+        assert solved.code == 0, solved.err
+        sources.append(solved.out)
+    assert b"arm.motor" in sources[0]
+    assert sources[:2] == sources[2:]
+
+
+def test_what_is_left_out_of_a_model_is_told(example):
+    example.write(
+        "cell.sysml",
+        """\
+package Cell {
+    private import SI::*;
+    private import TraceriskHardware::*;
+    part robot {
+        part motor {
+            @FailureData { rate = 5.7e-7 [h^-1]; }
+            @TwinBinding { joints = "*"; }
+            action spin;
+        }
+    }
+}
+""",
+    )
+    outcome = example.run("hardware", "show", "cell.sysml", "--json")
+    assert outcome.code == 0, outcome.err
+    assert "warning: cell.sysml:8:13: 'action'" in outcome.err
+    (warning,) = outcome.json["warnings"]
+    assert warning.startswith("cell.sysml:8:13: ")
+    outcome = example.run("hardware", "convert", "cell.sysml", "-o", "cell.yaml", "-q")
+    assert (outcome.code, outcome.err) == (0, "")
+
+
+def test_a_fault_in_sysml_is_told_before_anything_is_simulated(example, quick):
+    example.write("cell.sysml", "package P {\n    part robot {\n        part motor [;\n    }\n}\n")
+    example.write("controller.py", quick('open("ran", "w").close()'))
+    before = example.files()
+    outcome = example.run("run", "controller.py", "--hardware", "cell.sysml")
+    assert outcome.code == 2
+    assert "tracerisk: cell.sysml:3:" in outcome.err
+    assert example.files() == before
