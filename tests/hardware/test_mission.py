@@ -363,6 +363,14 @@ def test_standby_needs_the_length_of_every_visit():
         hazards(Component("part", (IDLE,)), trace)
 
 
+def test_a_demand_counts_in_a_visit_that_is_too_short_for_activity():
+    brief = Exposure(moving_s=0.01, active_s=0.01, longest_moving_s=0.01, starts=1)
+    trace = trace_of([(brief, 0.01), (replace(brief, starts=0), 0.01)], "joint")
+    component = Component("part", (BUSY, FIGURES["demand"]))
+    used = component_use(BoundComponent(component, 1, ("hand",)), trace, "moving+holding")
+    assert [used.is_at_stake([visit]) for visit in (0, 1)] == [True, False]
+
+
 def test_a_component_counts_where_it_is_active_or_fails_idle():
     moving = Exposure(moving_s=4.0, active_s=4.0, longest_moving_s=4.0, longest_active_s=4.0)
     trace = trace_of([(moving, 4.0), (Exposure(), 5.0)])

@@ -72,13 +72,16 @@ class ComponentUse:
         return self.bound.component
 
     def is_at_stake(self, visits: Sequence[int]) -> bool:
-        """Whether it counts in a function: it is active in one of its visits, or fails idle."""
+        """Whether it counts in a function: it is active in a visit, used once, or fails idle."""
         if not visits:
             return False
         if self.component.always_active or any(self.is_active[visit] for visit in visits):
             return True
-        return any(figure.standby for figure in self.component.figures) and any(
-            unit.uses[visit].standby_s != 0.0 for unit in self.units for visit in visits
+        return any(
+            term.counts in ("demands", "standby") and term.amount(unit.uses[visit]) > 0.0
+            for unit in self.units
+            for term in unit.terms
+            for visit in visits
         )
 
     def hazards(self, visits: Sequence[int]) -> list[list[float]]:
