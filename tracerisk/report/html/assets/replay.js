@@ -135,13 +135,14 @@ async function beginReplay() {
   );
   let colours = {};
   const readColours = () => {
-    const own = ["background", "ground", "robot", "fixture", "object", "collar", "in-use"];
+    const own = [
+      "background", "ground", "robot", "fixture", "object", "declared", "collar", "in-use",
+    ];
     const shared = ["moving", "holding", "grasping", "fail"];
     colours = Object.fromEntries([
       ...own.map((name) => [name, tone(`replay-${name}`)]),
       ...shared.map((name) => [name, tone(name)]),
     ]);
-    colours.declared = colours.fixture;
   };
   readColours();
 
