@@ -119,6 +119,18 @@ def test_optional_parts_that_the_robot_lacks_are_left_out():
         assert bind(one(quantity=None, twin=twin), SEEN[:3]) == ()
 
 
+def test_of_optional_parts_that_are_named_those_count_that_are_there():
+    two = TwinBinding(sensors=("gone", "eye"), optional=True)
+    (bound,) = bind(one(quantity=2, twin=two), SEEN)
+    assert bound.units() == ("eye",)
+    grippers = (*PANDA, Element("other_hand", "gripper"))
+    each = TwinBinding(gripper=True, optional=True)
+    (bound,) = bind(one(quantity=1, twin=each), grippers)
+    assert bound.units() == ("hand", "other_hand")
+    with pytest.raises(HardwareError, match="has quantity 3, but the robot has 2 such grippers"):
+        bind(one(quantity=3, twin=each), grippers)
+
+
 def test_several_units_share_a_place_that_is_named():
     (bound,) = bind(one(quantity=2, twin=TwinBinding(joints=("j2",))), SEEN)
     assert bound.units() == ("j2", "j2")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from ruamel.yaml import YAML
 
 from tests.hardware.broken import BROKEN
@@ -31,6 +31,7 @@ def test_the_schema_is_one_of_its_draft():
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
 
 
+@settings(max_examples=50)
 @given(hardware=hardware_descriptions())
 def test_it_takes_whatever_the_reader_takes(hardware):
     data = description_data(hardware)

@@ -92,7 +92,7 @@ def _fail(component: Component, message: str) -> NoReturn:
 def _quantity(component: Component, twin: TwinBinding, places: int) -> int:
     """Return how many units there are: one a place, or several that share a single place."""
     asked = component.quantity
-    if asked is None or asked == places or (twin.optional and places > 1):
+    if asked is None or asked == places or (twin.optional and asked == twin.named_units):
         return places
     if places == 1 and twin.named_units is not None:
         return asked
