@@ -4,8 +4,9 @@ import base64
 import hashlib
 import json
 import re
+from fractions import Fraction
 from html import unescape
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import pytest
 from hypothesis import example, given
@@ -259,9 +260,7 @@ def test_a_script_or_style_that_would_end_itself_is_refused(js, css):
         page("title", section.html, (section,))
 
 
-@given(
-    st.recursive(st.none() | st.integers() | st.text(), lambda inner: st.lists(inner, max_size=3))
-)
+@given(st.dictionaries(st.text(max_size=20), st.text(max_size=20), max_size=3))
 def test_json_in_a_script_reads_back_and_cannot_end_it(value):
     text = json_in_script(value)
     assert json.loads(text) == value
@@ -293,3 +292,49 @@ def test_what_no_encoding_has_is_replaced(arm, report_of):
 
 def test_the_page_is_small(arm, report_of):
     assert len(render_report(report_of(arm)).encode()) < 60_000
+
+
+def branching(count: int) -> HybridModel:
+    """States of which each may go to any other one, or end the mission."""
+    tree = FaultTree.of("top", {"top": ("or", "a")}, {"a": 1e-9})
+    names = [f"step{n}" for n in range(count)]
+    share = Fraction(1, count + 1)
+    following = {name: dict.fromkeys([*names, "done"], share) for name in names}
+    return HybridModel.of("m", dict.fromkeys(names, tree), following)
+
+
+def test_no_two_ways_of_a_chain_share_a_stretch(report_of, parsed):
+    page = parsed(render_report(report_of(branching(5))))
+    (drawing,) = page.xpath("//*[@id='chain']//svg")
+    ways = [each.get("d") for each in drawing.xpath(".//path[@data-edge]") if "Q" in each.get("d")]
+    assert len(ways) == 5 * 5 - 4 + 4
+    upright = [
+        (float(lane), *sorted(map(float, ends))) for way in ways for lane, *ends in parts(way)
+    ]
+    for (x, low, high), (other, start, end) in combinations(upright, 2):
+        assert x != other or high <= start or end <= low
+    level = [float(height) for way in ways for height in heights(way)]
+    assert len(level) == len(set(level)) == 2 * len(ways)
+
+
+def parts(way):
+    """The lane of a way, and from where to where it runs in it."""
+    found = re.fullmatch(r".*Q(\S+) (\S+) \S+ \S+ V\S+ Q\S+ (\S+) .*", way)
+    return [found.groups()]
+
+
+def heights(way):
+    """How high a way leaves, and how high it arrives."""
+    found = re.fullmatch(r"M\S+ (\S+) .* Q\S+ \S+ \S+ (\S+) H.*", way)
+    return found.groups()
+
+
+def test_labels_of_a_chain_do_not_overlap(report_of, parsed):
+    page = parsed(render_report(report_of(branching(4))))
+    boxes = [
+        tuple(float(each.get(name)) for name in ("x", "y", "width", "height"))
+        for each in page.xpath("//*[@id='chain']//rect[@class='ground']")
+    ]
+    assert len(boxes) == 4 * 5 + 4
+    for (x, y, w, h), (u, v, a, b) in combinations(boxes, 2):
+        assert x + w <= u or u + a <= x or y + h <= v or v + b <= y

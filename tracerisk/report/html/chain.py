@@ -9,7 +9,6 @@ from fractions import Fraction
 from markupsafe import Markup
 
 from tracerisk.prm.assessment import StateAssessment
-from tracerisk.prm.drawing.layout import Size, layered
 from tracerisk.prm.hybrid import DONE, HybridModel
 from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
@@ -18,11 +17,15 @@ from tracerisk.report.html.section import Section
 from tracerisk.report.html.svg import Drawing, Point, box, number, tell, text_width, word
 from tracerisk.report.html.tables import Cell, Column, Row, Table
 
+Edge = tuple[str, str]
+
 MOST_STATES = 60
 """How many functions a drawing holds; the table has all of them."""
 
 _HEIGHT = 34.0
-_PADDING = 26.0
+_PITCH = 82.0
+_LANE = 16.0
+"""Between the labels of two lanes."""
 _LABEL = 18.0
 _ASIDE = 112.0
 """Between a state and its failure, for the probability."""
@@ -39,14 +42,14 @@ class _Arrow:
 
 @dataclass(frozen=True, slots=True)
 class _Places:
-    """Where states are, how ways run, and the extent.
+    """Where states are, in which lane ways run that do not lead to the next state, the extent.
 
-    `lanes` are those of the ways back, `beside` the room that a failure has across.
+    A lane is told by where it is across, with the heights at which its way leaves and arrives.
+    `beside` is the room that a failure has across.
     """
 
     centres: Mapping[str, Point]
-    ways: Mapping[tuple[str, str], tuple[Point, ...]]
-    lanes: Mapping[tuple[str, str], float]
+    lanes: Mapping[Edge, tuple[float, float, float]]
     beside: float
     width: float
     height: float
@@ -69,12 +72,10 @@ def chain_section(report: ReportInput) -> Section:
     return Section("chain", "Markov chain", html)
 
 
-def _arrows(
-    model: HybridModel, states: dict[str, StateAssessment]
-) -> dict[tuple[str, str], _Arrow]:
+def _arrows(model: HybridModel, states: dict[str, StateAssessment]) -> dict[Edge, _Arrow]:
     shown = model.states[:MOST_STATES]
     names = {state.name for state in shown} | {DONE}
-    arrows: dict[tuple[str, str], _Arrow] = {}
+    arrows: dict[Edge, _Arrow] = {}
     for state in shown:
         top = states[state.name].top_event
         for step in state.next:
@@ -105,12 +106,10 @@ def _drawn(model: HybridModel, states: dict[str, StateAssessment]) -> Markup:
     for edge, arrow in arrows.items():
         if arrow.fails:
             at = _draw_failing(drawing, edge, places)
-        elif edge[0] == edge[1]:
-            at = _draw_loop(drawing, edge[0], places)
         elif edge in places.lanes:
-            at = _draw_back(drawing, edge, places)
+            at = _draw_around(drawing, edge, places)
         else:
-            at = _draw_way(drawing, edge, places.ways[edge])
+            at = _draw_onward(drawing, edge, places)
         labels.append((at, arrow))
     for name in names:
         _draw_state(drawing, name, places, is_entry=name == model.entry)
@@ -118,98 +117,126 @@ def _drawn(model: HybridModel, states: dict[str, StateAssessment]) -> Markup:
         _draw_end(drawing, failure, places, "node end failing")
     for at, arrow in labels:
         _draw_label(drawing, at, arrow)
-    return drawing.markup(places.width, places.height, above=20.0)
+    return drawing.markup(places.width, places.height)
 
 
 def _placed(
-    names: Sequence[str],
-    failures: Mapping[str, str],
-    arrows: Mapping[tuple[str, str], _Arrow],
+    names: Sequence[str], failures: Mapping[str, str], arrows: Mapping[Edge, _Arrow]
 ) -> _Places:
-    """Lay the states out from the top down, each with its failure at its right.
+    """Put the states below each other in their order, each with its failure at its right.
 
-    All take the same room, so that what follows one another stands in a line. Ways back, to a
-    state that came earlier, run in lanes of their own at the left.
+    A way to the next state leads straight down; every other has a lane at the left.
     """
-    width = max(text_width(name) for name in names) + _PADDING
-    beside = max((text_width(name) for name in failures.values()), default=0.0) + _PADDING
-    room = width + _ASIDE + beside
     rank = {name: index for index, name in enumerate(names)}
-    onward = [edge for edge, arrow in arrows.items() if not arrow.fails and edge[0] != edge[1]]
-    back = [edge for edge in onward if rank[edge[1]] < rank[edge[0]]]
-    layout = layered(
-        dict.fromkeys(names, Size(room, _HEIGHT)),
-        [edge for edge in onward if edge not in set(back)],
-        gap=40.0,
-        between=50.0,
-    )
-    lanes = _lanes(back, {name: y for name, (_, y) in layout.centres.items()})
-    lane_room = max((text_width(arrows[edge].label) for edge in back), default=0.0) + 14.0
-    loops = 50.0 if any(source == target for source, target in arrows) else 0.0
-    aside = loops + (max(lanes.values()) + 1) * lane_room if lanes else loops
-    left = aside + (width - room) / 2
-    centres = {name: (x + left, y) for name, (x, y) in layout.centres.items()}
+    around = [
+        edge
+        for edge, arrow in arrows.items()
+        if not arrow.fails and rank[edge[1]] != rank[edge[0]] + 1
+    ]
+    lanes = _lanes([(rank[source], rank[target]) for source, target in around])
+    room = max((text_width(arrows[edge].label) for edge in around), default=0.0) + _LANE
+    left = (max(lanes) + 1) * room if lanes else 0.0
+    width = max(map(_width, names))
+    beside = max(map(_width, failures.values()), default=0.0)
+    middle = left + width / 2
+    centres = {name: (middle, _HEIGHT / 2 + index * _PITCH) for name, index in rank.items()}
     for name, failure in failures.items():
-        x, y = centres[name]
-        centres[failure] = (x + (width + beside) / 2 + _ASIDE, y)
-    ways = {edge: tuple((x + left, y) for x, y in way) for edge, way in layout.ways.items()}
-    at = {edge: aside - loops - (lane + 0.5) * lane_room for edge, lane in lanes.items()}
-    return _Places(centres, ways, at, beside, aside + layout.width, layout.height + 20.0)
+        right = left + width + _ASIDE + beside / 2
+        centres[failure] = (right, centres[name][1])
+    leaves, arrives = _ports(around, lanes, centres)
+    ways = {
+        edge: (left - (lane + 0.5) * room, leaves[edge], arrives[edge])
+        for edge, lane in zip(around, lanes, strict=True)
+    }
+    height = (len(names) - 1) * _PITCH + _HEIGHT
+    return _Places(centres, ways, beside, left + width + _ASIDE + beside, height)
 
 
-def _lanes(
-    back: Sequence[tuple[str, str]], heights: Mapping[str, float]
-) -> dict[tuple[str, str], int]:
-    """Return the lane of each way back, 0 the innermost; the shortest stand innermost."""
-    lanes: dict[tuple[str, str], int] = {}
-    for edge in sorted(back, key=lambda each: heights[each[0]] - heights[each[1]]):
-        lower, upper = heights[edge[0]], heights[edge[1]]
+def _lanes(spans: Sequence[tuple[int, int]]) -> list[int]:
+    """Return a lane for each span of ranks, 0 the innermost, so that those of one lie apart.
+
+    The shortest come first, and so stand inside the longer ones.
+    """
+    lanes: dict[int, int] = {}
+    for index in sorted(range(len(spans)), key=lambda each: abs(spans[each][0] - spans[each][1])):
+        low, high = sorted(spans[index])
         taken = {
             lane
-            for (source, target), lane in lanes.items()
-            if heights[target] <= lower and heights[source] >= upper
+            for other, lane in lanes.items()
+            if min(spans[other]) <= high and max(spans[other]) >= low
         }
-        lanes[edge] = next(lane for lane in range(len(back)) if lane not in taken)
-    return lanes
+        lanes[index] = next(lane for lane in range(len(spans)) if lane not in taken)
+    return [lanes[index] for index in range(len(spans))]
 
 
-def _draw_way(drawing: Drawing, edge: tuple[str, str], way: tuple[Point, ...]) -> Point:
-    """Draw a transition and return where its probability is written."""
-    points = [
-        (way[0][0], way[0][1] + _HEIGHT / 2),
-        *way[1:-1],
-        (way[-1][0], way[-1][1] - _HEIGHT / 2),
-    ]
-    drawing.curve(points, "edge", arrow=True, edge=f"{edge[0]} {edge[1]}", function=edge[0])
-    (x, y), (to_x, to_y) = points[0], points[1]
-    return ((x + to_x) / 2, (y + to_y) / 2)
+def _ports(
+    around: Sequence[Edge], lanes: Sequence[int], centres: Mapping[str, Point]
+) -> tuple[dict[Edge, float], dict[Edge, float]]:
+    """Return how high each way leaves its state, below its middle, and arrives, above it."""
+    ordered = [edge for _, edge in sorted(zip(lanes, around, strict=True))]
+    found: tuple[dict[Edge, float], dict[Edge, float]] = ({}, {})
+    for end, sign in ((0, 1.0), (1, -1.0)):
+        for name in centres:
+            here = [edge for edge in ordered if edge[end] == name]
+            for index, edge in enumerate(here):
+                # The innermost lane has the port nearest to the middle.
+                offset = (index + 0.5) / len(here) * (_HEIGHT / 2 - 4.0) + 2.0
+                found[end][edge] = centres[name][1] + sign * offset
+    return found
 
 
-def _draw_back(drawing: Drawing, edge: tuple[str, str], places: _Places) -> Point:
-    """Draw a way back: below its state, up in its lane, and into the earlier state from above."""
-    (x, y), (to_x, to_y) = places.centres[edge[0]], places.centres[edge[1]]
-    lane, bend = places.lanes[edge], 8.0
-    low, high = y + _HEIGHT / 2 + 14.0, to_y - _HEIGHT / 2 - 14.0
-    x, to_x = x - 12.0, to_x - 12.0
-    n = number
+def _draw_onward(drawing: Drawing, edge: Edge, places: _Places) -> Point:
+    """Draw the way to the next state, and return where its share is written."""
+    (x, y), (_, to_y) = places.centres[edge[0]], places.centres[edge[1]]
+    start, end = y + _HEIGHT / 2, to_y - _HEIGHT / 2
     drawing.path(
-        f"M{n(x)} {n(y + _HEIGHT / 2)} V{n(low - bend)} Q{n(x)} {n(low)} {n(x - bend)} {n(low)} "
-        f"H{n(lane + bend)} Q{n(lane)} {n(low)} {n(lane)} {n(low - bend)} "
-        f"V{n(high + bend)} Q{n(lane)} {n(high)} {n(lane + bend)} {n(high)} "
-        f"H{n(to_x - bend)} Q{n(to_x)} {n(high)} {n(to_x)} {n(high + bend)} "
-        f"V{n(to_y - _HEIGHT / 2)}",
+        f"M{number(x)} {number(start)} V{number(end)}",
         "edge",
         arrow=True,
         edge=f"{edge[0]} {edge[1]}",
         function=edge[0],
     )
-    return (lane, (low + high) / 2)
+    return (x, (start + end) / 2 - 2.0)
 
 
-def _draw_failing(drawing: Drawing, edge: tuple[str, str], places: _Places) -> Point:
+def _draw_around(drawing: Drawing, edge: Edge, places: _Places) -> Point:
+    """Draw a way in its lane, from the left of its state to the left of the other."""
+    lane, start, end = places.lanes[edge]
+    x, to_x = (places.centres[name][0] - _width(name) / 2 for name in edge)
+    bend = min(7.0, abs(end - start) / 2)
+    turn = bend if end > start else -bend
+    n = number
+    drawing.path(
+        f"M{n(x)} {n(start)} H{n(lane + bend)} Q{n(lane)} {n(start)} {n(lane)} {n(start + turn)} "
+        f"V{n(end - turn)} Q{n(lane)} {n(end)} {n(lane + bend)} {n(end)} H{n(to_x)}",
+        "edge",
+        arrow=True,
+        edge=f"{edge[0]} {edge[1]}",
+        function=edge[0],
+    )
+    return (lane, _free_height(edge, places))
+
+
+def _free_height(edge: Edge, places: _Places) -> float:
+    """Return where in a lane no way of an outer lane crosses, as near to the middle as can be."""
+    lane, start, end = places.lanes[edge]
+    crossing = [
+        height
+        for other, (x, *ends) in places.lanes.items()
+        if other != edge and x < lane
+        for height in ends
+    ]
+    shares = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)
+    heights = [start + share * (end - start) for share in shares]
+    room = [min((abs(each - at) for at in crossing), default=_LABEL) for each in heights]
+    best = max(min(each, _LABEL) for each in room)
+    return next(at for at, each in zip(heights, room, strict=True) if min(each, _LABEL) == best)
+
+
+def _draw_failing(drawing: Drawing, edge: Edge, places: _Places) -> Point:
     """Draw the way into a state's failure, and return where its probability is written."""
     (x, y), (to_x, _) = places.centres[edge[0]], places.centres[edge[1]]
-    start, end = x + (text_width(edge[0]) + _PADDING) / 2, to_x - places.beside / 2
+    start, end = x + _width(edge[0]) / 2, to_x - places.beside / 2
     drawing.path(
         f"M{number(start)} {number(y)} H{number(end)}",
         "edge failing",
@@ -221,21 +248,6 @@ def _draw_failing(drawing: Drawing, edge: tuple[str, str], places: _Places) -> P
     return (end - _ASIDE / 2 - 2.0, y)
 
 
-def _draw_loop(drawing: Drawing, name: str, places: _Places) -> Point:
-    """Draw a way from a state to itself, at its left."""
-    x, y = places.centres[name]
-    x -= (text_width(name) + _PADDING) / 2
-    drawing.path(
-        f"M{number(x)} {number(y - 8)} C{number(x - 38)} {number(y - 24)} "
-        f"{number(x - 38)} {number(y + 24)} {number(x)} {number(y + 8)}",
-        "edge",
-        arrow=True,
-        edge=f"{name} {name}",
-        function=name,
-    )
-    return (x - 30.0, y)
-
-
 def _draw_state(drawing: Drawing, name: str, places: _Places, *, is_entry: bool) -> None:
     if name == DONE:
         _draw_end(drawing, name, places, "node end")
@@ -243,14 +255,14 @@ def _draw_state(drawing: Drawing, name: str, places: _Places, *, is_entry: bool)
     group = drawing.group("node entry" if is_entry else "node", state=name, function=name)
     tell(group, f"{name}, where a mission begins" if is_entry else name)
     centre = places.centres[name]
-    box(group, centre, text_width(name) + _PADDING, _HEIGHT)
+    box(group, centre, _width(name), _HEIGHT)
     word(group, *centre, name, "name")
 
 
 def _draw_end(drawing: Drawing, name: str, places: _Places, kind: str) -> None:
     group = drawing.group(kind, state=name)
     x, y = places.centres[name]
-    width = text_width(name) + _PADDING
+    width = _width(name)
     # Failures stand flush at their left, where the arrow ends.
     x += 0.0 if name == DONE else (width - places.beside) / 2
     box(group, (x, y), width, _HEIGHT)
@@ -263,6 +275,10 @@ def _draw_label(drawing: Drawing, at: Point, arrow: _Arrow) -> None:
     tell(group, arrow.told)
     box(group, at, text_width(arrow.label) + 8.0, _LABEL, "ground")
     word(group, *at, arrow.label, "figure")
+
+
+def _width(name: str) -> float:
+    return text_width(name) + 26.0
 
 
 def _onward(top: float, weight: Fraction) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement, tostring
 
 from markupsafe import Markup
@@ -42,21 +41,6 @@ class Drawing:
             {"class": kind, **{f"data-{name}": value for name, value in data.items()}},
         )
 
-    def curve(
-        self, points: Sequence[Point], kind: str, *, arrow: bool = False, **data: str
-    ) -> None:
-        """Draw a curve through points that leaves and reaches each of them upright."""
-        (x, y), *rest = points
-        path = [f"M{number(x)} {number(y)}"]
-        for to_x, to_y in rest:
-            middle = (y + to_y) / 2
-            path.append(
-                f"C{number(x)} {number(middle)} {number(to_x)} {number(middle)} "
-                f"{number(to_x)} {number(to_y)}"
-            )
-            x, y = to_x, to_y
-        self.path(" ".join(path), kind, arrow=arrow, **data)
-
     def path(self, way: str, kind: str, *, arrow: bool = False, **data: str) -> None:
         """Draw a line in SVG's own notation, below the shapes."""
         attributes = {"d": way, "class": kind}
@@ -66,15 +50,12 @@ class Drawing:
         attributes |= {f"data-{name}": value for name, value in data.items()}
         SubElement(self._lines, "path", attributes)
 
-    def markup(self, width: float, height: float, *, above: float = 0.0) -> Markup:
-        """Return the drawing as HTML; `width` and `height` are those of what was drawn, [px].
-
-        `above` is how far it reaches above zero.
-        """
-        wide, high = width + 2 * _MARGIN, height + above + 2 * _MARGIN
+    def markup(self, width: float, height: float) -> Markup:
+        """Return the drawing as HTML; `width` and `height` are those of what was drawn, [px]."""
+        wide, high = width + 2 * _MARGIN, height + 2 * _MARGIN
         self._root.set("width", number(wide))
         self._root.set("height", number(high))
-        self._root.set("viewBox", " ".join(map(number, (-_MARGIN, -_MARGIN - above, wide, high))))
+        self._root.set("viewBox", " ".join(map(number, (-_MARGIN, -_MARGIN, wide, high))))
         if self._has_arrows:
             self._add_arrow()
         return Markup(tostring(self._root, encoding="unicode"))
