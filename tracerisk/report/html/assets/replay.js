@@ -146,14 +146,22 @@ async function beginReplay() {
   };
   readColours();
 
+  // What several fingers hang on is the housing of their gripper, and shows its state.
+  const housing = new Map();
+  bodies.forEach(({ joint, element, parent }) => {
+    const fingers = bodies.filter((each) => each.joint && each.element === element);
+    if (joint && element && fingers.length > 1) housing.set(bodies[parent], element);
+  });
   function colourOf(body) {
     const base = colours[body.kind];
-    const state = stateName(states.get(body.element) ?? 0);
+    const element = housing.get(body) ?? body.element;
+    const state = stateName(states.get(element) ?? 0);
     const { component } = tracerisk.selected;
-    const isOther = component !== null && componentOf.get(body.element) !== component;
+    const isOther = component !== null && componentOf.get(element) !== component;
     if (!state || isOther) return base;
     // What slides has no collar: it shows its state itself.
-    return mixed(base, colours[state], body.joint === "slide" ? 0.85 : 0.32);
+    const part = body.joint === "slide" ? 0.85 : housing.has(body) ? 0.6 : 0.32;
+    return mixed(base, colours[state], part);
   }
   function shownBodies() {
     const shown = [];
