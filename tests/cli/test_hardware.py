@@ -255,6 +255,11 @@ def test_a_first_description_is_the_same_in_both_formats(tmp_path, robot):
     for file in files:
         assert main(["hardware", "init", "--robot", robot, "-o", str(file), "-q"]) == 0
     assert read_description(files[0]) == read_description(files[1])
+    _, examples = files[1].read_text().split("// Examples of what may be said of a part:\n")
+    files[1].write_text(re.sub(r"^// ?", "", examples, flags=re.MULTILINE))
+    motor, power = read_description(files[1]).components
+    assert (motor.load_law is not None, len(motor.modes), motor.age_s) == (True, 2, 4.32e7)
+    assert (motor.figures[0].error_factor, power.redundancy.common_cause) == (3.0, 0.1)
 
 
 def test_blocks_and_result_are_the_same_from_either_format(annotated):
@@ -303,9 +308,10 @@ package Cell {
 
 def test_a_fault_in_sysml_is_told_before_anything_is_simulated(example, quick):
     example.write("cell.sysml", "package P {\n    part robot {\n        part motor [;\n    }\n}\n")
+    example.write("pyproject.toml", '[tool.tracerisk]\nhardware = "cell.sysml"\n')
     example.write("controller.py", quick('open("ran", "w").close()'))
     before = example.files()
-    outcome = example.run("run", "controller.py", "--hardware", "cell.sysml")
+    outcome = example.run("run", "controller.py")
     assert outcome.code == 2
-    assert "tracerisk: cell.sysml:3:" in outcome.err
+    assert "cell.sysml:3:" in outcome.err
     assert example.files() == before

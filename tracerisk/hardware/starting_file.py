@@ -8,7 +8,16 @@ from dataclasses import replace
 
 from tracerisk.hardware.binding import BoundComponent, bind
 from tracerisk.hardware.description_data import component_data
-from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware, TwinBinding
+from tracerisk.hardware.model import (
+    Basis,
+    Component,
+    FailureFigure,
+    FailureMode,
+    Hardware,
+    LoadLaw,
+    TwinBinding,
+)
+from tracerisk.hardware.redundancy import Redundancy
 from tracerisk.hardware.yaml_writer import component_lines, key_line
 from tracerisk.trace import Element, SensorKind
 
@@ -31,6 +40,33 @@ _JOINT_MODES = (
 _GRIPPER_MODES = (
     "modes: {drops: {fraction: 0.6, when: [grasping]}, jam: {fraction: 0.4, when: [moving]}}"
 )
+_EXAMPLE_PARTS = (
+    Component(
+        "motor",
+        (
+            FailureFigure("failure_rate", 5.7e-7, Basis.HOUR, error_factor=3.0),
+            FailureFigure("weibull", 30000.0, Basis.HOUR, shape=2.0),
+        ),
+        quantity=None,
+        twin=TwinBinding(joints="*"),
+        load_law=LoadLaw(0.3, 0.6),
+        modes=(
+            FailureMode("lost_torque", 0.6, ("moving", "holding")),
+            FailureMode("jam", 0.4, ("moving",)),
+        ),
+        age_s=12000 * 3600.0,
+        source="assumed: an example",
+    ),
+    Component(
+        "power",
+        (FailureFigure("failure_rate", 1.2e-6, Basis.HOUR),),
+        quantity=2,
+        redundancy=Redundancy(True, common_cause=0.1),
+        always_active=True,
+        source="assumed: an example",
+    ),
+)
+"""What the examples of a file in SysML v2 show."""
 
 
 def starting_description(
@@ -89,13 +125,16 @@ def starting_yaml(hardware: Hardware, title: str) -> str:
 
 
 def starting_sysml(hardware: Hardware, title: str) -> str:
-    """Return the description as SysML v2, with a comment that says how to go on."""
+    """Return the description as SysML v2, with comments that say how to go on."""
     from tracerisk.hardware.sysml.writer import write_sysml
 
+    examples = write_sysml(Hardware("", _EXAMPLE_PARTS)).splitlines()
     return (
         f"// The hardware of: {title}.\n"
         "// A file to start from: put in the figures of the makers' data, each with its source.\n"
         f"{write_sysml(hardware)}"
+        "\n// Examples of what may be said of a part:\n"
+        + "".join(f"//{' ' if line else ''}{line}\n" for line in examples)
     )
 
 
