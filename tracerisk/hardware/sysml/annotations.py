@@ -12,6 +12,7 @@ from tracerisk.hardware.sysml.standard_names import (
     OURS,
     RISK,
     RISK_FEATURES,
+    WITH_METADATA,
     Standard,
 )
 from tracerisk.hardware.sysml.syntax import (
@@ -152,10 +153,8 @@ def metadata(symbol: Symbol) -> Metadata:
     scope = symbol.scope()
     hit = scope.lookup(node.type)
     if hit is None:
-        if any(True for _ in scope.open_imports()) and len(node.type.name) == 1:
-            name = node.type.name[0]
-            if name not in KINDS and name != "Risk":
-                return Metadata(symbol, None, None)
+        if scope.may_import(node.type, WITH_METADATA):
+            return Metadata(symbol, None, None)
         raise scope.unknown(node.type)
     standards = [hit] if isinstance(hit, Standard) else list(ancestors(hit))
     for each in standards:

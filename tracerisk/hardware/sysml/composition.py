@@ -9,7 +9,7 @@ from tracerisk.errors import HardwareError
 from tracerisk.hardware.sysml.names import Symbol, ancestors
 from tracerisk.hardware.sysml.syntax import Element, Multiplicity, Reference
 
-MAX_PARTS = 200_000
+MAX_PARTS = 20_000
 """How many parts a system may unfold to."""
 MAX_NESTING = 100
 """How deep parts may stand within parts."""

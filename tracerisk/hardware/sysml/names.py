@@ -6,7 +6,13 @@ from collections.abc import Callable, Iterator
 from typing import TypeAlias
 
 from tracerisk.errors import HardwareError, Location, one_of
-from tracerisk.hardware.sysml.standard_names import Standard
+from tracerisk.hardware.sysml.standard_names import (
+    OURS,
+    RISK,
+    WITH_PARTS,
+    Standard,
+    known_members,
+)
 from tracerisk.hardware.sysml.syntax import (
     Alias,
     Annotation,
@@ -178,6 +184,8 @@ class Symbol:
     def _resolve_general(self, target: Reference) -> Found | None:
         hit = self.scope().lookup(target)
         if hit is None and self.is_structural:
+            if self.scope().may_import(target, WITH_PARTS):
+                return None
             raise self.unknown(target)
         return None if hit is self else hit
 
@@ -297,6 +305,15 @@ class Symbol:
                 if isinstance(space, Standard) and not space.is_closed and each.every:
                     yield space
             scope = scope.owner
+
+    def may_import(self, target: Reference, packages: frozenset[str]) -> bool:
+        """Whether one of some library packages that are imported here may have the name."""
+        known = known_members((OURS,)) + known_members((RISK,))
+        return (
+            len(target.name) == 1
+            and target.name[0] not in known
+            and any(each.path[0] in packages for each in self.open_imports())
+        )
 
     def unknown(self, target: Reference) -> HardwareError:
         """Return the error for a name that stands for nothing."""

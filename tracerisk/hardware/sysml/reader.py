@@ -32,7 +32,13 @@ def read_sysml(path: Path, *, shown: str | None = None) -> Hardware:
     """
     name = shown if shown is not None else str(path)
     with _uncollected():
-        return _Reading(Project(path, name)).hardware(name)
+        try:
+            return _Reading(Project(path, name)).hardware(name)
+        except RecursionError:
+            raise HardwareError(
+                "names lead to one another too far, by imports or aliases; shorten their way",
+                Location(name, 1, 1),
+            ) from None
 
 
 @contextmanager

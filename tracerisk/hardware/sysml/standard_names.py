@@ -119,6 +119,18 @@ OFFICIAL = frozenset(
 )
 """The other packages of the official libraries; any name in them is taken to exist."""
 
+WITH_METADATA = frozenset(
+    {"AnalysisTooling", "CauseAndEffect", "CausationConnections", "DerivationConnections"}
+    | {"ImageMetadata", "Metadata", "ModelingMetadata", "ParametersOfInterestMetadata"}
+    | {"RequirementDerivation", "SysML"}
+)
+"""Those of the official packages that may define metadata."""
+WITH_PARTS = frozenset(
+    {"Base", "Collections", "Items", "Objects", "Occurrences", "Parts", "ShapeItems"}
+    | {"SpatialItems", "StandardViewDefinitions", "Time"}
+)
+"""Those of the official packages that may define what a part can be of."""
+
 _SCALARS = frozenset(
     """
     Boolean Complex Integer Natural Number NumericalValue Positive Rational Real ScalarValue

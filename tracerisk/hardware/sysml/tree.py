@@ -39,6 +39,7 @@ _SKIPPED_METADATA = re.compile(
     rf"(?:[@#]|\bmetadata\b)\s*(?:{_METADATA_NAME}\s*:\s*(?!:))?"
     rf"({_METADATA_NAME}(?:\s*::\s*{_METADATA_NAME})*)"
 )
+_MAX_SEGMENTS = 100
 _WORDS = {"subsets": ":>", "specializes": ":>", "redefines": ":>>"}
 
 Feature: TypeAlias = tuple[str, Any]
@@ -108,9 +109,11 @@ class TreeBuilder(Transformer[Token, Package]):
         return Reference((unquoted(token),), _at(token))
 
     def longer_name(self, name: Reference, token: Token) -> Reference:
+        _check_length(name)
         return Reference((*name.name, unquoted(token)), name.at)
 
     def longer_reference(self, first: Reference, then: Reference) -> Reference:
+        _check_length(first)
         return Reference(first.name, first.at, (*first.steps, then.name))
 
     def plain_ident(self, token: Token) -> Ident:
@@ -261,6 +264,7 @@ class TreeBuilder(Transformer[Token, Package]):
 
     def chained(self, first: Expression, token: Token) -> Expression:
         if isinstance(first, Reference):
+            _check_length(first)
             return Reference(first.name, first.at, (*first.steps, (unquoted(token),)))
         return Computed(first.at)
 
@@ -278,6 +282,11 @@ class TreeBuilder(Transformer[Token, Package]):
         return Instance(of, arguments, of.at) if isinstance(of, Reference) else Computed(of.at)
 
 
+def _check_length(name: Reference) -> None:
+    if len(name.name) + len(name.steps) > _MAX_SEGMENTS:
+        raise NotationError(f"a name of more than {_MAX_SEGMENTS} parts; shorten it", name.at)
+
+
 def _bound(found: Token | Reference) -> int | Reference:
     if isinstance(found, Reference):
         return found
@@ -289,7 +298,7 @@ def _bound(found: Token | Reference) -> int | Reference:
 def _element(kind: str, is_definition: bool, at: int, parts: Several[Any]) -> Element:
     """Build a definition or a usage from what its rule has found, in the order of the text."""
     name = short = bare = multiplicity = value = None
-    found: dict[str, tuple[Reference, ...]] = {}
+    found: dict[str, list[Reference]] = {}
     for part in parts[:-1]:
         if isinstance(part, Reference):
             at = part.at
@@ -305,7 +314,7 @@ def _element(kind: str, is_definition: bool, at: int, parts: Several[Any]) -> El
             multiplicity = part[1]
         else:
             sign, targets = part
-            found[sign] = found.get(sign, ()) + targets
+            found.setdefault(sign, []).extend(targets)
     if not at:
         at = next((each[0].at for each in found.values() if each), at)
     return Element(
@@ -315,9 +324,9 @@ def _element(kind: str, is_definition: bool, at: int, parts: Several[Any]) -> El
         short=short,
         at=at,
         bare=bare,
-        types=found.get(":", ()),
-        subsets=found.get(":>", ()),
-        redefines=found.get(":>>", ()),
+        types=tuple(found.get(":", ())),
+        subsets=tuple(found.get(":>", ())),
+        redefines=tuple(found.get(":>>", ())),
         multiplicity=multiplicity,
         value=value,
         members=parts[-1],

@@ -198,17 +198,23 @@ def _instance(context: Context, node: Instance) -> Meaning:
 
 
 def _unary(context: Context, node: Unary) -> Meaning:
-    value = context.evaluate(node.operand)
-    if node.operator == "not" and isinstance(value, bool):
-        return not value
-    if node.operator in ("+", "-"):
-        sign = -1 if node.operator == "-" else 1
-        if _is_number(value):
+    operators = [node.operator]
+    inner: Expression = node.operand
+    while isinstance(inner, Unary):
+        operators.append(inner.operator)
+        inner = inner.operand
+    value = context.evaluate(inner)
+    for operator in reversed(operators):
+        if operator == "not" and isinstance(value, bool):
+            value = not value
+        elif operator in ("+", "-") and isinstance(value, Amount):
+            value = value if operator == "+" else Amount(-value.number, value.unit)
+        elif operator in ("+", "-") and _is_number(value):
             assert isinstance(value, int | float)
-            return sign * value
-        if isinstance(value, Amount):
-            return Amount(sign * value.number, value.unit)
-    return context.fail(f"'{node.operator}' does not fit what follows", node.at)
+            value = value if operator == "+" else -value
+        else:
+            context.fail(f"'{operator}' does not fit what follows", node.at)
+    return value
 
 
 def _operation(context: Context, node: Operation) -> Meaning:
