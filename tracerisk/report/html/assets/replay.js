@@ -13,27 +13,34 @@ function stateName(state) {
   return state ? "in-use" : null;
 }
 
-// A ring about the axis of each driven hinge, a little wider than the link: where the motor is.
+// Where the motor of a driven hinge is: a belt about a link that goes along the axis, a drum across
+// links that do not.
 function collarOf(body, bodies) {
   if (body.joint !== "hinge" || !body.element) return null;
   const around = [];
-  for (const [own, place] of [[body, [0, 0, 0]], [bodies[body.parent], body.xyz]]) {
+  let isAlong = false;
+  const parent = bodies[body.parent];
+  const axis = rotate(body.quat, body.axis);
+  for (const [own, place, way] of [[body, [0, 0, 0], body.axis], [parent, body.xyz, axis]]) {
     for (const { kind, size, xyz = [0, 0, 0], quat = identity } of own?.shapes ?? []) {
-      const shape = { kind, size };
       const inside = toBody({ xyz, quat }, place);
-      const near = nearestInShape(shape, inside);
+      const near = nearestInShape({ kind, size }, inside);
       const away = Math.hypot(...near.map((v, i) => v - inside[i]));
       const radius = kind === "box" ? Math.min(...size) : size[0];
-      if (away < radius * 0.5) around.push(radius);
+      if (away >= radius * 0.5) continue;
+      around.push(radius);
+      isAlong ||= kind === "sphere" || Math.abs(dot(rotate(quat, [0, 0, 1]), way)) > 0.7;
     }
   }
   if (!around.length) return null;
-  const radius = Math.max(...around) * 1.12;
+  const radius = Math.max(...around);
   const [ax, ay, az] = body.axis;
   const tilt = Math.acos(Math.min(Math.max(az, -1), 1));
   const across = Math.hypot(ax, ay);
-  const quat = across > 1e-9 ? about([-ay / across, ax / across, 0], tilt) : identity;
-  return { kind: "cylinder", size: [radius, radius * 0.34], quat };
+  const quat =
+    across > 1e-9 ? about([-ay / across, ax / across, 0], tilt) : az < 0 ? [0, 1, 0, 0] : identity;
+  const size = isAlong ? [radius * 1.12, radius * 0.34] : [radius * 0.75, radius * 1.15];
+  return { kind: "cylinder", size, quat };
 }
 
 function boundsOf(bodies, meshes, posesAt) {
