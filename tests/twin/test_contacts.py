@@ -8,8 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.twin.activity import ElementActivity, Thresholds
-from tracerisk.twin.contact_log import OVERLAP, ROW, ContactLog, LoggedBody, Weld
-from tracerisk.twin.contact_watch import LOOK_EVERY, POSTURE_EVERY
+from tracerisk.twin.contact_log import (
+    LOOK_EVERY,
+    OVERLAP,
+    POSTURE_EVERY,
+    ROW,
+    ContactLog,
+    LoggedBody,
+    Weld,
+)
 from tracerisk.twin.contacts import (
     GENTLE_N,
     RunContacts,

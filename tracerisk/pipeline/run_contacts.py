@@ -66,27 +66,23 @@ def with_contacts(
     touching = contact_activity(run, elements)
     everywhere = np.ones(n_steps, dtype=np.bool_)
     found = {name: exposure(each, everywhere, samples.step_s) for name, each in touching.items()}
-    given = []
-    for index, visit in enumerate(visits):
-        own = {
-            name: exposure(
-                touching[name],
-                owners[moved_by(robot, touching[name].element.part or "")] == index,
-                samples.step_s,
-            )
-            for name in found
-        }
-        given.append(
-            replace(
-                visit,
-                exposures={
-                    **visit.exposures,
-                    **{name: each for name, each in own.items() if each != Exposure()},
-                },
-                contacts=contacts.get(index, ()),
-                payloads=payloads.get(index, ()),
-            )
+    by_visit: dict[int, dict[str, Exposure]] = {}
+    for name, each in touching.items():
+        owner = owners[moved_by(robot, each.element.part or "")]
+        # The step after the last touch is that of the release.
+        concerned = each.grasping | np.concatenate(([False], each.grasping[:-1]))
+        for index in np.unique(owner[concerned & (owner >= 0)]):
+            own = exposure(each, owner == index, samples.step_s)
+            by_visit.setdefault(int(index), {})[name] = own
+    given = [
+        replace(
+            visit,
+            exposures={**visit.exposures, **by_visit.get(index, {})},
+            contacts=contacts.get(index, ()),
+            payloads=payloads.get(index, ()),
         )
+        for index, visit in enumerate(visits)
+    ]
     return {**active, **untouched, **found}, tuple(given)
 
 

@@ -27,6 +27,8 @@ ROW = np.dtype([("step", "<i4"), ("one", "<i4"), ("two", "<i4"), ("force", "<f4"
 A force below 0 says that the two overlap and that the simulation lets them pass.
 """
 OVERLAP = -1.0
+LOOK_EVERY = 4  # a step in so many is logged while the number of contacts stays as it is
+POSTURE_EVERY = 40  # steps between two looks at whether links overlap
 
 _ROWS = "contacts.bin"
 _BODIES = "contact_bodies.jsonl"

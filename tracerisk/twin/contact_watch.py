@@ -18,16 +18,13 @@ from numpy.typing import NDArray
 from tracerisk.twin.contact_log import OVERLAP, ROW, BodyKind, ContactLogWriter, LoggedBody
 from tracerisk.twin.declared import Declared
 from tracerisk.twin.robot import Robot
-from tracerisk.twin.samples import POSE_EVERY
 from tracerisk.twin.scene_body import body_name
 
 _MOVED = 0.01  # joints that all moved less overlap as they did [rad or m]
-POSTURE_EVERY = 2 * POSE_EVERY  # steps between two looks at whether links overlap
 AFTER_STEPS = 125  # for so long after a touch the contacts of what was touched are seen too
 
 Array = NDArray[np.float64]
 FRESH_STEPS = 10  # from a change of the number of contacts on each step is looked at
-LOOK_EVERY = 4  # later each of so many: what lasts changes slowly
 Points = tuple[int, NDArray[np.int32], NDArray[np.int32], Array]
 """The contacts of a step: its number, their geoms, where in the forces each begins, the forces."""
 

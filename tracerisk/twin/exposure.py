@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +26,7 @@ def exposure(activity: ElementActivity, mask: Flags, step_s: float) -> Exposure:
     torque_rms is over the active steps. torque_cubic is (sum |v| T^3 / sum |v|)^(1/3) over the
     moving steps: the load at which a drive that wears by revolutions would age alike.
     """
+    activity, mask = _around(activity, mask)
     moving, holding = activity.moving & mask, activity.holding & mask
     grasping, active = activity.grasping & mask, activity.active & mask
     speed, torque = activity.speed[moving], activity.torque[moving]
@@ -44,6 +47,26 @@ def exposure(activity: ElementActivity, mask: Flags, step_s: float) -> Exposure:
         travel_s=float(speed.sum()) * step_s,
         wear=_wear(torque, speed, step_s) if moving.any() else (),
     )
+
+
+def _around(activity: ElementActivity, mask: Flags) -> tuple[ElementActivity, Flags]:
+    """Return both from the last step before the mask in which the element rests to the next after.
+
+    No state reaches further: what is computed of the mask is the same, and a visit costs no more
+    than its own length.
+    """
+    within = np.flatnonzero(mask)
+    if not len(within):
+        return activity, mask
+    rests = ~activity.active
+    before = np.flatnonzero(rests[: within[0]])
+    after = np.flatnonzero(rests[within[-1] + 1 :])
+    span = slice(
+        int(before[-1]) if len(before) else 0,
+        int(within[-1]) + 2 + int(after[0]) if len(after) else len(mask),
+    )
+    names = ("moving", "holding", "grasping", "speed", "torque", "grip")
+    return replace(activity, **{name: getattr(activity, name)[span] for name in names}), mask[span]
 
 
 def _seconds(flags: Flags, step_s: float) -> float:

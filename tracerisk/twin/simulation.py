@@ -10,14 +10,8 @@ from numpy.typing import NDArray
 
 from tracerisk.errors import RobotError, one_of
 from tracerisk.twin.builder import STEP_NS, compile_model, place_robot
-from tracerisk.twin.contact_watch import (
-    FRESH_STEPS,
-    LOOK_EVERY,
-    POSTURE_EVERY,
-    ContactWatch,
-    Points,
-    points,
-)
+from tracerisk.twin.contact_log import LOOK_EVERY, POSTURE_EVERY
+from tracerisk.twin.contact_watch import FRESH_STEPS, ContactWatch, Points, points
 from tracerisk.twin.declared import Declared, logged_bodies, rebuild
 from tracerisk.twin.motion import JointState, Pose
 from tracerisk.twin.robot import Robot

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.twin.activity import ElementActivity
-from tracerisk.twin.contact_log import ContactLog
-from tracerisk.twin.contact_watch import LOOK_EVERY, POSTURE_EVERY
+from tracerisk.twin.contact_log import LOOK_EVERY, POSTURE_EVERY, ContactLog
 from tracerisk.twin.robot import Robot
 
 Array = NDArray[np.float64]
