@@ -3,6 +3,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import math
 import re
 from fractions import Fraction
 from html import unescape
@@ -14,6 +15,7 @@ from hypothesis import strategies as st
 
 from tracerisk.errors import Location
 from tracerisk.prm import FaultTree, HybridModel
+from tracerisk.report.html.notes import drift as drift_of_pin
 from tracerisk.report.html.page import page, rendered
 from tracerisk.report.html.report import render_report
 from tracerisk.report.html.report_input import Pin, SourceBlock, SourceFile
@@ -211,6 +213,19 @@ def test_pins_are_told_with_reason_and_drift(arm, report_of, parsed):
     assert first == ["move.motor.probability", "2e-7", "1e-7", "+100 %", "FMEA-112", "a.py:1"]
     assert second[2:5] == ["\N{EN DASH}", "\N{EN DASH}", "none givenwithout a reason"]
     assert rows(page, "pins")[0].xpath(".//a/@href") == ["#source-1-1"]
+
+
+@pytest.mark.parametrize(
+    ("drift", "told"),
+    [
+        (None, "\N{EN DASH}"), (0.0, "0 %"), (-3.456, "-3.46 %"), (999.9, "+1e+03 %"),
+        (7188.6, "+7,190 %"), (-123456.0, "-123,000 %"), (2.5e7, "+2.5e+07 %"),
+        (math.inf, "computed is zero"),
+    ],
+)  # fmt: skip
+def test_a_drift_has_three_digits(drift, told):
+    pin = Pin("a.b", "1", "2", None, drift, Location("a.py", 1))
+    assert drift_of_pin(pin) == told
 
 
 def test_without_a_run_the_page_says_why(arm, report_of, parsed):

@@ -78,4 +78,8 @@ def drift(pin: Pin) -> str:
         return figures.NOTHING
     if math.isinf(pin.drift):
         return "computed is zero"
+    size = abs(pin.drift)
+    if 1e3 <= size < 1e6:
+        # Three digits that count, without an exponent.
+        return f"{round(pin.drift, 2 - math.floor(math.log10(size))):+,.0f} %"
     return f"{pin.drift:+.3g} %" if pin.drift else "0 %"
