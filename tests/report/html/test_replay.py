@@ -9,9 +9,10 @@ import pytest
 
 from tracerisk.errors import LogError
 from tracerisk.pipeline.run_section import recorded_run
-from tracerisk.report.html.replay import RecordedRun, make_replay, replay_data
+from tracerisk.report.html.replay import BODIES, FRAMES, RecordedRun, make_replay, replay_data
 from tracerisk.report.html.replay_frames import unpack_frames
 from tracerisk.report.html.replay_model import elements_of, scene_bodies
+from tracerisk.report.html.timeline import TIMELINE
 from tracerisk.twin.robot import load_robot, robot_names
 from tracerisk.twin.samples import POSE_EVERY, SampleHeader, Samples
 from tracerisk.twin.scene import load_scene
@@ -94,3 +95,46 @@ def test_each_link_is_there_once_behind_its_parent(name):
 
 def test_a_folder_without_samples_has_no_run(tmp_path):
     assert recorded_run(tmp_path) is None
+
+
+def test_the_report_of_a_run_replays_it_and_one_made_later_cannot(example, quick):
+    example.write("controller.py", quick())
+    outcome = example.run(
+        "run", "controller.py", "--report", "out.html", "--keep", "kept", "--quiet"
+    )
+    assert outcome.code == 0, outcome.err
+    text = example.read("out.html").decode()
+    assert all(f'id="{name}"' in text for name in (BODIES, FRAMES, TIMELINE))
+    # A recording stays where it was asked for, and only there.
+    assert recorded_run(example.folder / "kept") is not None
+    outcome = example.run("report", "controller.py", "-o", "later.html", "--quiet")
+    assert outcome.code == 0, outcome.err
+    text = example.read("later.html").decode()
+    assert f'id="{TIMELINE}"' in text
+    assert f'id="{FRAMES}"' not in text
+    assert "there is no replay" in text
+
+
+def test_the_objects_of_a_scenario_are_shown(example, quick):
+    example.write("controller.py", quick())
+    example.write(
+        "cell.yaml",
+        "objects:\n  - {name: crate, box: [0.1, 0.1, 0.1], xyz: [0.5, 0.4, 0.3], mass: 0.2}\n",
+    )
+    outcome = example.run(
+        "trace", "controller.py", "--scenario", "cell.yaml", "--keep", "kept", "--quiet"
+    )
+    assert outcome.code == 0, outcome.err
+    # The path in a request is that of the folder in which the command was called.
+    request = example.folder / "kept" / "request.json"
+    text = request.read_text(encoding="utf-8")
+    request.write_text(
+        text.replace('"cell.yaml"', f'"{example.folder / "cell.yaml"}"'), encoding="utf-8"
+    )
+    run = recorded_run(example.folder / "kept")
+    assert run is not None
+    replay = make_replay(run)
+    (crate,) = [body for body in replay.bodies if body.name == "crate"]
+    height = unpack_frames(replay.frames)[:, crate.column + 2]
+    assert height[0] == pytest.approx(0.3, abs=1e-3)
+    assert height[-1] < 0.15

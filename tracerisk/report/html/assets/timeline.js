@@ -173,12 +173,28 @@ function beginChart() {
     [GRASPING, "grasping", 2, 3],
   ];
 
+  // Of very many segments in sight, those that share a pixel are drawn as one.
+  function drawable(segments) {
+    const seen = segments.filter(({ start, stop }) => stop >= view.from && start <= view.to);
+    if (seen.length <= 2000) return seen;
+    const pixel = (view.to - view.from) / width;
+    const joined = [];
+    for (const each of seen) {
+      const last = joined.at(-1);
+      if (last && each.stop - last.start < pixel) {
+        last.stop = each.stop;
+        last.state |= each.state;
+      } else joined.push({ ...each });
+    }
+    return joined;
+  }
+
   function drawLine({ row, segments, element }, top) {
     const place = { class: `timeline-line${element ? " is-element" : ""}` };
     const name = element?.name ?? row.component;
     const group = drawn("g", { ...place, "data-line": name }, svg);
     drawn("rect", { class: "timeline-lane", x: 0, y: top, width, height: ROW }, group);
-    for (const { start, stop, state } of segments) {
+    for (const { start, stop, state } of drawable(segments)) {
       const [left, right] = [Math.max(x(start), -1), Math.min(x(stop), width + 1)];
       if (right < 0 || left > width) continue;
       const across = Math.max(right - left, 0.5);
