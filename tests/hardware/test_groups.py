@@ -195,6 +195,15 @@ def test_a_hidden_pair_used_in_turns_fails_as_the_mission_does():
     assert (1 - (1 - Fraction(a)) * (1 - Fraction(b))) ** 2 == pytest.approx(1e-12, rel=1e-14)
 
 
+def test_functions_share_a_hidden_groups_hazard_by_what_each_adds_to_it():
+    # The pair's failure is the product of both hazards, so each unit has half of its logarithm:
+    # all of the first unit's half is used in the one function, and half of the second's in either.
+    first, second = FunctionUse([[1e-9, 0.5e-12]], 1), FunctionUse([[0.0, 0.5e-12]], 1)
+    a, b = group_unit_probabilities([first, second], Redundancy(True))
+    assert a / b == pytest.approx(3.0, rel=1e-8)
+    assert (a + b) ** 2 == pytest.approx(1e-21, rel=1e-8)
+
+
 @settings(max_examples=100, deadline=None)
 @given(st.lists(groups(), min_size=1, max_size=3), st.lists(st.integers(1, 9), min_size=3))
 def test_functions_share_the_hazard_of_a_hidden_group_over_the_mission(drawn, times):
