@@ -41,6 +41,12 @@ def add_run_uncertainty(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def check_run_uncertainty(options: argparse.Namespace) -> None:
+    """Raise InputError for what goes with `--uncertainty` alone."""
+    if options.samples is not None and not options.uncertainty:
+        raise InputError("--samples goes with --uncertainty; add it")
+
+
 def spreads_of_files(
     files: Sequence[str], model: HybridModel, options: argparse.Namespace
 ) -> HardwareSpreads | None:
@@ -81,12 +87,9 @@ def uncertainty_of_run(
 ) -> Uncertainty | None:
     """Return the spread of a run's figure where `--uncertainty` asks for it.
 
-    Raises InputError where the description has no error factor for the model, or what goes with
-    `--uncertainty` is given without it.
+    Raises InputError where the description has no error factor for the model.
     """
     if not options.uncertainty:
-        if options.samples is not None:
-            raise InputError("--samples goes with --uncertainty; add it")
         return None
     from tracerisk.prm.uncertainty import SAMPLES, propagate
 

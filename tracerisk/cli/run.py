@@ -13,7 +13,11 @@ from typing import TYPE_CHECKING
 from tracerisk.cli import options as shared
 from tracerisk.cli.assessment import print_assessment, risk_exit
 from tracerisk.cli.explain import derivation_json, explained, print_derivation
-from tracerisk.cli.hardware_spread import add_run_uncertainty, uncertainty_of_run
+from tracerisk.cli.hardware_spread import (
+    add_run_uncertainty,
+    check_run_uncertainty,
+    uncertainty_of_run,
+)
 from tracerisk.cli.output import (
     note,
     note_warnings,
@@ -76,6 +80,7 @@ def run(options: argparse.Namespace) -> int:
     from tracerisk.prm.formats.assessment_json import assessment_to_json
     from tracerisk.report.run_figures import run_figures, set_by_hand
 
+    check_run_uncertainty(options)
     profile = shared.read_profile(options)
     policy = shared.merge_policy(options)
     controller = pipeline.load_controller(options.controller)
