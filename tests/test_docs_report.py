@@ -1,0 +1,47 @@
+"""The commands and the code that docs/report.md shows do what it says."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+from pathlib import Path
+
+from tracerisk.cli import main
+
+TEXT = (Path(__file__).parents[1] / "docs" / "report.md").read_text(encoding="utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL)
+
+
+def test_the_commands_write_pages_with_the_sections_that_are_listed(example, quick, monkeypatch):
+    monkeypatch.chdir(example.folder)
+    example.write("controller.py", quick())
+    (commands,) = blocks("sh")
+    first, *others = [shlex.split(line)[1:] for line in commands.splitlines()]
+    outcome = example.run(*first, "--quiet")
+    assert outcome.code == 0, outcome.err
+    pages = [example.read("report.html").decode()]
+    for words in (
+        ("init", "--quiet"), ("add", "controller.py"), ("commit", "--quiet", "-m", "x"),
+    ):  # fmt: skip
+        identity = ("-c", "user.name=t", "-c", "user.email=t@t")
+        subprocess.run(["git", *identity, *words], check=True, capture_output=True)
+    for words in others:
+        assert main([*words, "--quiet"]) == 0
+        pages.append(example.read("report.html").decode())
+    run, plain, against = (re.findall(r"<h2[^>]*>(.*?)</h2>", page) for page in pages)
+    listed = re.findall(r"^\| ([A-Z][^|]*) \|", TEXT, re.MULTILINE)
+    told = [part for each in listed for part in each.split(", ")]
+    assert sorted(["Since HEAD", *run]) == sorted(["Since HEAD", *told[1:]])
+    assert plain == ["Timeline", *run[1:]]
+    assert against == ["Since HEAD", *plain]
+
+
+def test_the_code_runs():
+    for block in blocks("python"):
+        names: dict[str, str] = {}
+        exec(compile(block, "docs/report.md", "exec"), names)
+        assert names["page"].startswith("<!DOCTYPE html>")
