@@ -221,7 +221,7 @@ class Drawing {
     // Links end in balls of one size at one place: an offset decides which of the two is seen.
     gl.enable(gl.POLYGON_OFFSET_FILL);
     for (const each of casters) {
-      gl.polygonOffset(0, -120 * (each.body % 4));
+      gl.polygonOffset(0, -320 * (each.body % 4));
       this.mesh(this.body, each);
     }
     gl.disable(gl.POLYGON_OFFSET_FILL);

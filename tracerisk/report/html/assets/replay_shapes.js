@@ -25,7 +25,7 @@ function profile(kind, size) {
   return rings;
 }
 
-function revolved(rings, sectors = 28) {
+function revolved(rings, sectors = 36) {
   const vertices = [];
   const point = ([r, z, nr, nz], angle) => {
     const [c, s] = [Math.cos(angle), Math.sin(angle)];

@@ -106,8 +106,8 @@ function beginChart() {
     });
   }
 
-  function draw() {
-    width = Math.max(plot.clientWidth, 50);
+  function draw(across = plot.clientWidth) {
+    width = Math.max(across, 50);
     const all = lines();
     const height = BAND + all.length * ROW + AXIS;
     const hadFocus = svg.contains(document.activeElement);
@@ -400,6 +400,9 @@ function beginChart() {
   new ResizeObserver(() => {
     if (plot.clientWidth !== width) draw();
   }).observe(plot);
+  // A sheet of paper is narrower than most windows.
+  addEventListener("beforeprint", () => draw(Math.min(plot.clientWidth, 530)));
+  addEventListener("afterprint", () => draw());
   return { show, view };
 }
 tracerisk.timeline = beginChart();
