@@ -143,3 +143,19 @@ def test_a_hostile_file_is_refused_in_time(tmp_path, name):
     assert time.process_time() - begin < 10.0
     assert caught.value.location is not None
     assert len(str(caught.value)) < 600
+
+
+def test_the_time_of_reading_grows_with_the_number_of_parts(tmp_path):
+    def seconds(parts: int) -> float:
+        path = tmp_path / f"{parts}.sysml"
+        lines = chain(parts, "part p{n} {{ " + DATA + " }}")
+        path.write_text(f"part plant {{ {lines} }}", encoding="utf-8")
+        taken = []
+        for _ in range(3):
+            began = time.process_time()
+            assert len(read_sysml(path).components) == parts
+            taken.append(time.process_time() - began)
+        return min(taken)
+
+    seconds(10)
+    assert seconds(2_000) < 12 * seconds(400)
