@@ -148,7 +148,7 @@ def test_a_hostile_file_is_refused_in_time(tmp_path, name):
 def test_the_time_of_reading_grows_with_the_number_of_parts(tmp_path):
     def seconds(parts: int) -> float:
         path = tmp_path / f"{parts}.sysml"
-        lines = chain(parts, "part p{n} {{ " + DATA + " }}")
+        lines = "\n".join(f"part p{n} {{ {DATA} }}" for n in range(parts))
         path.write_text(f"part plant {{ {lines} }}", encoding="utf-8")
         taken = []
         for _ in range(3):
