@@ -17,6 +17,7 @@ from tracerisk.trace import NOTES, Element, Finding, QualifiedName, Trace
 from tracerisk.trace_log import write_log
 
 _AT_GOAL_M = 0.003
+_SHOWN_S = 0.005  # less is printed as 0.00
 _TOGETHER = {"encoder": "encoders", "torque": "torque sensors"}
 
 
@@ -122,7 +123,7 @@ def _by_kind(
         kind = sensors[name].sensor
         shown = _TOGETHER.get(kind or "", name)
         found[shown] = max(found.get(shown, 0.0), seconds)
-    return [(name, seconds) for name, seconds in found.items() if seconds]
+    return [(name, seconds) for name, seconds in found.items() if seconds >= _SHOWN_S]
 
 
 def print_failure(trace: Trace) -> int:
