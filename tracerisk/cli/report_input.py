@@ -68,7 +68,7 @@ def report_html(
     `run` is what is known of the run behind them, or why nothing is.
     Raises BlockError or SourceError where blocks are malformed.
     """
-    from tracerisk.cli.run_report import finding_line
+    from tracerisk.cli.run_report import finding_line, object_lines
     from tracerisk.pipeline.stages import blocks_of
     from tracerisk.report.html.report import render_report
     from tracerisk.report.html.report_input import ReportInput
@@ -88,6 +88,7 @@ def report_html(
         replace(
             report,
             trace=run.trace,
+            outcome=tuple(line.strip() for line in object_lines(run.trace)),
             exposures=run.computed.exposures_by_name,
             findings=tuple(finding_line(each) for each in run.trace.findings),
             assumptions=(*run.trace.assumptions, *run.computed.assumptions),

@@ -57,6 +57,7 @@ class ReportInput:
     """All that a report is made of.
 
     `trace` is that of the run behind the blocks; without it `no_trace` says in a sentence why.
+    `outcome` are lines on what became of the things of the scene.
     `exposures` are the seconds active by function and component, over all visits of the run.
     `findings` are those that are not the assessment's, `assumptions` likewise; functions without
     risk data come from the trace.
@@ -71,6 +72,7 @@ class ReportInput:
     pins: tuple[Pin, ...] = ()
     trace: Trace | None = None
     no_trace: str = ""
+    outcome: tuple[str, ...] = ()
     exposures: Mapping[str, Mapping[str, float]] | None = None
     findings: tuple[str, ...] = ()
     assumptions: tuple[str, ...] = ()

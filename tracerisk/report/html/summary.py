@@ -22,6 +22,7 @@ def lead(report: ReportInput) -> Markup:
         readings=_readings(report),
         counts=_counts(report),
         end=_end(report),
+        outcome=report.outcome,
         no_trace=report.no_trace,
     )
 
