@@ -187,10 +187,12 @@ def test_steps_between_two_looks_touch_as_at_the_look_before(panda: Robot):
 
 
 def test_links_that_overlap_are_told_without_a_force(panda: Robot):
-    pair = ("panda_link5", "panda_hand")
-    run = contacts(panda, log((pair, 80, 81, OVERLAP), (pair, 160, 161, OVERLAP)), grasps=())
+    pair, second = ("panda_link5", "panda_hand"), 80 + POSTURE_EVERY
+    run = contacts(
+        panda, log((pair, 80, 81, OVERLAP), (pair, second, second + 1, OVERLAP)), grasps=()
+    )
     (touch,) = run.touches
-    assert (touch.expected, touch.force, len(touch.steps)) == (False, None, POSTURE_EVERY + 40)
+    assert (touch.expected, touch.force, len(touch.steps)) == (False, None, 2 * POSTURE_EVERY)
     assert visit_contacts(run, owners(panda, [0, N]))[0][0].force_n == 0.0
 
 

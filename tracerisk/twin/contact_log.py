@@ -28,7 +28,7 @@ A force below 0 says that the two overlap and that the simulation lets them pass
 """
 OVERLAP = -1.0
 LOOK_EVERY = 4  # a step in so many is logged while the number of contacts stays as it is
-POSTURE_EVERY = 40  # steps between two looks at whether links overlap
+POSTURE_EVERY = 80  # steps between two looks at whether links overlap
 
 _ROWS = "contacts.bin"
 _BODIES = "contact_bodies.jsonl"
