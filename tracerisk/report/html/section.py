@@ -36,7 +36,6 @@ class Section:
 
     `name` is its id and the target of links, `title` its heading, `html` what stands below the
     heading, escaped; `css` and `js` are its own, `data` what its script reads.
-    `is_wide` gives it the whole width of the window, as drawings want it.
     `summary` is what navigation says of it, its title if empty.
     """
 
@@ -46,7 +45,6 @@ class Section:
     css: str = ""
     js: str = ""
     data: tuple[Data, ...] = ()
-    is_wide: bool = False
     summary: str = ""
 
 

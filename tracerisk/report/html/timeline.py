@@ -64,7 +64,6 @@ def timeline_section(
             Data.of_json(TIMELINE, data),
             *(replay_data(replay) if replay is not None else ()),
         ),
-        is_wide=True,
         summary="Replay" if replay is not None else "Timeline",
     )
 
