@@ -61,6 +61,7 @@ MEANING = {
     "two second names": (f"part r {{ part a {{ {DATA} }}\n part a; }}", "3:7: 'a' is inherited from line 2 already"),
     "redefines nothing": (f"part def A {{ part m; }} part r : A {{\n part :>> n {{ {DATA} }} }}", "3:11: redefines 'n', which its owner does not inherit; allowed: m"),
     "hides an inherited one": (f"part def A {{ part m {{ {DATA} }} }} part r : A {{\n part m; }}", "3:7: 'm' is inherited from line 2 already; write 'part :>> m' to redefine it"),
+    "redefined twice": (f"part def A {{ part m {{ {DATA} }} }} part def B :> A {{ part w :>> m; }}\npart r : B {{ part :>> m; }}", "3:14: redefines what 'w' redefines already; write 'part :>> w'"),
     "two sources": (f"part def A {{ {DATA} }} part def B {{ {DATA} }}\npart r : A, B;", "3:6: 'r' inherits FailureData from 'M::A' and 'M::B'; give it its own"),
     "a circle": (f"part def A :> B {{ {DATA} }} part def B :> A;\npart r : A;", "specialises itself"),
     "a part in itself": (f"part def A {{\n part a : A; {DATA} }} part r : A;", "3:7: a part that holds itself"),

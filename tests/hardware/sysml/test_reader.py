@@ -79,6 +79,16 @@ def test_multiplicities_of_nested_parts_multiply(tmp_path):
     assert names(hardware) == {"arm.axis.bearing": 12}
 
 
+def test_a_redefined_part_keeps_its_multiplicity_until_one_is_given(tmp_path):
+    hardware = read(
+        tmp_path,
+        "part def A { part m [6] { @FailureData { rate = 1e-6 [h^-1]; } } }"
+        "part def B :> A { part :>> m; } part def C :> B { part wheel :>> m; }"
+        "part r { part a : C; part b : C { part :>> wheel [4]; } part c : B; }",
+    )
+    assert names(hardware) == {"a.wheel": 6, "b.wheel": 4, "c.m": 6}
+
+
 def test_a_number_that_is_left_open_is_the_robot_s(tmp_path):
     motor = '@FailureData { rate = 1e-6 [h^-1]; } @TwinBinding { joints = "*"; }'
     assert names(read(tmp_path, f"part r {{ part m [*] {{ {motor} }} }}")) == {"m": None}

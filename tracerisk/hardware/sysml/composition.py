@@ -120,6 +120,7 @@ def _with_members(general: Symbol, inherited: dict[Symbol, None]) -> dict[Symbol
             for each in replaced[1:]:
                 del found[each]
             continue
+        _forbid_redefined(member, redefined, found)
         before = names.get(member.name) if member.name else None
         if before is not None and found.get(before) is before:
             raise HardwareError(
@@ -131,6 +132,18 @@ def _with_members(general: Symbol, inherited: dict[Symbol, None]) -> dict[Symbol
         if member.name:
             names[member.name] = member
     return dict.fromkeys(found.values())
+
+
+def _forbid_redefined(
+    member: Symbol, redefined: tuple[Symbol, ...], found: dict[Symbol, Symbol]
+) -> None:
+    """Refuse to redefine what another part has redefined already: it would count twice."""
+    for each in found if redefined else ():
+        if any(every in redefined for every in ancestors(each) if every is not each):
+            raise HardwareError(
+                f"redefines what '{each.name}' redefines already; write 'part :>> {each.name}'",
+                member.location(),
+            )
 
 
 def _forbid_data_on_reference(member: Symbol) -> None:
@@ -198,13 +211,16 @@ def multiplicity(part: Symbol) -> tuple[int, int | None] | None:
 
     `None` where nothing was said, which is one unit.
     """
-    for each in ancestors(part):
-        if isinstance(each, Symbol) and isinstance(each.node, Element):
-            if each is not part and each not in part.redefined():
-                continue
-            given = each.node.multiplicity
-            if given is not None:
-                return _bounds(each, given)
+    waiting = [part]
+    seen = {part}
+    while waiting:
+        each = waiting.pop(0)
+        if isinstance(each.node, Element) and each.node.multiplicity is not None:
+            return _bounds(each, each.node.multiplicity)
+        for general in each.redefined():
+            if general not in seen:
+                seen.add(general)
+                waiting.append(general)
     return None
 
 

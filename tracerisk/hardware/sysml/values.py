@@ -254,7 +254,7 @@ def _apply(context: Context, operator: str, left: Meaning, right: Meaning, at: i
     if isinstance(found, complex) or (isinstance(found, float) and not math.isfinite(found)):
         found = None
     if found is None:
-        context.fail(f"'{operator}' gives no finite value here", at)
+        context.fail(f"'{operator}' gives no finite value, or does not fit what is around it", at)
     return found
 
 
