@@ -11,7 +11,7 @@ from tracerisk.errors import LogError
 from tracerisk.pipeline.run_section import recorded_run
 from tracerisk.report.html.replay import BODIES, FRAMES, RecordedRun, make_replay, replay_data
 from tracerisk.report.html.replay_frames import unpack_frames
-from tracerisk.report.html.replay_model import elements_of, scene_bodies
+from tracerisk.report.html.replay_model import scene_bodies
 from tracerisk.report.html.timeline import TIMELINE
 from tracerisk.twin.robot import load_robot, robot_names
 from tracerisk.twin.samples import POSE_EVERY, SampleHeader, Samples
@@ -78,10 +78,10 @@ def test_a_robot_without_shapes_is_told(run):
 
 def test_what_is_fixed_to_a_link_is_moved_by_its_joint():
     bodies = scene_bodies(load_robot("panda"), load_scene("empty"))
-    moved = elements_of(bodies)
-    assert moved["panda_joint7"][0] == "panda_link7"
-    assert "panda_hand" in moved["panda_joint7"]
-    assert set(moved["panda_hand"]) == {"panda_leftfinger", "panda_rightfinger"}
+    moved = {body.name: body.element for body in bodies}
+    assert moved["panda_link0"] is None
+    assert moved["panda_link7"] == moved["panda_hand"] == "panda_joint7"
+    assert moved["panda_leftfinger"] == moved["panda_rightfinger"] == "panda_hand"
 
 
 @pytest.mark.parametrize("name", robot_names())

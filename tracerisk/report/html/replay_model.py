@@ -7,7 +7,7 @@ they are follows from the positions of joints and of free objects.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -171,12 +171,3 @@ def _unit(axis: tuple[float, float, float]) -> tuple[float, float, float]:
 def _rounded(values: Iterable[float], digits: int) -> list[float]:
     # The sum turns -0.0 into 0.0.
     return [round(float(value), digits) + 0.0 for value in values]
-
-
-def elements_of(bodies: Iterable[Body]) -> Mapping[str, tuple[str, ...]]:
-    """Return the bodies that each element of the robot moves, in order."""
-    found: dict[str, list[str]] = {}
-    for body in bodies:
-        if body.element is not None:
-            found.setdefault(body.element, []).append(body.name)
-    return {name: tuple(moved) for name, moved in found.items()}

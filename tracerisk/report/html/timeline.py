@@ -26,7 +26,15 @@ from tracerisk.trace import Contact, Exposure, FunctionRef, Trace, Visit
 TIMELINE = "timeline-data"
 """The id of the data within the page."""
 
-_SCRIPTS = ("replay_kinematics", "replay_shapes", "replay_camera", "replay_draw", "replay")
+_SCRIPTS = (
+    "replay_kinematics",
+    "replay_shapes",
+    "replay_camera",
+    "replay_draw",
+    "replay_steer",
+    "replay_now",
+    "replay",
+)
 _MOST_TOLD = 1000  # visits in the table; the chart has them all
 _SPEEDS = ("0.25", "0.5", "1", "2", "4", "8")
 

@@ -1,0 +1,55 @@
+// What is current at the cursor, in words; at most ten times a second.
+function beginNow() {
+  const parts = Object.fromEntries(
+    [...document.querySelectorAll("[data-now]")].map((each) => [each.dataset.now, each]),
+  );
+  const line = (text, kind) => {
+    const item = document.createElement("li");
+    if (kind) {
+      const key = document.createElement("span");
+      key.className = `timeline-key is-${kind}`;
+      key.setAttribute("aria-hidden", "true");
+      item.append(key, " ");
+    }
+    item.append(text);
+    return item;
+  };
+  let last = "";
+  function show() {
+    const time = clock.time;
+    const visit = visitAt(time);
+    const all = activeAt(time);
+    const active = all.flatMap(({ component, always, elements }) =>
+      always || !component
+        ? []
+        : elements.map(({ name, state }) => [
+            `${name}: ${stateWords(state)} (${component})`,
+            stateName(state),
+          ]),
+    );
+    const always = all.filter((each) => each.always).map(({ component }) => component);
+    if (always.length) active.push([`always in use: ${always.join(", ")}`, "in-use"]);
+    const loose = all.find((each) => !each.always && !each.component)?.elements.length;
+    if (loose) active.push([`${loose} more in use, of no component`, "in-use"]);
+    const touches = contactsAt(time).map(({ link, other, force, expected }) =>
+      [`${link} touches ${other}, up to ${force.toFixed(1)} N`, expected ? "expected" : "unexpected"]);
+    const held = visit < 0 ? [] : run.visits[visit].held.map(({ gripper, object, mass }) =>
+      [`${gripper} holds ${object} in this visit (${mass} kg)`, null]);
+    const now = JSON.stringify([visit, active, touches]);
+    if (now === last) return;
+    last = now;
+    parts.function.textContent = visit < 0 ? "no visit" : functionOf(visit);
+    parts.visit.textContent =
+      visit < 0 ? "" : `visit ${visit + 1} of ${run.visits.length}, ${run.visits[visit].outcome}`;
+    parts.active.replaceChildren(...active.map(([text, kind]) => line(text, kind)));
+    parts.touching.replaceChildren(...[...touches, ...held].map(([text, kind]) => line(text, kind)));
+  }
+  let waiting = null;
+  clock.subscribe(() => {
+    waiting ??= setTimeout(() => {
+      waiting = null;
+      show();
+    }, 100);
+  });
+  show();
+}
