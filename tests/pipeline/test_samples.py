@@ -86,14 +86,17 @@ def into_main(text: str) -> str:
 
 BOTH = ("gripper", "electric_motor")
 MOTORS = ("electric_motor",)
+# The published study, of the Panda, has no sensors.
+ENCODERS = ("joint_encoder",)
+TORQUE = ("joint_encoder", "joint_torque_sensor")
 
 TENDING = "machine_tending.py"
 MACHINE_TENDING = Sample(
     TENDING,
     {
-        "MachineTending.go_home": BOTH,
-        "MachineTending.fetch_part": BOTH,
-        "MachineTending.load_machine": BOTH,
+        "MachineTending.go_home": BOTH + TORQUE,
+        "MachineTending.fetch_part": BOTH + TORQUE,
+        "MachineTending.load_machine": BOTH + TORQUE,
     },
     {
         "extracted": Change(
@@ -146,7 +149,7 @@ MACHINE_TENDING = Sample(
 SCAN = "surface_scan.py"
 SURFACE_SCAN = Sample(
     SCAN,
-    {"SurfaceScan.scan_front": MOTORS, "SurfaceScan.scan_back": MOTORS},
+    {"SurfaceScan.scan_front": MOTORS + ENCODERS, "SurfaceScan.scan_back": MOTORS + ENCODERS},
     {
         "extracted": Change(
             ("SurfaceScan.scan_front", "SurfaceScan.scan_back"),
@@ -181,7 +184,7 @@ SURFACE_SCAN = Sample(
 GLUE = "glue_bead.py"
 GLUE_BEAD = Sample(
     GLUE,
-    {"<module>": MOTORS},
+    {"<module>": MOTORS + ENCODERS},
     {
         "extracted": Change(
             ("<module>",),
@@ -279,10 +282,10 @@ CAREFUL_PICK = Sample(
 PART_SORTING = Sample(
     f"{PACKAGE}/scripts/sort_parts.py",
     {
-        "Sorter.take": BOTH,
-        "Arm.reach_down": MOTORS,
-        "Sorter.drop": BOTH,
-        "Sorter.park": BOTH,
+        "Sorter.take": BOTH + ENCODERS,
+        "Arm.reach_down": MOTORS + ENCODERS,
+        "Sorter.drop": BOTH + ENCODERS,
+        "Sorter.park": BOTH + ENCODERS,
     },
     {
         "extracted": Change(

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from tracerisk.twin.robot import Robot
 
 PACKAGES = (
-    *("daqp", "dm-control", "libcst", "mink", "mujoco", "numba", "numpy", "rich", "rosbags"),
-    *("ruamel.yaml", "scipy", "xacrodoc"),
+    *("daqp", "dm-control", "jinja2", "lark", "libcst", "mink", "mujoco", "numba", "numpy"),
+    *("pygments", "pyyaml", "rich", "rosbags", "ruamel.yaml", "scipy", "shtab", "xacrodoc"),
 )
 """What tracerisk depends on, as `pyproject.toml` lists it."""
 

@@ -30,8 +30,11 @@ _SENSOR_NAMES: dict[SensorKind, str] = {
     "wrench": "wrench_sensor",
     "camera": "camera",
 }
-_SENSOR_FIGURE = FailureFigure("failure_rate", 1e-6, Basis.HOUR)
-_SENSOR_SOURCE = "assumed: an order of magnitude for an industrial sensor, from no data sheet"
+_SENSOR_FIGURE = FailureFigure("failure_rate", 1.52e-7, Basis.HOUR)
+_SENSOR_SOURCE = (
+    "assumed: as the readheads of RLS's RM and RE encoders, 750 years to failure in continuous use "
+    "by the maker's records (rls.si)"
+)
 _LOAD_LAW = "load_law: {reference_load: 0.3, wearing_share: 0.6, exponent: 3}"
 _JOINT_MODES = (
     "modes: {lost_torque: {fraction: 0.6, when: [moving, holding]}, "
