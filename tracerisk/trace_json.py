@@ -15,7 +15,8 @@ from tracerisk.errors import Location, LogError, one_of
 from tracerisk.trace import Trace
 
 SCHEMA = "tracerisk-trace"
-VERSION = 1
+VERSION = 2
+"""Raised when a field is added whose absence would be read as a use that never was."""
 
 
 def trace_data(trace: Trace) -> dict[str, Any]:
@@ -51,7 +52,9 @@ def loads(text: str, file: str) -> Trace:
             raise _MismatchError("", f"is not a trace: it has no 'schema' {SCHEMA}")
         if data.get("version") != VERSION:
             raise _MismatchError(
-                "version", f"{data.get('version')!r}; this tracerisk reads {VERSION}"
+                "version",
+                f"{data.get('version')!r}; this tracerisk reads {VERSION}: run the controller "
+                "again with --trace",
             )
         body = {key: value for key, value in data.items() if key not in ("schema", "version")}
         trace = cast(Trace, _read(Trace, body, ""))
