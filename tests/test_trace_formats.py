@@ -42,7 +42,7 @@ TRACE = Trace(
     end=RunEnd("ended", "the controller returned", 12.5),
     elements=(
         Element("j1", "joint"),
-        Element("hand", "gripper"),
+        Element("hand", "gripper", actuators=("tendon",)),
         Element("j1/encoder", "sensor", "encoder", "j1"),
     ),
     functions=(TracedFunction(ref("place"), 7, 1),),
@@ -69,6 +69,15 @@ TRACE = Trace(
 
 def test_json_gives_back_the_trace():
     assert trace_json.loads(trace_json.dumps(TRACE), "t.json") == TRACE
+
+
+def test_a_trace_from_before_actuators_had_names_is_read():
+    data = json.loads(trace_json.dumps(TRACE))
+    for element in data["elements"]:
+        del element["actuators"]
+    read = trace_json.loads(json.dumps(data), "t.json")
+    assert {each.actuators for each in read.elements} == {()}
+    assert read.visits == TRACE.visits
 
 
 BAD_JSON = {

@@ -53,14 +53,16 @@ class FunctionRef:
 class Element:
     """A part of the robot that the twin watches; `component` in a log of another tool.
 
-    `sensor` is the kind of a sensor; `part` the joint or link in which a sensor is, the joint
-    that an actuator moves, the link that touches.
+    `sensor` is the kind of a sensor; `part` the joint or link in which a sensor is, the link
+    that touches. `actuators` are those that drive a joint or gripper, where the robot's model
+    gives them names of their own.
     """
 
     name: str
     kind: ElementKind
     sensor: SensorKind | None = None
     part: str | None = None
+    actuators: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

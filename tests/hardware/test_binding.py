@@ -131,6 +131,41 @@ def test_of_optional_parts_that_are_named_those_count_that_are_there():
         bind(one(quantity=3, twin=each), grippers)
 
 
+DRIVEN = (
+    Element("shoulder", "joint", actuators=("m1",)),
+    Element("elbow", "joint", actuators=("m2a", "m2b")),
+    Element("reach", "joint"),
+    Element("hand", "gripper", actuators=("tendon",)),
+)
+
+
+def test_actuators_with_names_of_their_own_bind_to_what_they_drive():
+    (bound,) = bind(one(quantity=3, twin=TwinBinding(actuators=("tendon", "m1", "reach"))), DRIVEN)
+    assert bound.units() == ("hand", "shoulder", "reach")
+    (bound,) = bind(one(quantity=1, twin=TwinBinding(actuators=("m2b",))), DRIVEN)
+    assert bound.units() == ("elbow",)
+
+
+@pytest.mark.parametrize("quantity", [2, None])
+def test_two_actuators_of_one_joint_are_two_units_that_share_its_use(quantity):
+    (bound,) = bind(one(quantity=quantity, twin=TwinBinding(actuators=("m2a", "m2b"))), DRIVEN)
+    assert bound.units() == ("elbow", "elbow")
+
+
+@pytest.mark.parametrize(
+    ("actuators", "message"),
+    [
+        (("shoulder",), "which the robot lacks .* allowed: m1, m2a, m2b, reach, tendon"),
+        (("tendn",), "actuator 'tendn', which the robot lacks .* did you mean 'tendon'"),
+        (("m1", "m2a", "m2b"), "sees 'elbow' in several actuators: m2a, m2b; part it in two"),
+    ],
+)
+def test_an_actuator_that_is_not_there_is_told_with_those_that_are(actuators, message):
+    with pytest.raises(HardwareError, match=message) as caught:
+        bind(one(quantity=None, twin=TwinBinding(actuators=actuators)), DRIVEN)
+    assert str(caught.value).startswith("h.yaml:3: ")
+
+
 def test_several_units_share_a_place_that_is_named():
     (bound,) = bind(one(quantity=2, twin=TwinBinding(joints=("j2",))), SEEN)
     assert bound.units() == ("j2", "j2")
@@ -143,8 +178,8 @@ def test_several_units_share_a_place_that_is_named():
     [
         (
             {"twin": TwinBinding(actuators=("motor1",))},
-            "is bound to actuator 'motor1', but no joint has one of this name; an actuator has the "
-            "name of the joint that it moves; allowed: j1, j2, j3",
+            "is bound to actuator 'motor1', which the robot lacks (one without a name of its own in "
+            "the model has that of its joint); allowed: j1, j2, j3",
         ),
         (
             {"twin": TwinBinding(sensors=("eyes",))},

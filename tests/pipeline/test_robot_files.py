@@ -1,5 +1,6 @@
 """`--robot` with a file, and `robot` of the settings: what runs, and what is refused."""
 
+import json
 import resource
 import time
 
@@ -92,6 +93,29 @@ def test_a_controller_drives_an_mjcf_without_actuators_and_again_alike(example):
     before = example.files()
     again = example.run("run", "controller.py", "--robot", "robots/reacher.xml", "--json")
     assert (again.code, example.files()) == (0, before)
+
+
+def test_hardware_names_the_motors_as_the_model_does(example):
+    example.write("pyproject.toml", "")
+    example.write("controller.py", CONTROLLER)
+    named = MOTORS.replace("<position", '<position name="{}"').format("harmonic_1", "harmonic_2")
+    example.write("reacher.xml", mjcf(actuators=named))
+    shown = example.run("robots", "reacher.xml").out
+    assert "actuators:\n  harmonic_1  joint_a\n  harmonic_2  joint_b\n" in shown
+    hardware = "components:\n  drive:\n    failure_rate: {value: 570, unit: FIT}\n"
+    example.write("own.yaml", hardware + "    twin: {actuators: [harmonic_2]}\n")
+    run = ("run", "controller.py", "--robot", "reacher.xml", "--hardware", "own.yaml")
+    outcome = example.run(*run, "--trace", "trace.json")
+    assert outcome.code == 0, outcome.err
+    assert b"name = drive" in example.read("controller.py")
+    trace = json.loads(example.read("trace.json"))
+    driven = {each["name"]: each["actuators"] for each in trace["elements"] if each["actuators"]}
+    assert driven == {"joint_a": ["harmonic_1"], "joint_b": ["harmonic_2"]}
+    example.write("own.yaml", hardware + "    twin: {actuators: [joint_b]}\n")
+    outcome = example.run(*run)
+    assert outcome.code == 2
+    assert "own.yaml:2" in outcome.err
+    assert "allowed: harmonic_1, harmonic_2" in outcome.err
 
 
 def test_a_model_of_the_settings_stands_at_the_root_and_its_bytes_are_in_the_lock(example):

@@ -13,6 +13,7 @@ from tracerisk.twin.model_file import read_model_file
 from tracerisk.twin.model_file_bounds import bounding_shape
 from tracerisk.twin.model_file_frames import rotation
 from tracerisk.twin.model_file_paths import ModelFolder
+from tracerisk.twin.prefix import with_prefix
 from tracerisk.twin.robot_file import dump_robot, read_dumped_robot
 from tracerisk.twin.scene import load_scene
 from tracerisk.twin.sensors import Sensor
@@ -110,6 +111,32 @@ def test_joints_limits_and_motors_are_the_makers(arm):
     assert arm.joint("reach").servo.stiffness > 0.0, "a joint without an actuator is given one"
     assert arm.approximate, "MJCF tells no rated velocities"
     assert arm.name == "reacher_two"
+
+
+def test_actuators_keep_the_names_that_the_model_gives_them(arm):
+    assert arm.actuators == {
+        "m1": ("shoulder",),
+        "m2": ("elbow",),
+        "m3": ("twist",),
+        "m5": ("left", "right"),
+    }
+    driven = {each.name: each.actuators for each in arm.elements if each.actuators}
+    assert driven == {
+        "shoulder": ("m1",),
+        "elbow": ("m2",),
+        "twist": ("m3",),
+        "gripper": ("m5",),
+    }
+
+
+def test_an_actuator_without_a_name_is_none_of_the_named(tmp_path):
+    robot = read(tmp_path, ARM.replace('<position name="m1"', "<position")).robot
+    assert tuple(robot.actuators) == ("m2", "m3", "m5")
+    assert {each.actuators for each in robot.elements if each.name == "shoulder"} == {()}
+
+
+def test_a_prefix_stands_before_actuators_as_well(arm):
+    assert with_prefix(arm, "left_").actuators["left_m5"] == ("left_left", "left_right")
 
 
 def test_damping_beyond_a_drives_friction_is_the_servos(tmp_path):

@@ -149,6 +149,7 @@ def _as_json(robot: Robot) -> dict[str, Any]:
         "grippers": [_gripper_as_json(gripper) for gripper in robot.grippers],
         "controllers": [_controller_as_json(controller) for controller in robot.controllers],
         "interfaces": interfaces(robot),
+        "actuators": {name: list(joints) for name, joints in robot.actuators.items()},
         "sensors": [_sensor_as_json(sensor) for sensor in robot.sensors],
         "measured": _measured(robot),
     }
@@ -228,6 +229,9 @@ def _described(robot: Robot) -> list[str]:
             f"  from {gripper.least:g} to {gripper.opening:g} {unit}, "
             f"at most {gripper.effort:g} {force} a finger; it holds with {', '.join(gripper.pads)}",
         ]
+    if robot.actuators:
+        moved = [(name, ", ".join(joints)) for name, joints in robot.actuators.items()]
+        lines += ["", "actuators:", *_indented(_table(moved))]
     lines += ["", "groups:"]
     for name, group in robot.groups.items():
         tip = "" if group.tip_link is None else f"; tip {group.tip_link}"

@@ -92,6 +92,8 @@ def _fail(component: Component, message: str) -> NoReturn:
 def _quantity(component: Component, twin: TwinBinding, places: int) -> int:
     """Return how many units there are: one a place, or several that share a single place."""
     asked = component.quantity
+    if asked is None and twin == TwinBinding(actuators=twin.actuators):
+        return max(places, len(twin.actuators))
     if asked is None or asked == places or (twin.optional and asked == twin.named_units):
         return places
     if places == 1 and twin.named_units is not None:
@@ -129,19 +131,31 @@ def _joints(component: Component, twin: TwinBinding, elements: Sequence[Element]
 
 
 def _actuators(component: Component, twin: TwinBinding, elements: Sequence[Element]) -> list[str]:
-    """Return the joints that the actuators move.
+    """Return the joints and grippers that the actuators move.
 
-    A trace names no actuators: each joint has the one of its own that moves it, by its name.
+    A joint for whose actuator the robot's model has no name has one of its own name.
     """
-    joints = [element.name for element in elements if element.kind == "joint"]
+    moved: dict[str, list[str]] = {}
+    for element in elements:
+        if element.kind in ("joint", "gripper"):
+            own = (element.name,) if element.kind == "joint" else ()
+            for name in element.actuators or own:
+                moved.setdefault(name, []).append(element.name)
     for name in twin.actuators:
-        if name not in joints:
+        if name not in moved:
             _fail(
                 component,
-                f"is bound to actuator '{name}', but no joint has one of this name; an actuator "
-                f"has the name of the joint that it moves; {one_of(joints, name)}",
+                f"is bound to actuator '{name}', which the robot lacks (one without a name of its "
+                f"own in the model has that of its joint); {one_of(moved, name)}",
             )
-    return list(twin.actuators)
+    places = [place for name in twin.actuators for place in moved[name]]
+    if len(set(places)) == 1:  # several motors of one joint or gripper share its use
+        return places[:1]
+    for index, place in enumerate(places):
+        if place in places[:index]:
+            both = ", ".join(name for name in twin.actuators if place in moved[name])
+            _fail(component, f"sees '{place}' in several actuators: {both}; part it in two")
+    return places
 
 
 def _grippers(component: Component, twin: TwinBinding, elements: Sequence[Element]) -> list[str]:

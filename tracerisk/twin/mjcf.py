@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Any, Literal
 
 import numpy as np
@@ -111,7 +112,16 @@ class _Reader:
                 disabled_collisions=frozenset(self._excluded()),
             )
         )
-        return replace(robot, approximate=True)
+        return replace(robot, approximate=True, actuators=self._actuators(robot))
+
+    def _actuators(self, robot: Robot) -> Mapping[str, tuple[str, ...]]:
+        """Return the joints that each named actuator of the robot moves, in the file's order."""
+        moving = {joint.name for joint in robot.joints}
+        found = {
+            name: tuple(self._joints[index] for index in moved if self._joints[index] in moving)
+            for name, moved in self._drives.actuators.items()
+        }
+        return MappingProxyType({name: joints for name, joints in found.items() if joints})
 
     def sensors(self, robot: Robot, felt: Collection[str]) -> tuple[Sensor, ...]:
         """Return the sensors of forces at some sites, each in the link that bears the site."""

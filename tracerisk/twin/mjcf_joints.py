@@ -26,6 +26,7 @@ class Drives:
     gives; `ranges` what the set-points of an unlimited joint may be. `follows` maps a joint to
     its leader with factor and offset. `passive` joints have no motor and no leader: springs,
     and links of closed loops. `fingers` are driven together, or by what is named a gripper.
+    `actuators` maps those that have a name to the joints that each moves.
     """
 
     efforts: Mapping[int, float] = field(default_factory=dict)
@@ -35,6 +36,7 @@ class Drives:
     passive: frozenset[int] = frozenset()
     driven: frozenset[int] = frozenset()
     fingers: frozenset[int] = frozenset()
+    actuators: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
 
 
 def drives_of(model: MjcfModel) -> Drives:
@@ -80,7 +82,12 @@ def drives_of(model: MjcfModel) -> Drives:
         _passive(model, driven, follows),
         frozenset(driven),
         frozenset(fingers),
+        {each["name"]: _moved(each) for each in model.actuators if each["name"] and _moved(each)},
     )
+
+
+def _moved(actuator: Data) -> tuple[int, ...]:
+    return tuple(int(joint) for joint, share in actuator["joints"] if share)
 
 
 def _coupled(model: MjcfModel) -> dict[int, tuple[int, float, float]]:

@@ -82,4 +82,7 @@ def with_prefix(robot: Robot, prefix: str) -> Robot:
         assumes_names=True,
         own_sensors=tuple(one.with_prefix(prefix) for one in robot.own_sensors),
         without_encoder=all_named(robot.without_encoder),
+        actuators=MappingProxyType(
+            {named(name): all_named(joints) for name, joints in robot.actuators.items()}
+        ),
     )

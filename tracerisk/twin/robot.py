@@ -151,6 +151,7 @@ class Robot:
     `disabled_collisions` are pairs of links that may touch, each pair in order.
     `payload` is rated, in [kg], `None` where it is not known.
     `own_sensors` are those beside the encoders, `without_encoder` the arm joints that have none.
+    `actuators` maps those that the model names to the joints that each moves.
     """
 
     name: str
@@ -176,6 +177,7 @@ class Robot:
     payload: float | None = None
     own_sensors: tuple[Sensor, ...] = ()
     without_encoder: tuple[str, ...] = ()
+    actuators: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
     def arm_joints(self) -> tuple[Joint, ...]:
@@ -190,8 +192,14 @@ class Robot:
         A link has its own name there, unless another element is called so too.
         """
         own = (
-            *(Element(joint.name, "joint") for joint in self.arm_joints),
-            *(Element(gripper.name, "gripper") for gripper in self.grippers),
+            *(
+                Element(joint.name, "joint", actuators=self._actuators_of((joint.name,)))
+                for joint in self.arm_joints
+            ),
+            *(
+                Element(gripper.name, "gripper", actuators=self._actuators_of(gripper.joints))
+                for gripper in self.grippers
+            ),
         )
         sensors = tuple(sensor.element for sensor in self.sensors)
         taken = {element.name for element in own + sensors}
@@ -201,6 +209,9 @@ class Robot:
             for name in touching
         )
         return own + contacts + sensors
+
+    def _actuators_of(self, joints: tuple[str, ...]) -> tuple[str, ...]:
+        return tuple(name for name, moves in self.actuators.items() if set(moves) & set(joints))
 
     @property
     def sensors(self) -> tuple[Sensor, ...]:

@@ -62,6 +62,7 @@ def read_dumped_robot(path: Path) -> Robot:
             ),
             "own_sensors": tuple(Sensor(**_tuples(each)) for each in data["own_sensors"]),
             "without_encoder": tuple(data["without_encoder"]),
+            "actuators": MappingProxyType(_tuples(data["actuators"])),
         }
     )
 
