@@ -41,10 +41,12 @@ class Location:
 class TraceRiskError(Exception):
     """Base of every error that tracerisk raises on purpose.
 
-    `location` is where the cause stands, when it stands in a file.
+    `location` is where the cause stands, when it stands in a file; `code` names the kind of error
+    in messages, JSON and docs/errors.md, and stays what it is.
     """
 
     exit_code = ExitCode.BAD_INPUT
+    code: str = "error"
 
     def __init__(self, message: str, location: Location | None = None) -> None:
         super().__init__(message)
@@ -54,45 +56,76 @@ class TraceRiskError(Exception):
     def __str__(self) -> str:
         return self.message if self.location is None else f"{self.location}: {self.message}"
 
+    @property
+    def with_code(self) -> str:
+        """The message with its place, and the code at its end."""
+        return f"{self} [{self.code}]"
+
 
 class InputError(TraceRiskError, ValueError):
     """A file, a value or an option holds something that is not allowed."""
+
+    code = "input"
 
 
 class SettingsError(InputError):
     """A setting in `[tool.tracerisk]` is unknown or has a bad value."""
 
+    code = "settings"
+
 
 class SourceError(InputError):
     """A source file cannot be read as the language it should hold."""
+
+    code = "source"
 
 
 class BlockError(InputError):
     """A risk annotation block is malformed."""
 
+    code = "block"
+
 
 class UnsafeRewriteError(InputError):
     """A source file cannot be rewritten with proof that nothing else changes."""
+
+    code = "rewrite"
 
 
 class HardwareError(InputError):
     """A hardware description is malformed, or does not fit the robot."""
 
+    code = "hardware"
+
 
 class RobotError(InputError):
     """A robot or a scene description is malformed or unknown."""
+
+    code = "robot"
 
 
 class ScenarioError(InputError):
     """A scenario or a parameter file is malformed, or does not fit the controller's messages."""
 
+    code = "scenario"
+
 
 class LogError(InputError):
     """A trace or a log file is malformed."""
 
+    code = "log"
+
 
 class ModelError(InputError):
     """A risk model is malformed or has no solution."""
+
+    code = "model"
+
+
+class RenderError(TraceRiskError, RuntimeError):
+    """Pictures cannot be drawn on this machine."""
+
+    code = "render"
 
 
 class TooLargeError(ModelError):
@@ -100,6 +133,8 @@ class TooLargeError(ModelError):
 
     `lower` and `upper` bound the probability asked for, where bounds could be had.
     """
+
+    code = "too-large"
 
     def __init__(
         self,
@@ -118,6 +153,7 @@ class EditInTheWayError(TraceRiskError, PermissionError):
     """A person edited a computed value; writing would lose the edit."""
 
     exit_code = ExitCode.EDIT_IN_THE_WAY
+    code = "edit"
 
     def __str__(self) -> str:
         return TraceRiskError.__str__(self)
@@ -126,14 +162,24 @@ class EditInTheWayError(TraceRiskError, PermissionError):
 class ControllerFailedError(TraceRiskError, RuntimeError):
     """The controller raised, exited, hung or moved nothing.
 
-    `scenario` are the lines of a scenario file that would give it what it waits for, if any.
+    `scenario` are the lines of a scenario file that would give it what it waits for, if any;
+    `code` is that of the run's end where this was a bad one (`RunEnd.code`).
     """
 
     exit_code = ExitCode.CONTROLLER_FAILED
+    code = "no-command"
 
-    def __init__(self, message: str, location: Location | None = None, scenario: str = "") -> None:
+    def __init__(
+        self,
+        message: str,
+        location: Location | None = None,
+        scenario: str = "",
+        code: str | None = None,
+    ) -> None:
         super().__init__(message, location)
         self.scenario = scenario
+        if code is not None:
+            self.code = code
 
 
 def one_of(names: Iterable[str], found: str | None = None) -> str:

@@ -210,6 +210,11 @@ class RunEnd:
         """Whether the trace tells a whole run."""
         return self.cause in GOOD_ENDS
 
+    @property
+    def code(self) -> str:
+        """The code of the end in messages and JSON: docs/errors.md."""
+        return f"run-{self.cause.replace('_', '-')}"
+
 
 @dataclass(frozen=True, slots=True)
 class Cycle:

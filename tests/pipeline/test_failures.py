@@ -238,6 +238,7 @@ def test_a_failed_run_is_told_as_json_too(example, quick):
     assert outcome.code == outcome.json["exit_code"] == 4
     assert outcome.json["error"] == {
         "kind": "ControllerFailedError",
+        "code": "run-raised",
         "message": "the controller raised RuntimeError: tube lost",
         "file": "controller.py",
         "line": line_of(source, "raise "),

@@ -40,6 +40,8 @@ _CONTROLLER_KEYS = ("blocks", "fingerprint", "inputs", "previous", "trace")
 class LockError(InputError):
     """The lock file is malformed."""
 
+    code = "lock"
+
 
 @dataclass(frozen=True, slots=True)
 class WrittenComponent:

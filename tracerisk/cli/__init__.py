@@ -145,12 +145,12 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         self.print_usage(sys.stderr)
-        print(f"{self.prog}: {message}", file=sys.stderr)
+        print(f"{self.prog}: {message} [usage]", file=sys.stderr)
         if self.verb is not None:
             from tracerisk.cli.output import print_json
 
             place = {"file": None, "line": None, "column": None}
-            data = {"kind": "UsageError", "message": message, **place}
+            data = {"kind": "UsageError", "code": "usage", "message": message, **place}
             print_json(self.verb, exit_code=2, error=data)
         self.exit(2)
 

@@ -23,7 +23,7 @@ def guarded(options: argparse.Namespace) -> int:
     try:
         return int(import_module(f"tracerisk.cli.{options.verb.replace('-', '_')}").run(options))
     except TraceRiskError as error:
-        print(f"tracerisk: {error}", file=sys.stderr)
+        print(f"tracerisk: {error.with_code}", file=sys.stderr)
         if scenario := getattr(error, "scenario", ""):
             print(scenario_advice(scenario), file=sys.stderr)
         if getattr(options, "json", False):
@@ -46,6 +46,7 @@ def _error_data(error: TraceRiskError) -> dict[str, object]:
     place = error.location
     return {
         "kind": type(error).__name__,
+        "code": error.code,
         "message": error.message,
         "file": None if place is None else place.file,
         "line": None if place is None else place.line,

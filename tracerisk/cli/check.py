@@ -63,7 +63,7 @@ def run(options: argparse.Namespace) -> int:
             errors=[str(error) for error in errors],
         )
         return int(code)
-    for line in [*map(str, findings), *(f"{error}" for error in errors)]:
+    for line in [*map(str, findings), *(error.with_code for error in errors)]:
         print(line)
     bad = len(errors) + sum(1 for each in checked if each.findings)
     count = f"{len(paths)} controller{'' if len(paths) == 1 else 's'}"

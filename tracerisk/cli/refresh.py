@@ -46,8 +46,8 @@ def run(options: argparse.Namespace) -> int:
         except TraceRiskError as error:
             # The others are refreshed all the same; what failed is told and decides the code.
             code = max(code, error.exit_code)
-            outcomes.append({"controller": str(path), "error": str(error)})
-            note(f"tracerisk: {error}")
+            outcomes.append({"controller": str(path), "error": str(error), "code": error.code})
+            note(f"tracerisk: {error.with_code}")
             continue
         if would_change:
             code = max(code, ExitCode.WOULD_CHANGE)

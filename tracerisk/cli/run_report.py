@@ -129,7 +129,7 @@ def _by_kind(
 def print_failure(trace: Trace) -> int:
     """Tell how a run ended badly and what it had shown so far; return the exit code."""
     place = "" if trace.end.location is None else f"{trace.end.location}: "
-    print(f"tracerisk: {place}{trace.end.message}", file=sys.stderr)
+    print(f"tracerisk: {place}{trace.end.message} [{trace.end.code}]", file=sys.stderr)
     seconds = 0.0 if trace.end.simulated_s is None else trace.end.simulated_s
     print(f"The trace so far, {seconds:.1f} s simulated:", file=sys.stderr)
     for line in [*trace_lines(trace), *(f"  {line}" for line in finding_lines(trace))]:
@@ -153,6 +153,7 @@ def failure_of(trace: Trace) -> dict[str, Any] | None:
     place = trace.end.location
     return {
         "kind": ("SourceError" if trace.end.cause == "not_importable" else "ControllerFailedError"),
+        "code": trace.end.code,
         "message": trace.end.message,
         "file": None if place is None else place.file,
         "line": None if place is None else place.line,

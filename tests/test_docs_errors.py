@@ -1,0 +1,247 @@
+"""docs/errors.md has a section for each code, with a message as the command prints it."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+from tracerisk import errors
+from tracerisk.errors import ExitCode, TraceRiskError
+from tracerisk.pipeline.check import FindingKind
+from tracerisk.trace import GOOD_ENDS, EndCause, RunEnd
+
+TEXT = (Path(__file__).parents[1] / "docs" / "errors.md").read_text(encoding="utf-8")
+SECTIONS = dict(re.findall(r"^### `([\w-]+)`\n(.*?)(?=^##|\Z)", TEXT, re.MULTILINE | re.DOTALL))
+
+HARDWARE = """\
+components:
+  gripper: {probability: {value: 1e-07, per: visit}, twin: {gripper: true}}
+"""
+LOG = "Function:home()\nActiveComponents:gripper\n\nCallSequence:home()\n"
+DATA = {"run.log": LOG, "arm.yaml": HARDWARE}
+CELL = "def home(arm):\n    arm.go()\n"
+BLOCK = """\
+def home(arm):
+    # | RiskAnnotation
+    # | @Function {
+    # |   name = home
+    # |   callSequence = 1
+    # |   next = done 1
+    # | }
+    # | @Component {
+    # |   name = gripper
+    # |   probability = 1e-07
+    # |   quantity = 1
+    # |   redundancy = false
+    # | }
+    arm.go()
+"""
+ANNOTATE = "annotate cell.py --log run.log --hardware arm.yaml --quiet"
+# For each code: files, and a command that does not take them.
+STATIC: dict[str, tuple[dict[str, str], str]] = {
+    "usage": ({}, "run cell.py --robt panda"),
+    "input": ({}, "check cell.py"),
+    "settings": (
+        {"cell.py": BLOCK, "pyproject.toml": "[tool.tracerisk]\nmax_rsk = 1e-5\n"},
+        "doctor cell.py",
+    ),
+    "source": ({"cell.py": BLOCK.replace("(arm)", "(arm", 1)}, "build cell.py"),
+    "block": ({"cell.py": BLOCK.replace("quantity = 1", "quantity = none")}, "build cell.py"),
+    "rewrite": (
+        {"cell.py": CELL.replace("arm.go", "# | a | b |\n    arm.go"), **DATA},
+        ANNOTATE,
+    ),
+    "too-large": (
+        {
+            "chain.tra": "dtmc\n0 999999999999 1\n",
+            "chain.lab": "#DECLARATION\ninit\n#END\n0 init\n",
+        },
+        "solve chain.tra",
+    ),
+    "hardware": (
+        {"cell.py": CELL, **DATA, "arm.yaml": HARDWARE.replace("1e-07", "1.5")},
+        ANNOTATE,
+    ),
+    "robot": ({}, "robots pandda"),
+    "scenario": (
+        {"cell.py": CELL, "cell.yaml": "servces: []\n"},
+        "run cell.py --robot panda --scenario cell.yaml",
+    ),
+    "log": (
+        {"cell.py": CELL, **DATA, "run.log": "Function home()\n"},
+        ANNOTATE,
+    ),
+    "model": (
+        {"trees.dft": 'toplevel "A";\n"A" and "B" "C";\n"B" lambda=0.1;\n'},
+        "solve trees.dft",
+    ),
+    "lock": ({"cell.py": BLOCK, "tracerisk.lock": "{\n"}, "check cell.py"),
+}
+
+# What a check does not let pass: what becomes of an annotated source, and of its settings.
+PINNED = ("probability = 1e-07", "probability := 2e-07  ! computed 1e-07")
+CHECKS: dict[str, tuple[tuple[str, str], str]] = {
+    "stale": (("arm.go()", "arm.go(wait=True)"), ""),
+    "edited": (("probability = 1e-07", "probability = 2e-07"), ""),
+    "missing": (("", ""), ""),
+    "orphaned": (("def home(", "def go_home("), ""),
+    "over_threshold": (("", ""), "max_risk = 1e-9"),
+    "unjustified": (PINNED, "require_reason = true"),
+    "unknown": (("", ""), ""),
+}
+
+# What the function `act` does after a motion (or what is done in its place), and the options.
+RUNS: dict[str, tuple[str, str]] = {
+    "run-raised": ('ACT raise RuntimeError("tube lost")', ""),
+    "run-exited": ("ACT sys.exit(3)", ""),
+    "run-died": ("ACT os.kill(os.getpid(), 9)", ""),
+    "run-no-motion": ("while not rospy.is_shutdown(): pass", "--duration 3"),
+    "run-deadlock": ('ACT rospy.wait_for_service("/find_tube")', ""),
+    "run-wall-limit": ("ACT while True: pass", "--stall-limit 2"),
+    "run-memory-limit": ("ACT hoard = bytearray(4_000_000_000)", "--memory-limit 2500"),
+    "run-not-importable": ("ACT import my_vision", ""),
+    "no-command": ("pass", ""),
+}
+
+
+@pytest.fixture
+def call(tmp_path, monkeypatch, capfd):
+    """Runs a command in a folder of its own; returns its exit code and what it printed."""
+    from tracerisk.cli import main
+
+    monkeypatch.chdir(tmp_path)
+
+    def run(command: str) -> tuple[int, str]:
+        try:
+            code = main(shlex.split(command))
+        except SystemExit as ended:
+            code = int(ended.code or 0)
+        out, err = capfd.readouterr()
+        return code, out + err
+
+    return run
+
+
+def assert_told(code: str, out: str, folder: Path) -> None:
+    """The message in the section of a code is what was printed, `...` standing for anything."""
+    (message,) = re.findall(r"^```text\n(.*?)\n```$", SECTIONS[code], re.MULTILINE | re.DOTALL)
+    assert len(message) > 30
+    pattern = ".*".join(re.escape(part) for part in message.split("..."))
+    found = out.replace(str(folder), "/home/me/cell")
+    assert re.search(f"^{pattern}$", found, re.MULTILINE), found
+
+
+def put(files: Mapping[str, str]) -> None:
+    for name, text in files.items():
+        Path(name).write_text(text, encoding="utf-8")
+
+
+def edit(old: str, new: str) -> None:
+    text = Path("cell.py").read_text()
+    assert old in text
+    Path("cell.py").write_text(text.replace(old, new, 1))
+
+
+@pytest.mark.parametrize("code", STATIC)
+def test_what_is_given_wrongly_is_told_so(code, call, tmp_path):
+    files, command = STATIC[code]
+    put(files)
+    exit_code, out = call(command)
+    assert exit_code == ExitCode.BAD_INPUT
+    assert f"[{code}]" in out
+    assert_told(code, out, tmp_path)
+
+
+@pytest.mark.parametrize("code", STATIC)
+def test_the_code_stands_in_the_json(code, call):
+    files, command = STATIC[code]
+    put(files)
+    _, out = call(f"{command} --json")
+    if command.startswith("check"):
+        assert "check" in out
+    else:
+        assert f'"code": "{code}"' in out
+
+
+def test_an_edit_in_the_way_is_told_so(call, tmp_path):
+    put({"cell.py": CELL, **DATA})
+    assert call(ANNOTATE) == (ExitCode.FINE, "")
+    edit("= 1e-07", "= 2e-07")
+    exit_code, out = call(ANNOTATE)
+    assert exit_code == ExitCode.EDIT_IN_THE_WAY
+    assert_told("edit", out, tmp_path)
+
+
+@pytest.mark.parametrize("code", CHECKS)
+def test_what_a_check_finds_is_told_so(code, call, tmp_path):
+    (old, new), settings = CHECKS[code]
+    put({"cell.py": CELL, **DATA, "pyproject.toml": f"[tool.tracerisk]\n{settings}\n"})
+    assert call(ANNOTATE)[0] == ExitCode.FINE
+    if code == "missing":
+        put({"cell.py": CELL})
+    else:
+        edit(old, new)
+    if code == "unknown":
+        Path("tracerisk.lock").unlink()
+    exit_code, out = call("check cell.py")
+    assert exit_code == (ExitCode.EDIT_IN_THE_WAY if code == "edited" else ExitCode.WOULD_CHANGE)
+    assert_told(code, out, tmp_path)
+
+
+def test_a_redundancy_by_hand_over_units_that_differ_is_told_so(call, tmp_path, quick):
+    put({"cell.py": quick()})
+    assert call("run cell.py --quiet")[0] == ExitCode.FINE
+    at_motor = "quantity = 7\n    # |   redundancy "
+    edit(f"{at_motor}=", f"{at_motor}:=")
+    edit(":= false", ":= true  ! computed false; by design")
+    exit_code, out = call("check cell.py")
+    assert exit_code == ExitCode.WOULD_CHANGE
+    assert_told("unequal", out, tmp_path)
+
+
+@pytest.mark.parametrize("code", RUNS)
+def test_a_run_that_fails_is_told_so(code, call, tmp_path, quick):
+    act, options = RUNS[code]
+    inside = act.startswith("ACT ")
+    source = (
+        quick(act.removeprefix("ACT ")) if inside else quick().replace("act(arm)\n\n", f"{act}\n\n")
+    )
+    put({"cell.py": source})
+    exit_code, out = call(f"run cell.py {options}")
+    bad_input = code == "run-not-importable"
+    assert exit_code == (ExitCode.BAD_INPUT if bad_input else ExitCode.CONTROLLER_FAILED)
+    assert_told(code, out, tmp_path)
+
+
+def codes_of(error: type[TraceRiskError]) -> set[str]:
+    own = {error.code} if "code" in vars(error) else set()
+    return own.union(*map(codes_of, error.__subclasses__()))
+
+
+def test_each_code_has_a_section_and_each_section_a_code():
+    for name in ("adder.lock", "adder.read", "twin.detect", "twin.motion", "prm.logic_checks"):
+        import_module(f"tracerisk.{name}")
+    raised = codes_of(TraceRiskError) - {TraceRiskError.code}
+    ends = {RunEnd(cause, "", None).code for cause in get_args(EndCause) if cause not in GOOD_ENDS}
+    assert set(SECTIONS) == raised | ends | set(get_args(FindingKind)) | {"usage"}
+    # Those two need a contact, and a machine that draws nothing: their messages have other tests.
+    shown = {code for code, text in SECTIONS.items() if "```" in text}
+    assert set(SECTIONS) - shown == {"contact", "render"}
+    assert shown == {*STATIC, *RUNS, *CHECKS, "edit", "unequal"}
+
+
+def test_every_class_of_errors_has_a_code_of_its_own():
+    classes = [each for each in vars(errors).values() if isinstance(each, type)]
+    codes = [vars(each)["code"] for each in classes if issubclass(each, TraceRiskError)]
+    assert len(codes) == len(set(codes)) > 10
+
+
+def test_every_good_end_is_told():
+    told = TEXT.partition("## How a run may end well")[2]
+    assert set(re.findall(r"^`(\w+)`:", told, re.MULTILINE)) == GOOD_ENDS
