@@ -85,17 +85,68 @@ def test_diff_tells_of_redundancy_that_a_change_took(repository, steps):
     }
 
 
-def test_run_tells_of_motions_that_never_ran(example, quick):
+@pytest.fixture(scope="module")
+def dead_branch(tmp_path_factory, example_in, quick):
+    """One run of a controller with a branch that never runs."""
     source = quick().replace("def main():", "def never(arm):\n    home(arm)\n\n\ndef main():")
     source = source.replace("    act(arm)\n", "    if False:\n        never(arm)\n    act(arm)\n")
+    example = example_in(tmp_path_factory.mktemp("dead"))
+    example.write("pyproject.toml", '[tool.tracerisk]\nfail_on = "finding"\n')
     example.write("controller.py", source)
-    outcome = example.run("run", "controller.py", "--check", "--sarif", "found.sarif")
-    assert outcome.code == 1, outcome.err
-    found = results_in(example.folder, "found.sarif")
+    outcome = example.run("run", "controller.py", "--sarif", "run.sarif")
+    assert outcome.code == 0, outcome.err
+    return example
+
+
+def test_run_tells_of_motions_that_never_ran(dead_branch):
+    found = results_in(dead_branch.folder, "run.sarif")
     assert {each["ruleId"] for each in found} == {"uncovered-motion"}
     names = [each["locations"][0]["logicalLocations"][0]["fullyQualifiedName"] for each in found]
     assert names == ["home", "never"]
     assert "never can move the arm and never ran" in found[1]["message"]["text"]
+
+
+def test_check_tells_of_them_without_a_run_where_they_stand_now(dead_branch, example):
+    for name, data in dead_branch.files().items():
+        example.write(name, data)
+    lock = json.loads(example.read("tracerisk.lock"))
+    kept = lock["controllers"]["controller.py"]["trace"]
+    assert kept["uncovered"] == {"controller.py": ["home", "never"]}
+    outcome = example.run("check", "controller.py", "--sarif", "check.sarif")
+    assert outcome.code == 0, outcome.out
+    never_ran = [
+        [each for each in results_in(example.folder, name) if each["ruleId"] == "uncovered-motion"]
+        for name in ("run.sarif", "check.sarif")
+    ]
+    assert len(never_ran[0]) == 2
+    assert never_ran[0] == never_ran[1]
+    # Comments shift lines and make nothing stale; a block by hand is risk data.
+    annotated = example.read("controller.py").decode()
+    by_hand = (
+        "def never(arm):\n    # | RiskAnnotation\n    # | @Function := {  ! ; by FMEA-7\n"
+        "    # |   name = never\n    # |   callSequence := 9\n    # |   next := done 1\n    # | }\n"
+    )
+    shifted = "# one\n# two\n" + annotated.replace("def never(arm):\n", by_hand)
+    example.write("controller.py", shifted)
+    outcome = example.run("check", "controller.py", "--sarif", "check.sarif")
+    (home,) = [
+        each
+        for each in results_in(example.folder, "check.sarif")
+        if each["ruleId"] == "uncovered-motion"
+    ]
+    place = home["locations"][0]["physicalLocation"]
+    line = shifted.splitlines().index("def home(arm):") + 1
+    assert place["region"]["startLine"] == line
+    assert fingerprints([home]) == fingerprints(never_ran[0][:1])
+    # A function that is gone cannot move anything.
+    example.write("controller.py", annotated.replace("def never(", "def other("))
+    example.run("check", "controller.py", "--sarif", "check.sarif")
+    names = [
+        each["locations"][0]["logicalLocations"][0]["fullyQualifiedName"]
+        for each in results_in(example.folder, "check.sarif")
+        if each["ruleId"] == "uncovered-motion"
+    ]
+    assert names == ["home"]
 
 
 def test_a_file_that_cannot_be_written_is_bad_input(repository, steps):

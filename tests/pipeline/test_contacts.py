@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 
 import pytest
@@ -30,8 +31,9 @@ def raised(tmp_path_factory, example_in, pick_and_place):
     example.write("scene.yaml", raised_table())
     example.write("pick.py", pick_and_place.replace(b"TUBES = 10", b"TUBES = 1"))
     outcome = example.run(
-        "run", "pick.py", "--scene", "scene.yaml", "--trace", "trace.json", "--fail-on", "finding"
-    )
+        "run", "pick.py", "--scene", "scene.yaml", "--trace", "trace.json", "--fail-on", "finding",
+        "--sarif", "run.sarif",
+    )  # fmt: skip
     return example, outcome
 
 
@@ -74,6 +76,33 @@ def test_a_project_can_settle_what_a_run_fails_on(raised, example):
     outcome = example.run("run", "pick.py", "--scene", "scene.yaml", "--json")
     assert outcome.code == outcome.json["exit_code"] == 1
     assert "and --fail-on unexpected_contact" in outcome.err
+    checked = example.run("check", "pick.py", "--json")
+    assert checked.code == 1
+    kinds = {each["kind"] for each in checked.json["findings"]}
+    assert kinds == {"contact"}
+    told = [each["message"] for each in checked.json["findings"]]
+    assert (
+        "panda_rightfinger and table touched in pick, which was not to be expected; `tracerisk "
+        "run` tells when and how hard"
+    ) in told
+
+
+def test_a_check_alerts_of_the_contacts_of_the_last_run_as_the_run_does(raised):
+    example, _ = raised
+    checked = example.run("check", "pick.py", "--sarif", "check.sarif")
+    assert checked.code == 0, "no setting says that a finding fails"
+    ran, kept = (
+        {
+            each["partialFingerprints"]["tracerisk/v1"]: each["locations"]
+            for each in json.loads(example.read(name))["runs"][0]["results"]
+            if each["ruleId"] == "unexpected-contact"
+        }
+        for name in ("run.sarif", "check.sarif")
+    )
+    assert len(ran) > 2
+    assert ran == kept
+    lock = json.loads(example.read("tracerisk.lock"))["controllers"]["pick.py"]["trace"]
+    assert ["panda_rightfinger", "table"] in lock["unexpected_contacts"]["pick.py"]["pick"]
 
 
 def test_the_findings_are_those_of_the_contacts_one_for_each_function_and_pair(trace):

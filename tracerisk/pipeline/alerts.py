@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from tracerisk.adder.lock import LOCK_NAME, lock_key, read_lock
@@ -11,7 +11,21 @@ from tracerisk.adder.read import PlacedBlock, read_blocks
 from tracerisk.adder.values import COMPONENT_KINDS
 from tracerisk.config import controller_root
 from tracerisk.errors import Location, TraceRiskError
-from tracerisk.pipeline.check import Checked, CheckFinding, FindingKind, values_without_reason
+from tracerisk.pipeline.check import (
+    Checked,
+    CheckFinding,
+    FindingKind,
+    function_place,
+    values_without_reason,
+)
+from tracerisk.pipeline.controller import load_controller
+from tracerisk.pipeline.last_run import (
+    UnexpectedContact,
+    kept_contacts,
+    kept_uncovered,
+    told_contact,
+    unexpected_contacts,
+)
 from tracerisk.prm.risk_change import Review
 from tracerisk.report.diff_words import some
 from tracerisk.report.sarif import Alert, alert_at
@@ -26,6 +40,7 @@ _RULES: dict[FindingKind, str] = {
     "unjustified": "unjustified-pin",
     "unequal": "unequal-units",
     "unknown": "unknown-blocks",
+    "contact": "unexpected-contact",
 }
 _CONTACT = "unexpected_contact"
 
@@ -44,8 +59,9 @@ def check_alerts(
 ) -> tuple[Alert, ...]:
     """Return the alerts of checked controllers: what `check_controllers` found for `paths`.
 
-    Beside what a check does not let pass they tell of single points of failure, and of values
-    set by hand without a reason, whether or not the settings demand one.
+    Beside what a check does not let pass they tell of single points of failure, of values set by
+    hand without a reason, whether or not the settings demand one, and of what the lock keeps of
+    the last run: motions that never ran, and unexpected contacts.
     """
     alerts: list[Alert] = []
     for path, each in zip(paths, found, strict=True):
@@ -55,8 +71,9 @@ def check_alerts(
             continue
         sources = {file: read_blocks(file.read_bytes(), str(file)) for file in _sources(path)}
         placed = [block for blocks in sources.values() for block in blocks]
-        alerts += [_of_check(finding, placed) for finding in each.findings]
+        alerts += [_of_check(one, placed) for one in each.findings if one.kind != "contact"]
         alerts += _unjustified(placed)
+        alerts += _of_last_run(path, sources)
         if not any(finding.kind in ("missing", "orphaned") for finding in each.findings):
             alerts += _single_points(path, sources)
     return tuple(dict.fromkeys(alerts))
@@ -92,14 +109,57 @@ def run_alerts(trace: Trace, root: Path) -> tuple[Alert, ...]:
     """
     alerts = []
     for finding in trace.findings:
-        place = finding.location or Location(trace.controller)
-        rule = "unexpected-contact" if finding.kind == _CONTACT else "run-finding"
-        file = _file(str(root / place.file))
-        subject = f"{finding.kind} {finding.message}" if rule == "run-finding" else ""
-        alerts.append(alert_at(rule, finding.message, place, file, subject=subject))
+        if finding.kind != _CONTACT:
+            place = finding.location or Location(trace.controller)
+            subject = f"{finding.kind} {finding.message}"
+            file = _file(str(root / place.file))
+            alerts.append(alert_at("run-finding", finding.message, place, file, subject=subject))
+    lines = {each.ref: each.line for each in trace.functions}
+    links = {each.part or each.name for each in trace.elements if each.kind == "contact"}
+    for contact, touches in unexpected_contacts(trace.visits).items():
+        place = Location(str(root / contact.function.file), lines[contact.function])
+        alerts.append(_touched(contact, told_contact(contact, touches, links), place))
     names = model_names([each.ref for each in trace.uncovered])
     alerts += [_uncovered(each.ref, names[each.ref], each.line, root) for each in trace.uncovered]
     return tuple(alerts)
+
+
+def _of_last_run(path: Path, sources: Mapping[Path, Sequence[PlacedBlock]]) -> Iterator[Alert]:
+    """Yield what the lock keeps of the last run, for the functions that are there.
+
+    One with a block by hand has risk data.
+    """
+    root = controller_root(path)
+    entry = read_lock(root / LOCK_NAME).controllers.get(lock_key(path, root))
+    if entry is None:
+        return
+    controller = load_controller(path)
+    given = {
+        FunctionRef(lock_key(file, root), placed.function)
+        for file, blocks in sources.items()
+        for placed in blocks
+    }
+    uncovered = [ref for ref in kept_uncovered(entry.trace) if ref not in given]
+    names = model_names(uncovered)
+    for ref in uncovered:
+        place = function_place(controller, ref)
+        if place is not None and place.line is not None:
+            yield _uncovered(ref, names[ref], place.line, root)
+    for contact in kept_contacts(entry.trace):
+        place = function_place(controller, contact.function)
+        if place is not None:
+            yield _touched(contact, str(contact), place)
+
+
+def _touched(contact: UnexpectedContact, message: str, place: Location) -> Alert:
+    return alert_at(
+        "unexpected-contact",
+        message,
+        place,
+        _file(place.file),
+        function=contact.function.name,
+        subject=contact.bodies,
+    )
 
 
 def _uncovered(ref: FunctionRef, name: str, line: int, root: Path) -> Alert:

@@ -11,7 +11,7 @@ from typing import Literal
 
 from tracerisk.adder.annotate import bases_of
 from tracerisk.adder.block import RiskBlock
-from tracerisk.adder.definitions import definitions, parse_python
+from tracerisk.adder.definitions import MODULE, definitions, parse_python
 from tracerisk.adder.instance_values import kept_values
 from tracerisk.adder.lock import (
     LOCK_NAME,
@@ -33,6 +33,7 @@ from tracerisk.errors import ExitCode, InputError, Location, TraceRiskError
 from tracerisk.pipeline.controller import Controller, load_controller
 from tracerisk.pipeline.freshness import RunInputs, stale_reasons, values_reasons
 from tracerisk.pipeline.known_functions import check_steps
+from tracerisk.pipeline.last_run import kept_contacts
 from tracerisk.pipeline.one_writer import one_writer
 from tracerisk.trace import FunctionRef, QualifiedName
 
@@ -40,12 +41,21 @@ _OF_ALL = ("pyproject.toml", LOCK_NAME)  # what every controller of a root depen
 _WORTH_A_PROCESS = 20  # files that take as long to check as a process takes to start
 
 FindingKind = Literal[
-    "stale", "edited", "missing", "orphaned", "over_threshold", "unjustified", "unequal", "unknown"
+    "stale",
+    "edited",
+    "missing",
+    "orphaned",
+    "over_threshold",
+    "unjustified",
+    "unequal",
+    "unknown",
+    "contact",
 ]
 """Why blocks are not to be trusted: what they depend on has changed; a person changed a value
 that is the tool's; a block is gone; its function is gone or renamed; the mission's failure
 probability is above `max_risk`; a value is set by hand without a reason; a redundancy is set by
-hand over units that differed in the last run; the lock knows nothing."""
+hand over units that differed in the last run; the lock knows nothing; in the last run something
+touched that should not, and `fail_on` says that this is to fail."""
 
 
 _OF_LOCK_AND_SOURCE = frozenset({"edited", "missing", "orphaned"})
@@ -190,6 +200,8 @@ def _check_once(path: Path | str) -> Checked:
     ]
     if settings.max_risk is not None and not findings:
         findings += _over_threshold(controller, sources, settings.max_risk)
+    if settings.fail_on in ("finding", "unexpected_contact"):
+        findings += _contacts(controller, entry)
     return Checked(controller.path, tuple(sorted(findings, key=_order)))
 
 
@@ -386,6 +398,26 @@ def _unequal(entry: ControllerLock, sources: Sequence[_Source]) -> Iterable[Chec
             for found in unfounded_redundancies(placed.block, instances):
                 place = found.location or Location(each.shown, placed.first_line)
                 yield CheckFinding("unequal", found.message, place, found.path)
+
+
+def _contacts(controller: Controller, entry: ControllerLock) -> Iterable[CheckFinding]:
+    """Yield what touched in the last run, in the functions that are there."""
+    for each in kept_contacts(entry.trace):
+        place = function_place(controller, each.function)
+        if place is not None:
+            yield CheckFinding("contact", str(each), place, each.function.name)
+
+
+def function_place(controller: Controller, function: FunctionRef) -> Location | None:
+    """Return where a function stands now; `None` if it is gone, or its file cannot be read."""
+    shown = str(controller.path_of(function.file))
+    try:
+        tree = parse_python(controller.source_of(function.file), shown).tree
+    except TraceRiskError:
+        return None
+    lines = {MODULE: 1, **{each.name: each.line for each in definitions(tree)}}
+    line = lines.get(function.name)
+    return None if line is None else Location(shown, line)
 
 
 def _over_threshold(

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from tracerisk.errors import Location
 from tracerisk.instrument.ownership import Attribution
-from tracerisk.trace import Contact, Element, Exposure, Finding, FunctionRef, Visit
+from tracerisk.pipeline.last_run import told_contact, unexpected_contacts
+from tracerisk.trace import Element, Exposure, Finding, Visit
 from tracerisk.twin.activity import ElementActivity
 from tracerisk.twin.contact_log import read_contacts
 from tracerisk.twin.contacts import (
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
     from tracerisk.twin.robot import Robot
 
 UNEXPECTED_CONTACT = "unexpected_contact"
-
-_WHOLE_N = 10.0  # forces from here on are told in whole newtons
 
 
 def with_contacts(
@@ -93,40 +92,18 @@ def collisions(
 
     They are in the order in which they began.
     """
-    by_pair: dict[tuple[FunctionRef, str, str], list[Contact]] = {}
-    for visit in visits:
-        for contact in visit.contacts:
-            if not contact.expected:
-                pair = (visit.function, contact.link, contact.other)
-                by_pair.setdefault(pair, []).append(contact)
     lines = {function.ref: function.line for function in attribution.functions}
     links = frozenset(robot.link_names)
     found = [
         Finding(
             UNEXPECTED_CONTACT,
-            f"unexpected contact: {_told(function.name, link, other, contacts, links)}",
+            f"unexpected contact: {told_contact(each, contacts, links)}",
             min(contact.start_s for contact in contacts),
-            Location(function.file, lines[function]),
+            Location(each.function.file, lines[each.function]),
         )
-        for (function, link, other), contacts in by_pair.items()
+        for each, contacts in unexpected_contacts(visits).items()
     ]
     return tuple(sorted(found, key=lambda each: (each.time_s or 0.0, each.message)))
-
-
-def _told(
-    function: str, link: str, other: str, contacts: Sequence[Contact], links: frozenset[str]
-) -> str:
-    seconds = sum(contact.touching_s for contact in contacts)
-    visits = "" if len(contacts) == 1 else f" in {len(contacts)} visits"
-    if other in links:
-        return (
-            f"{link} overlaps {other}, of the arm itself, in {function}: for {seconds:.2f} s"
-            f"{visits}; its force is not simulated"
-        )
-    force = max(contact.force_n for contact in contacts)
-    told = f"{force:.0f}" if force >= _WHOLE_N else f"{force:.2g}"
-    what = link if link in links else f"{link}, which is held,"
-    return f"{what} touches {other} in {function}: up to {told} N, {seconds:.2f} s{visits}"
 
 
 def _commanded(
