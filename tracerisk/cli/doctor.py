@@ -20,7 +20,17 @@ if TYPE_CHECKING:
 
 PACKAGES = (
     *("daqp", "dm-control", "jinja2", "lark", "libcst", "mink", "mujoco", "numba", "numpy"),
-    *("pygments", "pyyaml", "rich", "rosbags", "ruamel.yaml", "scipy", "shtab", "xacrodoc"),
+    *(
+        "pillow",
+        "pygments",
+        "pyyaml",
+        "rich",
+        "rosbags",
+        "ruamel.yaml",
+        "scipy",
+        "shtab",
+        "xacrodoc",
+    ),
 )
 """What tracerisk depends on, as `pyproject.toml` lists it."""
 

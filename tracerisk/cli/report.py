@@ -1,14 +1,19 @@
-"""`tracerisk report`: an HTML report from annotated sources, without a run."""
+"""`tracerisk report`: an HTML report from annotated sources, and pictures of their run."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import options as shared
 from tracerisk.cli.output import note, print_json
 from tracerisk.cli.report_input import RunShown, report_html, run_shown
+from tracerisk.cli.report_pictures import (
+    add_picture_options,
+    check_picture_options,
+    write_report_pictures,
+)
 from tracerisk.cli.run_report import write_file
 from tracerisk.cli.sources import model_of_sources, read_file
 from tracerisk.errors import ExitCode, InputError, SourceError
@@ -30,15 +35,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         help="annotated sources; of one that the lock knows, with the other files of its blocks",
     )
-    parser.add_argument(
-        "-o", "--output", metavar="OUT.html", required=True, help="the page to write"
-    )
+    parser.add_argument("-o", "--output", metavar="OUT.html", help="the page to write")
     parser.add_argument(
         "--against", metavar="REV", help="tell the difference to this revision, as git reads it"
     )
     parser.add_argument(
         "--trace", metavar="FILE", help="the trace of a run as JSON; else the kept one, if fresh"
     )
+    add_picture_options(parser)
     shared.add_hardware_options(parser)
     shared.add_profile(parser)
     shared.add_json(parser)
@@ -46,10 +50,27 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
+    check_picture_options(options)
+    kept = _kept(options.files[0])
+    trace = _given_trace(options.trace)
+    shown = _write_page(options, kept, trace) if options.output is not None else {}
+    if options.png is not None:
+        code, pictures = write_report_pictures(options, kept, trace, _settings(kept, options))
+        if code != ExitCode.FINE:
+            return int(code)
+        shown["pictures"] = [str(Path(options.png) / name) for name in pictures]
+    if options.json:
+        print_json("report", exit_code=int(ExitCode.FINE), **shown)
+    return int(ExitCode.FINE)
+
+
+def _write_page(
+    options: argparse.Namespace, kept: KeptRun | None, trace: Trace | None
+) -> dict[str, Any]:
+    """Write the page; return what `--json` tells of it."""
     from tracerisk import pipeline
     from tracerisk.prm.formats.assessment_json import assessment_to_json
 
-    kept = _kept(options.files[0])
     files = list(options.files)
     if len(files) == 1 and kept is not None:
         files = list(kept.files)
@@ -59,20 +80,13 @@ def run(options: argparse.Namespace) -> int:
         assessment,
         model,
         {name: read_file(name) for name in files},
-        run=_run_of(kept, options),
+        run=_run_of(kept, trace, options),
         review=_review(options.against, files),
     )
     write_file(options.output, html)
-    if options.json:
-        print_json(
-            "report",
-            exit_code=int(ExitCode.FINE),
-            report=options.output,
-            assessment=assessment_to_json(assessment),
-        )
-        return int(ExitCode.FINE)
-    note(f"{options.output}: the report of {model.name}", quiet=options.quiet)
-    return int(ExitCode.FINE)
+    told = f"{options.output}: the report of {model.name}"
+    note(told, quiet=options.quiet or options.json)
+    return {"report": options.output, "assessment": assessment_to_json(assessment)}
 
 
 def _kept(file: str) -> KeptRun | None:
@@ -87,9 +101,10 @@ def _kept(file: str) -> KeptRun | None:
         return None
 
 
-def _run_of(kept: KeptRun | None, options: argparse.Namespace) -> RunShown | str:
-    """Return what is known of the run, or why nothing is."""
-    trace = _given_trace(options.trace)
+def _run_of(
+    kept: KeptRun | None, trace: Trace | None, options: argparse.Namespace
+) -> RunShown | str:
+    """Return what is known of the run, or why nothing is; `trace` is the one that was given."""
     if trace is None:
         if kept is None:
             return "No run is known of these sources."

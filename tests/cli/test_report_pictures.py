@@ -1,0 +1,98 @@
+"""`tracerisk report --png`: pictures of a run, from its recording or from the run done again."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from tracerisk.cli import main
+
+REASON = "nothing can be drawn here"
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory, example_in, two_steps):
+    """A controller that was run once, with its recording."""
+    example = example_in(tmp_path_factory.mktemp("recorded"))
+    example.write("controller.py", two_steps)
+    words = ("--keep", "recording", "--trace", "trace.json", "--quiet")
+    outcome = example.run("run", "controller.py", *words)
+    assert outcome.code == 0, outcome.err
+    return example
+
+
+@pytest.fixture
+def here(recorded, monkeypatch):
+    monkeypatch.chdir(recorded.folder)
+    return recorded
+
+
+def pictures(folder):
+    return {path.name: path.read_bytes() for path in folder.glob("*")}
+
+
+def test_a_recording_and_the_run_done_again_give_the_same_pictures(here, capfd):
+    code = main(["report", "controller.py", "--png", "again"])
+    told = capfd.readouterr().err
+    if code == 2 and "without a screen" in told:
+        pytest.skip(f"{REASON}: {told}")
+    assert code == 0, told
+    assert "again: 2 pictures and legend.json" in told
+    recording = ["--recording", "recording", "--json"]
+    assert main(["report", "controller.py", "--png", "kept", *recording]) == 0
+    data = json.loads(capfd.readouterr().out)
+    names = ["01-act.png", "02-home.png", "legend.json"]
+    assert data["pictures"] == [f"kept/{name}" for name in names]
+    assert "report" not in data
+    found = pictures(here.folder / "kept")
+    assert sorted(found) == names
+    assert found == pictures(here.folder / "again")
+    legend = json.loads(found["legend.json"])
+    act, home = legend["pictures"]
+    assert (act["function"], home["function"]) == ("act", "home")
+    assert act["active"]["electric_motor"]["panda_joint1"] == ["moving"]
+    assert "power_system" in act["always"]
+
+
+def test_a_controller_that_fails_has_no_pictures(example, quick, monkeypatch, capsys):
+    monkeypatch.chdir(example.folder)
+    example.write("controller.py", quick("raise ValueError('broken')"))
+    assert main(["report", "controller.py", "--png", "out"]) == 4
+    assert "ValueError: broken" in capsys.readouterr().err
+    assert not (example.folder / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["controller.py"], "nothing to write; give -o/--output OUT.html, --png DIR, or both"),
+        (["controller.py", "-o", "a.html", "--recording", "recording"], "give --png DIR as well"),
+        (["controller.py", "--png", "out", "--trace", "trace.json"], "give --recording DIR"),
+        (["controller.py", "--png", "out", "--recording", "."], "holds no recording of a run"),
+        (["other.py", "--png", "out", "--recording", "recording"], "has no trace to which"),
+        (["place.cpp", "--png", "out"], "is no Python controller that can be run"),
+        (
+            ["controller.py", "--png", "controller.py/out", "--recording", "recording"],
+            "is no folder for pictures",
+        ),
+    ],
+)
+def test_what_cannot_be_done_is_told(here, words, message, capsys):
+    here.write("other.py", "x = 1\n")
+    here.write("place.cpp", "int x;\n")
+    code = main(["report", *words])
+    told = capsys.readouterr().err
+    if "without a screen" in told:
+        pytest.skip(f"{REASON}: {told}")
+    assert code == 2
+    assert message in told
+    assert not (here.folder / "out").exists()
+
+
+def test_without_a_way_to_draw_it_is_told_what_to_install(here, monkeypatch, capsys):
+    monkeypatch.setenv("MUJOCO_GL", "nothing")
+    assert main(["report", "controller.py", "--png", "out", "--recording", "recording"]) == 2
+    told = capsys.readouterr().err
+    assert "install libegl1 and libegl-mesa0, or libosmesa6" in told
+    assert not (here.folder / "out").exists()

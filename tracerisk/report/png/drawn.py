@@ -1,0 +1,92 @@
+"""Have the pictures drawn in a process of its own, with whatever OpenGL needs no screen here.
+
+The twin's own process runs with MuJoCo's renderer off, and a driver that crashes must not take
+the command with it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from tracerisk.errors import RenderError
+from tracerisk.report.png.pictures import Picture
+
+BACKENDS = ("egl", "osmesa")
+"""Ways to draw without a screen, in the order in which they are tried."""
+SIZE = (960, 640)
+"""Width and height of a picture without its caption [px]."""
+_OFF = frozenset({"", "0", "disable", "disabled", "false", "no", "off"})
+_READY = "ready"
+_LIMIT_S, _LIMIT_EACH_S = 120.0, 20.0
+
+
+def drawn(pictures: Sequence[Picture], *, size: tuple[int, int] = SIZE) -> tuple[bytes, ...]:
+    """Return each picture as PNG, the same bytes for the same picture on the same machine.
+
+    `MUJOCO_GL` chooses the backend where it names one, else EGL is tried and then OSMesa.
+    Raises RenderError where none works.
+    """
+    request = json.dumps(
+        {"size": size, "pictures": [_data(picture) for picture in pictures]}, sort_keys=True
+    )
+    chosen = os.environ.get("MUJOCO_GL", "").strip().lower()
+    reasons = []
+    for backend in BACKENDS if chosen in _OFF else (chosen,):
+        with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
+            done = _run(request, folder, backend, _LIMIT_S + _LIMIT_EACH_S * len(pictures))
+            if done.returncode == 0:
+                return tuple(
+                    (Path(folder) / f"{number}.png").read_bytes() for number in range(len(pictures))
+                )
+        told = _last_line(done.stderr)
+        if done.stdout.startswith(_READY):
+            raise RuntimeError(f"the pictures could not be drawn with {backend}: {told}")
+        reasons.append(f"{backend}: {told}")
+    raise RenderError(
+        "pictures need OpenGL that works without a screen, and there is none "
+        f"({'; '.join(reasons)}); install libegl1 and libegl-mesa0, or libosmesa6 (names of "
+        "Debian and Ubuntu), or name one that works in MUJOCO_GL"
+    )
+
+
+def _run(
+    request: str, folder: str, backend: str, limit_s: float
+) -> subprocess.CompletedProcess[str]:
+    environment = {name: value for name, value in os.environ.items() if name != "PYOPENGL_PLATFORM"}
+    try:
+        return subprocess.run(
+            [sys.executable, "-m", "tracerisk.report.png.child", folder],
+            input=request,
+            capture_output=True,
+            text=True,
+            encoding="utf-8",
+            errors="replace",
+            env={**environment, "MUJOCO_GL": backend, "PYTHONHASHSEED": "0"},
+            timeout=limit_s,
+            check=False,
+        )
+    except subprocess.TimeoutExpired as error:
+        raise RenderError(
+            f"drawing with {backend} took more than {limit_s:.0f} s; set MUJOCO_GL to another of "
+            f"{', '.join(BACKENDS)}"
+        ) from error
+
+
+def _data(picture: Picture) -> dict[str, object]:
+    found = {name: getattr(picture, name) for name in ("title",)}
+    found["rows"] = [dataclasses.asdict(row) for row in picture.rows]
+    found["camera"] = dataclasses.asdict(picture.camera)
+    found["solids"] = [dataclasses.asdict(solid) for solid in picture.solids]
+    return found
+
+
+def _last_line(text: str) -> str:
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    return lines[-1] if lines else "no word of why"

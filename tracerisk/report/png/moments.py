@@ -1,0 +1,135 @@
+"""Which moment of the run stands for a function in a picture."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.report.html.timeline_segments import visit_spans
+from tracerisk.trace import FunctionRef, Trace
+
+if TYPE_CHECKING:
+    from tracerisk.twin.activity import ElementActivity
+
+State = Literal["moving", "holding", "grasping", "in use"]
+"""What an element does at a moment; `in use` of one that the samples do not follow over time."""
+
+_ROUNDING = 1e-6  # of a frame
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """A time in a visit of a function, and what each element did then.
+
+    `visit` counts the visits of the function from 1, `n_visits` is how many there were.
+    `frame` is that of the poses nearest to it. `states` holds only elements that the visit used.
+    """
+
+    function: FunctionRef
+    visit: int
+    n_visits: int
+    time_s: float
+    frame: int
+    states: Mapping[str, tuple[State, ...]]
+
+
+def function_moments(
+    trace: Trace,
+    activity: Mapping[str, ElementActivity],
+    *,
+    n_frames: int,
+    frame_s: float,
+    step_s: float,
+) -> tuple[Moment, ...]:
+    """Return the moment of each function that was visited, in the order of the functions.
+
+    It is among the visits of the function where the most elements are active at once; of such,
+    where the most of them move or grasp; of such, the middle of the longest stretch; of such, the
+    earliest. Elements that are not active on behalf of the visit do not count.
+    `activity` has an entry every `step_s` [s]; there are `n_frames` poses, one every `frame_s`.
+    """
+    spans = visit_spans(trace.visits, trace.end.simulated_s or 0.0)
+    count = _FrameCounts(activity, n_frames, frame_s, step_s)
+    moments = []
+    for function in trace.functions:
+        own = [i for i, visit in enumerate(trace.visits) if visit.function == function.ref]
+        best: tuple[tuple[int, int, int], int, int] | None = None
+        for number, index in enumerate(own, start=1):
+            visit = trace.visits[index]
+            for start_s, stop_s in spans[index] or ((visit.start_s, visit.start_s),):
+                score, frame = count.best(tuple(visit.exposures), start_s, stop_s)
+                if best is None or score > best[0]:
+                    best = score, frame, number
+        if best is None:
+            continue
+        _, frame, number = best
+        visit = trace.visits[own[number - 1]]
+        states: dict[str, tuple[State, ...]] = {}
+        for name, exposure in visit.exposures.items():
+            if name in activity:
+                states[name] = count.states(name, frame)
+            elif exposure is not None and exposure.active_s + exposure.reading_s > 0.0:
+                states[name] = ("in use",)
+        shown = {name: each for name, each in states.items() if each}
+        time_s = round(frame * frame_s, 9)
+        moments.append(Moment(function.ref, number, len(own), time_s, frame, shown))
+    return tuple(moments)
+
+
+class _FrameCounts:
+    """What each element does in each frame."""
+
+    def __init__(
+        self,
+        activity: Mapping[str, ElementActivity],
+        n_frames: int,
+        frame_s: float,
+        step_s: float,
+    ) -> None:
+        stride = round(frame_s / step_s)
+        n_steps = min((len(each.moving) for each in activity.values()), default=0)
+        self._n_frames = max(min(n_frames, -(-n_steps // stride)), 1)
+        self._frame_s = frame_s
+        at = np.minimum(np.arange(self._n_frames) * stride, max(n_steps - 1, 0))
+        self._flags: dict[str, NDArray[np.bool_]] = {
+            # Moving, holding, grasping; (3, n_frames).
+            name: np.stack([each.moving[at], each.holding[at], each.grasping[at]])
+            for name, each in activity.items()
+        }
+
+    def best(
+        self, elements: Sequence[str], start_s: float, stop_s: float
+    ) -> tuple[tuple[int, int, int], int]:
+        """Return the score of the best moment in a span, and its frame."""
+        # Of a visit between two poses, the pose after its begin.
+        first = min(math.ceil(start_s / self._frame_s - _ROUNDING), self._n_frames - 1)
+        end = min(math.ceil(stop_s / self._frame_s - _ROUNDING), self._n_frames)
+        last = max(end - 1, first)
+        flags = [self._flags[name][:, first : last + 1] for name in elements if name in self._flags]
+        n_active = np.sum([each.any(axis=0) for each in flags], axis=0, dtype=np.int64)
+        n_busy = np.sum([each[0] | each[2] for each in flags], axis=0, dtype=np.int64)
+        score = np.broadcast_to(n_active * (len(flags) + 1) + n_busy, (last - first + 1,))
+        is_best = score == score.max()
+        edges = np.flatnonzero(np.diff(is_best, prepend=False, append=False)).reshape(-1, 2)
+        lengths = edges[:, 1] - edges[:, 0]
+        begin, end = edges[int(np.argmax(lengths))]
+        middle = int(begin + (end - 1 - begin) // 2)
+        active, busy = divmod(int(score.max()), len(flags) + 1)
+        return (active, busy, int(end - begin)), first + middle
+
+    def states(self, element: str, frame: int) -> tuple[State, ...]:
+        """Return what an element does in a frame."""
+        moving, holding, grasping = self._flags[element][:, frame]
+        found: list[State] = []
+        if grasping:
+            found.append("grasping")
+        if moving:
+            found.append("moving")
+        if holding:
+            found.append("holding")
+        return tuple(found)

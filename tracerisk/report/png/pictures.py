@@ -1,0 +1,367 @@
+"""Put the pictures of a run together: what is seen, from where, in which colours, with which words.
+
+A picture is plain data, so that what draws it needs to know nothing of runs.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.adder.model_names import model_names
+from tracerisk.errors import InputError
+from tracerisk.report.html.replay_model import Body
+from tracerisk.report.png.moments import Moment, State, function_moments
+from tracerisk.report.png.placement import Placed, Vector, corners, placed_bodies, placed_shape
+from tracerisk.trace import Trace
+
+if TYPE_CHECKING:
+    from tracerisk.report.html.replay import RecordedRun
+
+LEGEND = "legend.json"
+STATE_COLOURS: Mapping[State, str] = {
+    "grasping": "#2f7d4f",
+    "moving": "#1f6f8b",
+    "holding": "#7a5195",
+    "in use": "#7a7f87",
+}
+"""Those of the report's page; the first state that a part is in decides."""
+KIND_COLOURS = {
+    "robot": "#d9dde3",
+    "fixture": "#b7a68c",
+    "object": "#c78a68",
+    "declared": "#8fa3b8",
+}
+_TINTS = (0.92, 0.66)  # how much of the state's colour an active link takes, in turns
+_INSET = 0.985  # of every second link, so that where two share a surface one of them is seen
+_MOST_NAMED = 12
+_LONGEST_NAME = 48
+_YAWS = tuple(math.pi * (step / 8 - 0.5) for step in range(1, 8))
+"""From where a camera may look: from the half before the base [rad]."""
+_PITCH = 0.40  # how far from above [rad]
+_FIELD = 0.62  # the camera's field of view across the height of the picture [rad]
+_ASPECT = 1.5  # of the picture
+_FILLED = 0.9  # of the picture, by the robot and the things about it
+_ABOUT = 1.25  # things so many times as far from its middle as the robot goes are in the picture
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """Where the picture is taken from: `eye` looks at `target` [m]; `field` of view [rad]."""
+
+    eye: tuple[float, float, float]
+    target: tuple[float, float, float]
+    field: float = _FIELD
+
+
+@dataclass(frozen=True, slots=True)
+class Solid:
+    """A shape in the world; `size` as of a Shape. `kind` `mesh` has `triangles` instead.
+
+    `element` is the part of the robot whose state colours it, if any.
+    """
+
+    kind: str
+    size: tuple[float, ...]
+    xyz: tuple[float, float, float]
+    quaternion: tuple[float, float, float, float]
+    colour: str
+    element: str | None = None
+    triangles: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class CaptionRow:
+    """A line below the picture: a swatch of a colour, or none, and words."""
+
+    text: str
+    colour: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A still of a function: its file's name, what is seen and what is said of it.
+
+    `entry` is what the legend tells of it.
+    """
+
+    file: str
+    title: str
+    rows: tuple[CaptionRow, ...]
+    camera: Camera
+    solids: tuple[Solid, ...]
+    entry: Mapping[str, Any]
+
+
+def make_pictures(
+    trace: Trace, components: Mapping[str, Sequence[str]], run: RecordedRun
+) -> tuple[Picture, ...]:
+    """Return a picture for each function that a run visited, all from the same camera.
+
+    `components` map a component to its elements, none for one that is always in use.
+    Raises LogError where the recording is not that of the trace, InputError where no function
+    was visited or the robot has no shapes.
+    """
+    from tracerisk.errors import LogError
+    from tracerisk.report.html.replay import make_replay
+    from tracerisk.report.html.replay_frames import unpack_frames
+
+    samples, end_s = run.samples, trace.end.simulated_s or 0.0
+    if samples.header.robot != trace.robot or samples.n_steps * samples.step_s < end_s - 0.1:
+        raise LogError(
+            f"the recording ({samples.header.robot}, {samples.n_steps * samples.step_s:.1f} s) is "
+            f"not of the run of the trace ({trace.robot}, {end_s:.1f} s); give the one that "
+            "`tracerisk run --keep` left, or none"
+        )
+    if not trace.functions:
+        raise InputError("no function of the run commanded hardware: there is nothing to picture")
+    if not any(link.shapes for link in run.robot.links):
+        raise InputError(f"the model of {run.robot.name} has no shapes that could be pictured")
+    replay = make_replay(run, end_s or None)
+    values = unpack_frames(replay.frames)
+    moments = function_moments(
+        trace,
+        replay.activity,
+        n_frames=replay.frames.count,
+        frame_s=replay.frames.every_s,
+        step_s=replay.step_s,
+    )
+    places = [placed_bodies(replay.bodies, values[each.frame].tolist()) for each in moments]
+    camera = camera_of(replay.bodies, places)
+    names = model_names([function.ref for function in trace.functions])
+    return tuple(
+        _picture(
+            number, names[moment.function], moment, trace, components, replay.bodies, placed, camera
+        )
+        for number, (moment, placed) in enumerate(zip(moments, places, strict=True), start=1)
+    )
+
+
+def legend_data(trace: Trace, pictures: Iterable[Picture]) -> dict[str, Any]:
+    """Return what the legend file holds."""
+    return {
+        "version": 1,
+        "controller": trace.controller,
+        "robot": trace.robot,
+        "scene": trace.scene,
+        "colours": dict(STATE_COLOURS),
+        "pictures": [dict(each.entry) for each in pictures],
+    }
+
+
+def file_name(number: int, function: str) -> str:
+    """Return a file's name for a function: its number in the run, and what is safe of its name."""
+    safe = re.sub(r"[^A-Za-z0-9_.-]+", "_", function).strip("._-")
+    return f"{number:02d}-{safe[:_LONGEST_NAME].rstrip('._-') or 'function'}.png"
+
+
+def printable(text: str) -> str:
+    """Return a text of which every character shows as itself; others by their code."""
+    return "".join(
+        char if char.isprintable() else char.encode("unicode_escape").decode() for char in text
+    )
+
+
+def _picture(
+    number: int,
+    name: str,
+    moment: Moment,
+    trace: Trace,
+    components: Mapping[str, Sequence[str]],
+    bodies: Sequence[Body],
+    places: Sequence[Placed],
+    camera: Camera,
+) -> Picture:
+    file = file_name(number, name)
+    title = printable(name)
+    when = f"at {moment.time_s:.2f} s, visit {moment.visit} of {moment.n_visits}"
+    active, always = _active(moment.states, components)
+    rows = [CaptionRow(when), *_state_rows(moment.states, active)]
+    if always:
+        rows.append(CaptionRow(f"always in use: {_listed(always)}"))
+    rows.append(
+        CaptionRow(
+            f"{printable(trace.controller)} on {printable(trace.robot)}; a link has the colour of "
+            "the drive that moves it"
+        )
+    )
+    entry = {
+        "file": file,
+        "function": name,
+        "source": moment.function.file,
+        "visit": moment.visit,
+        "visits": moment.n_visits,
+        "time_s": moment.time_s,
+        "active": {
+            component: {element: list(states) for element, states in elements.items()}
+            for component, elements in active.items()
+        },
+        "always": list(always),
+    }
+    solids = tuple(_solids(bodies, places, moment))
+    return Picture(file, title, tuple(rows), camera, solids, entry)
+
+
+def _active(
+    states: Mapping[str, tuple[State, ...]], components: Mapping[str, Sequence[str]]
+) -> tuple[dict[str, dict[str, tuple[State, ...]]], tuple[str, ...]]:
+    """Return the active components with their active elements, and those that always are.
+
+    Elements that no component is bound to stand under an empty name.
+    """
+    found: dict[str, dict[str, tuple[State, ...]]] = {}
+    for component, elements in components.items():
+        own = {name: states[name] for name in elements if name in states}
+        if own:
+            found[component] = own
+    bound = {name for elements in components.values() for name in elements}
+    # A sensor or a finger that no component stands for is no part of the risk.
+    loose = {
+        name: each for name, each in states.items() if name not in bound and each != ("in use",)
+    }
+    if loose:
+        found[""] = loose
+    return found, tuple(name for name, elements in components.items() if not elements)
+
+
+def _state_rows(
+    states: Mapping[str, tuple[State, ...]],
+    active: Mapping[str, Mapping[str, tuple[State, ...]]],
+) -> list[CaptionRow]:
+    rows = []
+    for state, colour in STATE_COLOURS.items():
+        parts = []
+        for component, elements in active.items():
+            own = [name for name, each in elements.items() if each[0] == state]
+            if own:
+                of = f"{printable(component)} " if component else "no component: "
+                parts.append(f"{of}({_listed(own)})" if component else f"{of}{_listed(own)}")
+        if parts:
+            rows.append(CaptionRow(f"{state}: {'; '.join(parts)}", colour))
+    if not states:
+        rows.append(CaptionRow("nothing is active"))
+    return rows
+
+
+def _listed(names: Sequence[str]) -> str:
+    shown = [printable(name) for name in names[:_MOST_NAMED]]
+    more = len(names) - len(shown)
+    return ", ".join([*shown, f"and {more} more"] if more > 0 else shown)
+
+
+def _solids(bodies: Sequence[Body], places: Sequence[Placed], moment: Moment) -> Iterable[Solid]:
+    housing = _housings(bodies)
+    depths = _depths(bodies)
+    for index, (body, place) in enumerate(zip(bodies, places, strict=True)):
+        if moment.time_s < body.since_s or (
+            body.until_s is not None and moment.time_s >= body.until_s
+        ):
+            continue
+        element = housing.get(index, body.element)
+        colour = KIND_COLOURS[body.kind]
+        turn = depths[index] % 2
+        if element is not None and element in moment.states:
+            colour = mixed(colour, STATE_COLOURS[moment.states[element][0]], _TINTS[turn])
+        for shape in body.shapes:
+            at = placed_shape(place, shape)
+            size = tuple(_INSET * each for each in shape.size) if turn else shape.size
+            yield Solid(shape.kind, size, at.xyz, at.quaternion, colour, element)
+        if body.triangles:
+            yield Solid(
+                "mesh", (), place.xyz, place.quaternion, colour, element, tuple(body.triangles)
+            )
+
+
+def _housings(bodies: Sequence[Body]) -> dict[int, str]:
+    """Return what several fingers hang on: it shows the state of their gripper."""
+    fingers: dict[tuple[int, str], int] = {}
+    for body in bodies:
+        if body.joint is not None and body.element is not None:
+            key = body.parent, body.element
+            fingers[key] = fingers.get(key, 0) + 1
+    return {parent: element for (parent, element), count in fingers.items() if count > 1}
+
+
+def _depths(bodies: Sequence[Body]) -> list[int]:
+    """Return how many driven joints stand before each body."""
+    found: list[int] = []
+    for body in bodies:
+        before = found[body.parent] if body.parent >= 0 else 0
+        found.append(before + (body.joint is not None and body.kind == "robot"))
+    return found
+
+
+def mixed(one: str, other: str, part: float) -> str:
+    """Return a colour (#rrggbb) that goes `part` of the way to another."""
+    pairs = [(int(one[i : i + 2], 16), int(other[i : i + 2], 16)) for i in (1, 3, 5)]
+    return "#" + "".join(f"{round(a + (b - a) * part):02x}" for a, b in pairs)
+
+
+def camera_of(bodies: Sequence[Body], pictures: Sequence[Sequence[Placed]]) -> Camera:
+    """Return a camera that sees the whole robot in every picture, and things about it.
+
+    It looks from where the arm is widest, so that its links hide each other least.
+    """
+    robot = _corners(bodies, pictures, "robot")
+    low, high = ([pick(axis) for axis in zip(*robot, strict=True)] for pick in (min, max))
+    middle = [(a + b) / 2 for a, b in zip(low, high, strict=True)]
+    reach = _ABOUT * max(math.dist(middle, each) for each in robot)
+    things = _corners(bodies, pictures, "object")
+    seen = [*robot, *(each for each in things if math.dist(middle, each) <= reach)]
+    yaw = max(_YAWS, key=lambda each: (round(_width(bodies, pictures, each), 6), -abs(each - 0.4)))
+    right, up, back = _axes(yaw)
+    spans = []
+    for axis in (right, up, back):
+        along = [_dot(axis, point) for point in seen]
+        spans.append((min(along) + max(along)) / 2)
+    target = [spans[0] * right[i] + spans[1] * up[i] + spans[2] * back[i] for i in range(3)]
+    high_tan = math.tan(_FIELD / 2) * _FILLED
+    distance = 0.0
+    for point in seen:
+        x, y, z = (
+            _dot(axis, point) - span for axis, span in zip((right, up, back), spans, strict=True)
+        )
+        distance = max(distance, z + abs(x) / (high_tan * _ASPECT), z + abs(y) / high_tan)
+    eye = [t + distance * b for t, b in zip(target, back, strict=True)]
+    return Camera((eye[0], eye[1], eye[2]), (target[0], target[1], target[2]))
+
+
+def _axes(yaw: float) -> tuple[Vector, Vector, Vector]:
+    """Return where right, up and towards the camera are for one that stands at `yaw`."""
+    cy, sy, cp, sp = math.cos(yaw), math.sin(yaw), math.cos(_PITCH), math.sin(_PITCH)
+    return (-sy, cy, 0.0), (-sp * cy, -sp * sy, cp), (cp * cy, cp * sy, sp)
+
+
+def _width(bodies: Sequence[Body], pictures: Sequence[Sequence[Placed]], yaw: float) -> float:
+    """Return how far apart a camera sees the links beside each other, summed over the pictures."""
+    right, _, _ = _axes(yaw)
+    total = 0.0
+    for places in pictures:
+        along = [
+            _dot(right, place.xyz)
+            for body, place in zip(bodies, places, strict=True)
+            if body.kind == "robot"
+        ]
+        mean = sum(along) / len(along)
+        total += math.sqrt(sum((each - mean) ** 2 for each in along) / len(along))
+    return total
+
+
+def _corners(
+    bodies: Sequence[Body], pictures: Sequence[Sequence[Placed]], kind: str
+) -> list[Vector]:
+    return [
+        corner
+        for places in pictures
+        for body, place in zip(bodies, places, strict=True)
+        if body.kind == kind
+        for shape in body.shapes
+        for corner in corners(place, shape)
+    ]
+
+
+def _dot(one: Sequence[float], other: Sequence[float]) -> float:
+    return sum(a * b for a, b in zip(one, other, strict=True))

@@ -1,0 +1,109 @@
+"""Where the bodies of a run are at a moment: from the values of joints to poses in the world."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from tracerisk.report.html.replay_model import Body, Quaternion, quaternion_of
+from tracerisk.twin.shapes import Shape
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """A pose in the world: position [m] and quaternion (w, x, y, z)."""
+
+    xyz: Vector
+    quaternion: Quaternion
+
+    def point(self, inside: Sequence[float]) -> Vector:
+        """Return where a point of this frame is in the world [m]."""
+        x, y, z = rotated(self.quaternion, inside)
+        return self.xyz[0] + x, self.xyz[1] + y, self.xyz[2] + z
+
+    def then(self, xyz: Sequence[float], turn: Quaternion) -> Placed:
+        """Return a pose that is given in this frame."""
+        return Placed(self.point(xyz), product(self.quaternion, turn))
+
+
+WORLD = Placed((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
+
+
+def placed_bodies(bodies: Sequence[Body], values: Sequence[float]) -> tuple[Placed, ...]:
+    """Return where each body is; `values` are the columns by which joints and free bodies move.
+
+    A body stands after its parent. A hinge turns [rad], and a slide shifts [m], along its axis.
+    """
+    found: list[Placed] = []
+    for body in bodies:
+        parent = found[body.parent] if body.parent >= 0 else WORLD
+        place = parent.then(body.xyz, body.quaternion)
+        if body.joint == "free":
+            x, y, z, *turn = (float(value) for value in values[body.column : body.column + 7])
+            place = Placed((x, y, z), _unit((turn[0], turn[1], turn[2], turn[3])))
+        elif body.joint == "hinge":
+            half = float(values[body.column]) / 2
+            x, y, z = (math.sin(half) * part for part in body.axis)
+            place = place.then((0.0, 0.0, 0.0), (math.cos(half), x, y, z))
+        elif body.joint == "slide":
+            by = float(values[body.column])
+            place = place.then([by * part for part in body.axis], (1.0, 0.0, 0.0, 0.0))
+        found.append(place)
+    return tuple(found)
+
+
+def placed_shape(place: Placed, shape: Shape) -> Placed:
+    """Return where a shape of a body is that is at `place`."""
+    return place.then(shape.xyz, quaternion_of(shape.rpy))
+
+
+def corners(place: Placed, shape: Shape) -> Iterator[Vector]:
+    """Yield the corners of a box around a shape of a body that is at `place`."""
+    radius, *more = shape.size
+    match shape.kind:
+        case "box":
+            reach = (radius, *more)
+        case "sphere":
+            reach = (radius, radius, radius)
+        case "capsule":
+            reach = (radius, radius, more[0] + radius)
+        case "cylinder":
+            reach = (radius, radius, more[0])
+    at = placed_shape(place, shape)
+    for x in (-reach[0], reach[0]):
+        for y in (-reach[1], reach[1]):
+            for z in (-reach[2], reach[2]):
+                yield at.point((x, y, z))
+
+
+def product(one: Quaternion, other: Quaternion) -> Quaternion:
+    """Return the quaternion that turns by `other` and then by `one`."""
+    a, b, c, d = one
+    e, f, g, h = other
+    return (
+        a * e - b * f - c * g - d * h,
+        a * f + b * e + c * h - d * g,
+        a * g - b * h + c * e + d * f,
+        a * h + b * g - c * f + d * e,
+    )
+
+
+def rotated(turn: Quaternion, vector: Sequence[float]) -> Vector:
+    """Return a vector turned by a quaternion of unit length."""
+    w, x, y, z = turn
+    a, b, c = vector
+    # v + 2 w (q x v) + 2 q x (q x v)
+    i, j, k = y * c - z * b, z * a - x * c, x * b - y * a
+    return (
+        a + 2 * (w * i + y * k - z * j),
+        b + 2 * (w * j + z * i - x * k),
+        c + 2 * (w * k + x * j - y * i),
+    )
+
+
+def _unit(turn: Quaternion) -> Quaternion:
+    length = math.sqrt(sum(part * part for part in turn)) or 1.0
+    return turn[0] / length, turn[1] / length, turn[2] / length, turn[3] / length
