@@ -20,17 +20,8 @@ if TYPE_CHECKING:
 
 PACKAGES = (
     *("daqp", "dm-control", "jinja2", "lark", "libcst", "mink", "mujoco", "numba", "numpy"),
-    *(
-        "pillow",
-        "pygments",
-        "pyyaml",
-        "rich",
-        "rosbags",
-        "ruamel.yaml",
-        "scipy",
-        "shtab",
-        "xacrodoc",
-    ),
+    *("pillow", "pygments", "pyyaml", "rich", "rosbags", "ruamel.yaml", "scipy", "shtab"),
+    "xacrodoc",
 )
 """What tracerisk depends on, as `pyproject.toml` lists it."""
 
