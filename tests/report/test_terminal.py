@@ -1,10 +1,12 @@
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from fractions import Fraction
 
 import pytest
+from rich.cells import cell_len
 
 from tracerisk.prm import (
     FIGURE_STATEMENT,
@@ -19,6 +21,9 @@ from tracerisk.prm import (
     solve,
 )
 from tracerisk.report.terminal import render_assessment
+
+ANSI = re.compile("\\x1b\\[[0-9;]*m")
+BAR = "\u2588\u258f\u258e\u258d\u258c\u258b\u258a\u2589"
 
 
 def series_state(name, sequence, probabilities, following):
@@ -63,23 +68,119 @@ def test_table_with_exposures_still_fits_and_shows_the_seconds(assessment):
     assert "active s" not in render_assessment(assessment)
 
 
-def test_a_row_shows_sequence_components_top_visits_and_absorption(assessment):
+def test_the_missions_figure_stands_first_and_what_it_is_right_below(assessment):
+    lines = render_assessment(assessment, width=100).splitlines()
+    assert lines[0] == (
+        "A mission of racks fails through hardware with probability 2.50e-08, 24 % of it through "
+        "component_f."
+    )
+    assert lines[1] == FIGURE_STATEMENT
+    assert lines.index("Functions") < lines.index("Findings") < lines.index("Assumptions")
+
+
+def test_a_mission_that_no_failure_can_end_is_told_so():
+    state = series_state("rest", 1, {}, {"done": 1})
+    lines = render_assessment(solve(HybridModel("m", "rest", (state,), ()))).splitlines()
+    assert lines[0] == "No hardware failure that is modelled can end a mission of m."
+    assert "nan" not in "".join(lines)
+
+
+def test_a_row_shows_sequence_top_visits_and_share_and_its_components_below(assessment):
     rows = [line.split() for line in render_assessment(assessment).splitlines()]
-    assert ["2", "hold", "component_a", "1", "of", "1", "1.00e-09", "4", "4.00e-09"] in rows
-    assert ["3", "rest", "(none)", "0.00e+00", "0", "0.00e+00"] in rows
+    place = rows.index(["2", "hold", "1.00e-09", "4", "16", "%"])
+    assert rows[place + 1] == ["component_a", "1", "of", "1", "1.00e-09", "16", "%"]
+    place = rows.index(["3", "rest", "0.00e+00", "0", "0", "%"])
+    assert rows[place + 1] == ["(none)"]
 
 
-def test_a_function_of_several_components_shows_its_figures_once(assessment):
-    table = render_assessment(assessment).split("Mission")[0]
-    rows = [line.split() for line in table.splitlines()]
-    assert [row.count("2.10e-08") for row in rows if "2.10e-08" in row] == [2]
-    assert ["component_f", "1", "of", "1"] in rows
+def test_shares_of_functions_and_of_their_components_add_up_to_the_missions(assessment):
+    text = render_assessment(assessment).split("Components that")[0]
+    shares = {"function": 0.0, "component": 0.0}
+    for line in text.splitlines():
+        if line.endswith(" %"):
+            kind = "component" if "component_" in line else "function"
+            shares[kind] += float(line.split()[-2])
+    assert shares == pytest.approx({"function": 100.0, "component": 100.0}, abs=0.2)
+
+
+def test_components_of_a_function_stand_in_the_order_in_which_they_matter(assessment):
+    table = render_assessment(assessment).split("2  hold")[0]
+    names = [word for word in table.split() if word.startswith("component_")]
+    # The first is in the sentence.
+    assert names[1:] == [f"component_{letter}" for letter in "fedcba"]
+
+
+def many_components(number: int, name: str = "joint_motor_{}"):
+    names = {name.format(index): (index + 1) * 1e-9 for index in range(number)}
+    state = series_state("pick", 1, names, {"done": 1})
+    parameters = tuple(Parameter(*each) for each in names.items())
+    return solve(HybridModel("cell.py", "pick", (state,), parameters))
+
+
+def test_of_many_components_those_that_matter_are_shown_and_the_rest_counted():
+    text = render_assessment(many_components(40)).split("Components that")[0]
+    assert "and 34 more" in text
+    assert [word in text for word in ("_39 ", "_34 ", "_33 ")] == [True, True, False]
+    assert "more" not in render_assessment(many_components(7)).split("Components that")[0]
+
+
+LONG = "PickAndPlaceNode.approach_the_rack_from_above_with_an_open_gripper_and_then_wait.inner"
+WIDE_LETTERS = "\u628a\u8bd5\u7ba1\u653e\u5165\u67b6\u5b50" * 6
+EMOJI = "\U0001f916_arm"
+
+
+@pytest.mark.parametrize("width", [60, 72, 80, 109, 110, 120, 160, 240])
+@pytest.mark.parametrize("name", [LONG, WIDE_LETTERS, EMOJI])
+@pytest.mark.parametrize("color", [True, False])
+def test_the_table_fits_every_terminal_and_loses_no_letter_of_a_name(width, name, color):
+    parts = {f"{name}_{index}": 1e-7 * 10.0**-index for index in range(12)}
+    states = [series_state(f"{name}{n}", n, parts, {"done": 1}) for n in (1, 2)]
+    states[0] = series_state(f"{name}1", 1, parts, {f"{name}2": 1})
+    parameters = tuple(Parameter(*each) for each in parts.items())
+    model = HybridModel("cell.py", f"{name}1", tuple(states), parameters)
+    exposures = {f"{name}1": dict.fromkeys(parts, 12345.678)}
+    text = render_assessment(solve(model), exposures=exposures, width=width, color=color)
+    lines = [line.rstrip() for line in ANSI.sub("", text).splitlines()]
+    assert max(map(cell_len, lines)) <= min(width, 160)
+    # Folded names are whole when the lines of their column are joined.
+    table = "\n".join(lines).split("Functions\n")[1].split("Findings")[0]
+    column = table.split("Components that")[0].splitlines()
+    assert "\N{HORIZONTAL ELLIPSIS}" not in text
+    joined = "".join(line[3:].strip().split("  ")[0] for line in column)
+    assert f"{name}1" in joined
+    assert f"{name}_0" in joined
+
+
+def test_a_wide_terminal_gets_bars_as_long_as_the_shares(assessment):
+    narrow, wide = (render_assessment(assessment, width=width) for width in (109, 110))
+    assert not any(mark in narrow for mark in BAR)
+    assert "absorbed" in wide
+    assert "absorbed" not in narrow
+    table = wide.split("Components that")[0].splitlines()
+    approach, hold = (
+        next(line for line in table if re.match(rf" *{number}  \w", line)) for number in (1, 2)
+    )
+    assert [sum(letter in BAR for letter in line) for line in (approach, hold)] == [10, 2]
+
+
+def test_colours_say_nothing_that_is_not_in_the_text(assessment):
+    for width in (80, 120):
+        plain = render_assessment(assessment, width=width)
+        colored = render_assessment(assessment, width=width, color=True)
+        bare = "".join(f"{line.rstrip()}\n" for line in ANSI.sub("", colored).splitlines())
+        assert bare == plain
+
+
+def test_what_is_said_twice_is_printed_once(assessment):
+    text = render_assessment(assessment, findings=["out of reach", "out of reach", "slipped"])
+    assert text.count("- out of reach") == 1
+    assert "- slipped" in text
 
 
 def test_at_most_five_components_are_shown_the_greatest_first(assessment):
     text = render_assessment(assessment)
     assert "Components that matter most (5 of 6)" in text
-    table = text.split("Components that matter most")[1]
+    table = text.split("Components that matter most")[1].split("Assumptions")[0]
     shown = [line.split()[0] for line in table.splitlines() if line.startswith("component_")]
     # component_a is used in both functions: 1e-9 + 4e-9, level with component_e.
     assert shown[0] == "component_f"
@@ -87,9 +188,8 @@ def test_at_most_five_components_are_shown_the_greatest_first(assessment):
 
 
 def test_the_three_mission_figures_stand_side_by_side(assessment):
-    mission = render_assessment(assessment).split("Mission failure probability")[1]
-    row = next(line for line in mission.splitlines() if "e-" in line)
-    assert row.split()[:3] == ["2.50e-08", "2.50e-08", "2.50e-08"]
+    line = next(line for line in render_assessment(assessment).splitlines() if "chain" in line)
+    assert line == ("By the chain 2.50e-08; 1 cycle, fixed 2.50e-08; visits as they ran 2.50e-08:")
 
 
 def test_findings_and_assumptions_of_caller_and_model_are_all_shown(assessment):

@@ -6,14 +6,14 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from tracerisk.cli.output import terminal_width, use_color
+from tracerisk.cli.output import print_text, terminal_width, use_color
 from tracerisk.errors import ExitCode
 
 if TYPE_CHECKING:
-    from rich.table import Table
+    from rich.console import RenderableType
 
     from tracerisk.prm.assessment import Assessment
-    from tracerisk.report.terminal import Exposures
+    from tracerisk.report.functions_table import Exposures
 
 
 def print_assessment(
@@ -22,22 +22,22 @@ def print_assessment(
     exposures: Exposures | None = None,
     findings: Sequence[str] = (),
     assumptions: Sequence[str] = (),
-    tables: Sequence[Table] = (),
+    tables: Sequence[RenderableType] = (),
 ) -> None:
-    """Print the table of an assessment on standard output."""
+    """Print the tables of an assessment on standard output."""
     from tracerisk.report.terminal import render_assessment
 
-    text = render_assessment(
-        assessment,
-        exposures=exposures,
-        findings=findings,
-        assumptions=assumptions,
-        tables=tables,
-        width=terminal_width(),
-        color=use_color(),
+    print_text(
+        render_assessment(
+            assessment,
+            exposures=exposures,
+            findings=findings,
+            assumptions=assumptions,
+            tables=tables,
+            width=terminal_width(),
+            color=use_color(),
+        )
     )
-    sys.stdout.write(text)
-    sys.stdout.flush()
 
 
 def risk_exit(assessment: Assessment, max_risk: float | None) -> ExitCode:

@@ -21,7 +21,7 @@ ProfileText = dict[str, dict[str, str]]
 def add_json(parser: argparse.ArgumentParser) -> None:
     """Add `--json` and `--quiet`."""
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
-    parser.add_argument("-q", "--quiet", action="store_true", help="no progress and no notes")
+    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but what is asked for")
 
 
 def add_sarif(parser: argparse.ArgumentParser) -> None:

@@ -22,6 +22,11 @@ SCHEMA = "tracerisk"
 VERSION = 1
 """Version of the JSON that every verb prints with `--json`."""
 
+_PLAIN_SIGNS = str.maketrans(
+    {"\N{BOX DRAWINGS LIGHT HORIZONTAL}": "-", **dict.fromkeys("\u2588\u2589\u258a\u258b", "#")}
+    | dict.fromkeys("\u258c\u258d\u258e\u258f", " ")
+)
+
 
 def print_json(verb: str, *, exit_code: int = 0, **data: Any) -> None:
     """Print what a verb found as JSON: sorted keys, the same bytes for the same input."""
@@ -83,8 +88,13 @@ def print_diffs(annotated: Annotated) -> None:
 
 
 def use_color() -> bool:
-    """Return whether standard output is a terminal that wants colours."""
-    return sys.stdout.isatty() and "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"
+    """Return whether standard output wants colours: as `NO_COLOR` and `FORCE_COLOR` say.
+
+    Neither counts where it is empty, and the first has the last word (no-color.org).
+    """
+    if os.environ.get("NO_COLOR"):
+        return False
+    return bool(os.environ.get("FORCE_COLOR")) or (sys.stdout.isatty() and not _is_dumb())
 
 
 def terminal_width() -> int:
@@ -94,12 +104,27 @@ def terminal_width() -> int:
     return shutil.get_terminal_size((80, 24)).columns if sys.stdout.isatty() else 80
 
 
+def print_text(text: str) -> None:
+    """Print tables on standard output, with signs that its encoding has."""
+    encoding = sys.stdout.encoding or "utf-8"
+    try:
+        text.encode(encoding)
+    except UnicodeEncodeError:
+        text = text.translate(_PLAIN_SIGNS).encode(encoding, "backslashreplace").decode(encoding)
+    sys.stdout.write(text)
+    sys.stdout.flush()
+
+
 @contextlib.contextmanager
 def progress_bar(
-    duration_s: float | None = None, *, quiet: bool
+    most_s: float | None = None, *, quiet: bool
 ) -> Iterator[Callable[[str, float], None] | None]:
-    """Yield what draws the progress on a terminal, `None` where there is none."""
-    if quiet or not sys.stderr.isatty():
+    """Yield what shows the phase and the simulated seconds; `None` where there is no terminal.
+
+    `most_s` is the simulated time [s] after which a run is over, where it is known.
+    What is printed on standard error meanwhile stands above the bar, which is gone at the end.
+    """
+    if quiet or not sys.stderr.isatty() or _is_dumb():
         yield None
         return
     from rich.console import Console
@@ -107,18 +132,31 @@ def progress_bar(
 
     columns = (
         SpinnerColumn(),
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed:.1f} s simulated"),
+        TextColumn("{task.description:<17}"),
+        BarColumn(bar_width=20),
+        TextColumn("{task.fields[simulated]}"),
         TimeElapsedColumn(),
     )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("starting", total=duration_s)
+    bar = Progress(
+        *columns,
+        console=Console(stderr=True, no_color=bool(os.environ.get("NO_COLOR"))),
+        transient=True,
+        redirect_stdout=False,
+    )
+    with bar:
+        # Nobody knows when a controller will end: the bar says that it runs, not how far it is.
+        task = bar.add_task("reading", total=None, simulated="")
 
         def tell(phase: str, simulated_s: float) -> None:
-            bar.update(task, description=phase, completed=simulated_s)
+            most = "" if most_s is None else f" of at most {most_s:g}"
+            simulated = f"{simulated_s:.1f}{most} s simulated" if simulated_s > 0.0 else ""
+            bar.update(task, description=phase, simulated=simulated)
 
         yield tell
+
+
+def _is_dumb() -> bool:
+    return os.environ.get("TERM", "").lower() in ("dumb", "unknown")
 
 
 def _lines(data: bytes) -> list[str]:

@@ -6,7 +6,7 @@ import argparse
 import contextlib
 import tempfile
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +24,7 @@ from tracerisk.cli.output import (
     print_diffs,
     print_json,
     progress_bar,
+    terminal_width,
     write_sarif,
 )
 from tracerisk.cli.report_input import RunShown, report_html
@@ -40,10 +41,17 @@ from tracerisk.cli.run_report import (
 )
 from tracerisk.cli.what_if import print_what_if, what_if_data
 from tracerisk.errors import ControllerFailedError, ExitCode, Location
+from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline import Controller
-    from tracerisk.trace import Trace
+    from tracerisk.adder.derivation import FunctionDerivation
+    from tracerisk.config import Settings
+    from tracerisk.pipeline import Annotated, Controller
+    from tracerisk.pipeline.stages import Progress
+    from tracerisk.prm.assessment import Assessment
+    from tracerisk.prm.hybrid import HybridModel
+    from tracerisk.prm.uncertainty import Uncertainty
+    from tracerisk.report.run_figures import RunFigures
 
 _NO_FAILURE = frozenset({"assumed_name", "unused"})
 
@@ -73,14 +81,35 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
+    check_run_uncertainty(options)
+    with progress_bar(quiet=options.quiet) as progress:
+        done = _assess(options, progress or _untold)
+    return _failed(options, done) if isinstance(done, Trace) else _told(options, done)
+
+
+@dataclass(frozen=True, slots=True)
+class _Assessed:
+    """What a run that ended well came to; everything that was asked for as a file is written."""
+
+    controller: Controller
+    settings: Settings
+    trace: Trace
+    annotated: Annotated
+    model: HybridModel
+    assessment: Assessment
+    figures: RunFigures
+    uncertainty: Uncertainty | None
+    derivation: FunctionDerivation | None
+
+
+def _assess(options: argparse.Namespace, progress: Progress) -> _Assessed | Trace:
+    """Run the stages and write what they are to write; return the trace of a bad end."""
     from tracerisk import pipeline, trace_json
     from tracerisk.pipeline.run_section import recorded_run, run_section
     from tracerisk.pipeline.stages import blocks_of
     from tracerisk.prm.formats import model_json
-    from tracerisk.prm.formats.assessment_json import assessment_to_json
     from tracerisk.report.run_figures import run_figures, set_by_hand
 
-    check_run_uncertainty(options)
     profile = shared.read_profile(options)
     policy = shared.merge_policy(options)
     controller = pipeline.load_controller(options.controller)
@@ -88,22 +117,17 @@ def run(options: argparse.Namespace) -> int:
     settings = pipeline.load_settings(controller, given)
     pipeline.check_blocks(controller)
     with _recording_folder(options) as keep:
-        with progress_bar(settings.duration_s, quiet=options.quiet) as progress:
-            trace = pipeline.trace_controller(controller, settings, keep=keep, progress=progress)
+        told = None if progress is _untold else progress
+        trace = pipeline.trace_controller(controller, settings, keep=keep, progress=told)
         recorded = None
         if keep is not None and options.report is not None and trace.end.is_good:
             recorded = recorded_run(keep)
     if not trace.end.is_good:
-        if options.trace is not None:
-            write_file(options.trace, trace_json.dumps(trace))
-        code = print_failure(trace)
-        if options.json:
-            print_json(
-                "run", exit_code=code, error=failure_of(trace), trace=trace_json.trace_data(trace)
-            )
-        return code
+        return trace
     if not trace.functions:
         raise _nothing_commanded(trace, controller)
+    simulated_s = trace.end.simulated_s or 0.0
+    progress("annotating", simulated_s)
     hardware = pipeline.load_hardware(settings, trace.robot)
     note_warnings(hardware, quiet=options.quiet)
     annotated = pipeline.annotate(
@@ -114,6 +138,7 @@ def run(options: argparse.Namespace) -> int:
     model = pipeline.build(sources, name=controller.path.name)
     if options.model is not None:
         write_file(options.model, model_json.dumps(model))
+    progress("solving", simulated_s)
     assessment = pipeline.solve(model)
     blocks = [block for _, block in blocks_of(sources)]
     instances = annotated.computed.instances
@@ -122,8 +147,7 @@ def run(options: argparse.Namespace) -> int:
         model, hardware, instances, set_by_hand(blocks), options, seed=settings.seed
     )
     derivation = explained(options, annotated, hardware, settings)
-    keeps_files = options.check or options.diff
-    if not keeps_files:
+    if not (options.check or options.diff):
         annotated.write()
         trace = pipeline.at_annotated_lines(trace, annotated)
     if options.trace is not None:
@@ -133,10 +157,40 @@ def run(options: argparse.Namespace) -> int:
 
         write_sarif(options.sarif, run_alerts(trace, controller.root))
     if options.report is not None:
+        progress("report", simulated_s)
         section = run_section(trace, hardware, recorded)
         shown = RunShown(trace, hardware, annotated.computed, () if section is None else (section,))
         write_file(options.report, report_html(assessment, model, sources, run=shown))
-    code = max(risk_exit(assessment, options.max_risk), finding_exit(trace, settings.fail_on))
+    return _Assessed(
+        controller, settings, trace, annotated, model, assessment, figures, uncertainty, derivation
+    )
+
+
+def _untold(_phase: str, _simulated_s: float) -> None:
+    """Stand for a progress that nobody sees."""
+
+
+def _failed(options: argparse.Namespace, trace: Trace) -> int:
+    """Tell of a run that ended badly; return the exit code."""
+    from tracerisk import trace_json
+
+    if options.trace is not None:
+        write_file(options.trace, trace_json.dumps(trace))
+    code = print_failure(trace)
+    if options.json:
+        data = trace_json.trace_data(trace)
+        print_json("run", exit_code=code, error=failure_of(trace), trace=data)
+    return code
+
+
+def _told(options: argparse.Namespace, done: _Assessed) -> int:
+    """Tell of a run that ended well, most important first; return the exit code."""
+    from tracerisk import trace_json
+    from tracerisk.prm.formats import model_json
+    from tracerisk.prm.formats.assessment_json import assessment_to_json
+
+    trace, annotated, assessment = done.trace, done.annotated, done.assessment
+    code = max(risk_exit(assessment, options.max_risk), finding_exit(trace, done.settings.fail_on))
     if options.check and annotated.is_changed:
         code = ExitCode.WOULD_CHANGE
     if options.json:
@@ -147,36 +201,39 @@ def run(options: argparse.Namespace) -> int:
             objects=trace_json.trace_data(trace)["objects"],
             assessment=assessment_to_json(assessment),
             assumptions=[*trace.assumptions, *annotated.computed.assumptions],
-            model=model_json.model_data(model),
-            **derivation_json(derivation),
-            **figures.data(annotated.computed.names),
-            **what_if_data([], (), uncertainty),
+            model=model_json.model_data(done.model),
+            **derivation_json(done.derivation),
+            **done.figures.data(annotated.computed.names),
+            **what_if_data([], (), done.uncertainty),
         )
         return int(code)
     if options.diff:
         print_diffs(annotated)
-    quiet = options.quiet
-    note(headline(trace), quiet=quiet)
-    for line in object_lines(trace):
-        note(line, quiet=quiet)
-    line = blocks_line(
-        str(controller.path),
-        len(annotated.computed.blocks),
-        keeps_files=keeps_files,
-        is_changed=annotated.is_changed,
-    )
-    note(line, quiet=quiet)
-    if not options.diff:
+    for line in _notes(options, done):
+        note(line, quiet=options.quiet)
+    if not (options.diff or options.quiet):
         print_assessment(
             assessment,
             exposures=annotated.computed.exposures_by_name,
             findings=finding_lines(trace),
             assumptions=(*trace.assumptions, *annotated.computed.assumptions),
-            tables=figures.tables(),
+            tables=done.figures.tables(terminal_width()),
         )
-        print_what_if(assessment, [], uncertainty, importance=False, pairs=None)
-    print_derivation(derivation)
+    if not options.diff:
+        print_what_if(assessment, [], done.uncertainty, importance=False, pairs=None)
+    print_derivation(done.derivation)
     return int(code)
+
+
+def _notes(options: argparse.Namespace, done: _Assessed) -> list[str]:
+    """Return how the run went and what became of the blocks, a line each."""
+    blocks = blocks_line(
+        str(done.controller.path),
+        len(done.annotated.computed.blocks),
+        keeps_files=options.check or options.diff,
+        is_changed=done.annotated.is_changed,
+    )
+    return [headline(done.trace), *object_lines(done.trace), blocks]
 
 
 @contextlib.contextmanager

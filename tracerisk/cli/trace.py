@@ -32,9 +32,9 @@ def run(options: argparse.Namespace) -> int:
     from tracerisk import pipeline, trace_json
     from tracerisk.adder.computed import compute_blocks
 
-    controller = pipeline.load_controller(options.controller)
-    settings = pipeline.load_settings(controller, shared.run_settings(options))
-    with progress_bar(settings.duration_s, quiet=options.quiet) as progress:
+    with progress_bar(quiet=options.quiet) as progress:
+        controller = pipeline.load_controller(options.controller)
+        settings = pipeline.load_settings(controller, shared.run_settings(options))
         trace = pipeline.trace_controller(
             controller,
             settings,

@@ -9,11 +9,12 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 from tracerisk import errors
 from tracerisk.config import Settings
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.stages import Progress
     from tracerisk.twin.robot import Robot
 
+_STARTING = "starting the twin"
 _POLL_S = 0.02
 _GRACE_S = 2.0
 _STACK_LINE = re.compile(r'  File "(?P<file>.*)", line (?P<line>\d+) in ')
@@ -96,11 +98,15 @@ def run_controller(
             parent=os.getpid(),
         )
         (folder / ROBOT).write_text(dump_robot(robot), encoding="utf-8")
+        if progress is not None:
+            progress(_STARTING, 0.0)
         process_end = _run_child(request, folder, settings, progress)
         recording = _recording(folder)
         _raise_failure(recording)
         _raise_unstarted(recording, process_end, settings)
         end = _run_end(recording, process_end, controller)
+        if progress is not None:
+            progress("attributing", end.simulated_s or 0.0)
         trace = make_trace(controller, robot, scene, settings, recording, folder, end)
         asked = [
             name
@@ -154,17 +160,43 @@ def _run_child(
     child = subprocess.Popen(
         [sys.executable, "-u", "-m", "tracerisk.pipeline.child", str(request_path)],
         stdin=subprocess.DEVNULL,
-        stdout=sys.stderr.fileno() if _has_descriptor(sys.stderr) else subprocess.DEVNULL,
-        stderr=None,
+        stdout=_output(progress),
+        stderr=None if progress is None else subprocess.STDOUT,
         env=environment,
         start_new_session=True,
     )
+    passing: threading.Thread | None = None
     try:
+        passing = None if child.stdout is None else _pass_on(child.stdout)
         return _watch(child, folder, settings, progress)
     finally:
         # Whatever the controller started goes with it.
         end_left_running(child.pid, mark)
         child.wait()
+        if passing is not None:
+            passing.join(_GRACE_S)
+
+
+def _output(progress: Progress | None) -> int:
+    """Return where a controller's output goes: to us while progress is drawn on the terminal."""
+    if progress is not None:
+        return subprocess.PIPE
+    return sys.stderr.fileno() if _has_descriptor(sys.stderr) else subprocess.DEVNULL
+
+
+def _pass_on(output: IO[bytes]) -> threading.Thread:
+    """Print what a controller prints, line by line, where progress does not draw over it."""
+
+    def pass_on() -> None:
+        with output:
+            for line in output:
+                # Looked up each time: what draws the progress takes its place while it draws.
+                sys.stderr.write(line.decode("utf-8", "replace"))
+                sys.stderr.flush()
+
+    thread = threading.Thread(target=pass_on, daemon=True)
+    thread.start()
+    return thread
 
 
 def _has_descriptor(stream: Any) -> bool:
@@ -188,7 +220,7 @@ def _watch(
         if grown != seen:
             seen, last_change = grown, now
             if progress is not None:
-                progress("simulating", max(grown[1], 0) / 1e9)
+                progress("simulating" if grown[1] > 0 else _STARTING, max(grown[1], 0) / 1e9)
         if now - began > settings.wall_limit_s:
             return _stop(child, folder, f"{settings.wall_limit_s:g} s of wall time are over")
         if now - last_change > settings.stall_limit_s:

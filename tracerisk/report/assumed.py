@@ -10,12 +10,14 @@ from tracerisk.hardware.model import Hardware
 from tracerisk.hardware.sources import assumed_sources
 from tracerisk.prm.assessment import Assessment
 from tracerisk.report.instances import component_shares
-from tracerisk.report.tables import plain, table_of
+from tracerisk.report.tables import add_share_columns, plain, share_cells, table_of
 
 if TYPE_CHECKING:
     from rich.table import Table
 
 MOST_SHOWN = 5
+LEAST_SHARE = 1e-4
+"""Part of the mission's failure probability from which a figure is said to drive it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,18 +49,21 @@ def assumed_figures(
     return tuple(sorted(found, key=lambda each: (-each.fussell_vesely, each.component)))
 
 
-def assumed_table(figures: Sequence[AssumedFigure]) -> Table | None:
+def assumed_table(figures: Sequence[AssumedFigure], width: int = 80) -> Table | None:
     """Return the assumed figures that matter most as a table; `None` where there are none."""
     if not figures:
         return None
-    shown = figures[:MOST_SHOWN]
+    # The first stands for all where none drives anything.
+    driving = [each for each in figures if each.fussell_vesely >= LEAST_SHARE] or figures[:1]
+    shown = driving[:MOST_SHOWN]
     title = "Assumed figures that drive the result"
     if len(figures) > len(shown):
         title += f" ({len(shown)} of {len(figures)})"
     table = table_of(title)
     table.add_column("component", overflow="fold")
-    table.add_column("share", justify="right", no_wrap=True)
+    add_share_columns(table, width)
     table.add_column("source", overflow="fold")
     for each in shown:
-        table.add_row(*plain([each.component, f"{100.0 * each.fussell_vesely:.3g} %", each.source]))
+        told = plain([each.source])
+        table.add_row(*plain([each.component]), *share_cells(each.fussell_vesely, width), *told)
     return table

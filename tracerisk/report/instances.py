@@ -8,14 +8,28 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.instances import ComponentInstances, Instance
 from tracerisk.prm.assessment import Assessment
-from tracerisk.report.tables import plain, table_of
+from tracerisk.report.tables import (
+    ROOMY,
+    WIDE,
+    add_share_columns,
+    plain,
+    share_cells,
+    share_text,
+    table_of,
+)
 from tracerisk.trace import FunctionRef
 
 if TYPE_CHECKING:
+    from rich.console import RenderableType
     from rich.table import Table
 
 MOST_INSTANCES = 8
 """How many instances of one component are shown, those with the greatest share first."""
+
+MOST_OF_OTHERS = 3
+"""How many in 80 columns, of each component but the one that matters most."""
+
+_TITLE = "Instances that differ"
 
 
 def component_shares(assessment: Assessment) -> dict[str, float]:
@@ -83,35 +97,74 @@ def instances_data(
 
 
 def instances_table(
-    instances: Sequence[ComponentInstances], importances: Sequence[InstanceImportance]
-) -> Table | None:
-    """Return the table of the components whose instances differ; `None` where none do."""
+    instances: Sequence[ComponentInstances],
+    importances: Sequence[InstanceImportance],
+    width: int = 80,
+) -> RenderableType | None:
+    """Return the components whose instances differ; `None` where none do.
+
+    On a wide terminal they stand side by side.
+    """
     unlike = {each.component.name for each in instances if not each.are_alike}
-    if not unlike:
+    rows: dict[str, list[InstanceImportance]] = {}
+    for each in importances:
+        if each.component in unlike:
+            rows.setdefault(each.component, []).append(each)
+    if not rows:
         return None
-    table = table_of("Instances that differ")
+    return _side_by_side(rows, width) if width >= WIDE else _stacked(rows, width)
+
+
+def _stacked(rows: Mapping[str, Sequence[InstanceImportance]], width: int) -> Table:
+    table = table_of(_TITLE)
     table.add_column("component", overflow="fold")
     table.add_column("instance", overflow="fold")
-    for heading in ("p mission", "share", "Fussell-Vesely"):
+    headings = ("p mission", "share", *(("Fussell-Vesely",) if width >= ROOMY else ()))
+    for heading in headings:
         table.add_column(heading, justify="right", no_wrap=True)
-    shown: dict[str, int] = {}
-    for each in importances:
-        if each.component not in unlike:
-            continue
-        number = shown[each.component] = shown.get(each.component, 0) + 1
-        if number <= MOST_INSTANCES:
-            table.add_row(
-                *plain(
-                    [
-                        each.component if number == 1 else "",
-                        each.instance.element,
-                        f"{each.instance.p_failure:.2e}",
-                        f"{100.0 * each.share:.3g} %",
-                        f"{100.0 * each.fussell_vesely:.3g} %",
-                    ]
-                )
-            )
-        elif number == MOST_INSTANCES + 1:
-            left = sum(one.component == each.component for one in importances) - MOST_INSTANCES
-            table.add_row(*plain(["", f"and {left} more", "", "", ""]))
+    most = MOST_INSTANCES
+    for component, found in rows.items():
+        shown, left = _shown(found, most)
+        for index, each in enumerate(shown):
+            cells = [
+                component if index == 0 else "",
+                each.instance.element,
+                f"{each.instance.p_failure:.2e}",
+                share_text(each.share),
+                share_text(each.fussell_vesely),
+            ]
+            table.add_row(*plain(cells[: 2 + len(headings)]))
+        if left:
+            table.add_row(*plain(["", f"and {left} more"]))
+        most = MOST_OF_OTHERS
     return table
+
+
+def _side_by_side(rows: Mapping[str, Sequence[InstanceImportance]], width: int) -> RenderableType:
+    from rich.columns import Columns
+    from rich.console import Group
+    from rich.text import Text
+
+    tables = []
+    for component, found in rows.items():
+        table = table_of(component, style="")
+        table.add_column("instance", overflow="fold", max_width=24)
+        table.add_column("p mission", justify="right", no_wrap=True)
+        add_share_columns(table, width)
+        shown, left = _shown(found, MOST_INSTANCES)
+        for each in shown:
+            names = plain([each.instance.element, f"{each.instance.p_failure:.2e}"])
+            table.add_row(*names, *share_cells(each.share, width))
+        if left:
+            table.add_row(*plain([f"and {left} more"]))
+        tables.append(table)
+    return Group(Text(f"{_TITLE}, each by its share of the component", "bold"), Columns(tables))
+
+
+def _shown(
+    found: Sequence[InstanceImportance], most: int
+) -> tuple[Sequence[InstanceImportance], int]:
+    """Return what is shown, and how many more there are: never a line that tells of one."""
+    if len(found) <= most + 1:
+        return found, 0
+    return found[:most], len(found) - most

@@ -20,7 +20,7 @@ from tracerisk.report.instances import (
 from tracerisk.trace import FunctionRef
 
 if TYPE_CHECKING:
-    from rich.table import Table
+    from rich.console import RenderableType
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,9 +31,12 @@ class RunFigures:
     importances: tuple[InstanceImportance, ...]
     assumed: tuple[AssumedFigure, ...]
 
-    def tables(self) -> list[Table]:
+    def tables(self, width: int = 80) -> list[RenderableType]:
         """Return the tables for a terminal; none where instances are alike and none is assumed."""
-        found = (instances_table(self.instances, self.importances), assumed_table(self.assumed))
+        found = (
+            instances_table(self.instances, self.importances, width),
+            assumed_table(self.assumed, width),
+        )
         return [each for each in found if each is not None]
 
     def data(self, names: Mapping[FunctionRef, str]) -> dict[str, Any]:

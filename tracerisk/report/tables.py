@@ -10,18 +10,31 @@ if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from rich.table import Table
 
+LEAST_WIDTH = 60
+ROOMY = 72
+"""Columns below which what matters less is left out, so that names have room."""
+
+WIDE = 110
+"""Columns from which there is room for bars, and for tables side by side."""
+
+MOST_WIDTH = 160
+"""Columns beyond which lines would only become harder to follow."""
+
+_BAR_WIDTH = 12
+
 
 def rendered(write: Callable[[Console], None], *, width: int = 80, color: bool = False) -> str:
     """Return as text what `write` prints to a console.
 
-    `width` is the number of columns, at least 60; `color` adds escape sequences.
+    `width` is the number of columns, taken as at least 60 and at most 160; `color` adds escape
+    sequences.
     """
     from rich.console import Console
 
     stream = io.StringIO()
     console = Console(
         file=stream,
-        width=max(width, 60),
+        width=min(max(width, LEAST_WIDTH), MOST_WIDTH),
         force_terminal=color,
         color_system="standard" if color else None,
         highlight=False,
@@ -46,7 +59,7 @@ def render_parts(parts: Sequence[RenderableType], *, width: int = 80, color: boo
     return rendered(write, width=width, color=color)
 
 
-def table_of(title: str) -> Table:
+def table_of(title: str, *, style: str = "bold") -> Table:
     """Return an empty table."""
     from rich import box
     from rich.table import Table
@@ -54,7 +67,7 @@ def table_of(title: str) -> Table:
     return Table(
         title=title,
         title_justify="left",
-        title_style="bold",
+        title_style=style,
         box=box.SIMPLE_HEAD,
         show_edge=False,
         pad_edge=False,
@@ -69,6 +82,42 @@ def plain(cells: Sequence[str]) -> list[RenderableType]:
     from rich.text import Text
 
     return [Text(cell) for cell in cells]
+
+
+def add_share_columns(table: Table, width: int, *, heading: str = "share") -> None:
+    """Add the columns of `share_cells`."""
+    table.add_column(heading, justify="right", no_wrap=True)
+    if width >= WIDE:
+        table.add_column("", width=_BAR_WIDTH)
+
+
+def share_cells(share: float, width: int) -> list[RenderableType]:
+    """Return a share of the risk: its figure, and its bar where there is room for one.
+
+    The colour says what the figure says: half or more, a tenth or more, less than a hundredth.
+    """
+    from rich.bar import Bar
+    from rich.text import Text
+
+    style, color = _weight(share)
+    cells: list[RenderableType] = [Text(share_text(share), style=style)]
+    if width >= WIDE:
+        cells.append(Bar(1.0, 0.0, share, width=_BAR_WIDTH, color=color))
+    return cells
+
+
+def share_text(share: float) -> str:
+    """Return a share in percent; below 0.01 % no digits, which would only seem to matter."""
+    return "<0.01 %" if 0.0 < share < 1e-4 else f"{100.0 * share:.3g} %"
+
+
+def _weight(share: float) -> tuple[str, str]:
+    """Return the style of a figure and the colour of its bar."""
+    if share >= 0.5:
+        return "bold red", "red"
+    if share >= 0.1:
+        return "yellow", "yellow"
+    return ("", "default") if share >= 0.01 else ("dim", "default")
 
 
 def counted(number: float, thing: str) -> str:

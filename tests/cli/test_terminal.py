@@ -1,0 +1,227 @@
+"""The command at a terminal of its own: colours, width, progress, and what is left behind."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import pty
+import re
+import select
+import signal
+import struct
+import subprocess
+import sys
+import termios
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+
+ESCAPE = re.compile(r"\x1b\[[0-9;?]*[a-zA-Z]")
+HIDE, SHOW, ERASE = "\x1b[?25l", "\x1b[?25h", "\x1b[2K"
+WIDTH_OF_THE_SETTING = {"COLUMNS", "LINES", "NO_COLOR", "FORCE_COLOR", "TERM"}
+
+
+@dataclass
+class Shown:
+    """What a call wrote to its terminal, and to standard output where that is no terminal."""
+
+    code: int
+    raw: str
+    out: bytes
+
+    @property
+    def lines(self) -> list[str]:
+        """The lines that stand there in the end, those that were erased left out."""
+        screen: list[str] = [""]
+        row = 0
+        for part in re.split(r"(\r\n|\r|\n|\x1b\[[0-9;?]*[a-zA-Z])", self.raw):
+            if part in ("\n", "\r\n"):
+                row += 1
+                if row == len(screen):
+                    screen.append("")
+            elif part.endswith("A") and part.startswith("\x1b["):
+                row = max(row - int(part[2:-1] or 1), 0)
+            elif part == ERASE:
+                screen[row] = ""
+            elif part and not part.startswith("\x1b") and part != "\r":
+                screen[row] += part
+        return [line.rstrip() for line in screen]
+
+
+def at_terminal(
+    example,
+    *arguments: str,
+    width: int = 80,
+    environment: dict[str, str] | None = None,
+    out_is_terminal: bool = True,
+    interrupt_at: str | None = None,
+) -> Shown:
+    """Run the command at a pseudo-terminal; press Ctrl-C once a text has appeared."""
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 40, width, 0, 0))
+    inherited = {key: os.environ[key] for key in os.environ.keys() - WIDTH_OF_THE_SETTING}
+    process: subprocess.Popen[Any] = subprocess.Popen(
+        [sys.executable, "-m", "tracerisk", *arguments],
+        cwd=example.folder,
+        stdin=theirs,
+        stdout=theirs if out_is_terminal else subprocess.PIPE,
+        stderr=theirs,
+        env={**inherited, "TERM": "xterm-256color", **(environment or {})},
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    os.close(theirs)
+    piped = None if process.stdout is None else process.stdout.fileno()
+    found = {ours: bytearray(), piped: bytearray()}
+    open_ends = [each for each in (ours, piped) if each is not None]
+    end = time.monotonic() + 120.0
+    try:
+        while open_ends:
+            assert time.monotonic() < end, found[ours].decode("utf-8", "replace")
+            for descriptor in select.select(open_ends, [], [], 1.0)[0]:
+                try:
+                    data = os.read(descriptor, 65536)
+                except OSError:  # the other side of a pseudo-terminal is closed
+                    data = b""
+                if not data:
+                    open_ends.remove(descriptor)
+                found[descriptor] += data
+            if interrupt_at is not None and interrupt_at.encode() in found[ours]:
+                interrupt_at = None
+                process.send_signal(signal.SIGINT)
+        code = process.wait(timeout=30)
+    finally:
+        process.kill()
+        process.wait()
+        os.close(ours)
+        if process.stdout is not None:
+            process.stdout.close()
+    return Shown(code, found[ours].decode(), bytes(found[piped]))
+
+
+ROUNDS = 3
+TALKING = ('print("one tube")', 'print("half a ", end=""); print("tube")')
+
+
+@pytest.fixture
+def talking(example, quick):
+    """A controller that prints while it moves, for some seconds of simulated time."""
+    source = quick(*TALKING).replace(
+        "    act(arm)\n", "    for _ in range(3): home(arm); act(arm)\n"
+    )
+    example.write("controller.py", source)
+    return example
+
+
+def test_phases_and_simulated_seconds_appear_and_the_bar_is_gone_at_the_end(talking):
+    shown = at_terminal(talking, "run", "controller.py", "--report", "out.html")
+    assert shown.code == 0, shown.raw
+    text = ESCAPE.sub("", shown.raw)
+    places = [text.find(f" {each} ") for each in ("reading", "starting the twin", "simulating")]
+    assert -1 not in places, text
+    assert places == sorted(places)
+    assert re.search(r"report +\S+ +\d+\.\d s simulated", text)
+    seconds = [float(each) for each in re.findall(r"simulating +\S+ +(\d+\.\d) s sim", text)]
+    assert seconds == sorted(seconds)
+    assert seconds[-1] > 0.0
+    left = "\n".join(shown.lines)
+    assert not re.search("reading|starting|simulating|annotating|solving", left), left
+    assert shown.raw.rindex(SHOW) > shown.raw.rindex(HIDE)
+    # What the controller prints stands whole above the bar.
+    assert shown.lines.count("one tube") == shown.lines.count("half a tube") == ROUNDS
+
+
+def test_json_through_a_pipe_is_clean_while_the_terminal_shows_progress(talking):
+    shown = at_terminal(talking, "run", "controller.py", "--json", out_is_terminal=False)
+    assert json.loads(shown.out)["exit_code"] == 0
+    assert shown.out.startswith(b"{\n")
+    assert "simulating" in shown.raw
+
+
+def test_json_at_the_terminal_is_clean_too(talking):
+    shown = at_terminal(talking, "run", "controller.py", "--json", width=200)
+    begin = shown.raw.index("{\r\n")
+    assert begin > shown.raw.rindex(SHOW)
+    assert json.loads(shown.raw[begin:])["exit_code"] == 0
+
+
+def test_a_terminal_that_cannot_draw_gets_no_bar(talking):
+    shown = at_terminal(talking, "run", "controller.py", environment={"TERM": "dumb"})
+    assert shown.code == 0
+    assert "\x1b" not in shown.raw
+    assert "simulating" not in shown.raw
+    assert "one tube" in shown.raw
+    assert "Functions" in shown.raw
+
+
+def test_quiet_prints_what_is_asked_for_and_nothing_else(talking):
+    options = ("--quiet", "--explain", "act", "--max-risk", "0")
+    shown = at_terminal(talking, "run", "controller.py", *options, out_is_terminal=False)
+    derived = shown.out.decode()
+    assert shown.code == 1
+    assert derived.startswith("act")
+    assert "Functions" not in derived
+    told = [line for line in shown.lines if line and "tube" not in line]
+    assert len(told) == 1
+    assert told[0].endswith("is over --max-risk 0")
+    # Solving is asked for to see the figures.
+    assert "Functions" in talking.run("solve", "controller.py", "--quiet").out
+
+
+def test_ctrl_c_leaves_the_terminal_clean(talking):
+    before = talking.files()
+    shown = at_terminal(talking, "run", "controller.py", interrupt_at="simulating")
+    assert shown.code == 130
+    assert shown.raw.rindex(SHOW) > shown.raw.rindex(HIDE)
+    left = [line for line in shown.lines if line and "tube" not in line]
+    assert left == ["tracerisk: interrupted"]
+    assert talking.files() == before
+
+
+def test_a_failing_controller_is_told_of_where_the_bar_was(example, quick):
+    example.write("controller.py", quick("raise SystemError('no tube')"))
+    shown = at_terminal(example, "run", "controller.py")
+    assert shown.code == 4
+    left = "\n".join(shown.lines)
+    assert "no tube" in left
+    assert "simulating" not in left
+
+
+def test_without_colours_eighty_columns_of_a_terminal_are_what_a_pipe_gets(annotated):
+    piped = annotated.run("solve", "model.json").out
+    assert "\x1b" not in piped
+    for environment in ({"NO_COLOR": "1"}, {"TERM": "dumb"}, {"NO_COLOR": "1", "FORCE_COLOR": "1"}):
+        shown = at_terminal(annotated, "solve", "model.json", environment=environment)
+        assert shown.raw.replace("\r\n", "\n") == piped
+    colored = at_terminal(annotated, "solve", "model.json")
+    assert "\x1b[1m" in colored.raw
+    bare = ESCAPE.sub("", colored.raw).splitlines()
+    assert [line.rstrip() for line in bare] == piped.splitlines()
+
+
+def test_colours_where_they_are_forced_and_no_empty_setting_counts(annotated):
+    forced = annotated.run("solve", "model.json", environment={"FORCE_COLOR": "1", "NO_COLOR": ""})
+    assert "\x1b[1m" in forced.out
+    plain = annotated.run("solve", "model.json", environment={"FORCE_COLOR": ""}).out
+    bare = ESCAPE.sub("", forced.out).splitlines()
+    assert [line.rstrip() for line in bare] == plain.splitlines()
+    assert "\x1b" in at_terminal(annotated, "solve", "model.json", environment={"NO_COLOR": ""}).raw
+
+
+def test_a_wide_terminal_is_made_use_of(annotated):
+    wide = ESCAPE.sub("", at_terminal(annotated, "solve", "model.json", width=120).raw)
+    assert "absorbed" in wide
+    assert "\N{FULL BLOCK}" in wide
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
+def test_an_encoding_without_lines_and_bars_gets_plain_signs(annotated, encoding):
+    setting = {"PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
+    done = annotated.run("solve", "model.json", environment=setting)
+    assert done.code == 0, done.err
+    assert "------" in done.out
+    wide = at_terminal(annotated, "solve", "model.json", width=120, environment=setting)
+    assert "##" in wide.raw
