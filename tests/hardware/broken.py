@@ -475,6 +475,29 @@ BROKEN = (
     ),
     Broken(
         _one(
+            'twin: {joints: "*"}',
+            "failure_rate: {value: 1e-6, per: hour}",
+            "load_law: {reference_load: 1e-40, wearing_share: 0.6, exponent: 9}",
+        ),
+        "h.yaml:5:16: a.load_law.reference_load: 1e-40 is a fraction of the rated one; allowed: 0.001 to 1",
+        True,
+    ),
+    Broken(
+        _one(
+            'twin: {joints: "*"}',
+            "failure_rate: {value: 1e-6, per: hour}",
+            "load_law: {reference_load: 0.3, wearing_share: 0.6, reference_speed: 1e-4}",
+        ),
+        "h.yaml:5:57: a.load_law.reference_speed: 0.0001 is a fraction of the rated one; allowed: 0.001 to 1",
+        True,
+    ),
+    Broken(
+        _one("active: always", "quantity: 10001", "failure_rate: {value: 1e-6, per: hour}"),
+        "h.yaml:4:5: a.quantity: 10001 are more units than can be followed; allowed: up to 10000; describe an assembly of many as one component, by its own figure",
+        True,
+    ),
+    Broken(
+        _one(
             "failure_rate: {value: 1e-6, per: hour}",
             "twin: {joints: [j1]}",
             "load_law: {reference_load: 0.3, wearing_share: 60}",

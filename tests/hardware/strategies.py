@@ -30,7 +30,7 @@ PLACES = st.lists(
 PROBABILITIES = st.floats(0.0, 1.0)
 RATES = st.floats(0.0, 1e300)
 POSITIVE = st.floats(1e-300, 1e300)
-SHARES = st.floats(1e-300, 1.0)
+REFERENCES = st.floats(1e-3, 1.0)
 SPANS = st.sampled_from([Basis.MINUTE, Basis.HOUR])
 TIMES = st.floats(1e-3, 1e12) | st.integers(1, 10**6).map(lambda hours: hours * 3600.0)
 
@@ -140,10 +140,10 @@ def components(draw, name: str) -> Component:
     law = None
     if can_wear and draw(st.booleans()):
         law = LoadLaw(
-            draw(SHARES),
+            draw(REFERENCES),
             draw(PROBABILITIES),
             draw(st.sampled_from(WEAR_EXPONENTS)),
-            draw(st.none() | SHARES),
+            draw(st.none() | REFERENCES),
             draw(SOURCES),
         )
     ages = any(each.kind == "weibull" for each in own)

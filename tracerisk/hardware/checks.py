@@ -13,6 +13,11 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.\-]*")
 _STATES: frozenset[State] = frozenset({"moving", "holding", "grasping"})
 _ROUNDING = 1e-9
 """How far fractions may sum above 1, for thirds and the like are rounded."""
+MOST_UNITS = 10_000
+"""The most units of one component: each is followed through every visit."""
+LEAST_REFERENCE = 1e-3
+"""The least load or speed, of the rated one, at which a figure may hold (own choice): the wear
+of a run is told in terms of it, to the ninth power at most."""
 
 
 class Place(Protocol):
@@ -125,6 +130,14 @@ def _check_quantity(component: Component, place: Place) -> None:
         return
     if quantity < 1:
         _fail(component, place, ("quantity",), f"{quantity} is below 1")
+    if quantity > MOST_UNITS:
+        _fail(
+            component,
+            place,
+            ("quantity",),
+            f"{quantity} are more units than can be followed; allowed: up to {MOST_UNITS}; "
+            "describe an assembly of many as one component, by its own figure",
+        )
     named = None if twin is None or twin.optional else twin.named_units
     if named is not None and named > 1 and quantity != named:
         _fail(
@@ -247,9 +260,21 @@ def _counts_word(figure: FailureFigure, word: str) -> bool:
 
 
 def _check_load_law(component: Component, place: Place) -> None:
-    if component.load_law is None:
+    law = component.load_law
+    if law is None:
         return
     keys = ("load_law",)
+    for key, value in (
+        ("reference_load", law.reference_load),
+        ("reference_speed", law.reference_speed),
+    ):
+        if value is not None and value < LEAST_REFERENCE:
+            _fail(
+                component,
+                place,
+                (*keys, key),
+                f"{value:g} is a fraction of the rated one; allowed: {LEAST_REFERENCE:g} to 1",
+            )
     if component.twin is None or not component.twin.moves:
         _fail(
             component,

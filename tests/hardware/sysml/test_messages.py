@@ -58,7 +58,7 @@ MEANING = {
     "a second redundancy": (f"part a [2] {{ {DATA} @Redundancy {{ redundant = true; }}\n @Redundancy {{ redundant = true; }} }}", "3:3: a second Redundancy on 'a'; keep one"),
     "binding without figure": ("part r { part b { @FailureData { probability = 0.1; } } part a {\n @TwinBinding { gripper = true; } } }", "3:3: 'a' has TwinBinding but no failure data"),
     "an open range": (f"part r {{ part a [1..3] {{ {DATA} }} }}", "2:15: 'a' has 1 to 3 units; give one number"),
-    "two second names": (f"part r {{ part a {{ {DATA} }}\n part a; }}", "3:7: 'a' is inherited from line 2 already"),
+    "two second names": (f"part r {{ part a {{ {DATA} }}\n part a; }}", "3:7: 'a' is declared in line 2 already; write a multiplicity for several of it, or give it another name"),
     "redefines nothing": (f"part def A {{ part m; }} part r : A {{\n part :>> n {{ {DATA} }} }}", "3:11: redefines 'n', which its owner does not inherit; allowed: m"),
     "hides an inherited one": (f"part def A {{ part m {{ {DATA} }} }} part r : A {{\n part m; }}", "3:7: 'm' is inherited from line 2 already; write 'part :>> m' to redefine it"),
     "redefined twice": (f"part def A {{ part m {{ {DATA} }} }} part def B :> A {{ part w :>> m; }}\npart r : B {{ part :>> m; }}", "3:14: redefines what 'w' redefines already; write 'part :>> w'"),

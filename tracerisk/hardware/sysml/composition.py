@@ -123,10 +123,12 @@ def _with_members(general: Symbol, inherited: dict[Symbol, None]) -> dict[Symbol
         _forbid_redefined(member, redefined, found)
         before = names.get(member.name) if member.name else None
         if before is not None and found.get(before) is before:
+            line = before.location().line
+            told = f"inherited from line {line} already; write 'part :>> {member.name}' to redefine"
+            if before in general.members:
+                told = f"declared in line {line} already; write a multiplicity for several of"
             raise HardwareError(
-                f"'{member.name}' is inherited from line {before.location().line} already; write "
-                f"'part :>> {member.name}' to redefine it, or give it another name",
-                member.location(),
+                f"'{member.name}' is {told} it, or give it another name", member.location()
             )
         found[member] = member
         if member.name:
