@@ -311,7 +311,7 @@ def test_what_is_active_is_told_in_words(page, shown_run):
         "const done = arguments[0];"
         "setTimeout(() => done(document.querySelector('[data-now=active]').textContent), 300)"
     )
-    assert re.search(r"panda_hand: (holding, )?grasping \(gripper\)", told)
+    assert re.search(r"gripper, (holding, )?grasping: panda_hand", told)
     assert "always in use: power_system" in told
 
 
@@ -388,6 +388,49 @@ def test_without_webgl_a_sentence_says_so_and_the_timeline_works(start_browser, 
         assert page.execute_script(_CHART)["visits"] == N_VISITS
     finally:
         page.quit()
+
+
+@pytest.mark.parametrize(
+    ("broken", "said"),
+    [
+        ("delete window.DecompressionStream;", "too old for the replay"),
+        ("window.DecompressionStream = class { constructor() { throw Error('no'); } };", "no. The"),
+    ],
+)
+def test_without_the_frames_a_sentence_says_so_and_the_timeline_works(
+    chromium, shown_run, broken, said
+):
+    begun = chromium.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": broken})
+    try:
+        chromium.get("about:blank")
+        chromium.get(shown_run.page.as_uri())
+        script = "const done = arguments[0]; tracerisk.replay.ready.then(done, () => done());"
+        chromium.execute_async_script(script)
+        message = chromium.find_element("css selector", ".replay-message")
+        assert message.is_displayed()
+        assert said in message.text
+        assert chromium.execute_script(_CHART)["visits"] == N_VISITS
+    finally:
+        chromium.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", begun)
+        chromium.get("about:blank")
+
+
+def test_of_very_many_visits_those_that_can_be_seen_are_drawn_and_each_can_be_reached(
+    chromium, shown_run, page_of
+):
+    first = shown_run.trace.visits[0]
+    many = tuple(replace(first, start_s=i * 1e-3, duration_s=1e-3) for i in range(20_000))
+    end = replace(shown_run.trace.end, simulated_s=20.0)
+    trace = replace(shown_run.trace, visits=many, end=end)
+    path = page_of(timeline_section(trace, shown_run.components), "many.html")
+    chromium.get(path.as_uri())
+    drawn = chromium.execute_script(_CHART)["visits"]
+    assert 500 < drawn < 3000
+    chart = chromium.find_element("css selector", ".timeline-visit[tabindex='0']")
+    chromium.execute_script("arguments[0].focus()", chart)
+    keys(chromium, *["\ue014"] * 3)  # right
+    focused = "return document.activeElement.dataset.stretch"
+    assert chromium.execute_script(focused) == "3"
 
 
 def test_a_lost_picture_comes_back(page):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -84,6 +86,13 @@ def test_a_visit_without_a_duration_lasts_until_the_next():
     assert visit_spans([visit(0.0, None), visit(0.4, None)], 1.0) == (((0.0, 0.4),), ((0.4, 1.0),))
 
 
+def test_the_spans_of_very_many_visits_take_time_in_proportion():
+    began = time.process_time()
+    spans = visit_spans([visit(i * 1e-3, 1e-3) for i in range(20_000)], 20.0)
+    assert [len(own) for own in spans] == [1] * 20_000
+    assert time.process_time() - began < 3.0
+
+
 @given(st.lists(st.integers(1, 40), min_size=1, max_size=8), st.data())
 def test_the_spans_of_a_visit_sum_to_its_duration(gaps, data):
     """Of a run whose time is dealt out to visits as the trace deals it: the latest live one."""
@@ -130,6 +139,27 @@ def test_a_visit_that_is_borderline_marks_what_the_element_does_in_it():
     activity = {"a": activity_of("a", moving=[(100, 120), (300, 320)])}
     (row,) = timeline_rows(trace, {"motor": ["a"]}, activity, STEP)
     assert [each.state for each in row.segments] == [MOVING, MOVING | BORDERLINE]
+
+
+def test_a_sensor_in_a_joint_is_in_use_when_the_joint_is_and_in_visits_in_which_it_is_read():
+    read = Exposure(moving_s=0.04, active_s=0.3, reading_s=0.3)
+    moved = Exposure(moving_s=0.04, active_s=0.04)
+    trace = trace_of(visit(0.0, 0.5, **{"a/torque": read}), visit(0.5, 0.5, **{"a/torque": moved}))
+    sensors = (
+        Element("a/torque", "sensor", sensor="torque", part="a"),
+        Element("eye", "sensor", sensor="camera", part="a"),
+    )
+    trace = replace(trace, elements=(*trace.elements, *sensors))
+    activity = {"a": activity_of("a", moving=[(100, 120), (300, 320)], grasping=[(0, 500)])}
+    (row, _) = timeline_rows(trace, {"sensor": ["a/torque", "eye"]}, activity, STEP)
+    assert row.elements["eye"] == ()
+    found = [(round(s.start_s / STEP), round(s.stop_s / STEP), s.state) for s in row.segments]
+    assert found == [
+        (0, 100, SOMEWHEN),
+        (100, 120, MOVING),
+        (120, 250, SOMEWHEN),
+        (300, 320, MOVING),
+    ]
 
 
 def test_without_samples_an_element_is_in_use_some_time_in_a_visit():

@@ -26,7 +26,8 @@ from tracerisk.trace import Contact, Exposure, FunctionRef, Trace, Visit
 TIMELINE = "timeline-data"
 """The id of the data within the page."""
 
-_SCRIPTS = (
+_CHART = ("timeline_draw", "timeline_names", "timeline_tips", "timeline")
+_REPLAY = (
     "replay_kinematics",
     "replay_shapes",
     "replay_camera",
@@ -60,7 +61,7 @@ def timeline_section(
         table=_table(trace, names),
         left_out=max(len(trace.visits) - _MOST_TOLD, 0),
     )
-    scripts = ("timeline_time", *(_SCRIPTS if replay is not None else ()), "timeline")
+    scripts = ("timeline_time", *(_REPLAY if replay is not None else ()), *_CHART)
     styles = ("timeline", *(("replay",) if replay is not None else ()))
     return Section(
         name="timeline",

@@ -60,18 +60,24 @@ def visit_spans(
     """
     spans: list[list[tuple[float, float]]] = [[] for _ in visits]
     left: list[float] = []
+    open_visits: list[int] = []  # those with time left, the latest last
     for index, visit in enumerate(visits):
         now = visit.start_s
         until = visits[index + 1].start_s if index + 1 < len(visits) else max(end_s, now)
         left.append(until - now if visit.duration_s is None else visit.duration_s)
-        for earlier in reversed(range(index + 1)):
-            taken = min(left[earlier], until - now)
+        open_visits.append(index)
+        while open_visits and now < until:
+            latest = open_visits[-1]
+            taken = min(left[latest], until - now)
             # A visit begins within a step and is counted in whole ones: what that leaves of its
             # time is no span.
-            if taken > (1e-9 if earlier == index else _STEP_S):
-                spans[earlier].append((now, now + taken))
-                left[earlier] -= taken
+            if taken > (1e-9 if latest == index else _STEP_S):
+                spans[latest].append((now, now + taken))
+                left[latest] -= taken
                 now += taken
+            if left[latest] > _STEP_S:
+                break
+            open_visits.pop()
     return tuple(tuple(each) for each in spans)
 
 
@@ -88,10 +94,10 @@ def timeline_rows(
     """
     end_s = trace.end.simulated_s or 0.0
     spans = visit_spans(trace.visits, end_s)
-    codes: dict[str, Codes] = {}
-    if activity is not None:
-        for name, each in activity.items():
-            codes[name] = _codes(each, trace, spans, step_s)
+    codes = {
+        name: _codes(name, states, trace, spans, step_s)
+        for name, states in _all_states(trace, activity or {}).items()
+    }
     bound = {name for elements in components.values() for name in elements}
     watched = [each.name for each in trace.elements]
     groups = [(name, tuple(elements)) for name, elements in components.items()]
@@ -120,27 +126,49 @@ def timeline_rows(
     return tuple(rows)
 
 
-def _codes(
-    activity: ElementActivity,
-    trace: Trace,
-    spans: Sequence[Sequence[tuple[float, float]]],
-    step_s: float,
-) -> Codes:
-    """Return the state at each step, (n_steps,)."""
+def _all_states(trace: Trace, activity: Mapping[str, ElementActivity]) -> dict[str, Codes]:
+    """Return the states of each element that the samples follow over time, by its name."""
+    from tracerisk.twin.sensors import IN_JOINTS
+
+    states = {name: _states(each) for name, each in activity.items()}
+    for element in trace.elements:
+        # A sensor in a joint is in use while the joint is, so it has the joint's states.
+        joint = states.get(element.part or "") if element.sensor in IN_JOINTS else None
+        if joint is not None:
+            states[element.name] = (joint & (MOVING | HOLDING)).astype(joint.dtype)
+    return states
+
+
+def _states(activity: ElementActivity) -> Codes:
+    """Return what an element does at each step, (n_steps,)."""
     import numpy as np
 
-    codes: Codes = (
+    states: Codes = (
         activity.moving * np.uint8(MOVING)
         | activity.holding * np.uint8(HOLDING)
         | activity.grasping * np.uint8(GRASPING)
     ).astype(np.uint8)
-    name = activity.element.name
+    return states
+
+
+def _codes(
+    name: str,
+    codes: Codes,
+    trace: Trace,
+    spans: Sequence[Sequence[tuple[float, float]]],
+    step_s: float,
+) -> Codes:
+    """Return the states of an element with what its visits add to them, (n_steps,)."""
     for visit, own in zip(trace.visits, spans, strict=True):
         exposure = visit.exposures.get(name)
-        if exposure is not None and exposure.borderline:
-            for start, stop in own:
-                part = codes[round(start / step_s) : round(stop / step_s)]
+        if exposure is None:
+            continue
+        for start, stop in own:
+            part = codes[round(start / step_s) : round(stop / step_s)]
+            if exposure.borderline:
                 part[part > 0] |= BORDERLINE
+            if exposure.reading_s > 0.0:
+                part[part == 0] = SOMEWHEN
     return codes
 
 

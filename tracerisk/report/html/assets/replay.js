@@ -78,19 +78,21 @@ function boundsOf(bodies, meshes, posesAt) {
   return { centre, radius, floor: floor - 1e-4 };
 }
 
+// Say in place of the picture why there is none; `null` for that there is one.
+function tell(text) {
+  const stage = document.querySelector(".replay-stage");
+  const message = stage.querySelector(".replay-message");
+  message.hidden = !text;
+  message.textContent = text ?? "";
+  stage.classList.toggle("is-off", Boolean(text));
+}
+
 async function beginReplay() {
   const stage = document.querySelector(".replay-stage");
   const canvas = stage.querySelector("canvas");
   const labels = stage.querySelector(".replay-labels");
-  const message = stage.querySelector(".replay-message");
-  const { bodies, frames } = tracerisk.data("replay-bodies");
-  const tell = (text) => {
-    message.hidden = !text;
-    message.textContent = text ?? "";
-    stage.classList.toggle("is-off", Boolean(text));
-  };
-
   beginNow();
+  const { bodies, frames } = tracerisk.data("replay-bodies");
   if (typeof DecompressionStream === "undefined") {
     tell("This browser is too old for the replay: it cannot unpack its data. The timeline works.");
     return;
@@ -318,3 +320,6 @@ async function beginReplay() {
 
 tracerisk.replay = { poses, touchPoint };
 tracerisk.replay.ready = beginReplay();
+tracerisk.replay.ready.catch((problem) => {
+  tell(`The replay cannot be shown: ${problem.message}. The timeline works.`);
+});

@@ -14,23 +14,26 @@ function beginNow() {
     item.append(text);
     return item;
   };
+  // What does the same in a component stands in one line.
+  const inUse = ({ component, always, elements }) => {
+    if (always || !component) return [];
+    const alike = new Map();
+    for (const { name, state } of elements) alike.set(state, [...(alike.get(state) ?? []), name]);
+    return [...alike].map(([state, names]) => [
+      `${component}, ${stateWords(state)}: ${names.join(", ")}`,
+      stateName(state),
+    ]);
+  };
   let last = "";
   function show() {
     const time = clock.time;
     const visit = visitAt(time);
     const all = activeAt(time);
-    const active = all.flatMap(({ component, always, elements }) =>
-      always || !component
-        ? []
-        : elements.map(({ name, state }) => [
-            `${name}: ${stateWords(state)} (${component})`,
-            stateName(state),
-          ]),
-    );
+    const active = all.flatMap(inUse);
     const always = all.filter((each) => each.always).map(({ component }) => component);
     if (always.length) active.push([`always in use: ${always.join(", ")}`, "in-use"]);
     const loose = all.find((each) => !each.always && !each.component)?.elements.length;
-    if (loose) active.push([`${loose} more in use, of no component`, "in-use"]);
+    if (loose) active.push([`${loose} more in use, ${NO_COMPONENT}`, "in-use"]);
     const touches = contactsAt(time).map(({ link, other, force, expected }) =>
       [`${link} touches ${other}, up to ${force.toFixed(1)} N`, expected ? "expected" : "unexpected"]);
     const held = visit < 0 ? [] : run.visits[visit].held.map(({ gripper, object, mass }) =>

@@ -5,6 +5,7 @@ const HOLDING = 2;
 const GRASPING = 4;
 const BORDERLINE = 8;
 const SOMEWHEN = 16;
+const NO_COMPONENT = "in no component of the hardware description";
 
 const run = tracerisk.data("timeline-data");
 const { clock } = tracerisk;
