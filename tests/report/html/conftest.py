@@ -16,9 +16,11 @@ from tracerisk.prm.risk_change import Review, RiskDiff
 from tracerisk.report.html.report import render_report
 from tracerisk.report.html.report_input import Pin, ReportInput, SourceBlock, SourceFile
 from tracerisk.trace import (
+    Contact,
     Element,
     Exposure,
     FunctionRef,
+    Payload,
     QualifiedName,
     RunEnd,
     Trace,
@@ -93,6 +95,11 @@ def parsed() -> Callable[[str], Any]:
 
 
 @pytest.fixture(scope="session")
+def hostile() -> tuple[str, ...]:
+    return HOSTILE
+
+
+@pytest.fixture(scope="session")
 def hostile_page() -> str:
     """A page whose every name and text is hostile."""
     texts = [text for text in HOSTILE if text.isprintable()]
@@ -131,7 +138,18 @@ def full_page(arm: HybridModel, eventful: RiskDiff, review_of: Callable[..., Rev
         functions=(TracedFunction(move, 1, 1), TracedFunction(pick, 9, 2)),
         visits=(
             Visit(move, 0.0, 5.0, "succeeded", {"joint1": Exposure(moving_s=4.0, active_s=5.0)}),
-            Visit(pick, 5.0, 7.5, "succeeded", {"hand": Exposure(grasping_s=3.0, active_s=3.0)}),
+            Visit(
+                pick,
+                5.0,
+                7.5,
+                "succeeded",
+                {"hand": Exposure(grasping_s=3.0, active_s=3.0)},
+                payloads=(Payload("hand", "tube_1", 0.025, 3.0, 12.0, 20.0),),
+                contacts=(
+                    Contact("finger", "tube_1", 6.0, 3.0, 12.0, expected=True),
+                    Contact("finger", "table", 6.5, 0.5, 140.0, expected=False),
+                ),
+            ),
         ),
         uncovered=(Uncovered(FunctionRef("arm.py", QualifiedName("park")), 40),),
     )

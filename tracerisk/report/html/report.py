@@ -17,6 +17,7 @@ from tracerisk.report.html.page import page
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.sources import sources_section
 from tracerisk.report.html.summary import lead
+from tracerisk.report.html.touches import touches_section
 
 
 def render_report(report: ReportInput) -> str:
@@ -25,6 +26,7 @@ def render_report(report: ReportInput) -> str:
         difference_section(report),
         *report.sections,
         functions_section(report),
+        touches_section(report),
         chain_section(report),
         fault_trees_section(report),
         importance_section(report),
