@@ -13,29 +13,47 @@ from importlib import import_module
 from typing import Any, NoReturn
 
 VERBS = {
-    "run": "run a controller on the twin, annotate it, build and solve its risk model",
-    "trace": "run a controller on the twin and tell which hardware each function used",
+    "run": "run a controller on the twin, annotate it, solve its risk model",
+    "trace": "run a controller and tell which hardware each function used",
+    "check": "tell, without a simulation, whether blocks can be trusted",
+    "refresh": "bring blocks up to date, simulating only what is stale",
     "annotate": "write risk blocks into a controller from a trace or a log",
-    "build": "build the risk model from the blocks in sources, and from nothing else",
+    "strip": "remove the risk blocks from sources, every other byte kept",
+    "diff": "tell what a change between git versions does to the risk",
+    "report": "write an HTML report of annotated sources that needs no network",
+    "overrides": "list what was set by hand in blocks, why, and how it drifted",
+    "hardware": "convert, show or start a hardware description; print its schema",
+    "build": "build the risk model from the blocks in sources alone",
     "solve": "solve a model, or the blocks in sources, exactly",
     "cut-sets": "count, sum and list the minimal cut sets of a fault tree",
-    "convert": "write a model in another format: Open-PSA, OpenPRA, Galileo, PRISM, .tra",
-    "check": "tell whether blocks can be trusted as they stand, without a simulation",
-    "refresh": "bring blocks up to date, simulating only what is stale",
-    "overrides": "list what was set by hand in blocks, its reason, and how far it has drifted",
-    "diff": "tell what a change does to the risk, from the blocks of two git versions",
-    "report": "write an HTML report of annotated sources that needs no network",
-    "strip": "remove the risk blocks from sources, every other byte kept",
-    "hardware": "convert, show or start a hardware description; print its schema",
+    "convert": "write a model as Open-PSA, OpenPRA, Galileo, PRISM or .tra",
     "robots": "list the robots that are shipped, or show what one of them has",
     "doctor": "tell whether everything that tracerisk needs works here",
     "completion": "print the script by which a shell completes this command",
 }
 
+GROUPS = {
+    "for authors of controllers": ("run", "trace", "check", "refresh", "annotate", "strip"),
+    "for reviewers of changes": ("diff", "report", "overrides"),
+    "for safety engineers": ("hardware", "build", "solve", "cut-sets", "convert"),
+    "to set up": ("robots", "doctor", "completion"),
+}
+"""The verbs by who needs them."""
+
 _EPILOG = """\
-exit codes: 0 fine; 1 would change, stale, or over a limit; 2 usage or bad input; 3 a person's
-edit in the way; 4 the controller failed; 5 a fault of tracerisk; 130 interrupted
+Begin with `tracerisk run FILE`; `tracerisk VERB --help` lists a verb's options.
+
+exit codes:
+  0    fine
+  1    would change, stale, or over a limit
+  2    usage or bad input
+  3    a person's edit in the way
+  4    the controller failed
+  5    a fault of tracerisk
+  130  interrupted
 """
+
+_MOST_IN_USAGE = 6  # options, with which a usage line still reads well
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -75,7 +93,7 @@ def whole_parser() -> argparse.ArgumentParser:
 
 
 def _parser(*chosen: str | None, as_json: bool) -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = _Command(
         prog="tracerisk",
         description="Redo the risk assessment of a robot arm at every commit of its controller.",
         epilog=_EPILOG,
@@ -83,7 +101,7 @@ def _parser(*chosen: str | None, as_json: bool) -> argparse.ArgumentParser:
     )
     parser.verb = chosen[0] if as_json and chosen else None
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
-    verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
+    verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True, parser_class=_Parser)
     for verb, summary in VERBS.items():
         sub = verbs.add_parser(
             verb, help=summary, description=f"{summary[0].upper()}{summary[1:]}."
@@ -92,6 +110,7 @@ def _parser(*chosen: str | None, as_json: bool) -> argparse.ArgumentParser:
             sub.verb = parser.verb
             parser.chosen = sub
             import_module(f"tracerisk.cli.{verb.replace('-', '_')}").add_options(sub)
+            sub.shorten_usage()
     return parser
 
 
@@ -113,6 +132,16 @@ class _Parser(argparse.ArgumentParser):
         elif unknown:
             verb._unknown(unknown)
         return options
+
+    def shorten_usage(self) -> None:
+        """Name only what must be given: all else is listed below, in its groups."""
+        needed = [each for each in self._actions if each.required or not each.option_strings]
+        if len(self._actions) - len(needed) > _MOST_IN_USAGE:
+            formatter = self._get_formatter()
+            formatter.add_usage(None, needed, [], prefix="")
+            words = formatter.format_help().split()
+            place = len(self.prog.split())
+            self.usage = " ".join((*words[:place], "[options]", *words[place:]))
 
     @property
     def _list(self) -> str | None:
@@ -153,6 +182,32 @@ class _Parser(argparse.ArgumentParser):
             data = {"kind": "UsageError", "code": "usage", "message": message, **place}
             print_json(self.verb, exit_code=2, error=data)
         self.exit(2)
+
+
+class _Command(_Parser):
+    """The parser of the whole command, whose help lists the verbs by who needs them."""
+
+    def format_help(self) -> str:
+        verbs = {
+            each.dest: each
+            for action in self._actions
+            if isinstance(action, argparse._SubParsersAction)
+            for each in action._get_subactions()
+        }
+        formatter = self._get_formatter()
+        formatter.add_usage(self.usage, self._actions, self._mutually_exclusive_groups)
+        formatter.add_text(self.description)
+        options = [action for action in self._actions if action.option_strings]
+        sections = {
+            **{title: [verbs[verb] for verb in group] for title, group in GROUPS.items()},
+            "options": options,
+        }
+        for title, actions in sections.items():
+            formatter.start_section(title)
+            formatter.add_arguments(actions)
+            formatter.end_section()
+        formatter.add_text(self.epilog)
+        return formatter.format_help()
 
 
 class _Version(argparse.Action):

@@ -9,7 +9,8 @@ SHELLS = ("bash", "zsh", "tcsh")
 
 _HOW = """\
 install it once, then open a new shell:
-  bash: tracerisk completion bash > ~/.local/share/bash-completion/completions/tracerisk
+  bash: tracerisk completion bash \\
+          > ~/.local/share/bash-completion/completions/tracerisk
   zsh:  tracerisk completion zsh > FOLDER/_tracerisk, FOLDER being one of $fpath
   tcsh: tracerisk completion tcsh > FILE, and `source FILE` in ~/.tcshrc
 """

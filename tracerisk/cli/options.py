@@ -21,7 +21,9 @@ ProfileText = dict[str, dict[str, str]]
 def add_json(parser: argparse.ArgumentParser) -> None:
     """Add `--json` and `--quiet`."""
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
-    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but what is asked for")
+    parser.add_argument(
+        "-q", "--quiet", action="store_true", help="print nothing but what is asked for"
+    )
 
 
 def add_sarif(parser: argparse.ArgumentParser) -> None:
@@ -157,8 +159,9 @@ def add_fail_on(parser: argparse.ArgumentParser) -> None:
     """Add the findings on which a run fails."""
     parser.add_argument(
         "--fail-on",
+        metavar="KIND",
         choices=get_args(FailOn),
-        help="exit 1 if the run has findings, or those of a kind",
+        help=f"exit 1 if the run has findings, or those of a kind: {', '.join(get_args(FailOn))}",
     )
 
 
