@@ -28,10 +28,10 @@ def git(example, *words):
 
 
 ALL = [
-    "timeline", "functions", "chain", "fault-trees", "importance", "hardware", "findings",
-    "coverage", "pins", "assumptions", "source",
+    "timeline", "functions", "touches", "chain", "fault-trees", "importance", "hardware",
+    "findings", "coverage", "pins", "assumptions", "source",
 ]  # fmt: skip
-WITHOUT_A_RUN = [each for each in ALL if each not in ("timeline", "hardware")]
+WITHOUT_A_RUN = [each for each in ALL if each not in ("timeline", "touches", "hardware")]
 
 
 @pytest.fixture
@@ -118,6 +118,46 @@ def test_the_difference_to_a_revision_stands_first(kept):
 def test_against_takes_one_revision(kept, capsys):
     assert main(["report", "controller.py", "-o", "out.html", "--against", "A..B"]) == 2
     assert "--against takes one revision" in capsys.readouterr().err
+
+
+def test_a_runs_report_tells_the_difference_to_a_revision(annotated):
+    git(annotated, "init", "-q")
+    git(annotated, "add", "controller.py", "tracerisk.lock")
+    git(annotated, "commit", "-qm", "before")
+    source = annotated.read("controller.py").decode()
+    annotated.write(
+        "controller.py", source.replace("    act(arm)\n", "    act(arm)\n    act(arm)\n")
+    )
+    outcome = annotated.run(
+        "run", "controller.py", "--report", "out.html", "--against", "HEAD", "--quiet"
+    )
+    assert outcome.code == 0, outcome.err
+    document = parsed(annotated)
+    assert sections(document) == ["difference", *ALL]
+    assert document.xpath("//section[@id='difference']/h2")[0].text_content() == "Since HEAD"
+    assert "mission failure rises from" in told(document, "difference")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--against", "HEAD"], "--against goes with --report; add it, or ask `tracerisk diff`"),
+        (["--report", "o.html", "--against", "HEAD", "--check"], "and --check writes none"),
+        (["--report", "o.html", "--against", "HEAD", "--diff"], "and --diff writes none"),
+        (["--report", "o.html", "--against", "A..B"], "--against takes one revision"),
+        (["--report", "o.html", "--against", "nowhere"], "nowhere"),
+        (["--report", "o.html", "--against", "controller.py"], "'controller.py' is a file"),
+    ],
+)
+def test_what_a_run_cannot_compare_is_told_before_it(kept, capsys, words, message):
+    git(kept, "init", "-q")
+    git(kept, "add", "controller.py")
+    git(kept, "commit", "-qm", "before")
+    before = kept.files()
+    assert main(["run", "controller.py", *words]) == 2
+    out, err = capsys.readouterr()
+    assert (out, message in err) == ("", True), err
+    assert kept.files() == before
 
 
 def test_sources_of_other_languages_have_a_report(example, monkeypatch):

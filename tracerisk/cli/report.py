@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import options as shared
+from tracerisk.cli.against import add_against, review_against
 from tracerisk.cli.output import note, print_json
 from tracerisk.cli.report_input import RunShown, report_html, run_shown
 from tracerisk.cli.report_pictures import (
@@ -21,7 +22,6 @@ from tracerisk.errors import ExitCode, InputError, SourceError
 if TYPE_CHECKING:
     from tracerisk.config import Settings
     from tracerisk.pipeline.kept_run import KeptRun
-    from tracerisk.prm.risk_change import Review
     from tracerisk.trace import Trace
 
 _HOW = "`tracerisk run` or `refresh` brings it up to date, `--trace` names another."
@@ -36,9 +36,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="annotated sources; of one that the lock knows, with the other files of its blocks",
     )
     parser.add_argument("-o", "--output", metavar="OUT.html", help="the page to write")
-    parser.add_argument(
-        "--against", metavar="REV", help="tell the difference to this revision, as git reads it"
-    )
+    add_against(parser)
     parser.add_argument(
         "--trace", metavar="FILE", help="the trace of a run as JSON; else the kept one, if fresh"
     )
@@ -81,7 +79,7 @@ def _write_page(
         model,
         {name: read_file(name) for name in files},
         run=_run_of(kept, trace, options),
-        review=_review(options.against, files),
+        review=review_against(options.against, files),
     )
     write_file(options.output, html)
     told = f"{options.output}: the report of {model.name}"
@@ -133,16 +131,3 @@ def _given_trace(file: str | None) -> Trace | None:
 
         raise InputError("is not UTF-8 text", Location(file)) from error
     return trace_json.loads(text, file)
-
-
-def _review(revision: str | None, files: list[str]) -> Review | None:
-    if revision is None:
-        return None
-    if ".." in revision:
-        raise InputError(
-            f"--against takes one revision, which the sources as they are now are compared with; "
-            f"'{revision}' names two"
-        )
-    from tracerisk.pipeline.review.review import review
-
-    return review([revision, *(str(Path(file)) for file in files)])

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.cli import options as shared
+from tracerisk.cli.against import add_against, check_against, review_against
 from tracerisk.cli.assessment import print_assessment, risk_exit
 from tracerisk.cli.explain import derivation_json, explained, print_derivation
 from tracerisk.cli.hardware_spread import (
@@ -68,6 +69,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--trace", metavar="FILE", help="write the trace as JSON")
     parser.add_argument("--model", metavar="FILE", help="write the risk model as JSON")
     parser.add_argument("--report", metavar="OUT.html", help="write a report as one HTML page")
+    add_against(parser)
     parser.add_argument(
         "--max-risk",
         metavar="P",
@@ -82,6 +84,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     check_run_uncertainty(options)
+    check_against(options)
     with progress_bar(quiet=options.quiet) as progress:
         done = _assess(options, progress or _untold)
     return _failed(options, done) if isinstance(done, Trace) else _told(options, done)
@@ -160,7 +163,9 @@ def _assess(options: argparse.Namespace, progress: Progress) -> _Assessed | Trac
         progress("report", simulated_s)
         section = run_section(trace, hardware, recorded)
         shown = RunShown(trace, hardware, annotated.computed, () if section is None else (section,))
-        write_file(options.report, report_html(assessment, model, sources, run=shown))
+        review = review_against(options.against, sources)
+        page = report_html(assessment, model, sources, run=shown, review=review)
+        write_file(options.report, page)
     return _Assessed(
         controller, settings, trace, annotated, model, assessment, figures, uncertainty, derivation
     )
