@@ -11,7 +11,10 @@ PACKAGE = Path(__file__).parents[1] / "tracerisk"
 
 ROOMS = ("cli", "pipeline", "report", "prm", "adder", "ros", "twin", "instrument", "hardware")
 """From the top down."""
-BELOW = ("trace", "trace_json", "trace_log", "config", "errors", "yaml_reader", "yaml_nodes")
+BELOW = (
+    *("trace", "trace_display", "trace_json", "trace_log"),
+    *("config", "errors", "yaml_reader", "yaml_nodes"),
+)
 """Modules that every room may import, and that import no room."""
 RANK = {room: rank for rank, room in enumerate(ROOMS)} | dict.fromkeys(BELOW, len(ROOMS))
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal, NewType
+from typing import Any, Literal, NewType
 
 from tracerisk.errors import Location
 
@@ -256,3 +256,14 @@ class Trace:
     files: tuple[str, ...] = ()
     inputs: tuple[str, ...] = ()
     cycle: Cycle | None = None
+
+    def _repr_html_(self) -> str:
+        from tracerisk.trace_display import trace_html
+
+        return trace_html(self)
+
+    def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
+        # The text that stands beside the HTML: all the fields are megabytes.
+        from tracerisk.trace_display import trace_text
+
+        return {"text/plain": trace_text(self)}

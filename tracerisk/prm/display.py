@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -22,6 +22,12 @@ class Displayed:
         from tracerisk.prm.drawing import html_of
 
         return html_of(self)
+
+    def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
+        # The text that stands beside the drawing: all the fields of a large model are no help.
+        from tracerisk.prm.drawing import text_of
+
+        return {"text/plain": text_of(self)}
 
 
 class DisplayedGraph(Displayed):

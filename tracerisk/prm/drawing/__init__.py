@@ -6,7 +6,7 @@ from html import escape
 
 from tracerisk.prm.assessment import Assessment
 from tracerisk.prm.bayes import BayesianNetwork
-from tracerisk.prm.drawing.assessment import assessment_html, assessment_svg
+from tracerisk.prm.drawing.assessment import assessment_html, assessment_svg, assessment_text
 from tracerisk.prm.drawing.chain import chain_svg, hybrid_svg, network_svg
 from tracerisk.prm.drawing.event_tree import event_tree_svg
 from tracerisk.prm.drawing.fault_tree import fault_tree_svg
@@ -15,7 +15,7 @@ from tracerisk.prm.fault_tree import FaultTree
 from tracerisk.prm.hybrid import HybridModel
 from tracerisk.prm.markov import MarkovChain
 
-__all__ = ["html_of", "svg_of"]
+__all__ = ["html_of", "svg_of", "text_of"]
 
 
 def svg_of(shown: object) -> str:
@@ -38,26 +38,34 @@ def svg_of(shown: object) -> str:
 
 def html_of(shown: object) -> str:
     """Return a model or result as HTML: its figures, or its size, and its drawing."""
+    if isinstance(shown, Assessment):
+        return f"<div>{assessment_html(shown)}{assessment_svg(shown)}</div>"
+    told = escape(_size_of(shown))
+    return f"<figure>{svg_of(shown)}<figcaption>{told}</figcaption></figure>"
+
+
+def text_of(shown: object) -> str:
+    """Return a model or result as text: its figures, or its size."""
+    return assessment_text(shown) if isinstance(shown, Assessment) else _size_of(shown)
+
+
+def _size_of(shown: object) -> str:
     match shown:
         case FaultTree():
-            told = f"Fault tree {shown.top}: {len(shown.gates)} gates, {len(shown.events)} events"
+            return f"Fault tree {shown.top}: {len(shown.gates)} gates, {len(shown.events)} events"
         case MarkovChain():
-            told = (
+            return (
                 f"Markov chain: {len(shown.transitions)} transient and {len(shown.absorbing)} "
                 "absorbing states"
             )
         case HybridModel():
-            told = (
+            return (
                 f"{shown.name}: {len(shown.states)} functions, {len(shown.parameters)} parameters"
             )
         case EventTree():
-            told = f"Event tree {shown.name}: {len(shown.sequences)} sequences"
+            return f"Event tree {shown.name}: {len(shown.sequences)} sequences"
         case BayesianNetwork():
-            told = (
+            return (
                 f"Bayesian network: {len(shown.conditions)} conditions, {len(shown.events)} events"
             )
-        case Assessment():
-            return f"<div>{assessment_html(shown)}{assessment_svg(shown)}</div>"
-        case _:
-            raise TypeError(f"{type(shown).__name__} has no drawing")
-    return f"<figure>{svg_of(shown)}<figcaption>{escape(told)}</figcaption></figure>"
+    raise TypeError(f"{type(shown).__name__} has no drawing")

@@ -10,6 +10,7 @@ from tracerisk.prm.drawing.svg import WORD_HEIGHT, Canvas, word_width
 from tracerisk.prm.table import Table
 
 _MOST_BARS = 30
+_MOST_NOTES = 30
 _BAR = 240.0
 _ROW = WORD_HEIGHT + 6.0
 
@@ -38,9 +39,7 @@ def assessment_html(assessment: Assessment) -> str:
         ("Functions", Table(assessment.states)),
         ("Components", Table(assessment.components)),
     ]
-    notes = "".join(
-        f"<li>{escape(note)}</li>" for note in (*assessment.assumptions, *assessment.findings)
-    )
+    notes = "".join(f"<li>{escape(note)}</li>" for note in _notes(assessment))
     return (
         f"<h4>{escape(assessment.model)}</h4>"
         f"<p>Mission failure probability {mission.failure_probability:.6g} "
@@ -49,3 +48,25 @@ def assessment_html(assessment: Assessment) -> str:
         + (f"<ul>{notes}</ul>" if notes else "")
         + f"<p>{escape(assessment.statement)}</p>"
     )
+
+
+def assessment_text(assessment: Assessment) -> str:
+    """Return the figures of an assessment as text: mission, functions, components."""
+    mission = assessment.mission
+    return "\n".join(
+        (
+            f"{assessment.model}: mission failure probability {mission.failure_probability:.6g} "
+            f"(fixed cycles {mission.fixed_cycles:.6g}, visits as run {mission.visits_as_run:.6g})",
+            *("", "Functions", str(Table(assessment.states))),
+            *("", "Components", str(Table(assessment.components))),
+            "",
+            *(f"- {note}" for note in _notes(assessment)),
+            assessment.statement,
+        )
+    )
+
+
+def _notes(assessment: Assessment) -> list[str]:
+    found = [*assessment.assumptions, *assessment.findings]
+    more = len(found) - _MOST_NOTES
+    return [*found[:_MOST_NOTES], f"and {more} more"] if more > 0 else found
