@@ -384,7 +384,7 @@ BROKEN = (
             "modes:",
             "  drop: {fraction: 0.4, when: [grasping]}",
         ),
-        "h.yaml:6:29: a.modes.drop.when: 'grasping' is of a gripper, but the component is bound to joints; allowed: holding, moving, start",
+        "h.yaml:6:29: a.modes.drop.when: 'grasping' is nothing that the twin tells of what the component is bound to; allowed: holding, moving, start",
         False,
     ),
     Broken(
@@ -490,6 +490,34 @@ BROKEN = (
         ),
         "h.yaml:5:57: a.load_law.reference_speed: 0.0001 is a fraction of the rated one; allowed: 0.001 to 1",
         True,
+    ),
+    Broken(
+        _one("twin: {sensors: camera}", "probability: {value: 1e-6, per: demand}"),
+        "h.yaml:4:5: a.probability: counts demands, and a camera or a wrench sensor has none; give it per time",
+        False,
+    ),
+    Broken(
+        _one("twin: {contacts: [finger]}", "probability: {value: 1e-6, per: demand, of: start}"),
+        "h.yaml:4:5: a.probability: counts each start, but a contact begins no motion; count 'of: grasp'",
+        False,
+    ),
+    Broken(
+        _one(
+            "twin: {contacts: [finger]}",
+            "failure_rate: {value: 1e-6, per: hour}",
+            "modes: {jam: {fraction: 1, when: [moving]}}",
+        ),
+        "h.yaml:5:32: a.modes.jam.when: 'moving' is nothing that the twin tells of what the component is bound to; allowed: grasp, grasping, release",
+        False,
+    ),
+    Broken(
+        _one(
+            "twin: {sensors: camera}",
+            "failure_rate: {value: 1e-6, per: hour}",
+            "modes: {blind: {fraction: 1, when: [holding]}}",
+        ),
+        "h.yaml:5:34: a.modes.blind.when: 'holding' is nothing that the twin tells of what the component is bound to; leave 'modes' out",
+        False,
     ),
     Broken(
         _one("active: always", "quantity: 10001", "failure_rate: {value: 1e-6, per: hour}"),

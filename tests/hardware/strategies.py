@@ -43,15 +43,14 @@ def uncertainty(draw) -> dict:
 
 
 @st.composite
-def figures(draw, *, always: bool, grips: bool) -> FailureFigure:
+def figures(draw, *, demands: list[str], always: bool) -> FailureFigure:
     kinds = ["probability", "failure_rate", "weibull"]
     kind = draw(st.sampled_from(kinds if always else [*kinds, "standby"]))
     unsure = draw(uncertainty())
     if kind == "probability":
-        bases = [basis for basis in Basis if not (always and basis is Basis.DEMAND)]
+        bases = [basis for basis in Basis if demands or basis is not Basis.DEMAND]
         per = draw(st.sampled_from(bases))
-        demands = [None, "start", "grasp", "release"] if grips else [None, "start"]
-        demand = draw(st.sampled_from(demands)) if per is Basis.DEMAND else None
+        demand = draw(st.sampled_from([None, *demands])) if per is Basis.DEMAND else None
         return FailureFigure(kind, draw(PROBABILITIES), per, demand=demand, **unsure)
     if kind == "weibull":
         return FailureFigure(kind, draw(POSITIVE), draw(SPANS), shape=draw(POSITIVE), **unsure)
@@ -93,17 +92,30 @@ def redundancies(draw, quantity: int | None, own: tuple[FailureFigure, ...]):
     return group, tested
 
 
+def seen_uses(twin: TwinBinding | None) -> list[str]:
+    """Return what the twin tells of what is bound: of a camera only that it is read."""
+    if twin is None:
+        return []
+    in_joints = twin.sensors not in ((), "camera")
+    moves = twin.gripper or twin.joints or twin.actuators or in_joints
+    touches = twin.gripper or twin.contacts
+    return [
+        *(["moving", "holding", "start"] if moves else []),
+        *(["grasping", "grasp", "release"] if touches else []),
+    ]
+
+
 @st.composite
 def modes(draw, own: tuple[FailureFigure, ...], twin: TwinBinding) -> tuple[FailureMode, ...]:
     """Return modes of which each word counts for a figure, and each figure is counted."""
     moded = [each for each in own if each.per is not Basis.VISIT and not each.standby]
-    grips = twin.gripper or twin.sensors or twin.contacts
+    seen = seen_uses(twin)
     words: list[str] = []
     if any(each.per is not Basis.DEMAND for each in moded):
-        words += ["moving", "holding", *(["grasping"] if grips else [])]
+        words += [word for word in ("moving", "holding", "grasping") if word in seen]
     demands = {each.demand for each in moded if each.per is Basis.DEMAND}
     for word in ("start", "grasp", "release"):
-        if (None in demands or word in demands) and (grips or word == "start"):
+        if (None in demands or word in demands) and word in seen:
             words.append(word)
     if not words or not draw(st.booleans()):
         return ()
@@ -124,8 +136,8 @@ def modes(draw, own: tuple[FailureFigure, ...], twin: TwinBinding) -> tuple[Fail
 def components(draw, name: str) -> Component:
     always = draw(st.booleans())
     twin = None if always else draw(bindings())
-    grips = twin is not None and twin.gripper
-    own = tuple(draw(st.lists(figures(always=always, grips=grips), min_size=1, max_size=4)))
+    demands = [word for word in ("start", "grasp", "release") if word in seen_uses(twin)]
+    own = tuple(draw(st.lists(figures(demands=demands, always=always), min_size=1, max_size=4)))
     named = None if twin is None or twin.optional else twin.named_units
     quantities = st.integers(1, 9) if named is None or named == 1 else st.just(named)
     quantity = draw(quantities if always else quantities | st.none())

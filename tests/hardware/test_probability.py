@@ -92,6 +92,7 @@ DEMANDS = used(9.0, starts=2, grasps=3, releases=5)
     [
         (None, JOINT, 2),
         (None, GRIPPER, 3),
+        (None, UnitMission("contact"), 3),
         ("start", GRIPPER, 2),
         ("grasp", GRIPPER, 3),
         ("release", GRIPPER, 5),

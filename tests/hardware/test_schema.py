@@ -32,6 +32,7 @@ def test_the_schema_is_one_of_its_draft():
 
 
 @settings(max_examples=50)
+@settings(deadline=None)
 @given(hardware=hardware_descriptions())
 def test_it_takes_whatever_the_reader_takes(hardware):
     data = description_data(hardware)

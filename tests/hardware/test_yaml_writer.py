@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 
 from tests.hardware.strategies import hardware_descriptions
 from tracerisk.hardware.model import Basis, Component, FailureFigure, FailureMode, Hardware, LoadLaw
@@ -21,6 +21,7 @@ def file(tmp_path_factory) -> Path:
     return tmp_path_factory.mktemp("written") / "hardware.yaml"
 
 
+@settings(deadline=None)
 @given(hardware=hardware_descriptions())
 def test_what_is_written_reads_back_as_the_same_description(file, hardware):
     text = write_hardware(hardware)

@@ -6,11 +6,19 @@ import math
 import re
 from typing import NoReturn, Protocol
 
-from tracerisk.errors import HardwareError, Location
-from tracerisk.hardware.model import Basis, Component, FailureFigure, FailureMode, State
+from tracerisk.errors import HardwareError, Location, one_of
+from tracerisk.hardware.model import (
+    Basis,
+    Component,
+    FailureFigure,
+    FailureMode,
+    State,
+    TwinBinding,
+)
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.\-]*")
 _STATES: frozenset[State] = frozenset({"moving", "holding", "grasping"})
+_USES: frozenset[str] = _STATES | {"start", "grasp", "release"}
 _ROUNDING = 1e-9
 """How far fractions may sum above 1, for thirds and the like are rounded."""
 MOST_UNITS = 10_000
@@ -67,16 +75,36 @@ def _check_figures(component: Component, place: Place) -> None:
             "'standby_rate' or 'weibull'",
             place(),
         )
-    twin = component.twin
+    if component.twin is None:
+        return
+    seen = _seen(component.twin)
     for figure in component.figures:
-        if figure.demand in ("grasp", "release") and not (twin is None or twin.gripper):
-            _fail(
-                component,
-                place,
-                ("probability",),
+        if figure.per is not Basis.DEMAND:
+            continue
+        if not seen:
+            message = "counts demands, and a camera or a wrench sensor has none; give it per time"
+        elif figure.demand is None or figure.demand in seen:
+            continue
+        elif figure.demand == "start":
+            message = "counts each start, but a contact begins no motion; count 'of: grasp'"
+        else:
+            message = (
                 f"counts each {figure.demand}, but only a gripper grasps and releases; "
-                "bind it to the gripper (twin: {gripper: true}), or count 'of: start'",
+                "bind it to the gripper (twin: {gripper: true}), or count 'of: start'"
             )
+        _fail(component, place, ("probability",), message)
+
+
+def _seen(twin: TwinBinding) -> frozenset[str]:
+    """Return the states and demands that the twin can tell of what is bound."""
+    if twin.gripper:
+        return _USES
+    seen: set[str] = set()
+    if twin.moves or twin.sensors not in ("camera", "wrench", ()):
+        seen |= {"moving", "holding", "start"}
+    if twin.contacts:
+        seen |= {"grasping", "grasp", "release"}
+    return frozenset(seen)
 
 
 def _check_place(component: Component, place: Place) -> None:
@@ -233,14 +261,13 @@ def _check_mode(component: Component, mode: FailureMode, place: Place) -> None:
                 f"'{word}' counts for nothing, for the component has no figure {needed}; "
                 "leave it out, or give such a figure",
             )
-        grips = word in ("grasping", "grasp", "release")
-        if grips and twin is not None and not (twin.gripper or twin.sensors or twin.contacts):
+        if twin is not None and word not in _seen(twin):
             _fail(
                 component,
                 place,
                 keys,
-                f"'{word}' is of a gripper, but the component is bound to joints; "
-                "allowed: holding, moving, start",
+                f"'{word}' is nothing that the twin tells of what the component is bound to; "
+                + (one_of(_seen(twin)) if _seen(twin) else "leave 'modes' out"),
             )
 
 

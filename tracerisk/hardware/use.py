@@ -94,8 +94,11 @@ def demands_on(exposure: Exposure, demands: Iterable[Demand]) -> int:
 
 
 def usual_demand(kind: ElementKind) -> Demand:
-    """Return what a figure per demand counts unless it says so: grasps, else motions begun."""
-    return "grasp" if kind == "gripper" else "start"
+    """Return what a figure per demand counts unless it says so: grasps, else motions begun.
+
+    A link that is touched begins no motion; each touch is a grasp of it.
+    """
+    return "grasp" if kind in ("gripper", "contact") else "start"
 
 
 def _active(exposure: Exposure) -> float:
