@@ -196,3 +196,60 @@ def test_a_component_added_by_hand_has_no_assumed_figure(figures):
 def _assumed_tool():
     figure = FailureFigure("failure_rate", 1e-6, Basis.HOUR)
     return Hardware("hardware.yaml", (Component("tool", (figure,), source="assumed"),))
+
+
+@pytest.mark.parametrize("width", [60, 80, 110, 160])
+def test_instances_of_long_names_and_sources_fit_every_terminal(figures, width):
+    long = "left_arm_of_the_station_for_machine_tending_joint_"
+    lines = "".join(
+        MOTOR.replace("motor", f"{name}_{long}") % ", source: assumed as of its larger brother"
+        for name in ("motor", "encoder", "brake")
+    )
+    seconds = {f"{long}{number}": float(number) for number in range(1, 13)}
+    _, found = figures(lines, trace_of(**seconds))
+    text = render_parts(found.tables(width), width=width)
+    assert max(map(len, text.splitlines())) <= width
+    assert "\N{HORIZONTAL ELLIPSIS}" not in text
+    shown = [line.split()[0] for line in text.splitlines() if line.strip().startswith("and ")]
+    assert shown == ["and"] * len(shown)
+    assert shown
+
+
+def test_a_wide_terminal_has_the_instances_of_components_side_by_side(figures):
+    components = MOTOR % "" + MOTOR.replace("motor", "encoder") % ""
+    _, found = figures(components, trace_of(one=1.0, two=4.0))
+    narrow, wide = (render_parts(found.tables(width), width=width) for width in (109, 110))
+    assert not any("motor" in line and "encoder" in line for line in narrow.splitlines())
+    assert "motor encoder" in " ".join(wide.split())
+    row = next(line.split() for line in wide.splitlines() if line.startswith("two "))
+    assert [word for word in row if word in ("two", "80", "4.00e-06")] == [
+        "two",
+        "4.00e-06",
+        "80",
+    ] * 2
+
+
+def test_of_components_that_matter_less_fewer_instances_are_shown(figures):
+    components = MOTOR % "" + MOTOR.replace("motor", "encoder").replace("3.6e-3", "3.6e-5") % ""
+    _, found = figures(components, trace_of(**{f"j{number}": number for number in range(1, 7)}))
+    text = render_parts(found.tables())
+    motor, encoder = text.split("encoder")
+    assert [each in motor for each in ("j6", "j1")] == [True, True]
+    assert [each in encoder for each in ("j6", "j4", "j3", "and 3 more")] == [
+        True,
+        True,
+        False,
+        True,
+    ]
+
+
+def test_assumed_figures_that_drive_nothing_are_counted_only(figures):
+    components = "".join(
+        f"  {name}: {{failure_rate: {{value: {rate}, per: hour}}, active: always, "
+        "source: assumed}\n"
+        for name, rate in {"great": 1e-4, "small": 1e-10}.items()
+    )
+    _, found = figures(components, trace_of(one=1.0))
+    text = render_parts(found.tables())
+    assert "(1 of 2)" in text
+    assert "small" not in text

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING
 from tracerisk.cli import options as shared
 from tracerisk.cli.model_files import format_of, read_model
 from tracerisk.cli.model_format import ModelFormat
-from tracerisk.cli.output import note, print_json, terminal_width, use_color
+from tracerisk.cli.output import note, print_json, print_text, terminal_width, use_color
 from tracerisk.errors import InputError, ModelError, one_of
 
 if TYPE_CHECKING:
@@ -112,7 +111,7 @@ def run(options: argparse.Namespace) -> int:
         return 0
     from tracerisk.report.cut_sets import render_cut_sets
 
-    sys.stdout.write(
+    print_text(
         render_cut_sets(
             asked.tree.top,
             "prime implicant" if options.prime else "minimal cut set",
@@ -126,7 +125,6 @@ def run(options: argparse.Namespace) -> int:
         ).rstrip("\n")
         + "\n"
     )
-    sys.stdout.flush()
     return 0
 
 

@@ -9,7 +9,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import what_if as asked
-from tracerisk.cli.output import print_json, terminal_width, use_color
+from tracerisk.cli.output import print_json, print_text, terminal_width, use_color
 from tracerisk.errors import ExitCode, InputError, one_of
 
 if TYPE_CHECKING:
@@ -60,7 +60,6 @@ def solve_linked(model: LinkedModel, options: argparse.Namespace) -> int:
         _show(report.render_sweeps, figure, sweeps)
     if spread is not None:
         _show(render_uncertainty, spread, figure)
-    sys.stdout.flush()
     return int(code)
 
 
@@ -112,4 +111,4 @@ def _risk_exit(figure: str, risk: float, max_risk: float | None) -> ExitCode:
 
 
 def _show(render: Callable[..., str], *what: object) -> None:
-    sys.stdout.write(render(*what, width=terminal_width(), color=use_color()) + "\n")
+    print_text(render(*what, width=terminal_width(), color=use_color()) + "\n")

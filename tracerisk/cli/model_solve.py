@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from tracerisk.cli import what_if as asked
 from tracerisk.cli.model_files import read_model
 from tracerisk.cli.model_format import ModelFormat
-from tracerisk.cli.output import note, print_json, terminal_width, use_color
+from tracerisk.cli.output import note, print_json, print_text, terminal_width, use_color
 from tracerisk.errors import ExitCode, InputError, one_of
 
 if TYPE_CHECKING:
@@ -172,5 +172,4 @@ def _show(parts: Sequence[tuple[Render, tuple[Any, ...]]]) -> None:
     """Print the parts with an empty line between two."""
     width, color = terminal_width(), use_color()
     texts = [render(*what, width=width, color=color).rstrip("\n") for render, what in parts]
-    sys.stdout.write("\n\n".join(texts) + "\n")
-    sys.stdout.flush()
+    print_text("\n\n".join(texts) + "\n")

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import options as shared
 from tracerisk.cli.hardware_spread import add_hardware_spread
-from tracerisk.cli.output import terminal_width, use_color
+from tracerisk.cli.output import print_text, terminal_width, use_color
 from tracerisk.errors import InputError
 
 if TYPE_CHECKING:
@@ -244,7 +243,7 @@ def print_what_if(
     from tracerisk.report import what_if as report
 
     def show(render: Callable[..., str], what: object) -> None:
-        sys.stdout.write("\n" + render(what, width=terminal_width(), color=use_color()))
+        print_text("\n" + render(what, width=terminal_width(), color=use_color()))
 
     if importance:
         show(report.render_importances, assessment.components)
@@ -254,7 +253,6 @@ def print_what_if(
         show(report.render_sweeps, sweeps)
     if found is not None:
         show(report.render_uncertainty, found)
-    sys.stdout.flush()
 
 
 def print_set(changes: list[SetValue]) -> None:
@@ -262,9 +260,7 @@ def print_set(changes: list[SetValue]) -> None:
     if changes:
         from tracerisk.report.what_if import render_set_values
 
-        sys.stdout.write(
-            render_set_values(changes, width=terminal_width(), color=use_color()) + "\n"
-        )
+        print_text(render_set_values(changes, width=terminal_width(), color=use_color()) + "\n")
 
 
 def _named(text: str, option: str, form: str) -> tuple[str, str]:

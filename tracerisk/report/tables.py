@@ -63,11 +63,11 @@ def table_of(title: str, *, style: str = "bold") -> Table:
     """Return an empty table."""
     from rich import box
     from rich.table import Table
+    from rich.text import Text
 
     return Table(
-        title=title,
+        title=Text(title, style=style, overflow="fold"),
         title_justify="left",
-        title_style=style,
         box=box.SIMPLE_HEAD,
         show_edge=False,
         pad_edge=False,
