@@ -410,6 +410,13 @@ def test_a_mission_that_is_sure_to_fail_by_hidden_failures_is_solved(straight):
     assert (mission.fixed_cycles, mission.visits_as_run) == (1.0, 1.0)
 
 
+@pytest.mark.parametrize("part", [("pair", 0.0, 2, "true"), ("arm", 0.0, 1, "false")])
+def test_what_cannot_fail_has_a_plain_zero_in_every_reading(straight, part):
+    mission = solve(straight(2, part)).mission
+    readings = (mission.failure_probability, mission.fixed_cycles, mission.visits_as_run)
+    assert [repr(each) for each in readings] == ["0.0", "0.0", "0.0"]
+
+
 @settings(max_examples=30, deadline=None)
 @given(data=st.data())
 def test_the_chain_written_out_has_the_same_figures(small_models, data):

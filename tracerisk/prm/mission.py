@@ -83,7 +83,7 @@ def mission_figures(solved: SolvedMission) -> MissionFigures:
         cycle_failure_probability=_cycle_failure(cycle),
         expected_cycles=cycles,
         fixed_cycles=_fixed_cycles(chain, cycle, cycles),
-        visits_as_run=-math.expm1(_log_survival_as_run(chain, visits)),
+        visits_as_run=0.0 - math.expm1(_log_survival_as_run(chain, visits)),
     )
 
 
@@ -130,7 +130,7 @@ def _fixed_cycles(chain: HiddenChain, cycle: Flow, cycles: float) -> float:
     """
     if len(chain.states.hidden) == 1 and chain.states.most is None:
         good = math.fsum((*cycle.done, *cycle.back))
-        return -math.expm1(cycles * _log_survival(Probability(_cycle_failure(cycle), good)))
+        return 0.0 - math.expm1(cycles * _log_survival(Probability(_cycle_failure(cycle), good)))
     whole = math.floor(cycles + 1e-9)
     part = max(0.0, cycles - whole)
     counts = (whole, whole + 1) if part > 1e-9 else (whole,)

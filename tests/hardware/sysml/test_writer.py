@@ -9,7 +9,6 @@ from tracerisk.hardware.sysml.reader import read_sysml
 from tracerisk.hardware.sysml.writer import write_sysml
 
 
-@settings(deadline=None)
 @given(hardware_descriptions())
 @settings(max_examples=60, deadline=None)
 def test_what_is_written_reads_back_as_the_same(tmp_path_factory, hardware):
