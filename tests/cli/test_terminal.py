@@ -225,3 +225,16 @@ def test_an_encoding_without_lines_and_bars_gets_plain_signs(annotated, encoding
     assert "------" in done.out
     wide = at_terminal(annotated, "solve", "model.json", width=120, environment=setting)
     assert "##" in wide.raw
+
+
+def test_refresh_tells_its_phases_too(annotated):
+    path = annotated.folder / "controller.py"
+    path.write_text(path.read_text().replace("+= 0.05", "+= 0.06"))
+    shown = at_terminal(annotated, "refresh")
+    text = ESCAPE.sub("", shown.raw)
+    assert shown.code == 0, text
+    places = [text.find(f" {each} ") for each in ("reading", "simulating", "annotating")]
+    assert -1 not in places
+    assert places == sorted(places)
+    (line,) = [line for line in shown.lines if line]
+    assert line.startswith("controller.py: changed (")

@@ -71,6 +71,8 @@ def run_controller(
     """Run the controller on the twin of `robot`, and return what the run showed.
 
     `choice` is what a launch file gives it, `companions` are started beside it.
+    Where `progress` is told, what they print goes through `sys.stderr`, of which that may have
+    taken hold, and else to the standard error of this process.
     Raises SourceError, RobotError or another error of the input when nothing could run.
     """
     from tracerisk.twin.robot_file import dump_robot

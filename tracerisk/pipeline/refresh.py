@@ -82,6 +82,8 @@ def refresh_controller(
     if trace is None:
         trace = trace_controller(controller, settings, progress=progress)
         _check_end(trace, str(controller.path))
+    if progress is not None:
+        progress("annotating", trace.end.simulated_s or 0.0)
     annotated = annotate(
         controller,
         trace,
