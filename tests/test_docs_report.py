@@ -7,6 +7,8 @@ import shlex
 import subprocess
 from pathlib import Path
 
+import pytest
+
 from tracerisk.cli import main
 
 TEXT = (Path(__file__).parents[1] / "docs" / "report.md").read_text(encoding="utf-8")
@@ -19,7 +21,7 @@ def blocks(language: str) -> list[str]:
 def test_the_commands_write_pages_with_the_sections_that_are_listed(example, quick, monkeypatch):
     monkeypatch.chdir(example.folder)
     example.write("controller.py", quick())
-    (commands,) = blocks("sh")
+    commands, _ = blocks("sh")
     first, *others = [shlex.split(line)[1:] for line in commands.splitlines()]
     outcome = example.run(*first, "--quiet")
     assert outcome.code == 0, outcome.err
@@ -38,6 +40,25 @@ def test_the_commands_write_pages_with_the_sections_that_are_listed(example, qui
     assert sorted(["Since HEAD", *run]) == sorted(["Since HEAD", *told[1:]])
     assert plain == ["Timeline", *run[1:]]
     assert against == ["Since HEAD", *plain]
+
+
+def test_the_commands_draw_the_pictures(example, quick, monkeypatch, capsys):
+    monkeypatch.chdir(example.folder)
+    example.write("controller.py", quick())
+    _, commands = blocks("sh")
+    again, run, kept = [shlex.split(line)[1:] for line in commands.splitlines()]
+    outcome = example.run(*run, "--quiet")
+    assert outcome.code == 0, outcome.err
+    found = []
+    for words in (again, kept):
+        code = main([*words, "--quiet"])
+        told = capsys.readouterr().err
+        if "without a screen" in told:
+            pytest.skip(f"nothing can be drawn here: {told}")
+        assert code == 0, told
+        found.append({path.name: path.read_bytes() for path in Path("pictures").iterdir()})
+    assert sorted(found[0]) == ["01-act.png", "legend.json"]
+    assert found[0] == found[1]
 
 
 def test_the_code_runs():

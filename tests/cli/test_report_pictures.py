@@ -94,5 +94,5 @@ def test_without_a_way_to_draw_it_is_told_what_to_install(here, monkeypatch, cap
     monkeypatch.setenv("MUJOCO_GL", "nothing")
     assert main(["report", "controller.py", "--png", "out", "--recording", "recording"]) == 2
     told = capsys.readouterr().err
-    assert "install libegl1 and libegl-mesa0, or libosmesa6" in told
+    assert "install libegl1, libgl1 and libgl1-mesa-dri, or libosmesa6" in told
     assert not (here.folder / "out").exists()

@@ -104,6 +104,10 @@ class Table(Generic[Row]):
             f"<tbody>{''.join(_html_row('td', line) for line in body)}</tbody></table>{more}"
         )
 
+    def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
+        # The text that stands beside the HTML in a notebook.
+        return {"text/plain": str(self)}
+
 
 def _texts(table: Table[Any]) -> list[list[str]]:
     head = ["name", *(name.replace("_", " ") for name in table.columns)]

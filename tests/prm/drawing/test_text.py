@@ -42,6 +42,9 @@ def test_a_notebook_shows_text_beside_the_html_and_not_all_fields():
         assert data["text/plain"] == text_of(each)
         assert data["text/html"] == each._repr_html_()
         assert data["image/svg+xml"] == each._repr_svg_()
+    data, _ = shown(assessment.importance())
+    assert data["text/plain"] == str(assessment.importance())
+    assert data["text/html"].startswith("<table>")
 
 
 def test_of_very_many_assumptions_the_first_are_shown():

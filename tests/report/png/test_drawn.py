@@ -132,7 +132,7 @@ def test_where_nothing_can_be_drawn_it_is_told_what_to_install(pictures, monkeyp
     monkeypatch.setenv("MUJOCO_GL", "nothing")
     with pytest.raises(RenderError, match="without a screen, and there is none") as caught:
         drawn(pictures)
-    for word in ("nothing: ", "libegl1", "libosmesa6", "MUJOCO_GL"):
+    for word in ("nothing: ", "libegl1, libgl1 and libgl1-mesa-dri", "libosmesa6", "MUJOCO_GL"):
         assert word in str(caught.value)
 
 

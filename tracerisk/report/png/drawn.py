@@ -51,8 +51,8 @@ def drawn(pictures: Sequence[Picture], *, size: tuple[int, int] = SIZE) -> tuple
         reasons.append(f"{backend}: {told}")
     raise RenderError(
         "pictures need OpenGL that works without a screen, and there is none "
-        f"({'; '.join(reasons)}); install libegl1 and libegl-mesa0, or libosmesa6 (names of "
-        "Debian and Ubuntu), or name one that works in MUJOCO_GL"
+        f"({'; '.join(reasons)}); install libegl1, libgl1 and libgl1-mesa-dri, or libosmesa6 "
+        "(packages of Debian and Ubuntu), or name one that works in MUJOCO_GL"
     )
 
 

@@ -23,15 +23,15 @@ if TYPE_CHECKING:
 
 LEGEND = "legend.json"
 STATE_COLOURS: Mapping[State, str] = {
-    "grasping": "#2f7d4f",
-    "moving": "#1f6f8b",
-    "holding": "#7a5195",
+    "grasping": "#6a1c70",
+    "moving": "#2784d5",
+    "holding": "#b77b29",
     "in use": "#7a7f87",
 }
 """Those of the report's page; the first state that a part is in decides."""
 KIND_COLOURS = {
     "robot": "#d9dde3",
-    "fixture": "#b7a68c",
+    "fixture": "#aab1ad",
     "object": "#c78a68",
     "declared": "#8fa3b8",
 }
