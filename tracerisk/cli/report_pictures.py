@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,6 +37,16 @@ def check_picture_options(options: argparse.Namespace) -> None:
         raise InputError("--recording is for pictures; give --png DIR as well")
     if options.trace is not None and options.png is not None and options.recording is None:
         raise InputError("--png with --trace needs the recording of that run; give --recording DIR")
+    if options.png is not None:
+        _check_folder(Path(options.png))
+
+
+def _check_folder(folder: Path) -> None:
+    """Raise InputError, before anything runs, where a folder could not be made or written."""
+    there = next(each for each in (folder, *folder.absolute().parents) if each.exists())
+    if not there.is_dir() or not os.access(there, os.W_OK):
+        what = "is no folder" if not there.is_dir() else "cannot be written"
+        raise InputError(f"{what}; name another one for the pictures", Location(str(there)))
 
 
 def write_report_pictures(
