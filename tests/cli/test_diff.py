@@ -33,7 +33,7 @@ def test_the_text_begins_with_one_sentence(changed):
     outcome = changed.run("diff")
     assert (outcome.code, outcome.err) == (0, "")
     assert outcome.out.startswith(
-        "pick.py: mission failure rises from 3.419e-06 to 5.419e-06 (x1.58), by most\n"
+        "pick.py: mission failure rises from 3.419e-06 to 5.419e-06 (x1.58), mostly\n"
         "through gripper in place: probability 2e-07 -> 4e-07 (x2) [edited by hand].\n\n"
     )
 

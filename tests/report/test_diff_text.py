@@ -22,7 +22,7 @@ def test_the_text_in_full(difference, review_of):
     assert (
         text
         == """\
-cell.py: mission failure rises from 1.401e-07 to 2.028e-05 (x145), by most
+cell.py: mission failure rises from 1.401e-07 to 2.028e-05 (x145), mostly
 through power in place: redundancy true -> false [edited by hand].
 
 before: HEAD; after: working tree
@@ -80,7 +80,7 @@ def test_everything_that_changed_is_told(eventful, review_of):
     ("before", "after", "told"),
     [
         ("motor = 1e-7", "motor = 1.005e-7", "unchanged at 1.005e-07."),
-        ("motor = 1e-7", "motor = 5e-8", "falls from 1.000e-07 to 5.000e-08 (x0.5), by most"),
+        ("motor = 1e-7", "motor = 5e-8", "falls from 1.000e-07 to 5.000e-08 (x0.5), mostly"),
         ("motor = 0", "motor = 1e-7", "rises from 0.000e+00 to 1.000e-07 (from 0)"),
         ("motor = 1e-7; power = 0 of2", "motor = 1e-7; power = 0 x2", "yet redundancy is lost and"),
         (None, "motor = 1e-7", "is assessed for the first time: its mission fails with 1.000e-07"),
@@ -121,7 +121,7 @@ def test_the_first_sentence_names_what_made_the_change_and_not_what_worked_again
     after = one_step("a = 5e-7; b = 4e-7; c = 4e-7; d = 4e-7")
     sentence = first_sentence(render_diff(review_of(difference(before, after))))
     assert "rises" in sentence
-    assert "by most through b in reach" in sentence
+    assert "mostly through b in reach" in sentence
 
 
 def test_changes_that_do_next_to_nothing_are_only_counted(difference, review_of, annotated_source):

@@ -65,7 +65,7 @@ def _sentence(diff: RiskDiff) -> str:
     # What works against the change is not what made it.
     alike = [each for each in diff.changes if (each.contribution or 0.0) * diff.increase > 0.0]
     if alike:
-        told += f", by most through {alike[0].summary}{_because(alike[0])}"
+        told += f", mostly through {alike[0].summary}{_because(alike[0])}"
     return told
 
 

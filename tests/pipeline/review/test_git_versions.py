@@ -62,6 +62,8 @@ def test_revisions_ranges_and_merge_bases(committed, two_steps):
     assert told(committed, "main...side") == {"other.py": 2.75}
     assert told(committed, "main", "pick.py") == {"pick.py": 0.63}
     assert review(["main...side"], committed.folder).before == "merge base of main and side"
+    commit = committed.git("rev-parse", "main").strip()
+    assert review([f"{commit}..side"], committed.folder).before == commit[:10]
     committed.git("checkout", "--quiet", "--detach", "HEAD~1")
     assert told(committed) == {}
     assert told(committed, "side") == {"other.py": 0.36}
