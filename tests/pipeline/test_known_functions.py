@@ -96,7 +96,7 @@ def test_of_many_functions_the_message_lists_some(cell):
     cell.write("pyproject.toml", SHARED.format("states", "f2O7"))
     outcome = cell.run(*ANNOTATE)
     assert "did you mean 'f2" in outcome.err
-    assert outcome.err.rstrip().endswith("f015 and 285 more")
+    assert outcome.err.rstrip().endswith("f015 and 285 more [settings]")
 
 
 def test_a_function_called_done_is_told_from_the_end_of_the_mission(cell):
