@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pytest
 
 from tracerisk.errors import HardwareError, Location
@@ -116,7 +118,15 @@ def test_optional_parts_that_the_robot_lacks_are_left_out():
         TwinBinding(sensors=("gone",), optional=True),
         TwinBinding(gripper=True, sensors="torque", optional=True),
     ):
-        assert bind(one(quantity=None, twin=twin), SEEN[:3]) == ()
+        optional = one(quantity=None, twin=twin)
+        supply = Component("supply", FIGURES, always_active=True)
+        (bound,) = bind(replace(optional, components=(*optional.components, supply)), SEEN[:3])
+        assert bound.component is supply
+
+
+def test_a_description_of_nothing_that_the_robot_has_is_an_error():
+    with pytest.raises(HardwareError, match="only optional components, of which the robot has no"):
+        bind(one(quantity=None, twin=TwinBinding(sensors="wrench", optional=True)), SEEN[:3])
 
 
 def test_of_optional_parts_that_are_named_those_count_that_are_there():
