@@ -178,6 +178,8 @@ def test_print_is_light_and_shows_what_is_folded(opened):
     )
     pdf = base64.b64decode(opened.print_page())
     assert pdf.startswith(b"%PDF-")
-    folded = opened.execute_script("return document.querySelectorAll('details').length")
+    folded = opened.execute_script(
+        "return document.querySelectorAll('details:not([data-print=folded])').length"
+    )
     assert opened.execute_script("return unfolded") == folded
     assert opened.execute_script("return document.querySelectorAll('details[open]').length") == 0

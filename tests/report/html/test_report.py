@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from tracerisk.errors import Location
 from tracerisk.prm import FaultTree, HybridModel
+from tracerisk.report.html import figures
 from tracerisk.report.html.notes import drift as drift_of_pin
 from tracerisk.report.html.page import page, rendered
 from tracerisk.report.html.report import render_report
@@ -358,3 +359,19 @@ def test_labels_of_a_chain_do_not_overlap(report_of, parsed):
     assert len(boxes) == 4 * 5 + 4
     for (x, y, w, h), (u, v, a, b) in combinations(boxes, 2):
         assert x + w <= u or u + a <= x or y + h <= v or v + b <= y
+
+
+@pytest.mark.parametrize(
+    ("share", "told"),
+    [
+        (0.0, "0 %"),
+        (2.7e-8, "< 0.01 %"),
+        (1e-4, "0.01 %"),
+        (0.0569, "5.69 %"),
+        (0.99999, "> 99.9 %"),
+        (1.0 - 1e-12, "100 %"),
+        (1.0, "100 %"),
+    ],
+)
+def test_a_share_is_none_or_all_only_where_it_is(share, told):
+    assert figures.percent(share).replace("\N{NO-BREAK SPACE}", " ") == told

@@ -66,10 +66,14 @@ def _context(report: ReportInput) -> tuple[str, ...]:
     trace = report.trace
     if trace is None:
         return ()
-    parts = [trace.robot, trace.scene]
+    parts = []
+    if trace.robot:
+        parts.append(f"robot {trace.robot}")
+    if trace.scene:
+        parts.append(f"scene {trace.scene}")
     if trace.end.simulated_s is not None:
         parts.append(f"{trace.end.simulated_s:.1f} s simulated")
-    return tuple(part for part in parts if part)
+    return tuple(parts)
 
 
 def _end(report: ReportInput) -> str:
