@@ -71,7 +71,7 @@ def test_the_link_of_the_active_joint_and_no_other_is_coloured(pictures, shown):
     differs = np.abs(pixels(lift) - pixels(plain)).sum(axis=2) > 24
     assert differs.sum() > 100
     coloured = pixels(lift)[differs]
-    # The colour of moving is a blue green; the grey of an idle link has no hue.
+    # The colour of moving is a blue; the grey of an idle link has no hue.
     assert (coloured[:, 2] > coloured[:, 0] + 10).mean() > 0.9
     # They are where the camera sees the shapes of the links behind joint 2, and no other ones.
     camera = pictures[0].camera

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+import re
 import string
+from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.errors import InputError, LogError
+from tracerisk.report import html
 from tracerisk.report.png.pictures import (
     KIND_COLOURS,
     STATE_COLOURS,
@@ -144,6 +147,13 @@ def test_no_function_name_leads_out_of_the_folder(function, number):
     assert len(name) <= 60
     assert name.startswith(f"{number:02d}-")
     assert name.endswith(".png")
+
+
+def test_states_have_the_colours_of_the_page():
+    css = (Path(html.__file__).parent / "assets" / "page.css").read_text(encoding="utf-8")
+    light = dict(re.findall(r"--([\w-]+): light-dark\((#\w{6}), ", css))
+    for state in ("moving", "holding", "grasping"):
+        assert STATE_COLOURS[state] == light[state]
 
 
 def test_what_would_not_show_is_written_as_its_code():

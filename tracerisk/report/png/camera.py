@@ -36,7 +36,7 @@ def camera_of(bodies: Sequence[Body], pictures: Sequence[Sequence[Placed]]) -> C
     low, high = ([pick(axis) for axis in zip(*robot, strict=True)] for pick in (min, max))
     middle = [(a + b) / 2 for a, b in zip(low, high, strict=True)]
     reach = _ABOUT * max(math.dist(middle, each) for each in robot)
-    things = _corners(bodies, pictures, "object")
+    things = [*_corners(bodies, pictures, "object"), *_corners(bodies, pictures, "declared")]
     seen = [*robot, *(each for each in things if math.dist(middle, each) <= reach)]
     yaw = max(_YAWS, key=lambda each: (round(_width(bodies, pictures, each), 6), -abs(each - 0.4)))
     right, up, back = _axes(yaw)
