@@ -248,3 +248,9 @@ def test_failures_that_no_mode_has_are_told_as_harmless(compute):
         "part: the failure modes make up 75 % of the failures; the other 25 % are taken as harmless"
     )
     assert compute(MOVE, RATE, modes % "0.6", JOINTS).assumptions == ()
+
+
+def test_a_description_of_nothing_that_the_robot_has_is_an_error(compute):
+    camera = "twin: {sensors: camera, optional: true}"
+    with pytest.raises(HardwareError, match="only optional components, of which the robot has no"):
+        compute(MOVE, RATE, camera)

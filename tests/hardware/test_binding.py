@@ -124,11 +124,6 @@ def test_optional_parts_that_the_robot_lacks_are_left_out():
         assert bound.component is supply
 
 
-def test_a_description_of_nothing_that_the_robot_has_is_an_error():
-    with pytest.raises(HardwareError, match="only optional components, of which the robot has no"):
-        bind(one(quantity=None, twin=TwinBinding(sensors="wrench", optional=True)), SEEN[:3])
-
-
 def test_of_optional_parts_that_are_named_those_count_that_are_there():
     two = TwinBinding(sensors=("gone", "eye"), optional=True)
     (bound,) = bind(one(quantity=2, twin=two), SEEN)

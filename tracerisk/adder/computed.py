@@ -21,7 +21,7 @@ from tracerisk.adder.values import (
     profile_next,
 )
 from tracerisk.config import ActiveMode
-from tracerisk.errors import HardwareError, InputError, one_of
+from tracerisk.errors import HardwareError, InputError, Location, one_of
 from tracerisk.hardware.binding import BoundComponent, bind
 from tracerisk.hardware.figure_shares import figure_shares
 from tracerisk.hardware.function_use import FunctionUse
@@ -76,11 +76,18 @@ def compute_blocks(
     """Return the block of each relevant function of the trace.
 
     A profile pins the `next` of the functions it names.
-    Raises HardwareError where the description does not fit the robot, or a figure needs an
-    exposure that the trace does not tell; InputError where the profile names a
-    function that the trace does not.
+    Raises HardwareError where the description does not fit the robot or describes nothing that
+    it has, or a figure needs an exposure that the trace does not tell; InputError where the
+    profile names a function that the trace does not.
     """
     bound = bind(hardware, trace.elements)
+    if hardware.components and not bound:
+        raise HardwareError(
+            "describes only optional components, of which the robot has none, so that nothing "
+            "could fail; describe one that it has (tracerisk robots NAME lists joints and "
+            "sensors), or one that is active always",
+            Location(hardware.file),
+        )
     _check_tests(bound, trace)
     counts = next_counts(trace)
     names = model_names([function.ref for function in trace.functions])

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import NoReturn
 
-from tracerisk.errors import HardwareError, Location, one_of
+from tracerisk.errors import HardwareError, one_of
 from tracerisk.hardware.checks import check_required
 from tracerisk.hardware.model import Component, Hardware, TwinBinding
 from tracerisk.trace import Element
@@ -37,8 +37,8 @@ def bind(hardware: Hardware, elements: Sequence[Element]) -> tuple[BoundComponen
     Elements of kind `component` (of a log in the published format) are bound by name; one that
     the description does not know is an error, for its failures would be left out.
     Raises HardwareError with file and line for a component that the robot has no place for, for
-    a quantity that is not that of the places, for a group of which as many must work as
-    there are, and where nothing at all is bound.
+    a quantity that is not that of the places, and for a group of which as many must work as
+    there are.
     """
     logged = [element.name for element in elements if element.kind == "component"]
     if logged:
@@ -52,13 +52,6 @@ def bind(hardware: Hardware, elements: Sequence[Element]) -> tuple[BoundComponen
                 bound.append(BoundComponent(component, component.quantity or 1, (component.name,)))
         elif (found := _bind_to_robot(component, elements)) is not None:
             bound.append(found)
-    if hardware.components and not bound:
-        raise HardwareError(
-            "describes only optional components, of which the robot has none, so that nothing "
-            "could fail; describe one that it has (tracerisk robots NAME lists joints and "
-            "sensors), or one that is active always",
-            Location(hardware.file),
-        )
     return tuple(bound)
 
 
