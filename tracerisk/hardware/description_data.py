@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from tracerisk.hardware.load import exponent_text
 from tracerisk.hardware.model import (
     Component,
     FailureFigure,
@@ -14,7 +15,6 @@ from tracerisk.hardware.model import (
     default_detection,
 )
 from tracerisk.hardware.units import SECONDS_PER
-from tracerisk.hardware.yaml_use import exponent_text
 
 _SPARES = {1.0: "hot", 0.0: "cold"}
 

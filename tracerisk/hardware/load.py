@@ -60,6 +60,17 @@ def wear_s(law: LoadLaw, exposure: Exposure) -> float:
         ) from None
 
 
+def exponent_text(exponent: float) -> str:
+    """Return an exponent as it is written: whole, or as the fraction 10/3."""
+    return "10/3" if exponent == 10.0 / 3.0 else f"{exponent:g}"
+
+
+def unmeasured_exponent(given: str) -> str:
+    """Return what is said of an exponent for which a run measures no wear."""
+    allowed = ", ".join(map(exponent_text, WEAR_EXPONENTS))
+    return f"{given} is not one for which a run measures wear; allowed: {allowed}"
+
+
 def mean_speed(travel_s: float, moving_s: float) -> float:
     """Return the mean speed while moving, as a fraction of the rated speed."""
     return travel_s / moving_s if moving_s > 0.0 else 0.0

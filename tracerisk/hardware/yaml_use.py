@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from tracerisk.errors import HardwareError, one_of
+from tracerisk.hardware.load import unmeasured_exponent
 from tracerisk.hardware.model import Demand, FailureMode, LoadLaw, State
 from tracerisk.hardware.yaml_figures import DEMANDS
 from tracerisk.trace import WEAR_EXPONENTS
@@ -20,14 +21,6 @@ USES: Mapping[str, State | Demand] = {
 
 _LAW_KEYS = frozenset({"reference_load", "wearing_share", "exponent", "reference_speed", "source"})
 _MODE_KEYS = frozenset({"fraction", "when", "source"})
-
-
-def exponent_text(exponent: float) -> str:
-    """Return an exponent as it is written: whole, or as the fraction 10/3."""
-    return "10/3" if exponent == 10.0 / 3.0 else f"{exponent:g}"
-
-
-_EXPONENTS = {exponent_text(each): each for each in WEAR_EXPONENTS}
 
 
 def read_load_law(entry: YamlMap) -> LoadLaw | None:
@@ -82,15 +75,12 @@ def _exponent(law: YamlMap) -> float:
         return 3.0
     given = law.require("exponent")
     if isinstance(given, str):
-        found = _EXPONENTS[given] if given == "10/3" else None
+        found = 10.0 / 3.0 if given == "10/3" else None
     else:
         number = law.number("exponent")
         found = number if number in WEAR_EXPONENTS else None
     if found is None:
-        law.fail(
-            "exponent",
-            f"{given} is not one for which a run measures wear; allowed: {', '.join(_EXPONENTS)}",
-        )
+        law.fail("exponent", unmeasured_exponent(f"{given}"))
     return found
 
 

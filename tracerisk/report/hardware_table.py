@@ -7,8 +7,8 @@ from itertools import zip_longest
 
 from tracerisk.adder.values import computed_redundancy
 from tracerisk.hardware.binding import BoundComponent
+from tracerisk.hardware.load import exponent_text
 from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware, TwinBinding
-from tracerisk.hardware.yaml_use import exponent_text
 
 _TITLES = ("component", "quantity", "redundancy", "figures of one unit", "seen at", "source")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, get_args
 
 from tracerisk.errors import HardwareError
+from tracerisk.hardware.load import unmeasured_exponent
 from tracerisk.hardware.model import (
     Basis,
     Demand,
@@ -135,12 +136,7 @@ def read_load_law(fields: Fields) -> LoadLaw:
     law.forbid_unknown(("referenceLoad", "wearingShare", "exponent", "referenceSpeed", "source"))
     exponent = law.number("exponent") if "exponent" in law else 3.0
     if exponent not in WEAR_EXPONENTS:
-        allowed = ", ".join(
-            "10/3" if each == 10.0 / 3.0 else f"{each:g}" for each in WEAR_EXPONENTS
-        )
-        law.fail(
-            "exponent", f"{exponent:g} is not one for which a run measures wear; allowed: {allowed}"
-        )
+        law.fail("exponent", unmeasured_exponent(f"{exponent:g}"))
     speed = law.positive("referenceSpeed", maximum=1.0) if "referenceSpeed" in law else None
     return LoadLaw(
         reference_load=law.positive("referenceLoad", maximum=1.0),
