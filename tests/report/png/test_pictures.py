@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 import re
 import string
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -22,6 +24,8 @@ from tracerisk.report.png.pictures import (
     mixed,
     printable,
 )
+from tracerisk.twin.declared_log import DeclaredChange, LoggedShape
+from tracerisk.twin.shapes import Shape
 
 COMPONENTS = {
     "motor": tuple(f"panda_joint{number}" for number in range(1, 8)),
@@ -109,6 +113,21 @@ def test_of_many_elements_the_first_are_named(trace_of, turning_arm):
     (picture,) = make_pictures(trace, {"sensor": names}, turning_arm)
     (told,) = [row.text for row in picture.rows if row.colour == STATE_COLOURS["in use"]]
     assert told.endswith("s11, and 28 more)")
+
+
+def test_what_the_controller_puts_into_the_scene_is_there_from_then_on(two_functions, turning_arm):
+    box = LoggedShape(
+        "box", False, (0.5, 0.0, 0.3, 1.0, 0.0, 0.0, 0.0), (Shape("sphere", (0.07,)),)
+    )
+    change = DeclaredChange(1_000, (box,), np.zeros(0), np.zeros((0, 0, 7)))
+    lift, bend = make_pictures(two_functions, COMPONENTS, replace(turning_arm, declared=(change,)))
+    balls = [
+        [solid for solid in picture.solids if solid.size == (0.07,)] for picture in (lift, bend)
+    ]
+    assert balls[0] == []
+    assert [(each.xyz, each.colour) for each in balls[1]] == [
+        ((0.5, 0.0, 0.3), KIND_COLOURS["declared"])
+    ]
 
 
 def test_a_recording_of_another_run_is_refused(trace_of, turning_arm):
