@@ -8,6 +8,7 @@ from fractions import Fraction
 import pytest
 from rich.cells import cell_len
 
+import tracerisk
 from tracerisk.prm import (
     FIGURE_STATEMENT,
     BasicEvent,
@@ -224,3 +225,13 @@ def test_importing_the_report_does_not_import_rich():
     code = "import sys, tracerisk.report.terminal; print('rich' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
+
+
+def test_the_parts_of_a_group_with_a_common_cause_show_its_seconds(annotated_source):
+    text = annotated_source(place=("done 1", "power = 1e-5 of2"))
+    text = text.replace("redundancy = true", "redundancy = true, common_cause 0.1")
+    found = tracerisk.solve(tracerisk.build({"cell.py": text.encode()}, name="cell.py"))
+    table = render_assessment(found, exposures={"place": {"power": 12.34}})
+    rows = [line for line in table.splitlines() if line.strip().startswith("power {")]
+    assert len(rows) >= 2
+    assert all("12.34" in row for row in rows[:2])

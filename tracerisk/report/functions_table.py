@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from tracerisk.prm.assessment import Assessment, ComponentContribution, StateAssessment
+from tracerisk.prm.model_parts import component_of
 from tracerisk.report.tables import ROOMY, WIDE, add_share_columns, plain, share_cells, table_of
 
 if TYPE_CHECKING:
@@ -98,5 +99,5 @@ def _needed(component: ComponentContribution) -> str:
 
 
 def _active(exposures: Exposures | None, function: str, component: ComponentContribution) -> str:
-    seconds = (exposures or {}).get(function, {}).get(component.name)
+    seconds = (exposures or {}).get(function, {}).get(component_of(component.name))
     return "-" if seconds is None else f"{seconds:.2f}"
