@@ -311,6 +311,16 @@ def test_what_no_encoding_has_is_replaced(arm, report_of):
     assert page.encode("utf-8")
 
 
+def test_what_turns_the_direction_of_writing_is_seen(arm, report_of):
+    text = "# \u202e\u2066 if admin\u2069 \u2066begin"
+    page = render_report(
+        report_of(arm, findings=(text,), sources=(SourceFile("arm.py", text, ()),))
+    )
+    shown = "# [U+202E][U+2066] if admin[U+2069] [U+2066]begin"
+    assert page.count(shown) == 2
+    assert not re.search("[\u202a-\u202e\u2066-\u2069\u200e\u200f\u061c]", page)
+
+
 def test_the_page_is_small(arm, report_of):
     assert len(render_report(report_of(arm)).encode()) < 60_000
 

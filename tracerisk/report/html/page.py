@@ -19,6 +19,11 @@ _HERE = Path(__file__).parent
 _FORBIDDEN = dict.fromkeys(
     (*range(9), 11, 12, *range(14, 32), *range(127, 160)), "\N{REPLACEMENT CHARACTER}"
 )
+# What turns the direction of writing would let a source read as what it is not.
+_TURNING = {
+    code: f"[U+{code:04X}]"
+    for code in (0x061C, 0x200E, 0x200F, *range(0x202A, 0x202F), *range(0x2066, 0x206A))
+}
 
 
 def page(title: str, lead: Markup, sections: Sequence[Section]) -> str:
@@ -42,7 +47,7 @@ def page(title: str, lead: Markup, sections: Sequence[Section]) -> str:
         policy=_policy(script, style),
     )
     # A lone surrogate (of a file name that is not UTF-8) is no character of any encoding.
-    text = text.translate(_FORBIDDEN)
+    text = text.translate(_FORBIDDEN | _TURNING)
     return text.encode("utf-8", errors="replace").decode("utf-8")
 
 
