@@ -73,6 +73,19 @@ def test_a_failure_of_the_controller_is_told_with_its_place_and_the_trace_so_far
     assert_untouched(example, before)
 
 
+def test_of_a_run_that_ended_badly_no_report_is_written_and_an_earlier_one_is_told(example, quick):
+    statements, _ = FAILURES["raises"]
+    example.write("controller.py", quick(*statements))
+    outcome = example.run("run", "controller.py", "--report", "run.html")
+    assert outcome.code == 4
+    assert outcome.err.endswith("run.html: no report is written of a run that ended badly\n")
+    assert "run.html" not in example.files()
+    example.write("run.html", b"earlier")
+    outcome = example.run("run", "controller.py", "--report", "run.html")
+    assert outcome.err.endswith("ended badly; the file is an earlier one\n")
+    assert example.read("run.html") == b"earlier"
+
+
 DEATHS = {
     "kills itself": (["os.kill(os.getpid(), 9)"], "ended by SIGKILL"),
     "reads a null pointer": (["import ctypes", "ctypes.string_at(0)"], "ended by SIGSEGV"),

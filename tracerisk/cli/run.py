@@ -182,6 +182,10 @@ def _failed(options: argparse.Namespace, trace: Trace) -> int:
     if options.trace is not None:
         write_file(options.trace, trace_json.dumps(trace))
     code = print_failure(trace)
+    if options.report is not None:
+        told = f"{options.report}: no report is written of a run that ended badly"
+        kept = "; the file is an earlier one" if Path(options.report).exists() else ""
+        note(f"{told}{kept}", quiet=options.quiet)
     if options.json:
         data = trace_json.trace_data(trace)
         print_json("run", exit_code=code, error=failure_of(trace), trace=data)
