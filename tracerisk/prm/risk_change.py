@@ -175,7 +175,6 @@ class RiskDiff:
             return False
         return is_noise(self.before.failure_probability, self.after.failure_probability)
 
-
     def is_worth_telling(self, threshold: float) -> bool:
         """Return what `Review.is_worth_telling` says, for one controller."""
         if self.before is None or self.after is None or self.pins:
