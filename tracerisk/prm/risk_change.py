@@ -141,7 +141,9 @@ class RiskDiff:
     `changes` come by the size of their contribution; `interaction` is what the mission's figure
     changes by beyond the sum of contributions, noise included.
     `within_noise` counts the values that changed by less than 1 %: they are told as unchanged.
-    `inputs` tells in words what the runs behind the blocks depended on that differs.
+    `inputs` tells in words what the runs behind the blocks depended on that differs, `of_run`
+    what the later run showed that the earlier one did not: contacts that were not to be expected,
+    motions of which there is no risk data.
     """
 
     name: str
@@ -155,6 +157,7 @@ class RiskDiff:
     single_points: tuple[SinglePoint, ...]
     within_noise: int
     inputs: tuple[str, ...] = ()
+    of_run: tuple[str, ...] = ()
 
     @property
     def increase(self) -> float:
@@ -177,7 +180,7 @@ class RiskDiff:
 
     def is_worth_telling(self, threshold: float) -> bool:
         """Return what `Review.is_worth_telling` says, for one controller."""
-        if self.before is None or self.after is None or self.pins:
+        if self.before is None or self.after is None or self.pins or self.of_run:
             return True
         marks = {mark for change in self.changes for mark in change.marks}
         if marks & {"lost_redundancy", "single_point_of_failure"}:
@@ -206,7 +209,7 @@ class Review:
 
         `threshold` is a relative change of a mission's failure probability, up or down. Whatever
         the figure does, controllers that come or go, redundancy that is lost, new single points
-        of failure and values set by hand are told.
+        of failure, values set by hand and what a run newly showed are told.
         """
         return any(each.is_worth_telling(threshold) for each in self.controllers)
 

@@ -102,11 +102,11 @@ def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
     for pin in diff.pins:
         place = review.place(pin.location, is_gone=pin.kind == "removed")
         yield f"- {_escaped(words.pin(pin))} ({_escaped(place)})"
-    for told in diff.inputs:
+    for told in (*diff.of_run, *diff.inputs):
         yield f"- {_escaped(told)}"
     if diff.within_noise:
         yield f"- values that changed by less than 1 %, told as unchanged: {diff.within_noise}"
-    if diff.single_points or diff.pins or diff.inputs or diff.within_noise:
+    if diff.single_points or diff.pins or diff.of_run or diff.inputs or diff.within_noise:
         yield ""
 
 

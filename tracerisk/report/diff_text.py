@@ -68,6 +68,7 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
         ],
         room,
     )
+    yield from _list("What the run showed that it did not before", diff.of_run, room)
     yield from _list("What the runs behind the blocks depended on", diff.inputs, room)
     if diff.within_noise:
         values = "value changes" if diff.within_noise == 1 else "values change"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -283,3 +284,42 @@ def test_a_review_is_plain_json(repository, two_steps):
     (controller,) = data["controllers"]
     assert controller["functions"][1]["status"] == "changed"
     assert controller["changes"][0]["fields"][0]["location"]["file"] == "pick.py"
+
+
+@pytest.fixture
+def showed(repository, parts):
+    """Commit a version whose run showed `first`, and leave one whose run showed `later`."""
+
+    def make(first, later, code=""):
+        def entry(trace):
+            return replace(lock_of(parts(), "main.py"), trace=trace)
+
+        write(repository, parts(), ("main.py", entry(first)))
+        repository.commit()
+        texts = {**parts(), "main.py": f"{parts()['main.py']}\n{code}"}
+        write(repository, texts, ("main.py", entry(later)))
+        return review([], repository.folder)
+
+    return make
+
+
+TOUCH = {"unexpected_contacts": {"hand.py": {"place": [["finger", "table"]]}}}
+
+
+def test_a_contact_that_the_earlier_run_did_not_show_is_told_whatever_the_figure_does(showed):
+    found = showed({}, {**TOUCH, "uncovered": {"main.py": ["drop"]}}, code="LATER = 1\n")
+    diff = only(found)
+    assert diff.is_unchanged
+    assert diff.of_run == (
+        "finger and table touch in place, which was not to be expected",
+        "drop can move the arm and did not run: no risk data",
+    )
+    assert found.is_worth_telling(0.5)
+    assert "finger and table touch in place" in " ".join(render_diff(found, width=200).split())
+    assert "- finger and table touch in place" in render_diff_markdown(found)
+
+
+def test_a_contact_that_the_earlier_run_showed_too_is_not_told_again(showed):
+    found = showed(TOUCH, TOUCH, code="LATER = 1\n")
+    assert only(found).of_run == ()
+    assert not found.is_worth_telling(0.5)

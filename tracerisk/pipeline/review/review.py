@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from tracerisk.errors import InputError, TraceRiskError
@@ -18,6 +19,7 @@ from tracerisk.pipeline.review.controllers import (
 from tracerisk.pipeline.review.git_versions import GitVersion, compared
 from tracerisk.pipeline.review.renamed_functions import FunctionSource, renamed_functions
 from tracerisk.pipeline.review.repository import Repository
+from tracerisk.pipeline.review.run_changes import run_changes
 from tracerisk.pipeline.stages import blocks_of
 from tracerisk.prm.compare import compare
 from tracerisk.prm.model_parts import RiskVersion
@@ -108,7 +110,7 @@ def _difference(
             _functions(after, new),
             (controller.before.sources, controller.after.sources),
         )
-    return compare(
+    found = compare(
         before,
         after,
         name=controller.name,
@@ -117,6 +119,7 @@ def _difference(
         cause_of=cause_finder(controller.before, controller.after, new),
         inputs=input_changes(controller.before, controller.after),
     )
+    return replace(found, of_run=run_changes(controller.before, controller.after, renamed))
 
 
 def _built(

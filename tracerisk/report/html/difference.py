@@ -57,7 +57,7 @@ def _controller(review: Review, index: int, diff: RiskDiff) -> _Controller:
         f"{words.pin(pin)} ({review.place(pin.location, is_gone=pin.kind == 'removed')})"
         for pin in diff.pins
     ]
-    lines += diff.inputs
+    lines += (*diff.of_run, *diff.inputs)
     if diff.within_noise:
         lines.append(
             f"values that changed by less than 1 %, told as unchanged: {diff.within_noise}"
