@@ -85,17 +85,34 @@ def test_tests_within_the_mission_are_left_out_and_told(power, trace):
     assert line.startswith("power: tests within the mission are not counted")
 
 
-@pytest.mark.parametrize(
-    ("trace", "found"),
-    [
-        (trace_of(359.0), "longer than the mission of 359 s"),
-        (trace_of(1.0, 60.0, 60.0, 60.0, cycle=Cycle(1, 1, 5)), "longer than the mission of 301 s"),
-        (trace_of(None), "longer than the time of a mission, which this trace does not tell"),
-    ],
-)
-def test_a_test_rarer_than_missions_is_an_error_that_says_what_to_write(power, trace, found):
+@pytest.mark.parametrize("missions", [1.5, 2.0, 36.0])
+def test_a_test_rarer_than_missions_tells_the_mean_of_those_between_two(power, missions):
+    entry, assumptions = power(trace_of(360.0 / missions), TESTED)
+    alone, _ = power(trace_of(360.0 / missions))
+    # A pair with P fails within n missions with (nP)^2, in the mean of one with n P^2.
+    p, found = alone.probability.value, entry.probability.value
+    assert -math.log1p(-(found**2)) == pytest.approx(
+        -math.log1p(-((1 - (1 - p) ** missions) ** 2)) / missions, rel=2e-3
+    )
+    assert entry.redundancy.text == "true"
+    (line,) = assumptions
+    assert line.startswith(f"power: of {missions:.4g} missions between two tests")
+
+
+def test_where_missions_are_cut_changes_nothing_of_what_lasts_beyond_them(power):
+    whole = power(trace_of(120.0), TESTED)[0].probability.value
+    parts = power(trace_of(40.0, 80.0), TESTED)[0].probability.value
+    assert 1 - (1 - parts) ** 2 == pytest.approx(whole, rel=1e-3)
+
+
+def test_a_mission_without_a_time_cannot_be_compared_with_a_test_interval(power):
     with pytest.raises(HardwareError) as caught:
-        power(trace, TESTED, figure="0.125")
+        power(trace_of(None), TESTED, figure="0.125")
     assert str(caught.value).startswith("hardware.yaml:2")
-    assert found in str(caught.value)
+    assert "the time of a mission, which this trace does not tell" in str(caught.value)
     assert "write 'detected: mission_start'" in str(caught.value)
+
+
+def test_spares_tested_more_rarely_than_missions_come_are_an_error(power):
+    with pytest.raises(HardwareError, match="spares that failed in an earlier mission"):
+        power(trace_of(100.0), f"{TESTED}, spare: cold")

@@ -6,30 +6,37 @@ import math
 from collections.abc import Sequence
 
 from tracerisk.hardware.binding import BoundComponent
+from tracerisk.hardware.mission import ComponentUse
 from tracerisk.hardware.model import Basis
 
 
-def assumptions_of(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
+def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:
     """Return what is assumed of the components, each kind in a line."""
+    bound = [each.bound for each in used]
     return (
         *_per_visit(bound),
-        *_tested(bound),
+        *_tested(used),
         *_own_speed(bound),
         *_ageing(bound),
         *_harmless(bound),
     )
 
 
-def _tested(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
-    names = sorted(
-        each.component.name for each in bound if each.component.test_interval_s is not None
-    )
-    if not names:
-        return ()
-    return (
-        f"{', '.join(names)}: tests within the mission are not counted: a failure is taken to "
-        "stay hidden until the mission ends, which overstates the risk",
-    )
+def _tested(used: Sequence[ComponentUse]) -> tuple[str, ...]:
+    tested = [each for each in used if each.component.test_interval_s is not None]
+    within = sorted(each.component.name for each in tested if each.missions_between_tests == 1.0)
+    told = [
+        f"{', '.join(within)}: tests within the mission are not counted: a failure is taken to "
+        "stay hidden until the mission ends, which overstates the risk"
+    ]
+    rarer = [
+        f"{each.component.name}: of {each.missions_between_tests:.4g} missions between two tests, "
+        "one after the other, the mean: a failure hidden in one is there in the next, and the "
+        "block's probability is that with which a mission fails as in this mean"
+        for each in tested
+        if each.missions_between_tests > 1.0
+    ]
+    return (*(told if within else ()), *rarer)
 
 
 def _per_visit(bound: Sequence[BoundComponent]) -> tuple[str, ...]:

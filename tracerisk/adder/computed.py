@@ -131,7 +131,7 @@ def compute_blocks(
         )
         for each, use in zip(used, uses, strict=True)
     )
-    return ComputedBlocks(blocks, exposures, observed, assumptions_of(bound), instances)
+    return ComputedBlocks(blocks, exposures, observed, assumptions_of(used), instances)
 
 
 def _figure_shares(
@@ -190,7 +190,9 @@ def group_values(
     """Return the one probability, before rounding, that stands in the block of each function."""
     if not uses:
         return {}
-    values = group_unit_probabilities(list(uses.values()), used.component.redundancy)
+    values = group_unit_probabilities(
+        list(uses.values()), used.component.redundancy, used.missions_between_tests
+    )
     return dict(zip(uses, values, strict=True))
 
 
@@ -293,22 +295,23 @@ def _mean_exposure(used: ComponentUse, visits: Sequence[int]) -> float | None:
 
 
 def _check_tests(bound: Sequence[BoundComponent], trace: Trace) -> None:
-    """Raise HardwareError where what is tested may be failed when a mission starts."""
+    """Raise HardwareError where it cannot be told what may be failed when a mission starts."""
     for each in bound:
         component = each.component
         if component.test_interval_s is None:
             continue
         mission_s = mission_time(trace)
         if mission_s is None:
-            found = "the time of a mission, which this trace does not tell"
-        elif component.test_interval_s > mission_s:
-            found = f"the mission of {mission_s:.4g} s"
+            found = "cannot be compared with the time of a mission, which this trace does not tell"
+        elif component.test_interval_s > mission_s and component.redundancy.has_spares:
+            found = (
+                f"is longer than the mission of {mission_s:.4g} s: spares that failed in an "
+                "earlier mission are not computed"
+            )
         else:
             continue
         raise HardwareError(
             f"component '{component.name}': its test interval of {component.test_interval_s:.4g} s "
-            f"is longer than {found}: a failure hidden in an earlier mission could still be "
-            "there, which is not computed; test the group before each mission and write "
-            "'detected: mission_start'",
+            f"{found}; test the group before each mission and write 'detected: mission_start'",
             component.location,
         )

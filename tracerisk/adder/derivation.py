@@ -94,9 +94,10 @@ class UnitDerivation:
 class HiddenGroup:
     """A group of unlike units whose failures stay hidden until the mission ends.
 
-    Over the mission the units fail with `units`, in the order of the units, each of the quantity
-    for itself, so that the group fails with `group`, `None` where a common cause is in it.
-    So does a group of which each unit fails with `like`. The function has the `share` of what
+    Over so many `missions` between two tests the units fail with `units`, in the order of the
+    units, each of the quantity for itself, so that the group fails with `group`, `None` where a
+    common cause is in it. With the mean hazard of one of these missions fails a group of which
+    each unit fails with `like`. The function has the `share` of what
     survives that: 1 - p = (1 - like)^(share / times), of `times` visits in a mission.
     """
 
@@ -105,6 +106,7 @@ class HiddenGroup:
     like: float
     share: float
     times: int
+    missions: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -160,7 +160,11 @@ def _hidden(
     values: Mapping[FunctionRef, float],
 ) -> HiddenGroup:
     units = tuple(
-        mission_probability(list(uses.values()), unit) for unit in range(used.bound.quantity)
+        failure_probability(
+            -used.missions_between_tests
+            * survival_log(mission_probability(list(uses.values()), unit))
+        )
+        for unit in range(used.bound.quantity)
     )
     hazards = {ref: -uses[ref].times * survival_log(value) for ref, value in values.items()}
     whole = math.fsum(hazards.values())
@@ -170,6 +174,7 @@ def _hidden(
         like=failure_probability(whole),
         share=hazards[function] / whole if whole else 0.0,
         times=round(uses[function].times),
+        missions=used.missions_between_tests,
     )
 
 

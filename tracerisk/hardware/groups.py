@@ -29,19 +29,21 @@ def group_unit_probability(visits: Visits, redundancy: Redundancy) -> float:
 
 @with_digits
 def group_unit_probabilities(
-    functions: Sequence[FunctionUse], redundancy: Redundancy
+    functions: Sequence[FunctionUse], redundancy: Redundancy, missions: float = 1.0
 ) -> tuple[float, ...]:
     """Return for each function the one unit probability that stands for unequal units there.
 
     A group that is whole again at each visit, or needs every unit, fails over the visits of each
     function as its units do. One whose failures stay hidden does so over the mission, and the
     functions share its hazard by what each contributes: a failure hidden in one is there in the
-    next, so that no function has a figure of its own.
+    next, so that no function has a figure of its own. They may be found only after so many
+    `missions`: then the values give the mean over these.
     Units that are alike in all visits give back their probability.
     Raises HardwareError where spares that differ are too many to follow.
     """
     quantity = len(functions[0].visits[0])
-    if all(len(set(units)) == 1 for each in functions for units in each.visits):
+    is_kept = missions != 1.0 and stays_hidden(redundancy, quantity)
+    if not is_kept and all(len(set(units)) == 1 for each in functions for units in each.visits):
         alone = [_of_one_unit(each, redundancy) for each in functions]
         found = [value for value in alone if value is not None]
         if len(found) == len(alone):
@@ -49,7 +51,7 @@ def group_unit_probabilities(
     if quantity == 1 or (needs_all(redundancy, quantity) and not redundancy.common_cause):
         return tuple(mean_probability(each.visits) for each in functions)
     if stays_hidden(redundancy, quantity):
-        return hidden_values(functions, redundancy, quantity)
+        return hidden_values(functions, redundancy, quantity, missions)
     return tuple(_renewed(each.visits, redundancy, quantity) for each in functions)
 
 

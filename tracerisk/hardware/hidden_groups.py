@@ -70,18 +70,26 @@ def over_mission(functions: Sequence[HiddenHazards]) -> tuple[list[Outcome], Dec
 
 
 def hidden_values(
-    functions: Sequence[FunctionUse], redundancy: Redundancy, quantity: int
+    functions: Sequence[FunctionUse],
+    redundancy: Redundancy,
+    quantity: int,
+    missions: float = 1.0,
 ) -> tuple[float, ...]:
-    """Return the values for groups whose failures stay hidden until the mission ends.
+    """Return the values for groups whose failures stay hidden until a test finds them.
 
+    The test comes after so many `missions`, one by default; of several the values give the mean
+    hazard of the group in one of them.
     A function's part of the group's hazard is what it adds to it to first order: the hazards of
     its units, each by how much the group's failure depends on that unit.
     """
     threshold = threshold_of(redundancy, quantity)
     hazards = [hidden_hazards(each, redundancy) for each in functions]
     own, common = over_mission(hazards)
+    between_tests = Decimal(missions)
+    if missions != 1.0:
+        own = [after(unit.hazard * between_tests) for unit in own]
     apart = at_least(threshold, own)
-    target = apart.hazard + common
+    target = apart.hazard / between_tests + common
     if target == ZERO:
         return (0.0,) * len(functions)
     slopes = []
@@ -116,6 +124,6 @@ def hidden_values(
             )
         return at_least_of_like(threshold, quantity, after(own_hazard)).hazard + common_hazard
 
-    start = sum((unit.hazard for unit in own), common) / quantity
+    start = sum((unit.hazard for unit in own), common) / quantity / between_tests
     x = solve_hazard(like, target, start)
     return tuple(float(after(x * share).p) for share in shares)

@@ -60,11 +60,13 @@ class ComponentUse:
 
     `units` holds one for each of the quantity; those that share an element are the same.
     `is_active` says for each visit of the trace whether the component counts as active in it.
+    `missions_between_tests` is how many missions, one after the other, a hidden failure may last.
     """
 
     bound: BoundComponent
     units: tuple[UnitUse, ...]
     is_active: tuple[bool, ...]
+    missions_between_tests: float = 1.0
 
     @property
     def component(self) -> Component:
@@ -168,6 +170,14 @@ def mission_time(trace: Trace) -> float | None:
     return total
 
 
+def missions_between_tests(component: Component, trace: Trace) -> float:
+    """Return how many missions fit between two tests of a group, 1 where a mission is longer."""
+    mission_s = mission_time(trace)
+    if component.test_interval_s is None or not mission_s:
+        return 1.0
+    return max(1.0, component.test_interval_s / mission_s)
+
+
 def component_use(bound: BoundComponent, trace: Trace, active: ActiveMode) -> ComponentUse:
     """Return what the units of a component do in the visits of a trace.
 
@@ -179,7 +189,9 @@ def component_use(bound: BoundComponent, trace: Trace, active: ActiveMode) -> Co
         is_active = (True,) * len(trace.visits)
         uses = tuple(_always(visit) for visit in trace.visits)
         unit = _unit_use(None, None, component, active, uses, trace.visits, times)
-        return ComponentUse(bound, (unit,) * bound.quantity, is_active)
+        return ComponentUse(
+            bound, (unit,) * bound.quantity, is_active, missions_between_tests(component, trace)
+        )
     kinds = {element.name: element.kind for element in trace.elements}
     is_active = tuple(_is_active(bound, visit, active, kinds) for visit in trace.visits)
     units = []
@@ -190,7 +202,7 @@ def component_use(bound: BoundComponent, trace: Trace, active: ActiveMode) -> Co
         )
         unit = _unit_use(name, kinds[name], component, active, uses, trace.visits, times)
         units += [unit] * len(list(same))
-    return ComponentUse(bound, tuple(units), is_active)
+    return ComponentUse(bound, tuple(units), is_active, missions_between_tests(component, trace))
 
 
 def _always(visit: Visit) -> Use:
