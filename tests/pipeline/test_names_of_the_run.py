@@ -38,9 +38,9 @@ def test_a_stand_in_arm_gets_the_joints_that_the_run_moves(example):
     assert outcome.code == 0, outcome.err
     trace = outcome.json["trace"]
     assert trace["robot"] == "generic"
-    assert [f"axis_{i}" for i in range(1, 8)] == sorted(
-        name for name, used in trace["active"].items() if used["active_s"] > 0.5
-    )
+    joints = {each["name"] for each in trace["elements"] if each["kind"] == "joint"}
+    moved = {name for name, used in trace["active"].items() if used["active_s"] > 0.5}
+    assert moved & joints == {f"axis_{i}" for i in range(1, 8)}
 
 
 def test_a_shipped_arm_is_told_by_them(example):
