@@ -141,6 +141,7 @@ def test_json_through_a_pipe_is_clean_while_the_terminal_shows_progress(talking)
     assert "simulating" in shown.raw
 
 
+@pytest.mark.slow
 def test_json_at_the_terminal_is_clean_too(talking):
     shown = at_terminal(talking, "run", "controller.py", "--json", width=200)
     begin = shown.raw.index("{\r\n")
@@ -181,6 +182,7 @@ def test_ctrl_c_leaves_the_terminal_clean(talking):
     assert talking.files() == before
 
 
+@pytest.mark.slow
 def test_a_failing_controller_is_told_of_where_the_bar_was(example, quick):
     example.write("controller.py", quick("raise SystemError('no tube')"))
     shown = at_terminal(example, "run", "controller.py")
@@ -227,6 +229,7 @@ def test_an_encoding_without_lines_and_bars_gets_plain_signs(annotated, encoding
     assert "##" in wide.raw
 
 
+@pytest.mark.slow
 def test_refresh_tells_its_phases_too(annotated):
     path = annotated.folder / "controller.py"
     path.write_text(path.read_text().replace("+= 0.05", "+= 0.06"))

@@ -68,6 +68,7 @@ def test_findings_fail_a_run_only_where_it_is_asked_for(raised):
     assert "unexpected contact: " in fine.out
 
 
+@pytest.mark.slow
 def test_a_project_can_settle_what_a_run_fails_on(raised, example):
     before, _ = raised
     for name in ("scene.yaml", "pick.py"):

@@ -225,6 +225,7 @@ def test_who_only_listens_leans_on_encoders_and_no_motor(listened):
     assert_shares_add_up(listened)
 
 
+@pytest.mark.slow
 def test_listening_counts_alike_wherever_it_is_written(listened, example):
     inlined = LISTENER.replace("AFTER", "listen()").replace("BETWEEN", "pass")
     example.write("listener.py", inlined)

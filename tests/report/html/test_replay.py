@@ -115,6 +115,7 @@ def test_the_report_of_a_run_replays_it_and_one_made_later_cannot(example, quick
     assert "there is no replay" in text
 
 
+@pytest.mark.slow
 def test_the_objects_of_a_scenario_are_shown(example, quick):
     example.write("controller.py", quick())
     example.write(
