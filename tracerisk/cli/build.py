@@ -23,7 +23,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.cli.run_report import write_file
+    from tracerisk.cli.output import write_file
     from tracerisk.prm.formats import model_json
 
     model = model_of_sources(options.files, shared.read_profile(options))

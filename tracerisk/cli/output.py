@@ -38,17 +38,23 @@ def print_json(verb: str, *, exit_code: int = 0, **data: Any) -> None:
     sys.stdout.flush()
 
 
+def write_file(path: str, text: str) -> None:
+    """Write an output file that was asked for.
+
+    Raises InputError when it cannot be written.
+    """
+    try:
+        Path(path).write_text(text, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise InputError(f"cannot be written: {error.strerror}", Location(path)) from error
+
+
 def write_sarif(path: str, alerts: Sequence[Alert]) -> None:
     """Write alerts as SARIF; raises InputError when the file cannot be written."""
     from tracerisk import __version__
     from tracerisk.report.sarif import render_sarif
 
-    try:
-        Path(path).write_text(
-            render_sarif(alerts, version=__version__), encoding="utf-8", newline="\n"
-        )
-    except OSError as error:
-        raise InputError(f"cannot be written: {error.strerror}", Location(path)) from error
+    write_file(path, render_sarif(alerts, version=__version__))
 
 
 def scenario_advice(lines: str) -> str:

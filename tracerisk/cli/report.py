@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import options as shared
 from tracerisk.cli.against import add_against, review_against
-from tracerisk.cli.output import note, print_json
+from tracerisk.cli.output import note, print_json, write_file
 from tracerisk.cli.report_input import RunShown, report_html, run_shown
 from tracerisk.cli.report_pictures import (
     add_picture_options,
     check_picture_options,
     write_report_pictures,
 )
-from tracerisk.cli.run_report import write_file
 from tracerisk.cli.sources import model_of_sources, read_file
 from tracerisk.errors import ExitCode, InputError, SourceError
 

@@ -26,6 +26,7 @@ from tracerisk.cli.output import (
     print_json,
     progress_bar,
     terminal_width,
+    write_file,
     write_sarif,
 )
 from tracerisk.cli.report_input import RunShown, report_html
@@ -37,7 +38,6 @@ from tracerisk.cli.run_report import (
     headline,
     object_lines,
     print_failure,
-    write_file,
     write_outputs,
 )
 from tracerisk.cli.what_if import print_what_if, what_if_data

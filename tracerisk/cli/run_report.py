@@ -5,14 +5,13 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 from tracerisk.adder.computed import ComputedBlocks
 from tracerisk.adder.model_names import model_names
-from tracerisk.cli.output import scenario_advice
+from tracerisk.cli.output import scenario_advice, write_file
 from tracerisk.config import FailOn
-from tracerisk.errors import ExitCode, InputError, Location
+from tracerisk.errors import ExitCode
 from tracerisk.trace import NOTES, Element, Finding, QualifiedName, Trace
 from tracerisk.trace_log import write_log
 
@@ -160,17 +159,6 @@ def failure_of(trace: Trace) -> dict[str, Any] | None:
         "column": None if place is None else place.column,
         "scenario": trace.end.scenario or None,
     }
-
-
-def write_file(path: str, text: str) -> None:
-    """Write an output file that was asked for.
-
-    Raises InputError when it cannot be written.
-    """
-    try:
-        Path(path).write_text(text, encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise InputError(f"cannot be written: {error.strerror}", Location(path)) from error
 
 
 def write_outputs(options: argparse.Namespace, computed: ComputedBlocks) -> None:

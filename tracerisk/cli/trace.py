@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_json, progress_bar, scenario_advice
+from tracerisk.cli.output import note, print_json, progress_bar, scenario_advice, write_file
 from tracerisk.cli.run_report import (
     failure_of,
     finding_lines,
@@ -14,7 +14,6 @@ from tracerisk.cli.run_report import (
     object_lines,
     print_failure,
     trace_lines,
-    write_file,
     write_outputs,
 )
 
