@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from tracerisk.adder.lock import LOCK_NAME, lock_key, read_lock
+from tracerisk.adder.lock import ControllerLock, lock_key
 from tracerisk.adder.model_names import model_names
 from tracerisk.adder.read import PlacedBlock, read_blocks
 from tracerisk.adder.values import COMPONENT_KINDS
@@ -16,7 +16,8 @@ from tracerisk.pipeline.check import (
     CheckFinding,
     FindingKind,
     function_place,
-    values_without_reason,
+    lock_of,
+    without_reason,
 )
 from tracerisk.pipeline.controller import load_controller
 from tracerisk.pipeline.last_run import (
@@ -69,13 +70,17 @@ def check_alerts(
             place = each.location or Location(str(path))
             alerts.append(alert_at("unreadable", each.message, place, _file(place.file)))
             continue
-        sources = {file: read_blocks(file.read_bytes(), str(file)) for file in _sources(path)}
+        root = controller_root(path)
+        entry = lock_of(root).controllers.get(lock_key(path, root))
+        held = {file: file.read_bytes() for file in _sources(path, root, entry)}
+        sources = {file: read_blocks(text, str(file)) for file, text in held.items()}
         placed = [block for blocks in sources.values() for block in blocks]
-        alerts += [_of_check(one, placed) for one in each.findings if one.kind != "contact"]
-        alerts += _unjustified(placed)
-        alerts += _of_last_run(path, sources)
+        pins = [one for file, here in sources.items() for one in without_reason(here, str(file))]
+        found_here = [one for one in each.findings if one.kind != "contact"]
+        alerts += [_of_check(one, placed) for one in (*found_here, *pins)]
+        alerts += _of_last_run(path, root, entry, sources)
         if not any(finding.kind in ("missing", "orphaned") for finding in each.findings):
-            alerts += _single_points(path, sources)
+            alerts += _single_points(path.name, held, sources)
     return tuple(dict.fromkeys(alerts))
 
 
@@ -124,13 +129,16 @@ def run_alerts(trace: Trace, root: Path) -> tuple[Alert, ...]:
     return tuple(alerts)
 
 
-def _of_last_run(path: Path, sources: Mapping[Path, Sequence[PlacedBlock]]) -> Iterator[Alert]:
+def _of_last_run(
+    path: Path,
+    root: Path,
+    entry: ControllerLock | None,
+    sources: Mapping[Path, Sequence[PlacedBlock]],
+) -> Iterator[Alert]:
     """Yield what the lock keeps of the last run, for the functions that are there.
 
     One with a block by hand has risk data.
     """
-    root = controller_root(path)
-    entry = read_lock(root / LOCK_NAME).controllers.get(lock_key(path, root))
     if entry is None:
         return
     controller = load_controller(path)
@@ -176,10 +184,8 @@ def _file(shown: str) -> str:
     return (resolved.relative_to(root) if resolved.is_relative_to(root) else path).as_posix()
 
 
-def _sources(path: Path) -> list[Path]:
+def _sources(path: Path, root: Path, entry: ControllerLock | None) -> list[Path]:
     """Return the files with blocks of a controller, itself first."""
-    root = controller_root(path)
-    entry = read_lock(root / LOCK_NAME).controllers.get(lock_key(path, root))
     others = [] if entry is None else [root / file for file in sorted(entry.blocks)]
     return [path, *(each for each in others if each.is_file() and not each.samefile(path))]
 
@@ -211,32 +217,16 @@ def _names(path: str, placed: Sequence[PlacedBlock]) -> tuple[str, str, str]:
     return (function, "", rest) if rest in ("callSequence", "next", "") else (function, rest, "")
 
 
-def _unjustified(placed: Sequence[PlacedBlock]) -> Iterator[Alert]:
-    for each in placed:
-        for path, place in values_without_reason(each.block):
-            if place is None:
-                continue
-            message = f"{path} is set by hand without a reason; write `; why` behind it"
-            function, component, key = _names(path, placed)
-            yield alert_at(
-                "unjustified-pin",
-                message,
-                place,
-                _file(place.file),
-                function=function,
-                component=component,
-                subject=key,
-            )
-
-
-def _single_points(path: Path, sources: dict[Path, tuple[PlacedBlock, ...]]) -> Iterable[Alert]:
+def _single_points(
+    name: str, held: Mapping[Path, bytes], sources: Mapping[Path, Sequence[PlacedBlock]]
+) -> Iterator[Alert]:
     from tracerisk.pipeline.stages import build
     from tracerisk.prm.model_parts import single_points
 
-    held = {str(file): file.read_bytes() for file, blocks in sources.items() if blocks}
-    if not held:
+    annotated = {str(file): held[file] for file, blocks in sources.items() if blocks}
+    if not annotated:
         return
-    points = single_points(build(held, name=path.name))
+    points = single_points(build(annotated, name=name))
     for component, functions in points.items():
         places = [
             (each.block, entry.location)
@@ -248,11 +238,10 @@ def _single_points(path: Path, sources: dict[Path, tuple[PlacedBlock, ...]]) -> 
         if not places:
             continue
         block, place = places[0]
-        where = some(functions)
         assert place is not None
         yield alert_at(
             "single-point-of-failure",
-            f"one failed unit of {component} fails the mission: in {where}",
+            f"one failed unit of {component} fails the mission: in {some(functions)}",
             place,
             _file(place.file),
             function=block.name,

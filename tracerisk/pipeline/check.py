@@ -114,11 +114,11 @@ def controllers_of(files: Sequence[Path | str]) -> tuple[Path, ...]:
             raise InputError("there is no such file; name a controller", Location(str(path)))
         root = controller_root(path)
         if root not in users_of:
-            users_of[root] = _users(_lock_of(root))
+            users_of[root] = _users(lock_of(root))
         key = lock_key(path, root)
         users = users_of[root].get(key, ())
         if key in _OF_ALL:
-            users = sorted(_lock_of(root).controllers)
+            users = sorted(lock_of(root).controllers)
         for name in users:
             controller = path if name == key else _shown(root / name, path)
             if controller.is_file():
@@ -130,7 +130,7 @@ def controllers_of(files: Sequence[Path | str]) -> tuple[Path, ...]:
 
 def controllers_in(root: Path) -> tuple[Path, ...]:
     """Return every controller that the lock in a folder knows and that is there, sorted."""
-    keys = sorted(_lock_of(root).controllers)
+    keys = sorted(lock_of(root).controllers)
     return tuple(root / key for key in keys if (root / key).is_file())
 
 
@@ -145,7 +145,8 @@ def _users(lock: Lock) -> dict[str, list[str]]:
     return users
 
 
-def _lock_of(root: Path) -> Lock:
+def lock_of(root: Path) -> Lock:
+    """Return the lock of a folder, an empty one where there is none; each version is read once."""
     path = root / LOCK_NAME
     try:
         status = path.stat()
@@ -178,7 +179,7 @@ def check_controller(path: Path | str) -> Checked:
 
 def _check_once(path: Path | str) -> Checked:
     controller = load_controller(path)
-    lock = _lock_of(controller.root)
+    lock = lock_of(controller.root)
     entry = lock.controllers.get(lock_key(controller.path, controller.root))
     if entry is None:
         place = Location(str(controller.path), 1)
@@ -364,14 +365,18 @@ def _unjustified(settings: Settings, sources: Sequence[_Source]) -> Iterable[Che
     if not settings.require_reason:
         return
     for each in sources:
-        for placed in each.placed:
-            for path, place in values_without_reason(placed.block):
-                message = f"{path} is set by hand without a reason; write `; why` behind it"
-                yield CheckFinding("unjustified", message, place or Location(each.shown), path)
+        yield from without_reason(each.placed, each.shown)
 
 
-def values_without_reason(block: RiskBlock) -> Iterable[tuple[str, Location | None]]:
-    """Yield the dotted path and the place of each thing that a person set without a reason."""
+def without_reason(blocks: Iterable[PlacedBlock], shown: str) -> Iterable[CheckFinding]:
+    """Yield a finding for each thing that a person set without a reason in a file's blocks."""
+    for placed in blocks:
+        for path, place in _values_without_reason(placed.block):
+            message = f"{path} is set by hand without a reason; write `; why` behind it"
+            yield CheckFinding("unjustified", message, place or Location(shown), path)
+
+
+def _values_without_reason(block: RiskBlock) -> Iterable[tuple[str, Location | None]]:
     if block.added and block.reason is None:
         yield block.name, block.location
     for key, value in (("callSequence", block.call_sequence), ("next", block.next)):
