@@ -172,10 +172,10 @@ def mission_time(trace: Trace) -> float | None:
 
 def missions_between_tests(component: Component, trace: Trace) -> float:
     """Return how many missions fit between two tests of a group, 1 where a mission is longer."""
-    mission_s = mission_time(trace)
-    if component.test_interval_s is None or not mission_s:
+    if component.test_interval_s is None:
         return 1.0
-    return max(1.0, component.test_interval_s / mission_s)
+    mission_s = mission_time(trace)
+    return max(1.0, component.test_interval_s / mission_s) if mission_s else 1.0
 
 
 def component_use(bound: BoundComponent, trace: Trace, active: ActiveMode) -> ComponentUse:
