@@ -21,8 +21,11 @@ _MARKS = {
     GateKind.IFF: "=",
     GateKind.IMPLY: "⇒",
     GateKind.NOT: "1",
+    GateKind.INHIBIT: "&",
+    GateKind.TRANSFER: "1",
 }
-_NEGATED = frozenset((GateKind.NOT, GateKind.NAND, GateKind.NOR))
+NEGATED = frozenset((GateKind.NOT, GateKind.NAND, GateKind.NOR))
+"""The gates that bear the circle of negation."""
 
 
 def fault_tree_svg(tree: FaultTree) -> str:
@@ -119,12 +122,13 @@ def _draw_gate(canvas: Canvas, x: float, y: float, gate: Gate) -> None:
             )
         case _:
             canvas.box(x, y, _SYMBOL, _SYMBOL)
-    if gate.kind in _NEGATED:
+    if gate.kind in NEGATED:
         canvas.circle(x, upper, 3.0)
-    canvas.word(x, y + 1, _mark(gate))
+    canvas.word(x, y + 1, gate_mark(gate))
 
 
-def _mark(gate: Gate) -> str:
+def gate_mark(gate: Gate) -> str:
+    """Return the mark in a gate's symbol, as in IEC 61025."""
     if gate.kind is GateKind.ATLEAST:
         return f"≥{gate.k}"
     if gate.kind is GateKind.CARDINALITY:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from tracerisk.prm.assessment import StateAssessment
+from tracerisk.prm.drawing.fault_tree import NEGATED, gate_mark
 from tracerisk.prm.drawing.layout import Size, layered
 from tracerisk.prm.fault_tree import FaultTree
 from tracerisk.prm.gates import Gate, GateKind
@@ -24,19 +25,6 @@ MOST_NODES = 120
 
 _ROW = 28.0
 _MARK = 30.0
-_MARKS = {
-    GateKind.AND: "&",
-    GateKind.NAND: "&",
-    GateKind.OR: "≥1",
-    GateKind.NOR: "≥1",
-    GateKind.XOR: "=1",
-    GateKind.IFF: "=",
-    GateKind.IMPLY: "⇒",
-    GateKind.NOT: "1",
-    GateKind.INHIBIT: "&",
-    GateKind.TRANSFER: "1",
-}
-_NEGATED = frozenset((GateKind.NOT, GateKind.NAND, GateKind.NOR))
 _WORDS = {
     GateKind.AND: "if all of these fail",
     GateKind.OR: "if any of these fails",
@@ -161,8 +149,8 @@ def _draw_gate(drawing: Drawing, at: Point, gate: Gate, state: FunctionState, hi
     group = drawing.group("node gate", gate=gate.name, **_data(gate.name, state))
     tell(group, f"{gate.name}: {_told(gate)}")
     box(group, (x + _MARK / 2, y), _MARK, _ROW - 6.0)
-    word(group, x + _MARK / 2, y, _mark(gate), "mark")
-    if gate.kind in _NEGATED:
+    word(group, x + _MARK / 2, y, gate_mark(gate), "mark")
+    if gate.kind in NEGATED:
         circle(group, (x + _MARK, y), 3.0)
     label = gate.name if not hidden else f"{gate.name} (+{hidden})"
     word(group, x + _MARK + 8.0, y, label, "name", "start")
@@ -203,14 +191,6 @@ def _uppermost(tree: FaultTree, gates: Mapping[str, Gate]) -> dict[str, None]:
                 shown[child] = None
                 waiting.append(child)
     return shown
-
-
-def _mark(gate: Gate) -> str:
-    if gate.kind is GateKind.ATLEAST:
-        return f"≥{gate.k}"
-    if gate.kind is GateKind.CARDINALITY:
-        return f"{gate.k}-{gate.most}"
-    return _MARKS[gate.kind]
 
 
 def _told(gate: Gate) -> str:
