@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from tracerisk.errors import RobotError
 from tracerisk.twin.robot import Attachment, Gripper, Joint, Link, Robot
+from tracerisk.twin.rotation import quaternion_of
 from tracerisk.twin.scene import Scene
 from tracerisk.twin.shapes import Shape
 
@@ -130,20 +130,6 @@ def place_robot(model: Any, data: Any, robot: Robot) -> None:
     for gripper in robot.grippers:
         data.ctrl[model.actuator(gripper.name).id] = gripper.position(initial)
     mujoco.mj_forward(model, data)
-
-
-def quaternion_of(rpy: Sequence[float]) -> tuple[float, float, float, float]:
-    """Return roll, pitch, yaw about fixed axes [rad] as a quaternion (w, x, y, z)."""
-    (sr, sp, sy), (cr, cp, cy) = (
-        [math.sin(angle / 2) for angle in rpy],
-        [math.cos(angle / 2) for angle in rpy],
-    )
-    return (
-        cr * cp * cy + sr * sp * sy,
-        sr * cp * cy - cr * sp * sy,
-        cr * sp * cy + sr * cp * sy,
-        cr * cp * sy - sr * sp * cy,
-    )
 
 
 def _add_scene(spec: Any, robot: Robot, scene: Scene) -> None:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.trace import ObjectOffset
-from tracerisk.twin.builder import quaternion_of
 from tracerisk.twin.motion import Pose
+from tracerisk.twin.rotation import quaternion_of
 from tracerisk.twin.scene import Goal, GraspableObject
 
 _UPRIGHT_TILT = math.radians(5.0)

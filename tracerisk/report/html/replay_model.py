@@ -7,16 +7,16 @@ they are follows from the positions of joints and of free objects.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from tracerisk.twin.robot import Attachment, Robot
+from tracerisk.twin.rotation import Quaternion, quaternion_of
 from tracerisk.twin.scene import Scene
 from tracerisk.twin.shapes import Shape
 
 BodyKind = Literal["robot", "fixture", "object", "declared"]
-Quaternion = tuple[float, float, float, float]
 
 FREE_COLUMNS = 7  # position and quaternion (w, x, y, z)
 
@@ -147,20 +147,6 @@ def _shape_data(shape: Shape) -> dict[str, Any]:
     if shape.pad:
         found["pad"] = True
     return found
-
-
-def quaternion_of(rpy: Sequence[float]) -> Quaternion:
-    """Return roll, pitch, yaw about fixed axes [rad] as a quaternion (w, x, y, z)."""
-    (sr, sp, sy), (cr, cp, cy) = (
-        [math.sin(angle / 2) for angle in rpy],
-        [math.cos(angle / 2) for angle in rpy],
-    )
-    return (
-        cr * cp * cy + sr * sp * sy,
-        sr * cp * cy - cr * sp * sy,
-        cr * sp * cy + sr * cp * sy,
-        cr * cp * sy - sr * sp * cy,
-    )
 
 
 def _unit(axis: tuple[float, float, float]) -> tuple[float, float, float]:

@@ -6,7 +6,8 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from tracerisk.report.html.replay_model import Body, Quaternion, quaternion_of
+from tracerisk.report.html.replay_model import Body
+from tracerisk.twin.rotation import Quaternion, quaternion_of
 from tracerisk.twin.shapes import Shape
 
 Vector = tuple[float, float, float]
