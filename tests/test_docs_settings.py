@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import argparse
 import re
-import tomllib
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from tracerisk.cli import run
-from tracerisk.config import Settings, read_settings
+from tracerisk.config import Settings, loads_toml, read_settings
 
 TEXT = (Path(__file__).parents[1] / "docs" / "settings.md").read_text(encoding="utf-8")
 ROWS = re.findall(r"^\| `(\w+)` \| (\S+) \| (.*?) \|", TEXT, re.MULTILINE)
@@ -19,7 +18,7 @@ ROWS = re.findall(r"^\| `(\w+)` \| (\S+) \| (.*?) \|", TEXT, re.MULTILINE)
 def test_every_setting_is_listed_with_its_default():
     defaults: dict[str, Any] = {}
     for name, default, _ in ROWS:
-        value = None if default == "none" else tomllib.loads(f"x = {default.strip('`')}")["x"]
+        value = None if default == "none" else loads_toml(f"x = {default.strip('`')}")["x"]
         defaults[name] = tuple(value) if isinstance(value, list) else value
     assert defaults == {each.name: getattr(Settings(), each.name) for each in fields(Settings)}
 

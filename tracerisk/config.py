@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import re
-import tomllib
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal, NoReturn, get_args
 
 from tracerisk.errors import Location, SettingsError, one_of
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 ActiveMode = Literal["moving", "moving+holding"]
 """Which time counts as exposure: moving only, or moving, holding and grasping."""
@@ -124,11 +129,17 @@ def setting_origins(root: Path, file: str | None = None) -> dict[str, SettingOri
     return _Reader(path, text).origins(table, names, file)
 
 
+def loads_toml(text: str) -> dict[str, Any]:
+    """Return a TOML document; raise ValueError, with the place, where it is not valid."""
+    document: dict[str, Any] = tomllib.loads(text)
+    return document
+
+
 def _read_table(path: Path) -> tuple[str, Any]:
     """Return the text of a `pyproject.toml`, and what stands in it as `[tool.tracerisk]`."""
     try:
         text = path.read_text(encoding="utf-8")
-        document = tomllib.loads(text)
+        document = loads_toml(text)
     except OSError as error:
         raise SettingsError(f"cannot be read: {error.strerror}", Location(str(path))) from error
     except ValueError as error:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import re
-import tomllib
 from pathlib import Path
 
 import pytest
 
 from tracerisk.cli.doctor import PACKAGES
+from tracerisk.config import loads_toml
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 
@@ -322,8 +322,8 @@ def test_doctor_tells_what_a_controller_gets(annotated):
 
 
 def test_doctor_looks_at_every_dependency():
-    declared = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]
-    names = [re.split(r"[<>=\[]", each)[0] for each in declared["dependencies"]]
+    declared = loads_toml((REPOSITORY / "pyproject.toml").read_text())["project"]
+    names = [re.split(r"[<>=;\[]", each)[0] for each in declared["dependencies"]]
     assert sorted(names) == sorted(PACKAGES)
 
 

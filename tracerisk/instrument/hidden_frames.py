@@ -206,7 +206,7 @@ def _make_visible(error: BaseException | None) -> None:
         seen.add(id(each))
         each.__traceback__ = visible_traceback(each.__traceback__)
         pending += [each.__cause__, each.__context__]
-        if isinstance(each, BaseExceptionGroup):
+        if sys.version_info >= (3, 11) and isinstance(each, BaseExceptionGroup):
             pending += each.exceptions
 
 

@@ -16,6 +16,7 @@ from types import CodeType, FrameType, TracebackType
 from typing import Any, Literal
 
 from tracerisk.errors import Location
+from tracerisk.instrument.code_positions import position, qualified_name
 from tracerisk.instrument.hidden_frames import hide
 from tracerisk.instrument.source import MODULE_NAME, FunctionSite
 from tracerisk.instrument.wrappers import AnyFunction, wrap
@@ -219,7 +220,7 @@ class Tracer:
         if frame is None:
             ref, site = FunctionRef(self._main_file, MODULE_NAME), (1, 0)
             return (Frame(ref, 1, base.activation, site, base.kind),)
-        ref = FunctionRef(self._files[frame.f_code.co_filename], _enclosing_function(frame.f_code))
+        ref = FunctionRef(self._files[frame.f_code.co_filename], _enclosing_function(frame))
         line = self._ran.get(ref, frame.f_code.co_firstlineno)
         return (Frame(ref, line, base.activation, _site(frame), base.kind),)
 
@@ -299,19 +300,15 @@ def _find(python: FrameType | None, code: CodeType) -> tuple[FrameType | None, F
 
 
 def _site(frame: FrameType) -> Site:
-    position = next(
-        itertools.islice(frame.f_code.co_positions(), max(frame.f_lasti, 0) // 2, None),
-        (None, None, None, None),
-    )
-    line, column = position[0], position[2]
+    line, column = position(frame.f_code, frame.f_lasti)
     return (
         line or frame.f_lineno or frame.f_code.co_firstlineno,
         0 if column is None else column + 1,
     )
 
 
-def _enclosing_function(code: CodeType) -> QualifiedName:
-    parts = code.co_qualname.split(".<locals>.")
+def _enclosing_function(frame: FrameType) -> QualifiedName:
+    parts = qualified_name(frame.f_code, frame.f_globals).split(".<locals>.")
     while parts and parts[-1].startswith("<"):
         parts.pop()
     return QualifiedName(".<locals>.".join(parts)) if parts else MODULE_NAME

@@ -17,6 +17,7 @@ from types import CodeType
 import libcst as cst
 
 from tracerisk.errors import Location, UnsafeRewriteError
+from tracerisk.instrument.code_positions import compile_with_positions
 from tracerisk.instrument.endless_loops import mark_endless_loops
 from tracerisk.instrument.source import FunctionSite, ParsedSource, parse_source
 
@@ -78,7 +79,7 @@ def compile_instrumented(instrumented: InstrumentedSource, filename: str) -> Cod
         tree = ast.parse(instrumented.text, filename)
     _take_positions(tree, original, instrumented.file)
     mark_endless_loops(tree, TRACER_MODULE, instrumented.file)
-    return compile(tree, filename, "exec", dont_inherit=True)
+    return compile_with_positions(tree, filename)
 
 
 class _DecoratorInserter(cst.CSTTransformer):

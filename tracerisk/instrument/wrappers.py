@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import inspect
+import sys
 from collections.abc import AsyncGenerator, Callable, Generator
 from types import CodeType, FunctionType
 from typing import TYPE_CHECKING, Any
@@ -46,12 +47,14 @@ def wrap(function: AnyFunction, tracer: Tracer, record: Any) -> AnyFunction:
 
 def _disguised(code: CodeType, original: CodeType) -> CodeType:
     """Name the wrapper's code after the function it wraps, for profilers and `typing.overload`."""
-    return code.replace(
+    disguised = code.replace(
         co_filename=HIDDEN_FILENAME,
         co_name=original.co_name,
-        co_qualname=original.co_qualname,
         co_firstlineno=original.co_firstlineno,
     )
+    if sys.version_info >= (3, 11):
+        disguised = disguised.replace(co_qualname=original.co_qualname)
+    return disguised
 
 
 def _wrap_plain(function: AnyFunction, tracer: Tracer, record: Any) -> AnyFunction:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+
+from tracerisk.config import loads_toml
 
 # "talker = my_package.talker:main"; the package may be a variable, as in f"{package}.talker:main".
 _ENTRY = re.compile(
@@ -38,11 +39,11 @@ def console_scripts(folder: Path) -> Iterator[ConsoleScript]:
             yield ConsoleScript(found["name"], found["module"], found["function"], file)
     file = "pyproject.toml"
     try:
-        document = tomllib.loads(read_or_nothing(folder / file))
+        document = loads_toml(read_or_nothing(folder / file))
         for name, entry in document.get("project", {}).get("scripts", {}).items():
             place, _, function = str(entry).partition(":")
             yield ConsoleScript(name, place.strip().rpartition(".")[2], function.strip(), file)
-    except (tomllib.TOMLDecodeError, AttributeError):
+    except (ValueError, AttributeError):
         return
 
 

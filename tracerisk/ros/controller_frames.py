@@ -9,6 +9,7 @@ from sys import _getframe
 from types import FrameType
 
 from tracerisk.errors import Location
+from tracerisk.instrument.code_positions import qualified_name
 
 _OURS = str(Path(__file__).parents[1]) + "/"
 _LIBRARIES = tuple(
@@ -38,7 +39,7 @@ def controller_stack(frame: FrameType | None) -> tuple[tuple[Location, str], ...
     while frame is not None:
         if not is_library(frame.f_code.co_filename):
             place = Location(frame.f_code.co_filename, frame.f_lineno)
-            places.append((place, frame.f_code.co_qualname))
+            places.append((place, qualified_name(frame.f_code, frame.f_globals)))
         frame = frame.f_back
     return tuple(reversed(places))
 
@@ -51,7 +52,7 @@ def library_call(frame: FrameType | None) -> str | None:
     called = None
     while frame is not None and is_library(frame.f_code.co_filename):
         if not frame.f_code.co_filename.startswith(_OURS):
-            called = frame.f_code.co_qualname
+            called = qualified_name(frame.f_code, frame.f_globals)
         frame = frame.f_back
     return called if frame is not None else None
 

@@ -18,13 +18,15 @@ from importlib.machinery import ModuleSpec, SourceFileLoader
 from importlib.util import spec_from_file_location
 from pathlib import Path
 from types import MappingProxyType, ModuleType, TracebackType
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal
 
 from tracerisk.ros.cfg_modules import cfg_module
 from tracerisk.ros.messages import Interfaces
 from tracerisk.ros.vendor_libraries import VENDOR_LIBRARIES, is_installed, missing_module
 
 if TYPE_CHECKING:
+    from typing_extensions import Self
+
     from tracerisk.ros.messages2 import Interfaces2
 
 Provided = Literal["library", "interfaces", "library and interfaces"]

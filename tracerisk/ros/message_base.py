@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from tracerisk.ros.message_text import strify_message
 from tracerisk.ros.message_wire import WRITE_FAILURES, decode, encode
 from tracerisk.ros.rostime import Duration, Time
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 SIGNED_BITS = {"byte": 8, "int8": 8, "int16": 16, "int32": 32, "int64": 64}
 UNSIGNED_BITS = {"char": 8, "uint8": 8, "uint16": 16, "uint32": 32, "uint64": 64}

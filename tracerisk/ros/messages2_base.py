@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import array
 from collections.abc import Sequence
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from tracerisk.ros.messages2_fields import Field2
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
 class Message2:

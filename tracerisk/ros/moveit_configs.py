@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import one_of
 from tracerisk.ros.moveit_parameter_files import (
@@ -15,6 +15,9 @@ from tracerisk.ros.moveit_parameter_files import (
     ParameterBuilderFileNotFoundError,
     load_yaml,
 )
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 _CONFIG = Path("config")
 # moveit/moveit2, moveit_configs_utils/default_configs: the pipelines known without a file.

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Protocol, Self
+from typing import TYPE_CHECKING, Any, Protocol
 
 from tracerisk.ros import yaml_text
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
 class PackageFiles(Protocol):

@@ -137,7 +137,7 @@ def _quiet_excepthook(scheduler: Scheduler) -> Callable[[], Callable[[threading.
         real = real_make()
 
         def invoke(thread: threading.Thread) -> None:
-            error = sys.exception()
+            error = sys.exc_info()[1]
             if isinstance(error, RunOver):
                 return
             if error is not None and scheduler.current is not None:

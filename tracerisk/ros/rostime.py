@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import numbers
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 NANOSECONDS = 1_000_000_000
 

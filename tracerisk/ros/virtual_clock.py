@@ -155,7 +155,7 @@ class VirtualClock:
 
             @classmethod
             def utcnow(cls) -> Any:
-                aware = cls.fromtimestamp(seconds(_getframe(1)), dt.UTC)
+                aware = cls.fromtimestamp(seconds(_getframe(1)), dt.timezone.utc)
                 return aware.replace(tzinfo=None)
 
             @classmethod

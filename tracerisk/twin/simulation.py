@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import RobotError, one_of
-from tracerisk.twin.builder import STEP_NS, compile_model, place_robot
+from tracerisk.twin.builder import STEP_NS
 from tracerisk.twin.contact_log import LOOK_EVERY, POSTURE_EVERY
 from tracerisk.twin.contact_watch import FRESH_STEPS, ContactWatch, Points, points
 from tracerisk.twin.declared import Declared, logged_bodies, rebuild
 from tracerisk.twin.motion import JointState, Pose
+from tracerisk.twin.physics import begin_physics, is_unstable
 from tracerisk.twin.robot import Robot
 from tracerisk.twin.samples import POSE_EVERY, SampleHeader, SampleWriter
 from tracerisk.twin.scene import Scene
@@ -22,13 +23,7 @@ from tracerisk.twin.wrench import Wrench, load_on, touch_on
 
 # After the builder, which says that no window is needed.
 import mujoco  # isort: skip
-from dm_control.mujoco import Physics, wrapper  # isort: skip
 
-_UNSTABLE = (
-    mujoco.mjtWarning.mjWARN_BADQPOS,
-    mujoco.mjtWarning.mjWARN_BADQVEL,
-    mujoco.mjtWarning.mjWARN_BADQACC,
-)
 _CHUNK = 500  # steps at most between two looks at what happened
 
 Array = NDArray[np.float64]
@@ -58,7 +53,9 @@ class Simulation:
     ) -> None:
         self.robot = robot
         self.scene = scene
-        self._use(compile_model(robot, scene))
+        self._physics = begin_physics(robot, scene)  # owns the state, so it is kept
+        self._model: Any = self._physics.model
+        self._data: Any = self._physics.data
         model = self._model
         self.joint_index: Mapping[str, int] = {
             joint.name: i for i, joint in enumerate(robot.joints)
@@ -81,7 +78,6 @@ class Simulation:
         self._wanted: tuple[SceneBody, ...] = ()
         self._watch: ContactWatch | None = None
         self._n_contacts = self._fresh_until = 0
-        place_robot(self._model, self._data, robot)
         if samples is not None:
             samples.begin(self._header())
             self._watch = ContactWatch(robot, samples.contacts(), overlaps)
@@ -147,7 +143,7 @@ class Simulation:
         if watch is not None:
             watch.seen(self._steps + n, seen, touched=touched)
         self._steps += n
-        if any(data.warning[kind].number for kind in _UNSTABLE):
+        if is_unstable(data):
             raise RobotError(
                 f"the simulation of robot '{self.robot.name}' in scene '{self.scene.name}' became "
                 f"unstable at {self.time_ns * 1e-9:.3f} s; bodies may overlap, or a servo of the "
@@ -223,20 +219,10 @@ class Simulation:
 
     # How
 
-    def _use(self, model: Any, data: Any = None) -> None:
-        wrapped = wrapper.MjModel(model)
-        if data is None:
-            self._physics = Physics.from_model(wrapped)
-            self._model: Any = self._physics.model.ptr
-            self._data: Any = self._physics.data.ptr
-        else:
-            self._model, self._data = model, data
-
     def _rebuild(self) -> None:
-        self._declared, model, data = rebuild(
+        self._declared, self._model, self._data = rebuild(
             self.robot, self.scene, self._declared, self._wanted, self._model, self._data
         )
-        self._use(model, data)
         if self._samples is not None:
             self._samples.model_changed()
             simulated = logged_bodies(self._declared, self._model, self._data)

@@ -87,7 +87,7 @@ def _log(level: int, msg: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) ->
     child = kwargs.get("logger_name")
     error = kwargs.get("exc_info")
     if error:
-        shown = error if isinstance(error, BaseException) else sys.exception()
+        shown = error if isinstance(error, BaseException) else sys.exc_info()[1]
         if shown is not None:
             text += "\n" + "".join(traceback.format_exception(shown)).rstrip()
     name = f" [{child}]" if child else ""

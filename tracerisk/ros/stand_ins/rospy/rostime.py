@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import TYPE_CHECKING
 
 from tracerisk.ros import rostime as primitives
 from tracerisk.ros.virtual_clock import EPOCH_NS
 
 from ._node import node
 from .exceptions import ROSInitException
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
 class Duration(primitives.Duration):

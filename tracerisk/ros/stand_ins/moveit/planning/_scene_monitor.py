@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable
 from types import TracebackType
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.controller_thread import ControllerThread
 from tracerisk.ros.message_dialect import nanoseconds
@@ -15,6 +15,9 @@ from .._library import library
 from ..core.planning_scene import PlanningScene
 from ..core.robot_model import RobotModel
 from ..core.robot_state import RobotState
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 _LOCK = "the lock of the planning scene"
 
