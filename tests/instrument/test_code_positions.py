@@ -11,8 +11,8 @@ import pytest
 
 from tracerisk.instrument.code_positions import (
     compile_with_positions,
-    position,
     qualified_name,
+    source_position,
 )
 
 
@@ -23,7 +23,7 @@ def run(source: str) -> list[tuple[int | None, int | None, str]]:
 
     def note(frame):
         name = qualified_name(frame.f_code, frame.f_globals)
-        seen.append((*position(frame.f_code, frame.f_lasti), name))
+        seen.append((*source_position(frame.f_code, frame.f_lasti), name))
 
     class Chain:
         def __call__(self, *values, **named):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 import sys
 import threading
 import traceback
@@ -115,12 +116,12 @@ def test_printed_tracebacks_show_no_frame_of_ours(run: Run) -> None:
         """
     )
     exc, logged, entries, limited, stack, limited_stack = ran.shown
-    assert exc == (
+    # Which lines have carets depends on the version.
+    assert re.sub(r"^ *\^+\n", "", exc, flags=re.MULTILINE) == (
         "Traceback (most recent call last):\n"
         f'  File "{ran.path}", line 8, in step\n    fail()\n'
         f'  File "{ran.path}", line 5, in fail\n'
         '    def fail(): raise ValueError("no")\n'
-        "                ^^^^^^^^^^^^^^^^^^^^^^\n"
         "ValueError: no\n"
     )
     assert logged == "failed\n" + exc
@@ -165,7 +166,9 @@ def test_callers_that_ask_who_called_see_the_controller(run: Run) -> None:
         step(); step2()
         """
     )
-    assert ran.shown == ["step", "step", "caller_of", (str(ran.path), 15), ("step2", 20)]
+    # The logging of Python 3.10 counts every frame that is not its own.
+    logged = ("step2", 20) if sys.version_info >= (3, 11) else ("log", 25)
+    assert ran.shown == ["step", "step", "caller_of", (str(ran.path), 15), logged]
 
 
 def test_syntax_warnings_are_given_once_with_the_original_line(tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ SECOND = 1_000_000_000
 
 def test_the_epoch_is_a_fixed_instant(run):
     assert run(lambda: time.time_ns()) == EPOCH_NS
-    assert dt.datetime.fromtimestamp(EPOCH_NS / 1e9, dt.UTC).isoformat() == (
+    assert dt.datetime.fromtimestamp(EPOCH_NS / 1e9, dt.timezone.utc).isoformat() == (
         "2026-01-01T00:00:00+00:00"
     )
 
@@ -64,7 +64,7 @@ def test_dates_follow_the_clock(run):
     def main():
         time.sleep(90)
         return (
-            dt.datetime.now(dt.UTC),
+            dt.datetime.now(dt.timezone.utc),
             dt.datetime.utcnow(),
             dt.datetime.now(),
             dt.datetime.today(),

@@ -13,6 +13,7 @@ import copy
 import dis
 import itertools
 import sys
+import warnings
 from collections.abc import Iterator, Mapping
 from types import CodeType, FunctionType
 from typing import Any
@@ -28,15 +29,19 @@ _BY_LINE = frozenset({"NOP", "EXTENDED_ARG", "JUMP_ABSOLUTE", "JUMP_FORWARD"})
 
 
 def compile_with_positions(tree: ast.Module, filename: str) -> CodeType:
-    """Compile a tree to code that `position` and `qualified_name` can read."""
+    """Compile a tree to code that `source_position` and `qualified_name` can read."""
     code = compile(tree, filename, "exec", dont_inherit=True)
     if sys.version_info >= (3, 11):
         return code
     numbered, nodes = _numbered(tree)
-    return _annotated(code, compile(numbered, filename, "exec", dont_inherit=True), nodes, "")
+    with warnings.catch_warnings():
+        # The first compilation gave them.
+        warnings.simplefilter("ignore")
+        twin = compile(numbered, filename, "exec", dont_inherit=True)
+    return _annotated(code, twin, nodes, "")
 
 
-def position(code: CodeType, instruction: int) -> Position:
+def source_position(code: CodeType, instruction: int) -> Position:
     """Return where the instruction at an offset (a frame's `f_lasti`) is in the source."""
     if sys.version_info >= (3, 11):
         places = itertools.islice(code.co_positions(), max(instruction, 0) // 2, None)
@@ -128,6 +133,7 @@ def _found_in(namespace: Mapping[str, Any], code: CodeType) -> str | None:
     for value in list(namespace.values()):
         for each in (value, *(vars(value).values() if isinstance(value, type) else ())):
             function = getattr(each, "fget", None) or getattr(each, "__func__", each)
+            function = getattr(function, "__wrapped__", function)
             if isinstance(function, FunctionType) and function.__code__ is code:
                 return function.__qualname__
     return None

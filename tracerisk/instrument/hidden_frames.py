@@ -46,6 +46,7 @@ def shed(error: BaseException) -> None:
     """Drop the outermost entries of an exception's traceback that are the wrappers'.
 
     To be called where the exception is caught, before a bare `raise`, which adds no entry.
+    Python 3.10 puts them back at the bare `raise`; there they are only hidden from what prints.
     """
     entry = error.__traceback__
     while entry is not None and entry.tb_frame.f_code.co_filename == HIDDEN_FILENAME:
@@ -79,7 +80,7 @@ def hidden_frames() -> Iterator[None]:
     Everything is put back on exit, in the state found; may be nested.
     """
     replacements: list[tuple[Any, str, Any]] = [
-        (traceback.TracebackException, "__init__", _exception_init()),
+        *((kind, "__init__", _exception_init(kind)) for kind in _traceback_kinds()),
         (traceback, "extract_tb", _extract(traceback.extract_tb)),
         (traceback, "extract_stack", _extract_stack()),
         (inspect, "stack", _stack()),
@@ -121,8 +122,14 @@ def _limited(frames: traceback.StackSummary, limit: int | None, *, last: bool) -
         del frames[:limit]
 
 
-def _exception_init() -> Callable[..., None]:
-    original = traceback.TracebackException.__init__
+def _traceback_kinds() -> list[type[traceback.TracebackException]]:
+    """Return the classes that read a traceback; backports of later versions add their own."""
+    base = traceback.TracebackException
+    return [base, *(kind for kind in base.__subclasses__() if "__init__" in vars(kind))]
+
+
+def _exception_init(kind: type[traceback.TracebackException]) -> Callable[..., None]:
+    original = vars(kind)["__init__"]
 
     def init(
         self: traceback.TracebackException, *args: Any, limit: int | None = None, **kwargs: Any
@@ -206,8 +213,8 @@ def _make_visible(error: BaseException | None) -> None:
         seen.add(id(each))
         each.__traceback__ = visible_traceback(each.__traceback__)
         pending += [each.__cause__, each.__context__]
-        if sys.version_info >= (3, 11) and isinstance(each, BaseExceptionGroup):
-            pending += each.exceptions
+        # An exception group; Python 3.10 has them from a package.
+        pending += getattr(each, "exceptions", ())
 
 
 def _except_hook(original: Callable[..., Any]) -> Callable[..., Any]:

@@ -16,7 +16,7 @@ from types import CodeType, FrameType, TracebackType
 from typing import Any, Literal
 
 from tracerisk.errors import Location
-from tracerisk.instrument.code_positions import position, qualified_name
+from tracerisk.instrument.code_positions import qualified_name, source_position
 from tracerisk.instrument.hidden_frames import hide
 from tracerisk.instrument.source import MODULE_NAME, FunctionSite
 from tracerisk.instrument.wrappers import AnyFunction, wrap
@@ -300,7 +300,7 @@ def _find(python: FrameType | None, code: CodeType) -> tuple[FrameType | None, F
 
 
 def _site(frame: FrameType) -> Site:
-    line, column = position(frame.f_code, frame.f_lasti)
+    line, column = source_position(frame.f_code, frame.f_lasti)
     return (
         line or frame.f_lineno or frame.f_code.co_firstlineno,
         0 if column is None else column + 1,
