@@ -122,6 +122,12 @@ class ModelError(InputError):
     code = "model"
 
 
+class DependencyError(TraceRiskError, ImportError):
+    """A package that tracerisk depends on cannot be imported."""
+
+    code = "dependency"
+
+
 class RenderError(TraceRiskError, RuntimeError):
     """Pictures cannot be drawn on this machine."""
 

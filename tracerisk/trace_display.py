@@ -5,6 +5,7 @@ It needs nothing but the standard library, and is imported only when a trace is 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from html import escape
 from typing import TYPE_CHECKING, TypeVar
@@ -40,7 +41,7 @@ def trace_text(trace: Trace) -> str:
     functions, more = _shown(trace.functions, _MOST_FUNCTIONS)
     for function in functions:
         visits = [visit for visit in trace.visits if visit.function == function.ref]
-        seconds = sum(visit.duration_s or 0.0 for visit in visits)
+        seconds = math.fsum(visit.duration_s or 0.0 for visit in visits)
         lines.append(f"  {function.ref.name}: {_plural(len(visits), 'visit')}, {seconds:.2f} s")
     if more:
         lines.append(f"  and {more} more functions")
@@ -84,7 +85,7 @@ def _table(trace: Trace) -> str:
     for function in functions:
         visits = [visit for visit in trace.visits if visit.function == function.ref]
         known = [visit.duration_s for visit in visits if visit.duration_s is not None]
-        row = [function.ref.name, str(len(visits)), f"{sum(known):.2f}" if known else ""]
+        row = [function.ref.name, str(len(visits)), f"{math.fsum(known):.2f}" if known else ""]
         for name in elements:
             key = function.ref, name
             total = seconds.get(key, 0.0)

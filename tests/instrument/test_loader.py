@@ -117,7 +117,7 @@ def test_printed_tracebacks_show_no_frame_of_ours(run: Run) -> None:
     )
     exc, logged, entries, limited, stack, limited_stack = ran.shown
     # Which lines have carets depends on the version.
-    assert re.sub(r"^ *\^+\n", "", exc, flags=re.MULTILINE) == (
+    assert re.sub(r"^ *[~^]+\n", "", exc, flags=re.MULTILINE) == (
         "Traceback (most recent call last):\n"
         f'  File "{ran.path}", line 8, in step\n    fail()\n'
         f'  File "{ran.path}", line 5, in fail\n'

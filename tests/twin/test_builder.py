@@ -3,13 +3,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tracerisk.twin.builder import STEP_S, SensorLayout, compile_model, place_robot
+from tracerisk.twin.builder import SensorLayout, compile_model, place_robot
 from tracerisk.twin.kinematics import Kinematics
 from tracerisk.twin.robot import Robot
 from tracerisk.twin.scene import Scene
 
 import mujoco  # isort: skip
-from dm_control.mujoco import Physics, wrapper  # isort: skip
 
 # Denavit-Hartenberg parameters (Craig's convention: a, d, alpha) and the flange's d, from the
 # maker's table: github.com/frankaemika/docs, source/control_parameters.rst, said to be the Panda's
@@ -39,13 +38,6 @@ def flange_by_dh(q: np.ndarray) -> np.ndarray:
             ]
         )
     return pose @ np.array([0.0, 0.0, FLANGE, 1.0])
-
-
-def test_dm_control_runs_the_model(panda: Robot, tube_racks: Scene):
-    physics = Physics.from_model(wrapper.MjModel(compile_model(panda, tube_racks)))
-    physics.step(10)
-    assert physics.time() == pytest.approx(10 * STEP_S)
-    assert np.isfinite(physics.data.qpos).all()
 
 
 def test_kinematics_are_the_published_ones(panda: Robot):

@@ -291,7 +291,7 @@ def _unknown(component: Component, error: UnknownUseError) -> HardwareError:
 def _mean_exposure(used: ComponentUse, visits: Sequence[int]) -> float | None:
     seconds = [unit.seconds(visit) for visit in visits for unit in used.units]
     known = [each for each in seconds if each is not None]
-    return sum(known) / used.bound.quantity if len(known) == len(seconds) else None
+    return math.fsum(known) / used.bound.quantity if len(known) == len(seconds) else None
 
 
 def _check_tests(bound: Sequence[BoundComponent], trace: Trace) -> None:

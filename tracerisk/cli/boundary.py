@@ -23,18 +23,34 @@ def guarded(options: argparse.Namespace) -> int:
     try:
         return int(import_module(f"tracerisk.cli.{options.verb.replace('-', '_')}").run(options))
     except TraceRiskError as error:
-        print(f"tracerisk: {error.with_code}", file=sys.stderr)
-        if scenario := getattr(error, "scenario", ""):
-            print(scenario_advice(scenario), file=sys.stderr)
-        if getattr(options, "json", False):
-            print_json(options.verb, exit_code=int(error.exit_code), error=_error_data(error))
-        return int(error.exit_code)
+        return _failed(options, error)
+    except ImportError as error:
+        # Imported here: a start-up that goes well does without it.
+        from tracerisk.dependencies import cannot_import, distribution_of
+
+        distribution = distribution_of(error)
+        if distribution is None:
+            return _internal_error()
+        return _failed(options, cannot_import(distribution, error))
     except (KeyboardInterrupt, BrokenPipeError):
         raise
     except Exception:  # noqa: BLE001 - the one boundary
-        traceback.print_exc()
-        print(f"tracerisk: {_FAULT_ADVICE}", file=sys.stderr)
-        return int(ExitCode.INTERNAL_FAULT)
+        return _internal_error()
+
+
+def _failed(options: argparse.Namespace, error: TraceRiskError) -> int:
+    print(f"tracerisk: {error.with_code}", file=sys.stderr)
+    if scenario := getattr(error, "scenario", ""):
+        print(scenario_advice(scenario), file=sys.stderr)
+    if getattr(options, "json", False):
+        print_json(options.verb, exit_code=int(error.exit_code), error=_error_data(error))
+    return int(error.exit_code)
+
+
+def _internal_error() -> int:
+    traceback.print_exc()
+    print(f"tracerisk: {_FAULT_ADVICE}", file=sys.stderr)
+    return int(ExitCode.INTERNAL_FAULT)
 
 
 def _terminated(number: int, _: object) -> NoReturn:

@@ -7,23 +7,16 @@ import os
 import platform
 import sys
 from collections.abc import Callable, Mapping
-from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
 from tracerisk import __version__
 from tracerisk.cli import options as shared
 from tracerisk.cli.output import print_json
-from tracerisk.errors import ExitCode, TraceRiskError
+from tracerisk.dependencies import needed, version_of
+from tracerisk.errors import DependencyError, ExitCode, TraceRiskError
 
 if TYPE_CHECKING:
     from tracerisk.twin.robot import Robot
-
-PACKAGES = (
-    *("daqp", "dm-control", "jinja2", "lark", "libcst", "mink", "mujoco", "numba", "numpy"),
-    *("pillow", "pygments", "pyyaml", "rich", "rosbags", "ruamel.yaml", "scipy", "shtab"),
-    "xacrodoc",
-)
-"""What tracerisk depends on, as `pyproject.toml` lists it."""
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -42,7 +35,8 @@ def run(options: argparse.Namespace) -> int:
         "python": f"{platform.python_version()} ({sys.platform})",
     }
     faults: dict[str, str] = {}
-    _look(found, faults, "packages", _packages)
+    _packages(found, faults)
+    _look(found, faults, "engine", _engine)
     _look(found, faults, "physics", _physics)
     _look(found, faults, "robots", _robots)
     settings: dict[str, dict[str, Any]] = {}
@@ -74,8 +68,21 @@ def _look(
         faults[name] = f"{type(error).__name__}: {error}"
 
 
-def _packages() -> str:
-    return ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES)
+def _packages(found: dict[str, str], faults: dict[str, str]) -> None:
+    """Note the versions of all packages that can be imported, and each that cannot."""
+    versions = []
+    for name in needed():
+        try:
+            versions.append(f"{name} {version_of(name)}")
+        except DependencyError as error:
+            faults[name] = error.message
+    found["packages"] = ", ".join(versions)
+
+
+def _engine() -> str:
+    from tracerisk.twin.physics import engine
+
+    return engine()
 
 
 def _physics() -> str:

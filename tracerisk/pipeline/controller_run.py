@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
-from tracerisk import errors
+from tracerisk import dependencies, errors
 from tracerisk.config import Settings
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.recording import Recording, read_recording
@@ -306,6 +306,7 @@ def _raise_unstarted(recording: Recording, process: _ProcessEnd, settings: Setti
             f"{settings.memory_limit_mb} MB are too little to start the simulation; give it more "
             f"with --memory-limit (default: {Settings().memory_limit_mb})"
         )
+    dependencies.check(dependencies.SIMULATION)
     raise RuntimeError(f"the process of the run ended with code {process.code} before it began")
 
 

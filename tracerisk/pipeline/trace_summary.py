@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -35,20 +36,20 @@ def trace_summary(
             found = [e for v in visits if (e := v.exposures.get(element.name)) is not None]
             if element.kind == "sensor":
                 # One that is not read is in use with its joint, which stands here.
-                read_s = _rounded(sum(e.reading_s for e in found))
+                read_s = _rounded(math.fsum(e.reading_s for e in found))
                 if read_s:
                     elements[element.name] = {"reading_s": read_s}
             elif any(exposure.active_s for exposure in found):
                 elements[element.name] = {
-                    "moving_s": _rounded(sum(e.moving_s for e in found)),
-                    "holding_s": _rounded(sum(e.holding_s for e in found)),
-                    "grasping_s": _rounded(sum(e.grasping_s for e in found)),
+                    "moving_s": _rounded(math.fsum(e.moving_s for e in found)),
+                    "holding_s": _rounded(math.fsum(e.holding_s for e in found)),
+                    "grasping_s": _rounded(math.fsum(e.grasping_s for e in found)),
                 }
         known = [visit.duration_s for visit in visits if visit.duration_s is not None]
         name = names[function.ref]
         functions[name] = {
             "visits": len(visits),
-            "duration_s": _rounded(sum(known)),
+            "duration_s": _rounded(math.fsum(known)),
             "elements": elements,
             "instances": _instances(function.ref, instances, kept_values(kept or {}, name)),
         }

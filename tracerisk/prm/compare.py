@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -61,7 +62,7 @@ def compare(
         points = _new_single_points(earlier, after)
         changes, noisy = _changes(earlier, after, points, cause_of)
         total = _mission(after) - _mission(earlier)
-        interaction = total - sum(each.contribution or 0.0 for each in changes)
+        interaction = total - math.fsum(each.contribution or 0.0 for each in changes)
     return RiskDiff(
         name=name,
         was=was,

@@ -16,7 +16,7 @@ from tracerisk.prm.collection import collection_paused
 from tracerisk.prm.display import DisplayedGraph
 from tracerisk.prm.gates import Gate, GateKind, gate_probability, gate_shares
 from tracerisk.prm.numbering import Numbering, numbered
-from tracerisk.prm.probability import Probability, pair_of, value_of
+from tracerisk.prm.probability import Probability, pair_of, total, value_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -248,7 +248,7 @@ class FaultTree(DisplayedGraph):
         drops += [0.0] * len(self.houses)
         for gate, inputs in zip(self._numbering.gates, self._numbering.inputs, strict=True):
             shares = gate_shares(gate, [before[n] for n in inputs], [after[n] for n in inputs])
-            drops.append(sum(map(mul, shares, [drops[number] for number in inputs])))
+            drops.append(total(map(mul, shares, [drops[number] for number in inputs])))
         return drops[self._numbering.top]
 
     def _compiled(self) -> SharedTree:

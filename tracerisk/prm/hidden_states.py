@@ -6,6 +6,7 @@ function treats alike make a class; a hidden state counts the failed units of ea
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -177,7 +178,7 @@ def _function(
             for step in state.next
             if step.weight > 0 and step.target != DONE
         ),
-        done=sum(float(step.weight) for step in state.next if step.target == DONE),
+        done=math.fsum(float(step.weight) for step in state.next if step.target == DONE),
     )
 
 

@@ -114,7 +114,7 @@ def at_least(k: int, inputs: Sequence[Probability]) -> Probability:
         if len(counts) == k:
             reached += counts[-1] * pair.p
         counts = _convolve(counts, pair, k)
-    return Probability(reached, sum(counts))
+    return Probability(reached, total(counts))
 
 
 def _two_of(inputs: Sequence[tuple[float, float]]) -> tuple[float, float]:
@@ -159,7 +159,7 @@ def counted(least: int, most: int, inputs: Sequence[Probability]) -> Probability
     counts = [1.0]
     for pair in inputs:
         counts = _convolve(counts, pair, len(inputs) + 1)
-    return Probability(sum(counts[least : most + 1]), sum(counts[:least]) + sum(counts[most + 1 :]))
+    return Probability(total(counts[least : most + 1]), total(counts[:least] + counts[most + 1 :]))
 
 
 def deciding(
@@ -189,7 +189,7 @@ def deciding(
     for pair in after[:0:-1]:
         tails.append(_convolve(tails[-1], pair, k))
     return tuple(
-        sum(
+        total(
             share * tail[k - 1 - count]
             for count, share in enumerate(head)
             if k - 1 - count < len(tail)

@@ -15,6 +15,7 @@ from tracerisk.twin.motion import LinkTarget, PlanningError, Pose
 from tracerisk.twin.robot import Robot
 
 # After the builder, which says that no window is needed.
+import daqp  # noqa: F401  # isort: skip - mink looks for it only when it solves
 import mink  # isort: skip
 import mujoco  # isort: skip
 

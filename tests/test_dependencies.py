@@ -1,0 +1,75 @@
+"""A package that cannot be imported is named, with the interpreter and what to do."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tracerisk import dependencies
+from tracerisk.errors import DependencyError, ExitCode
+
+CONTROLLER = "def home(arm):\n    arm.go()\n"
+
+
+@pytest.fixture
+def command(tmp_path):
+    """Runs tracerisk where some modules cannot be imported; returns code and both outputs."""
+
+    def call(*words: str, broken: str) -> tuple[int, str]:
+        folder = tmp_path / "broken"
+        folder.mkdir()
+        (folder / f"{broken}.py").write_text(
+            f"raise ImportError('lib{broken}.so: cannot open shared object file', name='{broken}')\n"
+        )
+        (tmp_path / "cell.py").write_text(CONTROLLER)
+        path = os.pathsep.join([str(folder), str(Path(dependencies.__file__).parents[1])])
+        done = subprocess.run(
+            [sys.executable, "-m", "tracerisk", *words],
+            cwd=tmp_path,
+            env=os.environ | {"PYTHONPATH": path},
+            capture_output=True,
+            text=True,
+        )
+        return done.returncode, done.stdout + done.stderr
+
+    return call
+
+
+@pytest.mark.parametrize("module", ["mujoco", "daqp", "libcst"])
+def test_a_run_names_the_module_the_interpreter_and_what_to_do(command, module):
+    code, out = command("run", "cell.py", "--robot", "panda", broken=module)
+    assert code == ExitCode.BAD_INPUT
+    last = out.strip().splitlines()[-1]
+    assert last.startswith(f"tracerisk: module '{module}' cannot be imported by Python 3.")
+    assert f"({sys.executable}): lib{module}.so: cannot open shared object file; install" in last
+    assert f"pip install --force-reinstall --only-binary=:all: {module}`" in last
+    assert last.endswith("[dependency]")
+    assert "this is a fault of tracerisk" not in out
+    if module == "mujoco":
+        text = (Path(__file__).parents[1] / "docs" / "errors.md").read_text(encoding="utf-8")
+        (shown,) = re.findall(r"^tracerisk: module 'mujoco' .*$", text, re.MULTILINE)
+        assert re.fullmatch(".*".join(map(re.escape, shown.split("..."))), last)
+
+
+def test_doctor_names_each_package_that_cannot_be_imported(command):
+    code, out = command("doctor", broken="daqp")
+    assert code == ExitCode.INTERNAL_FAULT
+    assert "daqp: FAILS: module 'daqp' cannot be imported" in out
+    assert "mujoco 3." in out
+
+
+def test_a_module_that_is_not_ours_is_no_dependency():
+    assert dependencies.distribution_of(ImportError("x", name="my_vision")) is None
+    assert dependencies.distribution_of(ImportError("x", name="PIL._imaging")) == "pillow"
+
+
+def test_the_version_of_a_package_that_is_there_is_given():
+    assert dependencies.version_of("numpy").startswith("2.")
+    with pytest.raises(KeyError):
+        dependencies.version_of("my_vision")
+    assert issubclass(DependencyError, ImportError)
