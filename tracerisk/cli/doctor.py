@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk import __version__
 from tracerisk.cli import options as shared
 from tracerisk.cli.output import print_json
-from tracerisk.errors import ExitCode, TraceRiskError
+from tracerisk.errors import ExitCode, LimitError, TraceRiskError
 
 if TYPE_CHECKING:
     from tracerisk.twin.robot import Robot
@@ -150,6 +150,8 @@ def _of_controller(path: str, robot_name: str | None) -> dict[str, str]:
         launch = choose_launch(controller, settings)
         told = "; ".join(note.removeprefix("launch: ") for note in launch.notes)
         found["launch"] = told or "nothing from a launch file"
+    except LimitError:
+        raise
     except TraceRiskError as error:
         found["launch"] = f"not known: {error}"
     try:
@@ -164,6 +166,8 @@ def _of_controller(path: str, robot_name: str | None) -> dict[str, str]:
             found["robot files not taken"] = "; ".join(choice.skipped)
         found["scene"] = settings.scene or robot.default_scene or "none; give --scene"
         found["hardware"] = pipeline.load_hardware(settings, robot.name).file
+    except LimitError:
+        raise
     except TraceRiskError as error:
         found["robot"] = f"not known: {error}"
     return found

@@ -113,7 +113,7 @@ class LaunchContext:
             self._executed.add(id(entity))
             for each in below or ():
                 self.walk(each)
-        except RecursionError:
+        except (RecursionError, MemoryError):
             raise
         # Whatever a launch file of anybody raises is a finding about it.
         except Exception as error:  # noqa: BLE001
