@@ -16,6 +16,7 @@ import resource
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -198,24 +199,28 @@ def run_limited(
     mark = StartMark()
     command = [sys.executable, "-m", module, *arguments]
     inherited = os.environ if environment is None else environment
-    try:
+    with contextlib.closing(mark), tempfile.TemporaryFile() as given:
+        given.write(request)
+        given.seek(0)
         child = subprocess.Popen(
             command,
-            stdin=subprocess.PIPE,
+            stdin=given,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             cwd=folder,
-            env={**inherited, **mark.environment(limits.own), **_memory_variable(limits)},
+            env={
+                **inherited,
+                **mark.environment(limits.own),
+                _MEMORY: str(limits.memory_bytes),
+            },
             pass_fds=(mark.descriptor,),
             start_new_session=True,
         )
         mark.handed_over()
         try:
-            out, err = _watched(child, request, mark, limits, doing, place)
+            out, err = _watched(child, mark, limits, doing, place)
         finally:
             _end(child)
-    finally:
-        mark.close()
     if child.returncode == _OUT_OF_MEMORY:
         used = f"{limits.memory_bytes // _MB} MB of memory, a quarter of what a controller has"
         raise LimitError(f"{doing} took more than {used}; {limits.memory.told}", place)
@@ -231,7 +236,6 @@ def run_limited(
 
 def _watched(
     child: subprocess.Popen[bytes],
-    request: bytes,
     mark: StartMark,
     limits: Limits,
     doing: str,
@@ -239,11 +243,9 @@ def _watched(
 ) -> tuple[bytes, bytes]:
     began = time.monotonic()
     own: OwnTime | None = None
-    given: bytes | None = request
     while True:
         with contextlib.suppress(subprocess.TimeoutExpired):
-            return child.communicate(given, timeout=POLL_S)
-        given = None
+            return child.communicate(timeout=POLL_S)
         if own is None and (cpu_s := mark.cpu_s) is not None:
             own, began = OwnTime(child.pid, cpu_s), time.monotonic()
         if own is not None:
@@ -267,14 +269,9 @@ def _end(child: subprocess.Popen[bytes]) -> None:
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(child.pid, signal.SIGKILL)
         child.wait()
-    for stream in (child.stdin, child.stdout, child.stderr):
+    for stream in (child.stdout, child.stderr):
         if stream is not None:
-            with contextlib.suppress(OSError):
-                stream.close()
-
-
-def _memory_variable(limits: Limits) -> dict[str, str]:
-    return {_MEMORY: str(limits.memory_bytes)}
+            stream.close()
 
 
 def limit_memory() -> None:
