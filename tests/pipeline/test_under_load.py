@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 
@@ -270,8 +271,9 @@ def test_a_process_that_is_stopped_past_its_limit_ends_the_command(
     before = example.files()
     stop = tmp_path_factory.mktemp("stop")
     (stop / "sitecustomize.py").write_text(STOP.format(module=module))
+    path = os.pathsep.join([str(stop), *filter(None, [os.environ.get("PYTHONPATH")])])
     outcome = example.run(
-        "run", entry, "--wall-limit", "10", *options, environment={"PYTHONPATH": str(stop)}
+        "run", entry, "--wall-limit", "10", *options, environment={"PYTHONPATH": path}
     )
     assert outcome.code == 4, outcome.err
     assert told in outcome.err
