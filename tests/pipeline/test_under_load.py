@@ -328,3 +328,18 @@ def test_processor_time_has_a_limit_of_its_own(example, quick):
     outcome = example.run("run", "controller.py", "--cpu-limit", "1", "--duration", "100000")
     assert outcome.code == 4, outcome.err
     assert "1 s of processor time are over; raise it with --cpu-limit" in outcome.err
+
+
+def test_an_alarm_that_comes_by_the_clock_of_the_machine_changes_no_run(example, quick):
+    handler = "signal.signal(signal.SIGALRM, lambda *_: arm.go([0.1] * 7, wait=True))"
+    # A second of the machine passes while the loop computes, none of the simulation.
+    compute = "for _ in range(300_000_000): pass"
+    source = quick("import signal", handler, "signal.alarm(1)", compute, "signal.alarm(0)")
+    example.write("controller.py", source)
+    outcome = example.run("trace", "controller.py", "--json")
+    assert outcome.code == 0, outcome.err
+    assert len(outcome.json["trace"]["visits"]) == 1
+    simulated_s = outcome.json["trace"]["end"]["simulated_s"]
+    example.write("controller.py", quick())
+    plain = example.run("trace", "controller.py", "--json").json["trace"]["end"]["simulated_s"]
+    assert simulated_s == plain
