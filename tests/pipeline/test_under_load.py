@@ -343,3 +343,55 @@ def test_an_alarm_that_comes_by_the_clock_of_the_machine_changes_no_run(example,
     example.write("controller.py", quick())
     plain = example.run("trace", "controller.py", "--json").json["trace"]["end"]["simulated_s"]
     assert simulated_s == plain
+
+
+CHAIN = """\
+import moveit_commander, rospy
+from std_srvs.srv import Trigger
+
+rospy.init_node("chain")
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+arm.set_max_velocity_scaling_factor(1.0)
+
+
+def wait_for(name):
+    while True:
+        try:
+            return rospy.wait_for_service(name, timeout=1.0)
+        except rospy.ROSException:
+            rospy.loginfo("no %s yet", name)
+
+
+def reach():
+    joints = arm.get_current_joint_values()
+    joints[0] += 0.05
+    arm.go(joints, wait=True)
+
+
+WAITS
+reach()
+"""
+SERVED = """\
+import rospy
+from std_srvs.srv import Trigger, TriggerResponse
+
+if __name__ == "__main__":
+    rospy.init_node("NAME")
+    rospy.Service("NAME", Trigger, lambda request: TriggerResponse(True, ""))
+    rospy.spin()
+"""
+
+
+@pytest.mark.parametrize(
+    ("names", "code"), [("alpha beta gamma", 0), ("alpha beta gamma delta", 4)]
+)
+def test_simulated_time_bounds_the_attempts_with_companions(names, code, example):
+    example.write("package.xml", PACKAGE.format("chain"))
+    waits = "".join(f'wait_for("{name}")\n' for name in names.split())
+    example.write("scripts/chain.py", CHAIN.replace("WAITS\n", waits))
+    for name in names.split():
+        example.write(f"scripts/{name}.py", SERVED.replace("NAME", name))
+    # Each run finds one more service missing and waits until its simulated time is over: after
+    # four such times no other run begins.
+    outcome = example.run("run", "scripts/chain.py", "--duration", "4")
+    assert outcome.code == code, outcome.err
