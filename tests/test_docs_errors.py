@@ -218,6 +218,22 @@ def test_a_contact_that_is_to_fail_is_told_so_and_so_are_pictures_that_nothing_d
     assert_told("render", out, tmp_path)
 
 
+def test_a_launch_file_that_is_not_read_in_time_is_told_so(call, tmp_path):
+    put(
+        {
+            "package.xml": "<package><name>cell</name></package>",
+            "cell.py": "import rclpy\nrclpy.init()\n",
+            "turn.launch.py": "def generate_launch_description():\n    while True: pass\n",
+        }
+    )
+    exit_code, out = call("run cell.py --stall-limit 0.5 --launch turn.launch.py")
+    assert exit_code == ExitCode.CONTROLLER_FAILED
+    assert_told("limit", out, tmp_path)
+    exit_code, out = call("run cell.py --stall-limit 0.5 --launch turn.launch.py --json")
+    assert exit_code == ExitCode.CONTROLLER_FAILED
+    assert '"code": "limit"' in out
+
+
 @pytest.mark.parametrize("code", RUNS)
 def test_a_run_that_fails_is_told_so(code, call, tmp_path, quick):
     act, options = RUNS[code]
@@ -243,8 +259,8 @@ def test_each_code_has_a_section_and_each_section_a_code():
     raised = codes_of(TraceRiskError) - {TraceRiskError.code}
     ends = {RunEnd(cause, "", None).code for cause in get_args(EndCause) if cause not in GOOD_ENDS}
     assert set(SECTIONS) == raised | ends | set(get_args(FindingKind)) | {"usage"}
-    # tests/test_dependencies.py, tests/report/png: errors of a machine that lacks something
-    elsewhere = {"dependency", "render"}
+    # tests/test_dependencies.py, tests/report/png, tests/pipeline: errors of the machine
+    elsewhere = {"dependency", "limit", "render"}
     assert set(SECTIONS) == {*STATIC, *RUNS, *CHECKS, "edit", "unequal", "contact", *elsewhere}
 
 

@@ -10,6 +10,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any, Literal, NoReturn, get_args
 
 from tracerisk.errors import Location, SettingsError, one_of
+from tracerisk.limited_process import Limit, Limits
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -31,8 +32,10 @@ _ROOT_MARKS = ("package.xml", "pyproject.toml", "setup.py", ".git")
 class Settings:
     """What a run and its model depend on beside the controller.
 
-    `duration_s` is simulated time [s], `wall_limit_s` and `stall_limit_s` are wall time [s]
-    (`stall_limit_s`: without any simulated progress), `memory_limit_mb` address space [MB].
+    `duration_s` is simulated time [s], `cpu_limit_s` processor time and `wall_limit_s` wall time
+    [s]; `stall_limit_s` is time without simulated progress in which the controller's process
+    computes or sleeps, and that which a process that reads a file may take [s].
+    `memory_limit_mb` is address space [MB]. These limits end a run and decide nothing else.
     `mission_cycles` is how many cycles a mission has whose loop has no end of its own.
     `robot`, `scene` and `hardware` are names or paths, `None` for the default of the robot.
     `scenario` is the file of what the controller's world gives it, `params` files of parameters.
@@ -52,7 +55,8 @@ class Settings:
     hardware: str | None = None
     active: ActiveMode = "moving+holding"
     duration_s: float = 300.0
-    wall_limit_s: float = 120.0
+    cpu_limit_s: float = 120.0
+    wall_limit_s: float = 1800.0
     stall_limit_s: float = 30.0
     memory_limit_mb: int = 8192
     seed: int = 0
@@ -67,6 +71,20 @@ class Settings:
     max_risk: float | None = None
     require_reason: bool = False
     fail_on: FailOn | None = None
+
+    @property
+    def limits(self) -> Limits:
+        """What a process may take that reads a file for a run."""
+        return Limits(
+            own=Limit("stall_limit_s", self.stall_limit_s),
+            wall=Limit("wall_limit_s", self.wall_limit_s),
+            memory=Limit("memory_limit_mb", self.memory_limit_mb),
+        )
+
+    @property
+    def drawing_limits(self) -> Limits:
+        """What the process may take that draws the pictures of a run."""
+        return replace(self.limits, own=Limit("cpu_limit_s", self.cpu_limit_s))
 
     def with_options(self, options: Mapping[str, Any]) -> Settings:
         """Return the settings with those options of the command line that were given."""

@@ -188,6 +188,16 @@ class ControllerFailedError(TraceRiskError, RuntimeError):
             self.code = code
 
 
+class LimitError(TraceRiskError, RuntimeError):
+    """A limit of time or memory was reached before there was a result.
+
+    It ends the command: what is not known in time must decide nothing.
+    """
+
+    exit_code = ExitCode.CONTROLLER_FAILED
+    code = "limit"
+
+
 def one_of(names: Iterable[str], found: str | None = None) -> str:
     """Return `allowed: a, b, c`, led by the nearest name to `found` where one is near."""
     ordered = sorted(names)

@@ -116,7 +116,7 @@ def test_an_endless_loop_is_stopped_and_its_line_is_told(example, quick):
     assert outcome.code == 4
     assert f"tracerisk: controller.py:{line_of(source, 'while True')}: " in outcome.err
     assert "nothing has moved" in outcome.err
-    assert "3 s of wall time" in outcome.err
+    assert "3 s of computing or sleeping" in outcome.err
     assert HELD in outcome.err
     assert_untouched(example, before)
 

@@ -400,13 +400,13 @@ QUICK_CHANGES = {
 """Samples and refactorings of each that every test run looks at; the others are `slow`."""
 
 OUTPUTS = ("--json", "--trace", "trace.json", "--model", "model.json")
-WALL_LIMIT = ("--wall-limit", "60")
+CPU_LIMIT = ("--cpu-limit", "60")
 """Generous: a sample takes 2 to 6 s, and what it took is printed."""
 
 
 def run_of(example, sample: Sample, *arguments: str):
     begun = time.monotonic()
-    outcome = example.run("run", sample.entry, *arguments, *WALL_LIMIT)
+    outcome = example.run("run", sample.entry, *arguments, *CPU_LIMIT)
     sys.stdout.write(f"{sample.entry}: {time.monotonic() - begun:.1f} s\n")
     assert outcome.code == 0, outcome.err
     return outcome

@@ -13,7 +13,7 @@ from tracerisk import __version__
 from tracerisk.cli import options as shared
 from tracerisk.cli.output import print_json
 from tracerisk.dependencies import needed, version_of
-from tracerisk.errors import DependencyError, ExitCode, TraceRiskError
+from tracerisk.errors import DependencyError, ExitCode, LimitError, TraceRiskError
 
 if TYPE_CHECKING:
     from tracerisk.twin.robot import Robot
@@ -157,6 +157,8 @@ def _of_controller(path: str, robot_name: str | None) -> dict[str, str]:
         launch = choose_launch(controller, settings)
         told = "; ".join(note.removeprefix("launch: ") for note in launch.notes)
         found["launch"] = told or "nothing from a launch file"
+    except LimitError:
+        raise
     except TraceRiskError as error:
         found["launch"] = f"not known: {error}"
     try:
@@ -171,6 +173,8 @@ def _of_controller(path: str, robot_name: str | None) -> dict[str, str]:
             found["robot files not taken"] = "; ".join(choice.skipped)
         found["scene"] = settings.scene or robot.default_scene or "none; give --scene"
         found["hardware"] = pipeline.load_hardware(settings, robot.name).file
+    except LimitError:
+        raise
     except TraceRiskError as error:
         found["robot"] = f"not known: {error}"
     return found

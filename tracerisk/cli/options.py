@@ -77,18 +77,26 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         help="simulated time after which the run is over (300 s)",
     )
     group.add_argument(
+        "--cpu-limit",
+        dest="cpu_limit_s",
+        metavar="S",
+        type=_positive,
+        help="processor time after which the controller is stopped (120 s)",
+    )
+    group.add_argument(
         "--wall-limit",
         dest="wall_limit_s",
         metavar="S",
         type=_positive,
-        help="wall time after which the controller is stopped (120 s)",
+        help="wall time after which it is stopped (1800 s)",
     )
     group.add_argument(
         "--stall-limit",
         dest="stall_limit_s",
         metavar="S",
         type=_positive,
-        help="wall time without simulated progress after which it is stopped (30 s)",
+        help="time it computes or sleeps without simulated progress, and that of each process "
+        "that reads a launch, xacro or model file (30 s)",
     )
     group.add_argument(
         "--memory-limit",
@@ -210,6 +218,7 @@ def run_settings(options: argparse.Namespace) -> dict[str, Any]:
         "active",
         "fail_on",
         "duration_s",
+        "cpu_limit_s",
         "wall_limit_s",
         "stall_limit_s",
         "memory_limit_mb",

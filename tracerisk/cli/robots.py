@@ -69,9 +69,10 @@ def named_robot(name: str) -> Robot:
     from tracerisk.twin.robot import is_model_file, load_robot
 
     if is_model_file(name):
+        from tracerisk.config import read_settings
         from tracerisk.pipeline.robot_choice import read_model
 
-        return read_model(Path.cwd(), name).robot
+        return read_model(Path.cwd(), name, read_settings(Path.cwd()).limits).robot
     return load_robot(name)
 
 

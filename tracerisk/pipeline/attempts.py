@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -18,13 +17,16 @@ from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
 from tracerisk.pipeline.robot_choice import choose_launched_robot
 from tracerisk.pipeline.run_files import Companion
 from tracerisk.pipeline.sensors import elements_of
-from tracerisk.trace import Trace
+from tracerisk.trace import EndCause, Trace
 
 if TYPE_CHECKING:
     from tracerisk.hardware.model import Hardware
     from tracerisk.pipeline.stages import Progress
 
 _MOST_COMPANIONS = 4
+_MOST_DURATIONS = 4  # simulated time of all attempts, in that which one run may take
+# A process that died may have been ended for want of memory.
+_OF_THE_MACHINE: frozenset[EndCause] = frozenset({"wall_limit", "memory_limit", "died"})
 _ROBOTS_TRIED = 3  # for the names that a run shows, of an arm and then of its gripper
 
 
@@ -44,32 +46,37 @@ def trace_attempts(
     found, not asked for, and must not keep a controller from running.
     A run that shows no risk for want of something that other nodes of the workspace provide is
     done again with these beside it.
+    Simulated time and the number of runs bound the attempts. A run that a limit of the machine
+    ended is the last: nothing is concluded from it.
     """
-    began = time.monotonic()
+    simulated_s = 0.0
 
-    def has_time() -> bool:
-        return time.monotonic() - began < settings.wall_limit_s / 2
+    def may_go_on() -> bool:
+        return simulated_s < _MOST_DURATIONS * settings.duration_s
 
     def run(
         choice: LaunchChoice, keep: Path | None, companions: tuple[Companion, ...] = ()
     ) -> ControllerRun:
-        return _with_robot(controller, settings, choice, hardware_of, companions, keep, progress)
+        nonlocal simulated_s
+        done = _with_robot(controller, settings, choice, hardware_of, companions, keep, progress)
+        simulated_s += done.trace.end.simulated_s or 0.0
+        return done
 
     def attempt(choice: LaunchChoice, keep: Path | None) -> Trace:
         done = run(choice, keep)
-        if not settings.companions or _shows_risk(done.trace):
+        if not settings.companions or _is_final(done.trace):
             return done.trace
         found = _with_companions(
-            controller, settings, done, lambda companions: run(choice, None, companions), has_time
+            controller, settings, done, lambda companions: run(choice, None, companions), may_go_on
         )
-        if found is None or keep is None:
+        if found is None or keep is None or _is_cut_short(found[0]):
             return done.trace if found is None else found[0]
         return run(choice, keep, found[1]).trace
 
     choice = choose_launch(controller, settings)
     trace = attempt(choice, keep)
     is_found = choice.setup is not None and settings.launch is True
-    if not is_found or not has_time() or _shows_risk(trace):
+    if not is_found or not may_go_on() or _is_final(trace):
         return trace
     assert choice.setup is not None
     without = LaunchChoice(
@@ -79,6 +86,8 @@ def trace_attempts(
         )
     )
     plain = attempt(without, None)
+    if _is_cut_short(plain):
+        return plain
     if not _shows_risk(plain):
         # What is kept is the recording of the run that is told.
         return trace
@@ -89,25 +98,36 @@ def _shows_risk(trace: Trace) -> bool:
     return trace.end.is_good and bool(trace.functions)
 
 
+def _is_cut_short(trace: Trace) -> bool:
+    """Tell whether the machine may have ended a run, by a limit or for want of memory."""
+    return trace.end.cause in _OF_THE_MACHINE
+
+
+def _is_final(trace: Trace) -> bool:
+    return _shows_risk(trace) or _is_cut_short(trace)
+
+
 def _with_companions(
     controller: Controller,
     settings: Settings,
     done: ControllerRun,
     run: Callable[[tuple[Companion, ...]], ControllerRun],
-    has_time: Callable[[], bool],
+    may_go_on: Callable[[], bool],
 ) -> tuple[Trace, tuple[Companion, ...]] | None:
     """Run a controller with the nodes beside it that provide what a run lacked.
 
     Return the trace and the companions; None where no run shows risk, or where a companion moved
-    the robot unasked: then it is a controller itself.
+    the robot unasked: then it is a controller itself. A run that was cut short is returned.
     """
     companions: tuple[Companion, ...] = ()
-    while done.needs and len(companions) < _MOST_COMPANIONS and has_time():
+    while done.needs and len(companions) < _MOST_COMPANIONS and may_go_on():
         more = find_companions(controller, done.needs, settings, companions)
         if not more:
             return None
         companions = (*companions, *more)[:_MOST_COMPANIONS]
         done = run(companions)
+        if _is_cut_short(done.trace):
+            return done.trace, companions
         if _shows_risk(done.trace):
             theirs = {each.told for each in companions}
             is_own = not any(each.ref.file in theirs for each in done.trace.functions)
@@ -139,6 +159,8 @@ def _with_robot(
             keep=keep,
             progress=progress,
         )
+        if _is_cut_short(done.trace):
+            break
         if settings.robot is not None or not set(done.joints_asked) - set(asked):
             break
         asked = (*asked, *done.joints_asked)

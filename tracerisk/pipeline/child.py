@@ -21,6 +21,7 @@ from tracerisk.instrument.import_finder import ControllerFinder, controller_impo
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Tracer
+from tracerisk.limited_process import mark_start
 from tracerisk.pipeline.companion_run import Companions
 from tracerisk.pipeline.controller_end import ControllerEnd
 from tracerisk.pipeline.entry_point import find_entry_point
@@ -227,6 +228,7 @@ def _run_recorded(
             companions.start()
             run()
 
+        mark_start()
         began = wall_clock()
         end.run(lambda: scheduler.run_main(begin))
         twin.close()

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Literal
 
 from tracerisk.config import Settings, controller_root
-from tracerisk.errors import TraceRiskError
+from tracerisk.errors import LimitError, TraceRiskError
 from tracerisk.pipeline.controller import Controller, load_controller
 from tracerisk.pipeline.entry_point import find_entry_point
 from tracerisk.pipeline.launch.choose import choose_launch
@@ -163,9 +163,17 @@ def _companion(path: Path, met: Sequence[Need], root: Path, settings: Settings) 
 
 def _setup(program: Controller, settings: Settings) -> LaunchSetup | None:
     """Return what a launch file gives the companion: it is looked for as the controller's is."""
-    wanted = replace(Settings(), launch=settings.launch is not False)
+    wanted = replace(
+        Settings(),
+        launch=settings.launch is not False,
+        wall_limit_s=settings.wall_limit_s,
+        stall_limit_s=settings.stall_limit_s,
+        memory_limit_mb=settings.memory_limit_mb,
+    )
     try:
         return choose_launch(program, wanted).setup
+    except LimitError:
+        raise
     except TraceRiskError:
         return None
 

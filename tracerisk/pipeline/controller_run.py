@@ -20,6 +20,7 @@ from tracerisk import dependencies, errors
 from tracerisk.config import Settings
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.recording import Recording, read_recording
+from tracerisk.limited_process import POLL_S, Limit, OwnTime, StartMark
 from tracerisk.pipeline.left_running import RUN_MARK, end_left_running
 from tracerisk.pipeline.run_files import (
     EVENTS,
@@ -31,6 +32,7 @@ from tracerisk.pipeline.run_files import (
     STARTED,
     Companion,
     RunRequest,
+    WallTime,
 )
 from tracerisk.pipeline.run_trace import make_trace
 from tracerisk.pipeline.run_watch import MISSION_END
@@ -44,7 +46,6 @@ if TYPE_CHECKING:
     from tracerisk.twin.robot import Robot
 
 _STARTING = "starting the twin"
-_POLL_S = 0.02
 _GRACE_S = 2.0
 _STACK_LINE = re.compile(r'  File "(?P<file>.*)", line (?P<line>\d+) in ')
 
@@ -159,19 +160,23 @@ def _run_child(
         "TZ": "UTC",
         RUN_MARK: mark,
     }
+    start = StartMark()
     child = subprocess.Popen(
         [sys.executable, "-u", "-m", "tracerisk.pipeline.child", str(request_path)],
         stdin=subprocess.DEVNULL,
         stdout=_output(progress),
         stderr=None if progress is None else subprocess.STDOUT,
-        env=environment,
+        env={**environment, **start.environment(Limit("cpu_limit_s", settings.cpu_limit_s))},
+        pass_fds=(start.descriptor,),
         start_new_session=True,
     )
     passing: threading.Thread | None = None
     try:
         passing = None if child.stdout is None else _pass_on(child.stdout)
-        return _watch(child, folder, settings, progress)
+        start.handed_over()
+        return _watch(child, start, folder, settings, progress)
     finally:
+        start.close()
         # Whatever the controller started goes with it.
         end_left_running(child.pid, mark)
         child.wait()
@@ -210,28 +215,58 @@ def _has_descriptor(stream: Any) -> bool:
 
 
 def _watch(
-    child: subprocess.Popen[bytes], folder: Path, settings: Settings, progress: Progress | None
+    child: subprocess.Popen[bytes],
+    start: StartMark,
+    folder: Path,
+    settings: Settings,
+    progress: Progress | None,
 ) -> _ProcessEnd:
-    began = last_change = time.monotonic()
+    """Wait for the end of the child, or for a limit; these count from its start mark."""
+    began = time.monotonic()
+    own: OwnTime | None = None
+    changed_s = 0.0
     seen = (-1, -1)
     while True:
         with contextlib.suppress(subprocess.TimeoutExpired):
-            return _ProcessEnd(child.wait(timeout=_POLL_S))
-        now = time.monotonic()
+            return _ProcessEnd(child.wait(timeout=POLL_S))
+        if own is None and (cpu_s := start.cpu_s) is not None:
+            own, began = OwnTime(child.pid, cpu_s), time.monotonic()
+        if own is not None:
+            own.look()
         grown = (_size(folder / EVENTS), _simulated_ns(folder))
         if grown != seen:
-            seen, last_change = grown, now
+            seen, changed_s = grown, 0.0 if own is None else own.seconds
             if progress is not None:
                 progress("simulating" if grown[1] > 0 else _STARTING, max(grown[1], 0) / 1e9)
-        if now - began > settings.wall_limit_s:
-            return _stop(child, folder, f"{settings.wall_limit_s:g} s of wall time are over")
-        if now - last_change > settings.stall_limit_s:
-            return _stop(
-                child,
-                folder,
-                f"nothing has moved and no time has passed in the simulation for "
-                f"{settings.stall_limit_s:g} s of wall time",
-            )
+        reached = _reached(own, changed_s, time.monotonic() - began, settings)
+        if reached is not None and WallTime.is_in(folder):
+            # All of the run is recorded, and what is left of the process does not matter.
+            return _ProcessEnd(0)
+        if reached is not None:
+            return _stop(child, folder, reached)
+
+
+def _reached(
+    own: OwnTime | None, changed_s: float, wall_s: float, settings: Settings
+) -> str | None:
+    """Return the limit that a child has reached, in words; None for none.
+
+    `changed_s` is its own time at the last progress of the simulation, `wall_s` the wall time
+    since the start mark, or since the start of the process where there is none yet [s].
+    """
+    limits = settings.limits
+    if own is not None and own.seconds - changed_s > limits.own.value:
+        return (
+            "nothing has moved and no time has passed in the simulation for "
+            f"{limits.own.value:g} s of computing or sleeping; {limits.own.told}"
+        )
+    cpu = Limit("cpu_limit_s", settings.cpu_limit_s)
+    if own is not None and own.cpu_s > cpu.value:
+        return f"{cpu.value:g} s of processor time are over; {cpu.told}"
+    if wall_s > limits.wall.value:
+        what = "the process did not start in" if own is None else "the run is over after"
+        return f"{what} {limits.wall.value:g} s of wall time; {limits.wall.told}"
+    return None
 
 
 def _size(path: Path) -> int:
@@ -255,8 +290,8 @@ def _stop(child: subprocess.Popen[bytes], folder: Path, limit: str) -> _ProcessE
         child.send_signal(signal.SIGUSR1)
     deadline = time.monotonic() + _GRACE_S
     while _size(stacks) == before and child.poll() is None and time.monotonic() < deadline:
-        time.sleep(_POLL_S)
-    time.sleep(_POLL_S)
+        time.sleep(POLL_S)
+    time.sleep(POLL_S)
     with contextlib.suppress(ProcessLookupError):
         os.killpg(child.pid, signal.SIGKILL)
     child.wait()
@@ -306,12 +341,18 @@ def _raise_unstarted(recording: Recording, process: _ProcessEnd, settings: Setti
             f"{settings.memory_limit_mb} MB are too little to start the simulation; give it more "
             f"with --memory-limit (default: {Settings().memory_limit_mb})"
         )
+    if process.code == -signal.SIGKILL:
+        raise errors.LimitError(
+            "the process of the run was ended by SIGKILL before it began: the system may be short "
+            "of memory; free some"
+        )
     dependencies.check(dependencies.SIMULATION)
     raise RuntimeError(f"the process of the run ended with code {process.code} before it began")
 
 
 def _run_end(recording: Recording, process: _ProcessEnd, controller: Controller) -> RunEnd:
-    told = recording.end
+    # What comes after a limit, while the process is being ended, is no end of its own.
+    told = recording.end if process.limit is None else None
     mission_end = recording.note(MISSION_END)
     simulated_s = (told.time_ns if told else recording.last_ns) / 1e9
     if mission_end is not None:

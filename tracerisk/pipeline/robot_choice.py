@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import Location, RobotError
+from tracerisk.limited_process import Limits
 from tracerisk.pipeline.controller import Controller, string_literals
 from tracerisk.pipeline.launch.records import LaunchSetup
 from tracerisk.pipeline.launch.spoken import with_parameters
@@ -71,7 +72,7 @@ def choose_robot(
         arm = generic_arm(names_asked(whole.source))
         return RobotChoice(replace(arm, chosen_by="as the settings say"))
     if settings.robot is not None and is_model_file(settings.robot):
-        read = read_model(controller.root, settings.robot)
+        read = read_model(controller.root, settings.robot, settings.limits)
         robot = replace(read.robot, chosen_by="as the settings say")
         return RobotChoice(robot, files=read.files)
     if settings.robot is not None:
@@ -80,7 +81,7 @@ def choose_robot(
     strings = (*string_literals(controller), *string_literals(whole), *also_named)
     packages = _own_packages(controller.root)
     roots = (controller.root, *packages.values())
-    found = find_workspace_robot(roots, packages, strings, controller.path)
+    found = find_workspace_robot(roots, packages, strings, controller.path, settings.limits)
     if found.robot is not None and found.is_named:
         return RobotChoice(replace(found.robot, chosen_by=found.reason), found.skipped, found.files)
     asked = names_asked(whole.source)
@@ -111,12 +112,13 @@ def _equipped(robot: Robot, controller: Controller) -> Robot:
     return with_assumed_gripper(robot, names_asked(controller.source).joints)
 
 
-def read_model(root: Path, name: str) -> ModelFile:
+def read_model(root: Path, name: str, limits: Limits) -> ModelFile:
     """Read the model file that the settings name; what it names stands in its own project.
 
     That is the controller's own root, or the nearest folder above the file that is marked as the
     root of one; and the packages of the controller's workspace and of the file's.
-    Raises RobotError when it is malformed, or names a file elsewhere.
+    Raises RobotError when it is malformed, or names a file elsewhere; LimitError when reading it
+    takes too long or too much memory.
     """
     from tracerisk.twin.model_file import read_model_file
     from tracerisk.twin.model_file_paths import ModelFolder
@@ -128,7 +130,7 @@ def read_model(root: Path, name: str) -> ModelFile:
         raise RobotError(f"names no file: {error}", Location(name)) from error
     top = root.resolve() if resolved.is_relative_to(root.resolve()) else controller_root(path)
     packages = {**_own_packages(top), **_own_packages(root)}
-    return read_model_file(path, ModelFolder(resolved.parent, top, packages))
+    return read_model_file(path, ModelFolder(resolved.parent, top, packages), limits=limits)
 
 
 def robot_files(controller: Controller, settings: Settings) -> tuple[Path, ...]:
@@ -139,7 +141,9 @@ def robot_files(controller: Controller, settings: Settings) -> tuple[Path, ...]:
     name = settings.robot
     if name is None or not Path(name).suffix:
         return ()
-    return read_model(controller.root, name).files if is_model_file(name) else (Path(name),)
+    if not is_model_file(name):
+        return (Path(name),)
+    return read_model(controller.root, name, settings.limits).files
 
 
 def _own_packages(root: Path) -> Mapping[str, Path]:

@@ -120,6 +120,11 @@ class WallTime:
         text = json.dumps(dataclasses.asdict(self), sort_keys=True)
         (folder / _WALL_TIME).write_text(f"{text}\n", encoding="utf-8")
 
+    @staticmethod
+    def is_in(folder: Path) -> bool:
+        """Tell whether the times were written: the last act of a run that came to its end."""
+        return (folder / _WALL_TIME).exists()
+
     @classmethod
     def read(cls, folder: Path) -> WallTime:
         """Read the times of a kept recording, of a run that came to its end."""

@@ -68,7 +68,13 @@ def write_pictures(
     hardware = load_hardware(settings, trace.robot)
     components = {each.component.name: each.elements for each in bind(hardware, trace.elements)}
     pictures = make_pictures(trace, components, run)
-    files = dict(zip((each.file for each in pictures), drawn(pictures), strict=True))
+    files = dict(
+        zip(
+            (each.file for each in pictures),
+            drawn(pictures, limits=settings.drawing_limits),
+            strict=True,
+        )
+    )
     text = json.dumps(legend_data(trace, pictures), indent=1, ensure_ascii=False)
     files[LEGEND] = f"{text}\n".encode()
     try:

@@ -24,6 +24,7 @@ from typing import Any
 from tracerisk.ros.controller_frames import is_quiet
 from tracerisk.ros.controller_thread import RunOver
 from tracerisk.ros.seeded_randomness import entropy_replacements, seeded_generators
+from tracerisk.ros.virtual_alarm import VirtualAlarm
 from tracerisk.ros.virtual_clock import VirtualClock
 from tracerisk.ros.virtual_selector import VirtualSelector
 from tracerisk.ros.virtual_threads import Lock, ThreadHandle, ThreadStarter
@@ -303,4 +304,6 @@ def _process_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]
     yield atexit, "register", register
     yield atexit, "unregister", unregister
     yield signal, "pause", pause
+    for name, function in VirtualAlarm(scheduler).functions().items():
+        yield signal, name, function
     yield selectors, "DefaultSelector", make_selector

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping
@@ -13,12 +12,12 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import Location, RobotError
+from tracerisk.limited_process import DEFAULT_LIMITS, Limits, run_limited
 from tracerisk.twin.mjcf_document import MjcfDocument, told_of_mujoco
 from tracerisk.twin.model_file_frames import matrix_of, roll_pitch_yaw
 from tracerisk.twin.shapes import Shape
 from tracerisk.twin.urdf import placed
 
-LIMIT_S = 25.0
 _LONGEST_REASON = 200
 
 Data = Mapping[str, Any]
@@ -45,10 +44,11 @@ class MjcfModel:
     without_mesh: frozenset[str]
 
 
-def compiled_mjcf(document: MjcfDocument, shown: str) -> MjcfModel:
+def compiled_mjcf(document: MjcfDocument, shown: str, limits: Limits = DEFAULT_LIMITS) -> MjcfModel:
     """Return the compiled model of a document.
 
-    Raises RobotError when MuJoCo refuses it, or when compiling it takes too long or too much.
+    Raises RobotError when MuJoCo refuses it, LimitError when compiling it takes too long or too
+    much memory.
     """
     answer = _asked(
         {
@@ -57,6 +57,7 @@ def compiled_mjcf(document: MjcfDocument, shown: str) -> MjcfModel:
             "missing": list(document.missing),
         },
         shown,
+        limits,
     )
     if "error" in answer:
         raise told_of_mujoco(answer["error"], document, shown)
@@ -71,11 +72,13 @@ def compiled_mjcf(document: MjcfDocument, shown: str) -> MjcfModel:
 
 
 def mesh_shapes(
-    meshes: Mapping[str, tuple[Path, tuple[float, float, float]]], shown: str
+    meshes: Mapping[str, tuple[Path, tuple[float, float, float]]],
+    shown: str,
+    limits: Limits = DEFAULT_LIMITS,
 ) -> dict[str, Shape]:
     """Return what bounds each mesh, given as file and scale, in the mesh's own frame.
 
-    Meshes that cannot be read are left out.
+    Meshes that cannot be read are left out. Raises LimitError as `compiled_mjcf`.
     """
     if not meshes:
         return {}
@@ -86,6 +89,7 @@ def mesh_shapes(
             "scales": {name: scale for name, (_, scale) in meshes.items()},
         },
         shown,
+        limits,
     )
     return {name: shape_of(told) for name, told in answer.items() if told is not None}
 
@@ -120,23 +124,18 @@ def _around_ellipsoid(radii: tuple[float, ...]) -> Shape:
     )
 
 
-def _asked(request: Mapping[str, Any], shown: str) -> Any:
+def _asked(request: Mapping[str, Any], shown: str, limits: Limits) -> Any:
     where = Location(shown)
     with tempfile.TemporaryDirectory() as empty:
-        try:
-            done = subprocess.run(
-                [sys.executable, "-m", "tracerisk.twin.model_file_child"],
-                input=json.dumps(request).encode(),
-                capture_output=True,
-                timeout=LIMIT_S,
-                check=False,
-                cwd=empty,
-                env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
-            )
-        except subprocess.TimeoutExpired as error:
-            raise RobotError(
-                f"the model is not compiled within {LIMIT_S:g} s; simplify it", where
-            ) from error
+        done = run_limited(
+            "tracerisk.twin.model_file_child",
+            request=json.dumps(request).encode(),
+            limits=limits,
+            doing="compiling the model",
+            place=where,
+            folder=Path(empty),
+            environment={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+        )
     if done.returncode != 0:
         lines = done.stderr.decode(errors="replace").strip().splitlines()
         reason = lines[-1].strip() if lines else f"its process ended with {done.returncode}"

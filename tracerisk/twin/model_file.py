@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tracerisk.errors import Location, RobotError, one_of
+from tracerisk.limited_process import DEFAULT_LIMITS, Limits
 from tracerisk.twin.known_arms import completed_as_ours, named_as_ours
 from tracerisk.twin.mjcf import mjcf_robot
 from tracerisk.twin.mjcf_document import read_mjcf_document
@@ -41,11 +42,13 @@ class ModelFile:
     files: tuple[Path, ...]
 
 
-def read_model_file(path: Path, folder: ModelFolder, *, shown: str | None = None) -> ModelFile:
+def read_model_file(
+    path: Path, folder: ModelFolder, *, shown: str | None = None, limits: Limits = DEFAULT_LIMITS
+) -> ModelFile:
     """Return the robot of a model file.
 
-    Raises RobotError with file and line when it is malformed, names a file outside the folder,
-    or takes too much memory or time.
+    Raises RobotError with file and line when it is malformed or names a file outside the folder,
+    LimitError when it takes too much memory or time.
     """
     shown = str(path) if shown is None else shown
     text = read_model_text(path, shown)
@@ -55,13 +58,13 @@ def read_model_file(path: Path, folder: ModelFolder, *, shown: str | None = None
     _check_root(root)
     if path.name.endswith(".xacro") or b"<xacro:" in text or b"xmlns:xacro" in text:
         within = (folder.top, *folder.packages.values())
-        expanded = expanded_xacro(path, folder.packages, within=within, shown=shown)
+        expanded = expanded_xacro(path, folder.packages, within=within, shown=shown, limits=limits)
         text, read = expanded.text, expanded.files
         root = read_xml(text, shown)
     if root.tag == "mujoco":
-        found = _of_mjcf(text, path, shown, folder)
+        found = _of_mjcf(text, path, shown, folder, limits)
     else:
-        found = _of_urdf(text, path, shown, folder)
+        found = _of_urdf(text, path, shown, folder, limits)
     found = replace(found, files=tuple(dict.fromkeys((*found.files, *read))))
     name = re.sub(r"[^\w.+-]+", "_", found.robot.name)[:80].strip("._") or "robot"
     _check_sizes(found.robot, shown)
@@ -75,9 +78,9 @@ def _check_root(root: XmlElement) -> None:
         root.fail(f"describes no robot; {one_of(_ALLOWED, root.tag)}")
 
 
-def _of_mjcf(text: bytes, path: Path, shown: str, folder: ModelFolder) -> ModelFile:
+def _of_mjcf(text: bytes, path: Path, shown: str, folder: ModelFolder, limits: Limits) -> ModelFile:
     document = read_mjcf_document(text, path, shown, folder)
-    model = compiled_mjcf(document, shown)
+    model = compiled_mjcf(document, shown, limits)
     names = {each["name"] for each in (*model.bodies, *model.joints)}
     beside = _srdf_beside(path, model.name, names, folder)
     srdf = None if beside is None else beside[1]
@@ -86,7 +89,7 @@ def _of_mjcf(text: bytes, path: Path, shown: str, folder: ModelFolder) -> ModelF
     return _named(robot, srdf, files, knows_motors=bool(model.actuators))
 
 
-def _of_urdf(text: bytes, path: Path, shown: str, folder: ModelFolder) -> ModelFile:
+def _of_urdf(text: bytes, path: Path, shown: str, folder: ModelFolder, limits: Limits) -> ModelFile:
     root = read_xml(text, shown)
     _check_root(root)
     names = {
@@ -94,7 +97,7 @@ def _of_urdf(text: bytes, path: Path, shown: str, folder: ModelFolder) -> ModelF
     }
     beside = _srdf_beside(path, root.attributes.get("name", ""), names, folder)
     srdf = None if beside is None else beside[1]
-    shapes, meshes = _meshes(root, shown, folder)
+    shapes, meshes = _meshes(root, shown, folder, limits)
     robot = read_urdf(text, shown, srdf=srdf, mesh_shape=lambda mesh: shapes.get(_mesh_key(mesh)))
     files = (path.resolve(), *meshes, *([beside[0]] if beside else []))
     return _named(robot, srdf, files, knows_motors=False)
@@ -110,7 +113,7 @@ def _named(
 
 
 def _meshes(
-    root: XmlElement, shown: str, folder: ModelFolder
+    root: XmlElement, shown: str, folder: ModelFolder, limits: Limits
 ) -> tuple[dict[str, Shape], tuple[Path, ...]]:
     """Return what bounds each mesh of a URDF that is there, and the files."""
     found: dict[str, tuple[Path, tuple[float, float, float]]] = {}
@@ -133,7 +136,7 @@ def _meshes(
                         name = f"mesh{len(found)}{path.suffix.lower()}"
                         found[name] = (path, mesh.triple("scale", (1.0, 1.0, 1.0)))
                         keys[name] = key
-    shapes = {keys[name]: shape for name, shape in mesh_shapes(found, shown).items()}
+    shapes = {keys[name]: shape for name, shape in mesh_shapes(found, shown, limits).items()}
     return shapes, tuple(path for path, _ in found.values())
 
 

@@ -18,8 +18,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-MEMORY_BYTES = 2 * 1024**3
-CPU_S = 20
+from tracerisk.limited_process import end_with, limit_memory, mark_start
+
 _MOST = {"bodies": 500, "joints": 300, "geoms": 5000, "actuators": 300}
 
 
@@ -29,6 +29,9 @@ def main() -> int:
     asked = json.load(sys.stdin)
     # MuJoCo must not look for a display.
     os.environ["MUJOCO_GL"] = "disable"
+    import mujoco  # noqa: F401 - importing it is no part of the work
+
+    mark_start()
     meshes = {name: Path(path).read_bytes() for name, path in asked["meshes"].items()}
     answer: dict[str, Any]
     if asked["text"] is None:
@@ -43,9 +46,7 @@ def main() -> int:
 
 
 def _limit() -> None:
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
-    resource.setrlimit(resource.RLIMIT_CPU, (CPU_S, CPU_S))
+    limit_memory()
     # MuJoCo logs its warnings into a file of the working folder.
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
@@ -285,9 +286,4 @@ def _shape_of(name: str, data: bytes, scales: dict[str, list[float]]) -> dict[st
 
 
 if __name__ == "__main__":
-    try:
-        code = main()
-    except MemoryError:
-        sys.stderr.write("it takes too much memory\n")
-        code = 1
-    sys.exit(code)
+    end_with(main)

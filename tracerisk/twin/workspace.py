@@ -10,6 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from tracerisk.errors import RobotError, TraceRiskError
+from tracerisk.limited_process import DEFAULT_LIMITS, Limits
 from tracerisk.twin.known_arms import completed_as_ours, named_as_ours, shipped_like
 from tracerisk.twin.mentions import Hint, decide
 from tracerisk.twin.robot import Robot, load_robot
@@ -75,7 +76,11 @@ class _File:
 
 
 def find_workspace_robot(
-    roots: Iterable[Path], packages: Mapping[str, Path], strings: Iterable[str], script: Path
+    roots: Iterable[Path],
+    packages: Mapping[str, Path],
+    strings: Iterable[str],
+    script: Path,
+    limits: Limits = DEFAULT_LIMITS,
 ) -> WorkspaceRobot:
     """Return the robot of the SRDF, URDF and xacro files below the roots.
 
@@ -83,8 +88,10 @@ def find_workspace_robot(
     of several robots the one is taken whose names the controller uses most, then the one that is
     nearest to the script. A robot of which the controller names nothing is taken only if it is
     the only one; one of tests is not, unless the script is of them too.
+    Raises LimitError where a xacro file takes too long or too much memory: which robot is taken
+    must not depend on that.
     """
-    search = _Search(tuple(roots), packages, strings, script)
+    search = _Search(tuple(roots), packages, strings, script, limits)
     return search.run()
 
 
@@ -95,7 +102,9 @@ class _Search:
         packages: Mapping[str, Path],
         strings: Iterable[str],
         script: Path,
+        limits: Limits,
     ) -> None:
+        self._limits = limits
         self._packages = packages
         self._words = _words(strings)
         self._script = script.resolve()
@@ -284,7 +293,13 @@ class _Search:
         if self._expanded >= _MOST_EXPANDED:
             raise RobotError(f"not looked at: {_MOST_EXPANDED} xacro files were expanded before it")
         self._expanded += 1
-        expanded = expanded_xacro(file.path, self._packages, arguments=arguments, shown=file.shown)
+        expanded = expanded_xacro(
+            file.path,
+            self._packages,
+            arguments=arguments,
+            shown=file.shown,
+            limits=self._limits,
+        )
         self._read_for[file.path] = expanded.files
         return expanded.text
 

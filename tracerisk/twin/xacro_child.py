@@ -12,22 +12,20 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import resource
 import sys
 import sysconfig
 from pathlib import Path
 from typing import Any
 
-MEMORY_BYTES = 2 * 1024**3
-CPU_S = 20
+from tracerisk.limited_process import end_with, limit_memory, mark_start
+
 MOST_CHARACTERS = 16 * 1024**2
 REFUSED = 7
 
 
 def main() -> int:
     """Expand the file that standard input names."""
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
-    resource.setrlimit(resource.RLIMIT_CPU, (CPU_S, CPU_S))
+    limit_memory()
     asked = json.load(sys.stdin)
     # xacrodoc hands xacro the text: relative includes of the file itself start from here.
     os.chdir(Path(asked["path"]).parent)
@@ -37,12 +35,15 @@ def main() -> int:
 
         packages.update_package_cache(asked["packages"])
         reading = _Reading(asked["within"])
+        mark_start()
         sys.addaudithook(reading.hook)
         try:
             document = XacroDoc.from_file(
                 asked["path"], walk_up=True, resolve_packages=False, subargs=asked["arguments"]
             )
             text = document.to_urdf_string()
+        except MemoryError:
+            raise
         except Exception:
             if reading.refused is None:
                 raise
@@ -104,4 +105,4 @@ class _Reading:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    end_with(main)

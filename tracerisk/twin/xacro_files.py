@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import Location, RobotError
+from tracerisk.limited_process import DEFAULT_LIMITS, Limits, run_limited
 from tracerisk.twin.xacro_child import REFUSED
 
-_LIMIT_S = 25.0
 _LONGEST_REASON = 200
 
 
@@ -32,13 +30,15 @@ def expand_xacro(
     *,
     arguments: Mapping[str, str] | None = None,
     shown: str | None = None,
+    limits: Limits = DEFAULT_LIMITS,
 ) -> bytes:
     """Return the XML that a xacro file expands to, with `$(find ...)` among the packages.
 
     It is expanded in a process with limits of time and memory.
-    Raises RobotError with xacro's reason when it cannot be expanded.
+    Raises RobotError with xacro's reason when it cannot be expanded, LimitError where that takes
+    too long or too much memory.
     """
-    return expanded_xacro(path, packages, arguments=arguments, shown=shown).text
+    return expanded_xacro(path, packages, arguments=arguments, shown=shown, limits=limits).text
 
 
 def expanded_xacro(
@@ -48,10 +48,12 @@ def expanded_xacro(
     arguments: Mapping[str, str] | None = None,
     within: Sequence[Path] | None = None,
     shown: str | None = None,
+    limits: Limits = DEFAULT_LIMITS,
 ) -> Expanded:
     """Return what a xacro file expands to; `within` are the folders whose files it may read.
 
-    Raises RobotError as `expand_xacro` does, and at a file outside the folders.
+    Raises RobotError and LimitError as `expand_xacro` does, RobotError at a file outside the
+    folders.
     """
     file = shown if shown is not None else str(path)
     asked = {
@@ -60,20 +62,16 @@ def expanded_xacro(
         "arguments": dict(arguments or {}),
         "within": None if within is None else [str(folder.resolve()) for folder in within],
     }
-    try:
-        done = subprocess.run(
-            [sys.executable, "-m", "tracerisk.twin.xacro_child"],
-            input=json.dumps(asked).encode(),
-            capture_output=True,
-            timeout=_LIMIT_S,
-            check=False,
-            # What the host has sourced must not decide which robot is found.
-            env={k: v for k, v in os.environ.items() if not k.startswith(("ROS_", "AMENT_"))},
-        )
-    except subprocess.TimeoutExpired as error:
-        raise RobotError(
-            f"xacro does not come to an end within {_LIMIT_S:g} s", Location(file)
-        ) from error
+    # What the host has sourced must not decide which robot is found.
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("ROS_", "AMENT_"))}
+    done = run_limited(
+        "tracerisk.twin.xacro_child",
+        request=json.dumps(asked).encode(),
+        limits=limits,
+        doing="expanding the xacro file",
+        place=Location(file),
+        environment=environment,
+    )
     if done.returncode == REFUSED:
         raise _refusal(json.loads(done.stdout), file, path)
     if done.returncode != 0:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
+from tracerisk.errors import LimitError
+from tracerisk.limited_process import DEFAULT_LIMITS, Limit
 from tracerisk.pipeline.launch.launch_process import read_launch
 from tracerisk.pipeline.workspace import find_workspace
 
@@ -357,10 +361,16 @@ def test_a_file_without_an_end_is_stopped(described):
 
 
 def test_memory_has_a_limit(read):
-    reading = read(
-        "big.launch.py", "x = bytearray(3 * 1024**3)\ndef generate_launch_description(): 1\n"
-    )
-    assert any("MemoryError" in each for each in reading.problems)
+    with pytest.raises(LimitError, match=r"big\.launch\.py: .* more than 2048 MB of memory"):
+        read("big.launch.py", "x = bytearray(3 * 1024**3)\ndef generate_launch_description(): 1\n")
+
+
+@pytest.mark.parametrize("body", ["while True: pass", "import time; time.sleep(1000)"])
+def test_a_file_that_does_not_end_is_no_file_that_starts_nothing(body, workspace):
+    path = workspace.write("launch/endless.launch.py", f"{body}\n")
+    limits = replace(DEFAULT_LIMITS, own=Limit("stall_limit_s", 0.3))
+    with pytest.raises(LimitError, match=r"endless\.launch\.py: reading .* --stall-limit"):
+        read_launch(path, find_workspace(workspace.package), limits)
 
 
 def test_the_release_is_told_whatever_the_host_has_sourced(described, monkeypatch):

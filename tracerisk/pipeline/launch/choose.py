@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, one_of
+from tracerisk.limited_process import Limits
 from tracerisk.pipeline.controller import Controller
 from tracerisk.pipeline.launch.asked import Asked, asked_by
 from tracerisk.pipeline.launch.find import LaunchFile, find_launch_files, ros_of
@@ -117,7 +118,8 @@ def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
     It is the file of the settings, else the one of the workspace whose node is given most of the
     parameters that the source asks for, and of equal ones the one sorted first; else a parameter
     file of the package that names the controller's node.
-    Raises InputError where the file of the settings cannot be read or does not start it.
+    Raises InputError where the file of the settings cannot be read or does not start it, and
+    LimitError where reading a file takes too long or too much memory: then nothing is chosen.
     """
     if settings.launch is False:
         return LaunchChoice()
@@ -128,15 +130,15 @@ def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
     asked = asked_by(script, controller.source, workspace.python_packages)
     ros = ros_version(script, root)
     if isinstance(settings.launch, str):
-        return _named(Path(settings.launch), ros, program, workspace, asked, root)
+        return _named(Path(settings.launch), ros, program, workspace, asked, root, settings.limits)
     files = find_launch_files(program, root, workspace, ros)
     direct = [file for file in files if file.is_direct][: _MOST_READ[ros]]
     problems: list[str] = []
-    candidates = _candidates(direct, program, workspace, asked, problems)
+    candidates = _candidates(direct, program, workspace, asked, problems, settings.limits)
     best = _best(candidates, asked)
     if direct and (best is None or best.gives(asked.required) < len(asked.required)):
         around = [file for file in files if not file.is_direct][: _MOST_INCLUDERS[ros]]
-        candidates += _candidates(around, program, workspace, asked, problems)
+        candidates += _candidates(around, program, workspace, asked, problems, settings.limits)
         best = _best(candidates, asked)
     if best is not None and (found := _setup(best, candidates, asked, root)) is not None:
         return LaunchChoice(found, found.notes)
@@ -156,6 +158,7 @@ def _named(
     workspace: Workspace,
     asked: Asked,
     root: Path,
+    limits: Limits,
 ) -> LaunchChoice:
     """Return what the launch file gives that the user has named."""
     place = Location(str(path))
@@ -175,9 +178,9 @@ def _named(
         )
     file = LaunchFile(path.resolve(), ros, True)
     problems: list[str] = []
-    candidates = _candidates([file], program, workspace, asked, problems)
+    candidates = _candidates([file], program, workspace, asked, problems, limits)
     if not candidates:
-        reading = _read(file, workspace)
+        reading = _read(file, workspace, limits)
         started = sorted({f"{node.package}/{node.executable}" for node in reading.nodes})
         wanted = f"{program.package}/{program.script.name}"
         why = f" ({problems[0]})" if problems else ""
@@ -194,10 +197,11 @@ def _candidates(
     workspace: Workspace,
     asked: Asked,
     problems: list[str],
+    limits: Limits,
 ) -> list[_Candidate]:
     found = []
     with ThreadPoolExecutor(_AT_ONCE) as pool:
-        readings = list(pool.map(lambda file: _read(file, workspace), files))
+        readings = list(pool.map(lambda file: _read(file, workspace, limits), files))
     for file, reading in zip(files, readings, strict=True):
         nodes = [node for each in reading.nodes if (node := program.started_as(each)) is not None]
         made = [
@@ -214,9 +218,9 @@ def _candidates(
     return found
 
 
-def _read(file: LaunchFile, workspace: Workspace) -> LaunchReading:
+def _read(file: LaunchFile, workspace: Workspace, limits: Limits) -> LaunchReading:
     if file.ros == 2:
-        return read_launch(file.path, workspace)
+        return read_launch(file.path, workspace, limits)
     return read_roslaunch(file.path, workspace.packages)
 
 

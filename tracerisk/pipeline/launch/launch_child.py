@@ -22,8 +22,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-MEMORY_BYTES = 2 * 1024**3
-CPU_S = 10
+from tracerisk.limited_process import end_with, limit_memory, mark_start
+
 FILE_BYTES = 16 * 1024**2
 _STAND_INS = ("launch", "launch_ros")
 _ALSO = {
@@ -73,9 +73,7 @@ _WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 
 def main() -> int:
     """Read the file that standard input names."""
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
-    resource.setrlimit(resource.RLIMIT_CPU, (CPU_S, CPU_S))
+    limit_memory()
     resource.setrlimit(resource.RLIMIT_FSIZE, (FILE_BYTES, FILE_BYTES))
     asked = json.load(sys.stdin)
     packages = {name: Path(folder) for name, folder in asked["packages"].items()}
@@ -90,6 +88,7 @@ def main() -> int:
         sys.argv = ["launch"]
         with tempfile.TemporaryDirectory(prefix="tracerisk-launch-") as folder:
             tempfile.tempdir = folder
+            mark_start()
             _forbid(folder)
             reading = visit(Path(asked["path"]), packages)
             reading.sources += (path for path in read if path not in reading.sources)
@@ -210,4 +209,4 @@ def _forbid(folder: str) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    end_with(main)

@@ -1,25 +1,27 @@
-"""Read ROS 2 launch files in processes with limits of time and memory."""
+"""Read ROS 2 launch files in processes with limits of time and memory, which end the command."""
 
 from __future__ import annotations
 
 import json
 import os
-import subprocess
-import sys
 from pathlib import Path
 
+from tracerisk.errors import Location
+from tracerisk.limited_process import DEFAULT_LIMITS, Limits, run_limited
 from tracerisk.pipeline.launch.records import LaunchReading, StartedNode
 from tracerisk.pipeline.workspace import Workspace
 
-_LIMIT_S = 12.0
 _LONGEST_REASON = 200
 _NOT_PASSED = ("ROS_", "AMENT_", "COLCON_", "RMW_")
 # Launch files choose by it between what two releases name differently.
 _RELEASE = {"ROS_DISTRO": "jazzy", "ROS_VERSION": "2"}
 
 
-def read_launch(path: Path, workspace: Workspace) -> LaunchReading:
-    """Return what a ROS 2 launch file starts; what cannot be read of it is among its problems."""
+def read_launch(path: Path, workspace: Workspace, limits: Limits = DEFAULT_LIMITS) -> LaunchReading:
+    """Return what a ROS 2 launch file starts; what cannot be read of it is among its problems.
+
+    Raises LimitError where reading it takes too long or too much memory.
+    """
     folders = {*workspace.import_paths, *workspace.python_packages.values()}
     asked = {
         "path": str(path.resolve()),
@@ -28,18 +30,15 @@ def read_launch(path: Path, workspace: Workspace) -> LaunchReading:
     }
     # What the host has sourced must not decide what a controller is given.
     environment = {k: v for k, v in os.environ.items() if not k.startswith(_NOT_PASSED)}
-    try:
-        done = subprocess.run(
-            [sys.executable, "-m", "tracerisk.pipeline.launch.launch_child"],
-            input=json.dumps(asked).encode(),
-            capture_output=True,
-            timeout=_LIMIT_S,
-            check=False,
-            cwd=path.parent,
-            env={**environment, **_RELEASE, "PYTHONHASHSEED": "0"},
-        )
-    except subprocess.TimeoutExpired:
-        return LaunchReading(problems=(f"does not come to an end within {_LIMIT_S:g} s",))
+    done = run_limited(
+        "tracerisk.pipeline.launch.launch_child",
+        request=json.dumps(asked).encode(),
+        limits=limits,
+        doing="reading the launch file",
+        place=Location(str(path)),
+        folder=path.parent,
+        environment={**environment, **_RELEASE, "PYTHONHASHSEED": "0"},
+    )
     try:
         data = json.loads(done.stdout)
         return LaunchReading(

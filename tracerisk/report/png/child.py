@@ -18,6 +18,8 @@ import mujoco
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont, PngImagePlugin
 
+from tracerisk.limited_process import mark_start
+
 READY = "ready"
 _OVERSAMPLED = 2  # drawn larger and scaled down: edges are smooth whatever the driver offers
 _MARGIN = 24
@@ -43,6 +45,7 @@ def main() -> int:
     _rendered(mujoco.MjSpec().compile(), None, 16, 16)
     sys.stdout.write(f"{READY}\n")
     sys.stdout.flush()
+    mark_start()
     for number, picture in enumerate(request["pictures"]):
         spec = _spec(picture, width, height)
         pixels = _rendered(spec.compile(), picture["camera"], width, height)

@@ -10,12 +10,12 @@ import dataclasses
 import json
 import os
 import subprocess
-import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
 from tracerisk.errors import RenderError
+from tracerisk.limited_process import Limit, Limits, run_limited
 from tracerisk.report.png.pictures import Picture
 
 BACKENDS = ("egl", "osmesa")
@@ -24,14 +24,17 @@ SIZE = (960, 640)
 """Width and height of a picture without its caption [px]."""
 _OFF = frozenset({"", "0", "disable", "disabled", "false", "no", "off"})
 _READY = "ready"
-_LIMIT_S, _LIMIT_EACH_S = 120.0, 20.0
+_LIMITS = Limits(own=Limit("cpu_limit_s", 120.0))
 
 
-def drawn(pictures: Sequence[Picture], *, size: tuple[int, int] = SIZE) -> tuple[bytes, ...]:
+def drawn(
+    pictures: Sequence[Picture], *, size: tuple[int, int] = SIZE, limits: Limits = _LIMITS
+) -> tuple[bytes, ...]:
     """Return each picture as PNG, the same bytes for the same picture on the same machine.
 
     `MUJOCO_GL` chooses the backend where it names one, else EGL is tried and then OSMesa.
-    Raises RenderError where none works.
+    Raises RenderError where none works, LimitError where drawing takes too long: then no other
+    backend is tried.
     """
     request = json.dumps(
         {"size": size, "pictures": [_data(picture) for picture in pictures]}, sort_keys=True
@@ -40,13 +43,13 @@ def drawn(pictures: Sequence[Picture], *, size: tuple[int, int] = SIZE) -> tuple
     reasons = []
     for backend in BACKENDS if chosen in _OFF else (chosen,):
         with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
-            done = _run(request, folder, backend, _LIMIT_S + _LIMIT_EACH_S * len(pictures))
+            done = _run(request, folder, backend, limits)
             if done.returncode == 0:
                 return tuple(
                     (Path(folder) / f"{number}.png").read_bytes() for number in range(len(pictures))
                 )
-        told = _last_line(done.stderr)
-        if done.stdout.startswith(_READY):
+        told = _last_line(done.stderr.decode("utf-8", "replace"))
+        if done.stdout.startswith(_READY.encode()):
             raise RuntimeError(f"the pictures could not be drawn with {backend}: {told}")
         reasons.append(f"{backend}: {told}")
     raise RenderError(
@@ -57,26 +60,17 @@ def drawn(pictures: Sequence[Picture], *, size: tuple[int, int] = SIZE) -> tuple
 
 
 def _run(
-    request: str, folder: str, backend: str, limit_s: float
-) -> subprocess.CompletedProcess[str]:
+    request: str, folder: str, backend: str, limits: Limits
+) -> subprocess.CompletedProcess[bytes]:
     environment = {name: value for name, value in os.environ.items() if name != "PYOPENGL_PLATFORM"}
-    try:
-        return subprocess.run(
-            [sys.executable, "-m", "tracerisk.report.png.child", folder],
-            input=request,
-            capture_output=True,
-            text=True,
-            encoding="utf-8",
-            errors="replace",
-            env={**environment, "MUJOCO_GL": backend, "PYTHONHASHSEED": "0"},
-            timeout=limit_s,
-            check=False,
-        )
-    except subprocess.TimeoutExpired as error:
-        raise RenderError(
-            f"drawing with {backend} took more than {limit_s:.0f} s; set MUJOCO_GL to another of "
-            f"{', '.join(BACKENDS)}"
-        ) from error
+    return run_limited(
+        "tracerisk.report.png.child",
+        folder,
+        request=request.encode(),
+        limits=limits,
+        doing=f"drawing with {backend}",
+        environment={**environment, "MUJOCO_GL": backend, "PYTHONHASHSEED": "0"},
+    )
 
 
 def _data(picture: Picture) -> dict[str, object]:

@@ -42,7 +42,7 @@ class LaunchContext:
         self._scopes: list[dict[str, Any]] = []
         self._environments: list[tuple[dict[str, str], dict[str, str]]] = []
         self._handlers: list[tuple[Any, dict[str, Any], dict[str, Any]]] = []
-        self._executed: set[int] = set()
+        self._executed: dict[int, Any] = {}
         self._visited = 0
         self._depth = 0
 
@@ -110,10 +110,11 @@ class LaunchContext:
         self._depth += 1
         try:
             below = entity.visit(self)
-            self._executed.add(id(entity))
+            # Kept, so that no other entity gets its number.
+            self._executed[id(entity)] = entity
             for each in below or ():
                 self.walk(each)
-        except RecursionError:
+        except (RecursionError, MemoryError):
             raise
         # Whatever a launch file of anybody raises is a finding about it.
         except Exception as error:  # noqa: BLE001

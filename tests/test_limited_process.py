@@ -1,0 +1,161 @@
+"""Processes with limits: what counts, and what ends with which message."""
+
+from __future__ import annotations
+
+import os
+import select
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+
+import pytest
+
+from tracerisk.config import Settings
+from tracerisk.errors import ExitCode, LimitError, Location
+from tracerisk.limited_process import DEFAULT_LIMITS, Limit, OwnTime, run_limited
+
+CHILD = """\
+from tracerisk.limited_process import end_with, limit_memory, mark_start
+import os, signal, sys, time
+
+def main():
+    limit_memory()
+    {before}
+    mark_start()
+    {after}
+    return 0
+
+end_with(main)
+"""
+PLACE = Location("arm.xacro")
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Run a child that does something before and after its start mark."""
+
+    def run_child(after="pass", before="pass", request=b"", **limits):
+        (tmp_path / "the_child.py").write_text(CHILD.format(before=before, after=after))
+        changed = {
+            name: replace(getattr(DEFAULT_LIMITS, name), value=value)
+            for name, value in limits.items()
+        }
+        return run_limited(
+            "the_child",
+            request=request,
+            limits=replace(DEFAULT_LIMITS, **changed),
+            doing="expanding the xacro file",
+            place=PLACE,
+            environment={**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])},
+        )
+
+    return run_child
+
+
+def test_the_defaults_are_those_of_the_settings():
+    assert Settings().limits == DEFAULT_LIMITS
+
+
+def test_what_a_child_is_asked_and_answers_is_passed_on_whole(run):
+    text = b"x" * 1_000_000
+    done = run("sys.stdout.write(sys.stdin.read().upper())", request=text)
+    assert (done.returncode, done.stdout) == (0, text.upper())
+
+
+@pytest.mark.parametrize("after", ["while True: pass", "time.sleep(1000)", "signal.pause()"])
+def test_a_child_that_computes_or_sleeps_too_long_ends_with_its_limit(run, after):
+    with pytest.raises(LimitError) as error:
+        run(after, own=0.3)
+    assert error.value.exit_code is ExitCode.CONTROLLER_FAILED
+    assert error.value.with_code == (
+        "arm.xacro: expanding the xacro file took more than 0.3 s of computing or sleeping; raise "
+        "it with --stall-limit or the setting stall_limit_s (now 0.3) [limit]"
+    )
+
+
+@pytest.mark.parametrize(
+    ("given", "what"),
+    [
+        ({"after": "os.kill(os.getpid(), signal.SIGSTOP)"}, "took more than"),
+        ({"before": "os.kill(os.getpid(), signal.SIGSTOP)"}, "did not start within"),
+    ],
+)
+def test_a_child_that_is_stopped_uses_no_time_of_its_own_but_wall_time(run, given, what):
+    with pytest.raises(LimitError) as error:
+        run(**given, own=0.01, wall=1.0)
+    assert error.value.message == (
+        f"expanding the xacro file {what} 1 s of wall time; raise it with --wall-limit or the "
+        "setting wall_limit_s (now 1)"
+    )
+
+
+def test_what_comes_before_the_start_mark_does_not_count(run):
+    compute = "while time.process_time() < 0.5: pass"
+    assert run(before=compute, own=0.1).returncode == 0
+    with pytest.raises(LimitError, match=r"0\.1 s of computing"):
+        run(
+            after="begun = time.process_time()\n    while time.process_time() < begun + 1: pass",
+            own=0.1,
+        )
+
+
+def test_a_child_without_memory_ends_with_its_limit(run):
+    with pytest.raises(LimitError) as error:
+        run("bytearray(600 * 2**20)", memory=2000)
+    assert error.value.message == (
+        "expanding the xacro file took more than 500 MB of memory, a quarter of what a controller "
+        "has; raise it with --memory-limit or the setting memory_limit_mb (now 2000)"
+    )
+    assert run("bytearray(600 * 2**20)", memory=4000).returncode == 0
+
+
+@pytest.mark.parametrize("name", ["SIGKILL", "SIGXCPU"])
+def test_a_child_that_the_system_ends_is_no_bad_file(run, name):
+    with pytest.raises(LimitError, match=f"was ended by {name}: the system may be short of memory"):
+        run(f"os.kill(os.getpid(), signal.{name})")
+
+
+def test_a_child_that_fails_by_itself_is_left_to_the_caller(run):
+    done = run("sys.exit('no such macro')")
+    assert (done.returncode, done.stderr) == (1, b"no such macro\n")
+    assert run("os.kill(os.getpid(), signal.SIGSEGV)").returncode == -signal.SIGSEGV
+
+
+def test_nothing_of_an_ended_child_is_left(run, tmp_path):
+    # Whoever lives holds the pipe open for writing.
+    os.mkfifo(tmp_path / "alive")
+    reader = os.open(tmp_path / "alive", os.O_RDONLY | os.O_NONBLOCK)
+    start = f"os.open({str(tmp_path / 'alive')!r}, os.O_WRONLY); os.fork(); signal.pause()"
+    with pytest.raises(LimitError):
+        run(start, own=0.3)
+    ended, _, _ = select.select([reader], [], [], 60)
+    assert ended
+    assert os.read(reader, 1) == b""
+    os.close(reader)
+
+
+def test_the_limit_of_a_controllers_processor_time_names_its_option():
+    assert Limit("cpu_limit_s", 120.0).told == (
+        "raise it with --cpu-limit or the setting cpu_limit_s (now 120)"
+    )
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere it is wall time")
+def test_time_in_which_a_process_is_stopped_is_not_its_own():
+    with subprocess.Popen([sys.executable, "-c", "while True: pass"]) as child:
+        try:
+            os.kill(child.pid, signal.SIGSTOP)
+            os.waitpid(child.pid, os.WUNTRACED)
+            own = OwnTime(child.pid)
+            own.look()
+            stopped_s = own.seconds
+            for _ in range(1000):
+                own.look()
+            assert own.seconds == stopped_s
+            os.kill(child.pid, signal.SIGCONT)
+            while own.seconds < stopped_s + 0.2:
+                own.look()
+            assert own.cpu_s == own.seconds
+        finally:
+            child.kill()

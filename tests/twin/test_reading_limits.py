@@ -1,0 +1,49 @@
+"""Limits of the processes that read models: no robot is chosen for want of time."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+
+import pytest
+
+from tracerisk import pipeline
+from tracerisk.config import Settings
+from tracerisk.errors import LimitError
+from tracerisk.limited_process import DEFAULT_LIMITS, Limit
+from tracerisk.pipeline.robot_choice import choose_robot
+from tracerisk.twin.mjcf_model import mesh_shapes
+from tracerisk.twin.xacro_files import expand_xacro
+
+SHORT = replace(DEFAULT_LIMITS, own=Limit("stall_limit_s", 0.3))
+# Each macro expands into two of the next: 2^40 in all.
+ENDLESS = """<robot name="bent" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:macro name="twice" params="n">
+    <xacro:if value="${n > 0}"><xacro:twice n="${n - 1}"/><xacro:twice n="${n - 1}"/></xacro:if>
+  </xacro:macro>
+  <link name="bent_base"/><xacro:twice n="40"/>
+</robot>
+"""
+TOLD = r"took more than 0\.3 s of computing or sleeping; raise it with --stall-limit"
+
+
+def test_a_xacro_that_expands_for_ever_ends_with_its_limit(tmp_path):
+    path = tmp_path / "bent.urdf.xacro"
+    path.write_text(ENDLESS)
+    with pytest.raises(LimitError, match=rf"bent\.urdf\.xacro: expanding the xacro file {TOLD}"):
+        expand_xacro(path, {}, limits=SHORT)
+
+
+def test_a_controller_gets_no_generic_arm_where_the_xacro_of_its_workspace_takes_too_long(tmp_path):
+    (tmp_path / "package.xml").write_text("<package><name>bent</name></package>")
+    (tmp_path / "bent.urdf.xacro").write_text(ENDLESS)
+    script = tmp_path / "reach.py"
+    script.write_text('LINK = "bent_base"\n')
+    with pytest.raises(LimitError, match=TOLD):
+        choose_robot(pipeline.load_controller(script), Settings(stall_limit_s=0.3))
+
+
+def test_a_mesh_that_is_never_read_to_its_end_is_not_left_out(tmp_path):
+    os.mkfifo(tmp_path / "arm.stl")
+    with pytest.raises(LimitError, match=rf"arm\.urdf: compiling the model {TOLD}"):
+        mesh_shapes({"mesh0.stl": (tmp_path / "arm.stl", (1.0, 1.0, 1.0))}, "arm.urdf", SHORT)

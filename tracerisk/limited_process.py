@@ -1,0 +1,294 @@
+"""Run a program of ours in a process with limits, which end the command and decide nothing else.
+
+Two clocks watch a process. Its own time is what it computes or sleeps: time in which the machine
+keeps it waiting or stopped does not count, so a busy machine does not reach that limit. Wall time
+is the generous limit behind it, for a process that is stopped or waits for the disk for ever.
+Both count from the mark that the process sets once its interpreter and imports are ready; until
+then it has the wall time alone.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NoReturn
+
+from tracerisk.errors import LimitError, Location
+
+POLL_S = 0.02
+"""How often a process is looked at [s]."""
+
+_OUT_OF_MEMORY = 9
+_MARK = "TRACERISK_START_MARK"
+_MEMORY = "TRACERISK_MEMORY_LIMIT"
+_MB = 1024 * 1024
+# A process whose parent is gone ends by itself, well after the parent would have ended it.
+_SPARE_CPU_S = 60
+_TASKS = "/proc/{}/task"
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """A limit, and the setting of `[tool.tracerisk]` that raises it."""
+
+    setting: str
+    """The name of the setting."""
+    value: float
+    """Its value, in the unit at the end of its name."""
+
+    @property
+    def told(self) -> str:
+        """How to raise the limit: option and setting with its value."""
+        option = self.setting.rpartition("_")[0].replace("_", "-")
+        return f"raise it with --{option} or the setting {self.setting} (now {self.value:g})"
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a process that reads a file or draws may take; the defaults are those of `Settings`."""
+
+    own: Limit = Limit("stall_limit_s", 30.0)
+    """Time that it computes or sleeps [s]."""
+    wall: Limit = Limit("wall_limit_s", 1800.0)
+    """Wall time [s]."""
+    memory: Limit = Limit("memory_limit_mb", 8192)
+    """Address space of a controller [MB]; a process that reads a file has a quarter of it."""
+
+    @property
+    def memory_bytes(self) -> int:
+        """The address space of a process that reads a file [bytes]."""
+        return max(1, int(self.memory.value)) * _MB // 4
+
+
+DEFAULT_LIMITS = Limits()
+"""The limits where no settings are at hand."""
+
+
+class StartMark:
+    """The pipe through which a child says that it is ready to do its work."""
+
+    def __init__(self) -> None:
+        self._read, self.descriptor = os.pipe()
+        os.set_blocking(self._read, False)
+        self._text = b""
+
+    def environment(self, own: Limit) -> dict[str, str]:
+        """Return the variable by which the child knows the pipe and its limit."""
+        return {_MARK: f"{self.descriptor}:{math.ceil(min(own.value, 1e9)) + _SPARE_CPU_S}"}
+
+    def handed_over(self) -> None:
+        """Close this side's end for writing, which the child has by now."""
+        if self.descriptor >= 0:
+            os.close(self.descriptor)
+            self.descriptor = -1
+
+    @property
+    def cpu_s(self) -> float | None:
+        """The processor time of the child when it was ready [s]; None while it is not."""
+        with contextlib.suppress(BlockingIOError):
+            self._text += os.read(self._read, 64)
+        return float(self._text[:-1]) if self._text.endswith(b"\n") else None
+
+    def close(self) -> None:
+        """Close the pipe."""
+        self.handed_over()
+        os.close(self._read)
+
+
+def mark_start() -> None:
+    """Say to the parent that the work begins; limits count from here. Once, in the child."""
+    descriptor, _, cpu_s = os.environ.pop(_MARK, "").partition(":")
+    if not cpu_s:
+        return
+    used_s = time.process_time()
+    _, hard = resource.getrlimit(resource.RLIMIT_CPU)
+    wanted = math.ceil(used_s) + int(cpu_s)
+    most = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
+    resource.setrlimit(resource.RLIMIT_CPU, (most, hard))
+    os.write(int(descriptor), f"{used_s:.6f}\n".encode())
+    os.close(int(descriptor))
+
+
+class OwnTime:
+    """The time that a process computes or sleeps [s], as far as it was looked at.
+
+    Where the system does not tell what a process does (all but Linux), it is wall time.
+    """
+
+    def __init__(self, pid: int, cpu_s: float = 0.0) -> None:
+        self._pid = pid
+        self._first_s = self._cpu_s = cpu_s
+        self._slept_s = 0.0
+        self._looked = time.monotonic()
+        self._was_asleep = False
+
+    @property
+    def cpu_s(self) -> float:
+        """The processor time since the beginning [s]."""
+        return self._cpu_s - self._first_s
+
+    @property
+    def seconds(self) -> float:
+        """The time that it computed or slept since the beginning [s]."""
+        return self.cpu_s + self._slept_s
+
+    def look(self) -> None:
+        """Look at the process; to be called every `POLL_S`."""
+        now = time.monotonic()
+        # Who looks late, for it was kept waiting itself, cannot know what went on meanwhile.
+        passed, self._looked = min(now - self._looked, 2 * POLL_S), now
+        cpu_s = _cpu_s(self._pid)
+        if cpu_s is not None and cpu_s > self._cpu_s:
+            self._cpu_s, self._was_asleep = cpu_s, False
+            return
+        is_asleep = _is_asleep(self._pid)
+        if is_asleep and self._was_asleep:
+            self._slept_s += passed
+        self._was_asleep = is_asleep
+
+
+def _cpu_s(pid: int) -> float | None:
+    """Return the processor time of a process and its threads [s]; None where it is not told."""
+    if sys.platform != "linux":
+        return None
+    # clock_getcpuclockid(3): the clock of a process, in the form that the kernel reads.
+    with contextlib.suppress(OSError):
+        return time.clock_gettime((~pid << 3) | 2)
+    return None
+
+
+def _is_asleep(pid: int) -> bool:
+    """Tell whether every thread of a process sleeps: none computes, waits to, or is stopped."""
+    if sys.platform != "linux":
+        return True
+    states = set()
+    try:
+        for task in Path(_TASKS.format(pid)).iterdir():
+            states.add((task / "stat").read_bytes().rpartition(b")")[2].split()[0])
+    except OSError:
+        return False
+    return states == {b"S"}
+
+
+def run_limited(
+    module: str,
+    *arguments: str,
+    request: bytes,
+    limits: Limits,
+    doing: str,
+    place: Location | None = None,
+    folder: Path | None = None,
+    environment: Mapping[str, str] | None = None,
+) -> subprocess.CompletedProcess[bytes]:
+    """Run `python -m MODULE` on a request at its standard input, and return what it answers.
+
+    `doing` says in a message what took too much: `expanding the xacro file`.
+    The module calls `limit_memory`, `mark_start` and `end_with` of this module.
+    Raises LimitError at `place` where a limit ends it, or the system does.
+    """
+    mark = StartMark()
+    command = [sys.executable, "-m", module, *arguments]
+    inherited = os.environ if environment is None else environment
+    with contextlib.closing(mark), tempfile.TemporaryFile() as given:
+        given.write(request)
+        given.seek(0)
+        child = subprocess.Popen(
+            command,
+            stdin=given,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            cwd=folder,
+            env={
+                **inherited,
+                **mark.environment(limits.own),
+                _MEMORY: str(limits.memory_bytes),
+            },
+            pass_fds=(mark.descriptor,),
+            start_new_session=True,
+        )
+        mark.handed_over()
+        try:
+            out, err = _watched(child, mark, limits, doing, place)
+        finally:
+            _end(child)
+    if child.returncode == _OUT_OF_MEMORY:
+        used = f"{limits.memory_bytes // _MB} MB of memory, a quarter of what a controller has"
+        raise LimitError(f"{doing} took more than {used}; {limits.memory.told}", place)
+    if child.returncode in (-signal.SIGKILL, -signal.SIGXCPU):
+        name = signal.Signals(-child.returncode).name
+        raise LimitError(
+            f"{doing} was ended by {name}: the system may be short of memory, or have limits of "
+            "its own; free memory, or raise them",
+            place,
+        )
+    return subprocess.CompletedProcess(command, child.returncode, out, err)
+
+
+def _watched(
+    child: subprocess.Popen[bytes],
+    mark: StartMark,
+    limits: Limits,
+    doing: str,
+    place: Location | None,
+) -> tuple[bytes, bytes]:
+    began = time.monotonic()
+    own: OwnTime | None = None
+    while True:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            return child.communicate(timeout=POLL_S)
+        if own is None and (cpu_s := mark.cpu_s) is not None:
+            own, began = OwnTime(child.pid, cpu_s), time.monotonic()
+        if own is not None:
+            own.look()
+            if own.seconds > limits.own.value:
+                raise LimitError(
+                    f"{doing} took more than {limits.own.value:g} s of computing or sleeping; "
+                    f"{limits.own.told}",
+                    place,
+                )
+        if time.monotonic() - began > limits.wall.value:
+            what = "did not start within" if own is None else "took more than"
+            raise LimitError(
+                f"{doing} {what} {limits.wall.value:g} s of wall time; {limits.wall.told}", place
+            )
+
+
+def _end(child: subprocess.Popen[bytes]) -> None:
+    """End the process and those of its group, if it has not ended by itself."""
+    if child.returncode is None:
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(child.pid, signal.SIGKILL)
+        child.wait()
+    for stream in (child.stdout, child.stderr):
+        if stream is not None:
+            stream.close()
+
+
+def limit_memory() -> None:
+    """Apply the limit of memory that the parent has set, and write no core dump."""
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    wanted = os.environ.pop(_MEMORY, None)
+    if wanted is None:
+        return
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    most = int(wanted) if hard == resource.RLIM_INFINITY else min(int(wanted), hard)
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+
+
+def end_with(main: Callable[[], int]) -> NoReturn:
+    """Run `main` of a limited process and end with its code, or with that of a lack of memory."""
+    try:
+        code = main()
+    except MemoryError:
+        code = _OUT_OF_MEMORY
+    sys.exit(code)
