@@ -288,6 +288,8 @@ class ActionClient(Entity):
 
     def _wait(self, future: Future) -> Any:
         run().scheduler.wait_until(
-            lambda: future._done, reason=future._awaited or "a future", kind="unmet"
+            lambda: future._done,
+            reason=future._awaited or "a future",
+            kind=self._meaning_of_answer,
         )
         return future.result()

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Coroutine
 from typing import Any, ClassVar
 
+from tracerisk.ros.controller_thread import Meaning
+
 from .callback_groups import CallbackGroup
 
 Call = Callable[[], Coroutine[Any, Any, None]]
@@ -31,6 +33,10 @@ class Entity:
     def _take(self, executor: Any) -> Call | None:
         """Take the work out, and return what does it."""
         raise NotImplementedError
+
+    def _meaning_of_answer(self) -> Meaning:
+        """Return what it means that a thread waits for what completes a future of the entity's."""
+        return Meaning("unmet", self._node._meaning_of_wait().why)
 
     def destroy(self) -> None:
         """Stop working."""

@@ -59,7 +59,7 @@ class Client(Entity):
             lambda: future._done,
             timeout_ns=None if timeout_sec is None else round(timeout_sec * 1e9),
             reason=self._told,
-            kind="unmet",
+            kind=self._meaning_of_answer,
         )
         if not came:
             raise TimeoutError

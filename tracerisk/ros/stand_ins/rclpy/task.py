@@ -110,7 +110,8 @@ class Task(Future):
     """A function or a coroutine that an executor runs, step by step.
 
     `stack` is the context manager within which each step runs: it is a root of its own, or goes
-    on with the stack of who created the task.
+    on with the stack of who created the task. `_node` is the node of the entity whose callback it
+    runs, None for other tasks.
     """
 
     def __init__(
@@ -130,6 +131,7 @@ class Task(Future):
         self._executing = False
         self._is_submitted = False
         self._waits_on: Any = None
+        self._node: Any = None
         if inspect.iscoroutinefunction(handler):
             with self._stack:
                 self._handler = handler(*self._args, **self._kwargs)
