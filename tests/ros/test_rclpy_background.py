@@ -316,3 +316,78 @@ def test_the_other_nodes_go_on_when_one_is_destroyed(run_ros2):
         return n_seen > 2, len(seen) == n_seen
 
     assert run_ros2(main) == (True, True)
+
+
+@pytest.mark.parametrize(
+    ("first", "why"),
+    [
+        ("spins", r" since the call at test_rclpy_background\.py:\d+ took it from the Multi"),
+        ("never", "$"),
+    ],
+)
+def test_a_loop_that_polls_a_future_which_nothing_completes_is_a_deadlock(run_ros2, first, why):
+    def main():
+        import time
+        from threading import Thread
+
+        import rclpy
+        from rclpy.node import Node
+        from std_srvs.srv import Trigger
+
+        rclpy.init()
+        node = Node("arm")
+        node.create_service(Trigger, "go", lambda request, response: response)
+        other = Node("other")
+        client = other.create_client(Trigger, "go")
+        executor = rclpy.executors.MultiThreadedExecutor(2)
+        executor.add_node(node)
+        if first == "spins":
+            executor.add_node(other)
+        Thread(target=executor.spin, daemon=True).start()
+        if first == "spins":
+            rclpy.spin_once(other, timeout_sec=0.1)
+        future = client.call_async(Trigger.Request())
+        while not future.done():
+            time.sleep(0.1)
+
+    told = r"MainThread has asked for 60 s whether the response of service /go .* is there: "
+    with pytest.raises(RunOver, match=told + "nothing spins node /other" + why) as over:
+        run_ros2(main)
+    assert over.value.cause == "deadlock"
+
+
+def test_a_loop_that_polls_while_a_callback_is_slow_is_none(run_ros2):
+    def main():
+        import time
+        from threading import Thread
+
+        import rclpy
+        from rclpy.executors import SingleThreadedExecutor
+        from rclpy.node import Node
+        from std_srvs.srv import Trigger
+
+        rclpy.init()
+        node = Node("arm")
+        other = Node("other")
+
+        def serve(request, response):
+            time.sleep(0.1)
+            return response
+
+        def work():
+            timer.cancel()
+            time.sleep(100.0)
+
+        node.create_service(Trigger, "go", serve)
+        timer = other.create_timer(0.05, work)
+        client = other.create_client(Trigger, "go")
+        for each in (node, other):
+            executor = SingleThreadedExecutor()
+            executor.add_node(each)
+            Thread(target=executor.spin, daemon=True).start()
+        future = client.call_async(Trigger.Request())
+        while not future.done():
+            time.sleep(0.1)
+        return time.monotonic() > 100.0
+
+    assert run_ros2(main)

@@ -8,7 +8,7 @@ from tracerisk.ros.controller_frames import controller_stack, library_call
 from tracerisk.ros.controller_thread import ControllerThread, RunOver
 from tracerisk.trace import EndCause
 
-_LONG_NS = 60_000_000_000
+LONG_NS = 60_000_000_000
 """For how long a thread must have waited before that is a hang [ns]."""
 
 
@@ -51,7 +51,7 @@ def end_of_duration(main: ControllerThread | None, duration_ns: int) -> RunOver:
     if main is None or main.wait is None:
         return RunOver("duration", f"the {seconds} of simulated time are over")
     is_endless = _kind(main) == "unmet" and main.wait.deadline_ns is None
-    if is_endless and duration_ns - main.wait.since_ns >= min(_LONG_NS, 0.9 * duration_ns):
+    if is_endless and duration_ns - main.wait.since_ns >= min(LONG_NS, 0.9 * duration_ns):
         told = f"{_tell(main)}, which nothing provided within {seconds}{_why(main)}"
         return _over("deadlock", main, told)
     return _over("duration", main, f"the {seconds} of simulated time are over: {_tell(main)}")
