@@ -173,7 +173,7 @@ kept = node in executor.get_nodes()
     assert len(ran.commands) == 4
 
 
-@pytest.mark.parametrize(("cancels", "status"), [(False, 4), (True, 5)])
+@pytest.mark.parametrize(("cancels", "status"), [(False, 4), (True, 6)])
 def test_a_motion_is_followed_by_its_state_and_its_future_and_can_be_cancelled(
     run_on, cancels, status
 ):
@@ -195,12 +195,14 @@ while not future.done():
     rate.sleep()
 states.append(arm.query_state().name)
 status = future.result().status
+code = future.result().result.error_code.val
 """
         + END,
         ros=2,
     )
     assert ran["states"] == ["REQUESTING", "EXECUTING", "IDLE"]
     assert ran["status"] == status
+    assert ran["code"] == (-7 if cancels else 1)
     assert (ran.position("panda_joint1") > 0.55) is not cancels
 
 

@@ -117,8 +117,6 @@ class MoveIt2(Goals, KinematicsServices, Scene):
             self._warn("Attempted to cancel without active goal.")
             return
         self._stop_publisher.publish(String(data="stop"))
-        # The twin's move_group has no topic of events; its goal is cancelled as an action's.
-        self._handle.cancel_goal_async()
 
     def get_execution_future(self) -> Any:
         """Return the future of the result, None while nothing is executed."""
