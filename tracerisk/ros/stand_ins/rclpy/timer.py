@@ -161,7 +161,7 @@ class Rate:
         try:
             run().scheduler.wait_until(
                 lambda: self._has_beaten or self._is_destroyed,
-                reason="the timer of a rate, which beats only while something spins its node",
+                reason="the timer of a rate",
                 kind=self._timer._node._meaning_of_wait,
             )
         finally:
