@@ -147,3 +147,22 @@ state = move.get_state()
 """)
     assert result["state"] == 2
     assert [each.outcome for each in result.recording.commands] == ["preempted"]
+
+
+def test_stop_on_the_topic_of_events_ends_a_motion_preempted(ran):
+    result = ran("""
+from std_msgs.msg import String
+events = rospy.Publisher("/trajectory_execution_event", String, queue_size=1)
+goal = ready()
+goal.request.goal_constraints[0].joint_constraints[0].position = 1.0
+goal.request.max_velocity_scaling_factor = 0.1
+move.send_goal(goal)
+rospy.sleep(1.0)
+events.publish(String(data="go on"))
+rospy.sleep(0.5)
+before = move.get_state()
+events.publish(String(data="stop"))
+move.wait_for_result()
+state, code = move.get_state(), move.get_result().error_code.val
+""")
+    assert (result["before"], result["state"], result["code"]) == (1, 2, -7)

@@ -53,19 +53,37 @@ class HoldsLock(Protocol):
         ...
 
 
+@dataclass(frozen=True, slots=True)
+class Meaning:
+    """What a wait means at one instant: while a thread waits, others may change it."""
+
+    kind: WaitKind
+    """What it means if the wait never ends."""
+    why: str = ""
+    """Why nothing ends it, in words; empty where nothing is known."""
+
+
 @dataclass(slots=True, eq=False)
 class Wait:
-    """What a thread waits for, and since when (a sequence number, and simulated time [ns])."""
+    """What a thread waits for, and since when (a sequence number, and simulated time [ns]).
+
+    `meaning` returns what the wait means now.
+    """
 
     since: int
     since_ns: int
     predicate: Callable[[], bool] | None
     deadline_ns: int | None
     reason: str
-    kind: WaitKind
+    meaning: Callable[[], Meaning]
     on: HoldsLock | ControllerThread | None
     frame: FrameType | None = None
     satisfied: bool = False
+
+    @property
+    def kind(self) -> WaitKind:
+        """What it means if the wait never ends, as things are now."""
+        return self.meaning().kind
 
 
 @dataclass(slots=True, eq=False)

@@ -8,7 +8,7 @@ from tracerisk.ros.controller_frames import controller_stack, library_call
 from tracerisk.ros.controller_thread import ControllerThread, RunOver
 from tracerisk.trace import EndCause
 
-_LONG_NS = 60_000_000_000
+LONG_NS = 60_000_000_000
 """For how long a thread must have waited before that is a hang [ns]."""
 
 
@@ -26,7 +26,8 @@ def end_of_standstill(threads: Iterable[ControllerThread], *, listens: bool) -> 
     )
     for thread in waiting:
         if _kind(thread) == "unmet":
-            return _over("deadlock", thread, f"{_tell(thread)}, which nothing provides")
+            told = f"{_tell(thread)}, which nothing provides{_why(thread)}"
+            return _over("deadlock", thread, told)
     for thread in waiting:
         if circle := _circle(thread):
             told = " and ".join(_tell(member) for member in circle)
@@ -50,8 +51,9 @@ def end_of_duration(main: ControllerThread | None, duration_ns: int) -> RunOver:
     if main is None or main.wait is None:
         return RunOver("duration", f"the {seconds} of simulated time are over")
     is_endless = _kind(main) == "unmet" and main.wait.deadline_ns is None
-    if is_endless and duration_ns - main.wait.since_ns >= min(_LONG_NS, 0.9 * duration_ns):
-        return _over("deadlock", main, f"{_tell(main)}, which nothing provided within {seconds}")
+    if is_endless and duration_ns - main.wait.since_ns >= min(LONG_NS, 0.9 * duration_ns):
+        told = f"{_tell(main)}, which nothing provided within {seconds}{_why(main)}"
+        return _over("deadlock", main, told)
     return _over("duration", main, f"the {seconds} of simulated time are over: {_tell(main)}")
 
 
@@ -68,6 +70,11 @@ def _tell(thread: ControllerThread) -> str:
         return f"{thread.name} runs"
     called = library_call(thread.wait.frame)
     return f"{thread.name} waits for {thread.wait.reason}" + (f" ({called})" if called else "")
+
+
+def _why(thread: ControllerThread) -> str:
+    why = thread.wait.meaning().why if thread.wait is not None else ""
+    return f": {why}" if why else ""
 
 
 def _over(cause: EndCause, thread: ControllerThread, message: str) -> RunOver:

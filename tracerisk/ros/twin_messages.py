@@ -15,13 +15,18 @@ class TwinMessages:
     def __init__(self, interfaces: Any) -> None:
         self._interfaces = interfaces
 
+    @property
+    def is_ros2(self) -> bool:
+        """Whether the controller speaks ROS 2."""
+        return hasattr(self._interfaces, "action")
+
     def new(self, name: str) -> Any:
         """Return an empty message `package/Name`."""
         return self._interfaces.message(name)()
 
     def part(self, action: str, part: str) -> Any:
         """Return an empty `Goal`, `Result` or `Feedback` of the action `package/Name`."""
-        if hasattr(self._interfaces, "action"):
+        if self.is_ros2:
             return getattr(self._interfaces.action(action), part)()
         return self.new(action + part)
 

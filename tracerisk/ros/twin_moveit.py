@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.errors import RobotError
 from tracerisk.ros.action_graph import ActionGoal
 from tracerisk.ros.goal_constraints import GoalReader, RequestError
+from tracerisk.ros.graph import Publication
 from tracerisk.ros.message_dialect import set_time
 from tracerisk.ros.move_group import MoveGroupServer, Plan, PoseGoal, Scaling
 from tracerisk.ros.moveit_messages import set_pose, state_message, trajectory_message
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 MOVE_GROUP = "moveit_msgs/MoveGroup"
 EXECUTE_TRAJECTORY = "moveit_msgs/ExecuteTrajectory"
+EXECUTION_EVENTS = "/trajectory_execution_event"
+"""The topic on which MoveIt takes `stop` for all that it executes."""
 _NODE = "/move_group"
 
 
@@ -34,6 +37,11 @@ class MoveItInterfaces:
         self._server = runtime.client(MoveGroupServer)
         self._goals = GoalReader(self._server)
         self._messages = messages
+        self._executing: list[ActionGoal] = []
+        self._stopped: list[ActionGoal] = []
+        runtime.graph.subscribe(
+            EXECUTION_EVENTS, "std_msgs/String", self._on_event, node=_NODE, by_controller=False
+        )
         for name, kind, handle in (
             ("compute_ik", "GetPositionIK", self._position_ik),
             ("compute_fk", "GetPositionFK", self._position_fk),
@@ -84,12 +92,22 @@ class MoveItInterfaces:
         if isinstance(execution, Execution) and execution.motion.outcome == "active":
             self._runtime.twin.stop(execution.motion.joints)
 
+    def _on_event(self, message: Any, publication: Publication) -> None:
+        """Stop what the goals move: MoveIt calls them preempted, MoveIt 2 aborts them as that."""
+        del publication
+        if message.data == "stop":
+            if self._messages.is_ros2:
+                self._stopped.extend(self._executing)
+            for goal in self._executing:
+                self._runtime.twin.stop(goal.data.motion.joints)
+
     def _execute(self, goal: ActionGoal, trajectory: JointTrajectory, result: Any) -> None:
         execution = self._server.execution.start(trajectory)
         if isinstance(execution, ErrorCode):
             self._finish(goal, result, execution, "the trajectory was not executed")
             return
         goal.data = execution
+        self._executing.append(goal)
         self._runtime.scheduler.spawn(
             lambda: self._finish(goal, result, self._server.execution.wait(execution)),
             f"goal of {goal.client.name}",
@@ -99,9 +117,11 @@ class MoveItInterfaces:
 
     def _finish(self, goal: ActionGoal, result: Any, code: ErrorCode, message: str = "") -> None:
         result.error_code.val = int(code)
+        if goal in self._executing:
+            self._executing.remove(goal)
         if code is ErrorCode.SUCCESS:
             goal.succeed(result, message)
-        elif code is ErrorCode.PREEMPTED:
+        elif code is ErrorCode.PREEMPTED and goal not in self._stopped:
             goal.cancel(result, message)
         else:
             goal.abort(result, message)

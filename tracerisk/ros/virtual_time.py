@@ -23,6 +23,7 @@ from tracerisk.errors import Location
 from tracerisk.ros.controller_thread import (
     ControllerThread,
     HoldsLock,
+    Meaning,
     RunOver,
     Wait,
     WaitKind,
@@ -38,6 +39,7 @@ from tracerisk.trace import EndCause
 __all__ = [
     "CallTracer",
     "ControllerThread",
+    "Meaning",
     "RunOver",
     "ScheduledCall",
     "Scheduler",
@@ -60,6 +62,18 @@ RAISES_BEFORE_GIVING_UP = 1000
 """How often a thread may swallow the end of the run."""
 
 Result = TypeVar("Result")
+
+
+def _always(kind: WaitKind) -> Callable[[], Meaning]:
+    meaning = Meaning(kind)
+    return lambda: meaning
+
+
+_MEANINGS: dict[WaitKind, Callable[[], Meaning]] = {
+    "blocked": _always("blocked"),
+    "idle": _always("idle"),
+    "unmet": _always("unmet"),
+}
 
 
 class Scheduler:
@@ -227,7 +241,7 @@ class Scheduler:
         *,
         timeout_ns: int | None = None,
         reason: str,
-        kind: WaitKind = "blocked",
+        kind: WaitKind | Callable[[], Meaning] = "blocked",
         on: HoldsLock | ControllerThread | None = None,
         need: Need | None = None,
     ) -> bool:
@@ -235,8 +249,8 @@ class Scheduler:
 
         `predicate` must change nothing and read no clock; it is asked whenever something has
         happened. `reason` says what the wait is for: `service /add (pkg/Add)`. `kind` says
-        what it means if it never ends, `on` which lock or thread could end it, `need` what of
-        the world outside it is for.
+        what it means if it never ends, or returns what it means when somebody asks; `on` is the
+        lock or thread that could end it, `need` what of the world outside it is for.
 
         Raises:
             RunOver: the run is over.
@@ -404,11 +418,12 @@ class Scheduler:
         predicate: Callable[[], bool] | None,
         deadline_ns: int | None,
         reason: str,
-        kind: WaitKind,
+        kind: WaitKind | Callable[[], Meaning],
         on: HoldsLock | ControllerThread | None,
     ) -> Wait:
         since = next(self._sequence)
-        return Wait(since, self._now_ns, predicate, deadline_ns, reason, kind, on)
+        meaning = _MEANINGS[kind] if isinstance(kind, str) else kind
+        return Wait(since, self._now_ns, predicate, deadline_ns, reason, meaning, on)
 
     def _require_current(self) -> ControllerThread:
         thread = self.current
@@ -422,7 +437,7 @@ class Scheduler:
         predicate: Callable[[], bool] | None,
         deadline_ns: int | None,
         reason: str,
-        kind: WaitKind = "blocked",
+        kind: WaitKind | Callable[[], Meaning] = "blocked",
         on: HoldsLock | ControllerThread | None = None,
     ) -> bool:
         self._raise_if_over(thread)

@@ -142,3 +142,153 @@ opened = gripper.is_open
 def test_what_is_not_served_names_itself(run_on):
     with pytest.raises(ImportError, match="pymoveit2 has no 'MoveIt2Servo' in tracerisk's"):
         run_on("panda", "from pymoveit2 import MoveIt2Servo\n", ros=2)
+
+
+START = HEAD % "" + "node.create_rate(1.0).sleep()\n"
+END = "\nrclpy.shutdown()\n"
+
+
+def test_arm_and_gripper_in_turn_leave_the_node_with_its_executor(run_on):
+    ran = run_on(
+        "panda",
+        START
+        + """
+FINGERS = panda.gripper_joint_names()
+gripper = GripperInterface(node, FINGERS, [0.04, 0.04], [0.0, 0.0], 'hand',
+                           callback_group=ReentrantCallbackGroup())
+ended, rate = [], node.create_rate(10.0)
+for turn in (0.2, -0.2):
+    gripper()
+    ended.append(gripper.wait_until_executed())
+    rate.sleep()
+    arm.move_to_configuration([turn, *READY[1:]])
+    ended.append(arm.wait_until_executed())
+kept = node in executor.get_nodes()
+"""
+        + END,
+        ros=2,
+    )
+    assert ran["ended"] == [True] * 4
+    assert ran["kept"]
+    assert len(ran.commands) == 4
+
+
+@pytest.mark.parametrize(("cancels", "status"), [(False, 4), (True, 6)])
+def test_a_motion_is_followed_by_its_state_and_its_future_and_can_be_cancelled(
+    run_on, cancels, status
+):
+    ran = run_on(
+        "panda",
+        START
+        + f"cancels = {cancels}"
+        + """
+arm.move_to_configuration([0.6, *READY[1:]])
+states, rate = [arm.query_state().name], node.create_rate(10)
+while arm.query_state() != MoveIt2State.EXECUTING:
+    rate.sleep()
+states.append(arm.query_state().name)
+future = arm.get_execution_future()
+if cancels:
+    node.create_rate(2.0).sleep()
+    arm.cancel_execution()
+while not future.done():
+    rate.sleep()
+states.append(arm.query_state().name)
+status = future.result().status
+code = future.result().result.error_code.val
+"""
+        + END,
+        ros=2,
+    )
+    assert ran["states"] == ["REQUESTING", "EXECUTING", "IDLE"]
+    assert ran["status"] == status
+    assert ran["code"] == (-7 if cancels else 1)
+    assert (ran.position("panda_joint1") > 0.55) is not cancels
+
+
+def test_kinematics_are_asked_with_and_without_waiting(run_on):
+    ran = run_on(
+        "panda",
+        START
+        + """
+rate = node.create_rate(10)
+def wait(future):
+    while not future.done():
+        rate.sleep()
+    return future
+same = [arm.compute_fk(READY).pose,
+        arm.get_compute_fk_result(wait(arm.compute_fk_async(READY))).pose]
+goal = ([0.4, 0.0, 0.5], [1.0, 0.0, 0.0, 0.0])
+found = [arm.compute_ik(*goal), arm.get_compute_ik_result(wait(arm.compute_ik_async(*goal)))]
+kept = node in executor.get_nodes()
+"""
+        + END,
+        ros=2,
+    )
+    assert ran["same"][0] == ran["same"][1]
+    assert list(ran["found"][0].position) == pytest.approx(list(ran["found"][1].position), abs=1e-6)
+    assert ran["kept"]
+    assert ran.commands == []
+
+
+def test_the_scene_is_changed_beside_an_executor_and_its_futures_polled_by_a_rate(run_on):
+    ran = run_on(
+        "panda",
+        START
+        + """
+rate = node.create_rate(10)
+arm.add_collision_box('box', [0.1, 0.1, 0.1], position=[0.6, 0.4, 0.3], quat_xyzw=[0, 0, 0, 1])
+arm.move_collision('box', position=[0.6, 0.5, 0.3], quat_xyzw=[0, 0, 0, 1])
+rate.sleep()
+allowing = arm.allow_collisions('box', True)
+while not allowing.done():
+    rate.sleep()
+allowed = arm.process_allow_collision_future(allowing)
+clearing = arm.clear_all_collision_objects()
+while rclpy.ok() and not clearing.done():
+    rate.sleep()
+cleared = arm.process_clear_all_collision_objects_future(clearing)
+"""
+        + END,
+        ros=2,
+    )
+    assert (ran["allowed"], ran["cleared"]) == (True, True)
+
+
+def test_a_program_without_an_executor_spins_its_node_itself(run_on):
+    program = HEAD % "" + "arm.move_to_configuration(READY)\ndone = arm.wait_until_executed()\n"
+    alone = program.replace("executor.add_node(node)\n", "").replace(
+        "Thread(target=executor.spin, daemon=True).start()\n", ""
+    )
+    assert alone.count("\n") == program.count("\n") - 2
+    ran = run_on("panda", alone, ros=2)
+    assert ran["done"] is True
+
+
+def test_a_callback_waits_for_a_motion_in_another_thread_of_the_pool(run_on):
+    ran = run_on(
+        "panda",
+        """
+import rclpy
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from pymoveit2 import MoveIt2
+from pymoveit2.robots import panda
+rclpy.init()
+node, group, done = Node('mover'), ReentrantCallbackGroup(), []
+arm = MoveIt2(node, panda.joint_names(), panda.base_link_name(), 'panda_link8',
+              group_name='panda_arm', callback_group=group)
+def move():
+    arm.move_to_configuration([0.2 * len(done), -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])
+    done.append(arm.wait_until_executed())
+    if len(done) == 3:
+        rclpy.shutdown()
+node.create_timer(0.5, move)
+executor = rclpy.executors.MultiThreadedExecutor(2)
+executor.add_node(node)
+executor.spin()
+""",
+        ros=2,
+    )
+    assert ran["done"] == [True, True, True]
+    assert len(ran.commands) == 3

@@ -10,6 +10,7 @@ from control_msgs.action import GripperCommand as GripperCommandAction
 from rclpy.action import ActionClient
 from sensor_msgs.msg import JointState
 
+from ._waiting import wait_until
 from .utils import enum_to_str
 
 __all__ = ["GripperCommand"]
@@ -40,8 +41,6 @@ class GripperCommand:
         self._is_requested = self._is_executing = False
         self._state: Any = None
         self._has_new_state = False
-        # Somebody else spins the node: it waits beside.
-        self._rate = node.create_rate(1000.0)
         self.gripper_command_action_client = ActionClient(
             node, GripperCommandAction, gripper_command_action_name, callback_group=callback_group
         )
@@ -104,8 +103,11 @@ class GripperCommand:
                 "Cannot wait until motion is executed (no motion is in progress)."
             )
             return False
-        while self._is_requested or self._is_executing:
-            self._rate.sleep()
+        wait_until(
+            self._node,
+            lambda: not self._is_requested and not self._is_executing,
+            "the end of a motion of the gripper",
+        )
         return True
 
     def _take_state(self, msg: Any) -> None:

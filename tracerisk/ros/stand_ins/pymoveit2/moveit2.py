@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from enum import Enum
 from typing import Any
 
-import rclpy
 from action_msgs.msg import GoalStatus
 from moveit_msgs.action import ExecuteTrajectory, MoveGroup
 from moveit_msgs.msg import MoveItErrorCodes
@@ -24,6 +23,7 @@ from ._messages import (
     init_joint_state,
 )
 from ._scene import Scene
+from ._waiting import wait_until
 from .utils import enum_to_str
 
 __all__ = [
@@ -100,8 +100,7 @@ class MoveIt2(Goals, KinematicsServices, Scene):
         self._node.get_logger().warning(message)
 
     def _wait(self, future: Any) -> Any:
-        while not future.done():
-            rclpy.spin_once(self._node, timeout_sec=1.0)
+        wait_until(self._node, lambda: future._done, future._awaited or "a future")
         return future.result()
 
     # What goes on
@@ -118,8 +117,6 @@ class MoveIt2(Goals, KinematicsServices, Scene):
             self._warn("Attempted to cancel without active goal.")
             return
         self._stop_publisher.publish(String(data="stop"))
-        # The twin's move_group has no topic of events; its goal is cancelled as an action's.
-        self._handle.cancel_goal_async()
 
     def get_execution_future(self) -> Any:
         """Return the future of the result, None while nothing is executed."""
@@ -281,11 +278,11 @@ class MoveIt2(Goals, KinematicsServices, Scene):
             self.set_joint_goal(
                 joint_positions, joint_names, tolerance_joint_position, weight_joint_position
             )
-        while start_joint_state is None:
-            start_joint_state = self.joint_state
-            if start_joint_state is None:
+        if start_joint_state is None:
+            if self._state is None:
                 self._warn("Joint states are not available yet!")
-                rclpy.spin_once(self._node, timeout_sec=1.0)
+                wait_until(self._node, lambda: self._state is not None, "joint states of the group")
+            start_joint_state = self.joint_state
         self._goal.request.start_state.joint_state = self._as_state(start_joint_state)
         future = (
             self._plan_cartesian_path(max_step, frame_id)
@@ -333,8 +330,11 @@ class MoveIt2(Goals, KinematicsServices, Scene):
         if not self._is_requested and not self._is_executing:
             self._warn("Cannot wait until motion is executed (no motion is in progress).")
             return False
-        while self._is_requested or self._is_executing:
-            rclpy.spin_once(self._node, timeout_sec=1.0)
+        wait_until(
+            self._node,
+            lambda: not self._is_requested and not self._is_executing,
+            f"the end of a motion of {self._group}",
+        )
         return self.motion_suceeded
 
     def reset_controller(self, joint_state: Any) -> None:

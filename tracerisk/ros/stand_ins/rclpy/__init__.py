@@ -120,13 +120,18 @@ def create_node(node_name: str, **kwargs: Any) -> Any:
 
 
 def spin_once(node: Any, *, executor: Any = None, timeout_sec: float | None = None) -> None:
-    """Run one callback of a node, waiting for it `timeout_sec` seconds, or for ever."""
+    """Run one callback of a node, waiting for it `timeout_sec` seconds, or for ever.
+
+    The node leaves the executor that it was in, for good; one that has it already keeps it.
+    """
     chosen = get_global_executor() if executor is None else executor
+    added = False
     try:
-        chosen.add_node(node)
+        added = chosen.add_node(node)
         chosen.spin_once(timeout_sec=timeout_sec)
     finally:
-        chosen.remove_node(node)
+        if added:
+            chosen.remove_node(node)
 
 
 def spin(node: Any, executor: Any = None) -> None:

@@ -152,7 +152,9 @@ class ActionClient(Entity):
             raise TypeError(f"Expected {self._action_type.Goal}, got {type(goal)}")
         goal_id = UUID(uuid=list(uuid.uuid4().bytes)) if goal_uuid is None else goal_uuid
         told = f"action server {self._action_name} ({self._action_type._ros_type})"
-        sent = _Sent(goal_id, Future(waits_for=f"the answer of {told}"), feedback_callback)
+        sent = _Sent(
+            goal_id, Future(waits_for=f"the answer of {told}", source=self), feedback_callback
+        )
         sent.goal = self._end.send(
             goal,
             goal_id=bytes(goal_id.uuid),
@@ -213,7 +215,7 @@ class ActionClient(Entity):
 
     def _result(self, sent: _Sent) -> Future:
         told = f"the result of a goal of {self._action_name} ({self._action_type._ros_type})"
-        future = Future(waits_for=told)
+        future = Future(waits_for=told, source=self)
         goal = sent.goal
         if goal is None or goal.state is GoalState.REJECTED:
             # A server knows nothing of a goal that it refused.
@@ -288,6 +290,8 @@ class ActionClient(Entity):
 
     def _wait(self, future: Future) -> Any:
         run().scheduler.wait_until(
-            lambda: future._done, reason=future._awaited or "a future", kind="unmet"
+            lambda: future._done,
+            reason=future._awaited or "a future",
+            kind=self._meaning_of_answer,
         )
         return future.result()

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Coroutine
 from typing import Any, ClassVar
 
+from tracerisk.ros.controller_thread import Meaning
+
+from ._run import run
 from .callback_groups import CallbackGroup
 
 Call = Callable[[], Coroutine[Any, Any, None]]
@@ -31,6 +34,21 @@ class Entity:
     def _take(self, executor: Any) -> Call | None:
         """Take the work out, and return what does it."""
         raise NotImplementedError
+
+    def _meaning_of_answer(self) -> Meaning:
+        """Return what it means that a thread waits for what completes a future of the entity's."""
+        return Meaning("unmet", self._node._meaning_of_wait().why)
+
+    @property
+    def _is_left_lying(self) -> bool:
+        """Whether work lies here, and no thread but the calling one spins the node."""
+        executor = self._node.executor
+        is_spun = (
+            executor is not None
+            and self._node in executor._nodes
+            and executor._is_spun_beside(run().scheduler.current)
+        )
+        return self._is_ready() and not is_spun
 
     def destroy(self) -> None:
         """Stop working."""

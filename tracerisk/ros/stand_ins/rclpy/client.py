@@ -59,7 +59,7 @@ class Client(Entity):
             lambda: future._done,
             timeout_ns=None if timeout_sec is None else round(timeout_sec * 1e9),
             reason=self._told,
-            kind="unmet",
+            kind=self._meaning_of_answer,
         )
         if not came:
             raise TimeoutError
@@ -73,7 +73,7 @@ class Client(Entity):
             AssertionError: a field holds what does not fit.
         """
         self._check(request)
-        future = Future(waits_for=self._told)
+        future = Future(waits_for=self._told, source=self)
         self._pending.append(future)
         future.add_done_callback(self.remove_pending_request)
         sent = copy_message(request)

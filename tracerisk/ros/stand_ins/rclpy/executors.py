@@ -5,10 +5,12 @@ from __future__ import annotations
 import inspect
 import warnings
 from collections import deque
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Any
 
-from tracerisk.ros.controller_thread import WaitKind, spinning
+from tracerisk.ros.controller_thread import ControllerThread, WaitKind, spinning
 
 from ._run import run
 from .context import Context
@@ -70,6 +72,8 @@ class Executor:
         self._tasks: list[Task] = []
         self._batch: deque[Any] = deque()
         self._is_shutdown = False
+        self._spinners: list[ControllerThread | None] = []
+        self._n_waiting = 0
 
     @property
     def context(self) -> Context:
@@ -129,39 +133,63 @@ class Executor:
     def spin(self) -> None:
         """Run callbacks until the context or the executor is shut down."""
         scheduler = self._run.scheduler
-        with spinning(scheduler.current, scheduler.now_ns):
+        with spinning(scheduler.current, scheduler.now_ns), self._spun():
             while self._context.is_valid and not self._is_shutdown:
                 self.spin_once()
 
     def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
         """Run callbacks until a future is complete, or for `timeout_sec` seconds."""
-        if timeout_sec is None or timeout_sec < 0:
-            while self._goes_on(future):
-                self._spin_once_impl(None, future)
-            return
-        scheduler = self._run.scheduler
-        end_ns = scheduler.now_ns + round(timeout_sec * 1e9)
-        while self._goes_on(future):
-            self._spin_once_impl(max(0, end_ns - scheduler.now_ns), future)
-            if scheduler.now_ns >= end_ns:
+        with self._spun():
+            if timeout_sec is None or timeout_sec < 0:
+                while self._goes_on(future):
+                    self._spin_once_impl(None, future)
                 return
+            scheduler = self._run.scheduler
+            end_ns = scheduler.now_ns + round(timeout_sec * 1e9)
+            while self._goes_on(future):
+                self._spin_once_impl(max(0, end_ns - scheduler.now_ns), future)
+                if scheduler.now_ns >= end_ns:
+                    return
 
     def _goes_on(self, future: Future) -> bool:
         return self._context.is_valid and not future._done and not self._is_shutdown
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """Run one callback, waiting for it `timeout_sec` seconds, or for ever."""
-        self._spin_once_impl(_nanoseconds(timeout_sec), None)
+        with self._spun():
+            self._spin_once_impl(_nanoseconds(timeout_sec), None)
 
     def spin_once_until_future_complete(
         self, future: Future, timeout_sec: float | TimeoutObject | None = None
     ) -> None:
         """Run one callback, or none if the future is complete before there is one."""
         seconds = timeout_sec.timeout if isinstance(timeout_sec, TimeoutObject) else timeout_sec
-        self._spin_once_impl(_nanoseconds(seconds), future)
+        with self._spun():
+            self._spin_once_impl(_nanoseconds(seconds), future)
 
     def _spin_once_impl(self, timeout_ns: int | None, future: Future | None) -> None:
         raise NotImplementedError
+
+    # Who spins
+
+    @contextmanager
+    def _spun(self) -> Iterator[None]:
+        """Mark, while it lasts, that the calling thread runs the callbacks."""
+        thread = self._run.scheduler.current
+        self._spinners.append(thread)
+        try:
+            yield
+        finally:
+            self._spinners.remove(thread)
+
+    def _is_spun_beside(self, thread: ControllerThread | None) -> bool:
+        """Tell whether another thread than this one runs the callbacks."""
+        return any(each is not thread for each in self._spinners)
+
+    @property
+    def _takes_work(self) -> bool:
+        """Whether a callback that becomes ready is run, or has to wait until others return."""
+        return self._n_waiting > 0
 
     # Finding work
 
@@ -202,12 +230,16 @@ class Executor:
     def _ready(self) -> list[Any]:
         """Return tasks that go on, then entities that have work, in the order of rclpy."""
         self._tasks = [task for task in self._tasks if not task._done and not task._cancelled]
-        found: list[Any] = [task for task in self._tasks if task.is_ready]
+        found: list[Any] = [task for task in self._tasks if self._goes_on_with(task)]
         for node in self._nodes:
             found.extend(each for each in node._waitables if self._can_run(each))
         for node in self._nodes:
             found.extend(each for each in node._entities() if self._can_run(each))
         return found
+
+    def _goes_on_with(self, task: Task) -> bool:
+        # A coroutine of a node that has left is not resumed.
+        return task.is_ready and (task._node is None or task._node in self._nodes)
 
     def _can_run(self, entity: Any) -> bool:
         return (
@@ -218,7 +250,7 @@ class Executor:
         )
 
     def _has_work(self) -> bool:
-        if any(task.is_ready for task in self._tasks):
+        if any(self._goes_on_with(task) for task in self._tasks):
             return True
         return any(
             self._can_run(entity)
@@ -241,6 +273,7 @@ class Executor:
         alarm = scheduler.call_at(min(due), _nothing) if due else None
         # A node, a timer or a task that is made meanwhile has to be looked at.
         known = self._work_known()
+        self._n_waiting += 1
         try:
             return scheduler.wait_until(
                 lambda: (
@@ -255,6 +288,7 @@ class Executor:
                 kind=kind,
             )
         finally:
+            self._n_waiting -= 1
             if alarm is not None:
                 alarm.cancel()
 
@@ -274,6 +308,7 @@ class Executor:
         tracer = self._run.tracer
         stack = None if tracer is None else tracer.root(entity._root_kind)
         task = Task(self._handle, (entity,), executor=self, stack=stack)
+        task._node = entity._node
         self._tasks.append(task)
         return task
 
@@ -330,6 +365,22 @@ class MultiThreadedExecutor(Executor):
         self._n_running = 0
         self._submitted: deque[Task] = deque()
         self._futures: list[Task] = []
+        self._pool: list[ControllerThread] = []
+
+    def shutdown(self, timeout_sec: float | None = None, *, wait_for_threads: bool = True) -> bool:
+        """Run no more callbacks, and wait until those that run have returned.
+
+        `wait_for_threads` False, or a call from one of those callbacks, waits for none.
+        """
+        ended = super().shutdown(timeout_sec)
+        scheduler = self._run.scheduler
+        thread = scheduler.current
+        if wait_for_threads and thread is not None and thread not in self._pool:
+            scheduler.wait_until(
+                lambda: self._n_running == 0,
+                reason="the end of the callbacks of a MultiThreadedExecutor",
+            )
+        return ended
 
     def _spin_once_impl(self, timeout_ns: int | None, future: Future | None) -> None:
         try:
@@ -343,10 +394,18 @@ class MultiThreadedExecutor(Executor):
             self._futures.append(task)
             if self._n_running < self._n_threads:
                 self._n_running += 1
-                self._run.scheduler.spawn(
-                    self._work, "executor thread", inherit=False, is_controllers=False
+                self._pool = [thread for thread in self._pool if not thread.finished]
+                self._pool.append(
+                    self._run.scheduler.spawn(
+                        self._work, "executor thread", inherit=False, is_controllers=False
+                    )
                 )
         self._raise_what_failed()
+
+    @property
+    def _takes_work(self) -> bool:
+        has_thread = self._n_running < self._n_threads or not self._submitted
+        return super()._takes_work and has_thread
 
     def _has_work(self) -> bool:
         return any(task._exception is not None for task in self._futures) or super()._has_work()

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from rcl_interfaces.msg import ParameterEvent
 
+from tracerisk.ros.controller_frames import controller_frame
+from tracerisk.ros.controller_thread import Meaning
 from tracerisk.ros.scenario_parameters import overrides_of
 
 from ._logger import RcutilsLogger
@@ -84,6 +87,7 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
         self._waitables = []
         self._rates = []
         self._executor: Any = None
+        self._taken = ""
         self._default_callback_group = MutuallyExclusiveCallbackGroup()
         self._rate_group = ReentrantCallbackGroup()
         self._clock = ROSClock()
@@ -123,10 +127,26 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
     def executor(self, new_executor: Any) -> None:
         current = self._executor
         if current is not None and current is not new_executor:
+            self._taken = _taken_from(current) if current._spinners else ""
             current.remove_node(self)
         self._executor = new_executor
         if new_executor is not None and self not in new_executor._nodes:
             new_executor.add_node(self)
+
+    def _meaning_of_wait(self) -> Meaning:
+        """Return what it means that a thread waits for a callback of the node.
+
+        An executor that waits for work runs it in time; else nothing does.
+        """
+        executor, name = self._executor, self.get_fully_qualified_name()
+        is_held = executor is not None and self in executor._nodes
+        if is_held and executor._takes_work:
+            return Meaning("blocked")
+        if is_held and executor._spinners:
+            kind = type(executor).__name__
+            return Meaning("unmet", f"no thread of the {kind} that spins node {name} is free")
+        taken = f" since {self._taken}" if self._taken else ""
+        return Meaning("unmet", f"nothing spins node {name}{taken}")
 
     @property
     def context(self) -> Context:
@@ -187,6 +207,18 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
 
     def __exit__(self, *error: object) -> None:
         self.destroy_node()
+
+
+def _taken_from(executor: Any) -> str:
+    """Return in words where the controller takes a node from an executor that is spun."""
+    frame = controller_frame()
+    place = "" if frame is None else f" at {Path(frame.f_code.co_filename).name}:{frame.f_lineno}"
+    return (
+        f"the call{place} took it from the {type(executor).__name__} that a thread spins, as with "
+        "the real rclpy: rclpy.spin_once and its like give a node to an executor of their own. "
+        "Wait there without spinning: by a rate, or by an event that the future's done callback "
+        "sets"
+    )
 
 
 def _plain(value: Any) -> Any:

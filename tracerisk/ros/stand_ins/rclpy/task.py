@@ -8,6 +8,10 @@ from collections.abc import Callable, Generator
 from contextlib import nullcontext
 from typing import Any
 
+from tracerisk.errors import Location
+from tracerisk.ros.controller_frames import controller_frame
+from tracerisk.ros.standstill import LONG_NS
+
 from ._run import run
 
 
@@ -15,9 +19,12 @@ class Future:
     """What somebody will know later: a result, or an exception.
 
     `waits_for` says what completes it; who waits for what nothing provides is in a deadlock.
+    `source` is the entity whose callback completes it.
     """
 
-    def __init__(self, *, executor: Any = None, waits_for: str | None = None) -> None:
+    def __init__(
+        self, *, executor: Any = None, waits_for: str | None = None, source: Any = None
+    ) -> None:
         self._done = False
         self._cancelled = False
         self._result: Any = None
@@ -25,6 +32,8 @@ class Future:
         self._callbacks: list[Callable[[Any], Any]] = []
         self._executor = executor
         self._waits_for = waits_for
+        self._source = source
+        self._left_ns: int | None = None
 
     def __await__(self) -> Generator[Any, None, Any]:
         while not self._done:
@@ -44,9 +53,27 @@ class Future:
     def done(self) -> bool:
         """Tell whether the future is complete."""
         if not self._done:
+            self._end_if_left()
             # A loop that polls would else stop the time that it waits for.
             run().scheduler.touch()
         return self._done
+
+    def _end_if_left(self) -> None:
+        """End the run where a loop has long polled for what lies there and nothing spins."""
+        scheduler = run().scheduler
+        if self._source is None or not self._source._is_left_lying:
+            self._left_ns = None
+        elif self._left_ns is None:
+            self._left_ns = scheduler.now_ns
+        elif scheduler.now_ns - self._left_ns >= LONG_NS and scheduler.current is not None:
+            frame = controller_frame()
+            place = None if frame is None else Location(frame.f_code.co_filename, frame.f_lineno)
+            scheduler.end(
+                "deadlock",
+                f"{scheduler.current.name} has asked for {LONG_NS / 1e9:g} s whether "
+                f"{self._waits_for} is there: {self._source._node._meaning_of_wait().why}",
+                place,
+            )
 
     def result(self) -> Any:
         """Return the result, None where there is none yet.
@@ -110,7 +137,8 @@ class Task(Future):
     """A function or a coroutine that an executor runs, step by step.
 
     `stack` is the context manager within which each step runs: it is a root of its own, or goes
-    on with the stack of who created the task.
+    on with the stack of who created the task. `_node` is the node of the entity whose callback it
+    runs, None for other tasks.
     """
 
     def __init__(
@@ -130,6 +158,7 @@ class Task(Future):
         self._executing = False
         self._is_submitted = False
         self._waits_on: Any = None
+        self._node: Any = None
         if inspect.iscoroutinefunction(handler):
             with self._stack:
                 self._handler = handler(*self._args, **self._kwargs)

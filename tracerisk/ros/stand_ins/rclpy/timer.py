@@ -128,13 +128,12 @@ class Rate:
         self._is_shutdown = False
         self._is_destroyed = False
         self._has_beaten = False
-        self._was_beaten = False
         self._n_sleepers = 0
         timer.callback = self._beat
         context.on_shutdown(self._on_shutdown)
 
     def _beat(self) -> None:
-        self._has_beaten = self._was_beaten = True
+        self._has_beaten = True
 
     def _on_shutdown(self) -> None:
         self._is_shutdown = True
@@ -162,8 +161,8 @@ class Rate:
         try:
             run().scheduler.wait_until(
                 lambda: self._has_beaten or self._is_destroyed,
-                reason="the timer of a rate, which beats only while something spins its node",
-                kind="blocked" if self._was_beaten else "unmet",
+                reason="the timer of a rate",
+                kind=self._timer._node._meaning_of_wait,
             )
         finally:
             self._n_sleepers -= 1

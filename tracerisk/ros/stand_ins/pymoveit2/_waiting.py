@@ -1,0 +1,36 @@
+"""Waiting for what a callback of the node brings, whoever runs the node's callbacks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import rclpy
+from rclpy._run import run
+
+from tracerisk.ros.controller_thread import Meaning
+
+
+def wait_until(node: Any, is_over: Callable[[], bool], reason: str) -> None:
+    """Wait until `is_over` holds; `reason` says what the wait is for.
+
+    While another thread spins the node's executor, that runs the callbacks, as in the releases up
+    to 4.0; later ones always spin the node here, which takes it from its executor for good.
+    Where no other thread spins the node, this one does.
+    """
+    scheduler = run().scheduler
+    thread = scheduler.current
+    while not is_over():
+        executor = node.executor
+        if not _is_spun(node, executor, thread):
+            rclpy.spin_once(node, timeout_sec=1.0)
+            continue
+        scheduler.wait_until(
+            lambda executor=executor: is_over() or not _is_spun(node, executor, thread),
+            reason=reason,
+            kind=lambda: Meaning("unmet", node._meaning_of_wait().why),
+        )
+
+
+def _is_spun(node: Any, executor: Any, thread: Any) -> bool:
+    return executor is not None and node in executor._nodes and executor._is_spun_beside(thread)
