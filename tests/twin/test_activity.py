@@ -90,14 +90,14 @@ def test_a_jerk_of_18_ms_is_no_motion_and_one_of_20_ms_is(panda: Robot):
 
 @pytest.mark.parametrize(
     ("rest", "whole"),
-    # At most 5 % of the motion that it parts, and less than 50 ms.
-    [(18, 360), (19, 360), (24, 800), (25, 800)],
+    # At most 5 % of the motion that it parts, and less than 20 ms.
+    [(9, 181), (9, 179), (10, 800)],
 )
 def test_a_rest_ends_a_motion_unless_it_is_short_beside_it(panda: Robot, rest: int, whole: int):
     begin, stop = 100 + (whole - rest) // 2, 100 + (whole + rest) // 2
     speed = steps((100, begin, 1.0), (stop, 100 + whole, 1.0))
     found = element_activity(crafted(panda, velocity_panda_joint1=speed), panda)["panda_joint1"]
-    is_one = stop - begin <= 0.05 * whole and stop - begin < 25
+    is_one = stop - begin <= 0.05 * whole and stop - begin < 10
     both = [(100, begin), (stop, 100 + whole)]
     assert intervals(found.moving) == ([(100, 100 + whole)] if is_one else both)
 

@@ -44,7 +44,7 @@ class MotionRule:
     """How far a joint that follows its set-point may be from it, beside its servo's lag."""
     least_s: float = 0.02
     """What is shorter is no motion."""
-    gap_s: float = 0.05
+    gap_s: float = 0.02
     """The longest rest that does not end a motion."""
     gap_fraction: float = 0.05
     """The longest rest that does not end a motion, of the motion before and after it."""
