@@ -190,11 +190,11 @@ def stream(bench: Bench) -> None:
 
 
 def hold_with_payload(bench: Bench) -> None:
-    _to_tube(bench)
+    to_tube(bench)
     reached = bench.gripper("panda_hand", 0.0, stops_at=TUBE_RADIUS)
-    _line(bench, 0.235)
+    line(bench, 0.235)
     bench.rest(5.0)
-    _line(bench, 0.087)
+    line(bench, 0.087)
     bench.grasps.append(("panda_hand", reached, bench.now_s))
     bench.payloads.append(("panda_hand", TUBE_KG, reached, bench.now_s))
     bench.gripper("panda_hand", 0.035)
@@ -206,7 +206,7 @@ def gripper_on_nothing(bench: Bench) -> None:
 
 
 def gripper_on_tube(bench: Bench) -> None:
-    _to_tube(bench)
+    to_tube(bench)
     for _ in range(2):
         reached = bench.gripper("panda_hand", 0.0, stops_at=TUBE_RADIUS)
         bench.rest(1.0)
@@ -277,13 +277,13 @@ def sinusoid(bench: Bench) -> None:
 
 
 def pressed_empty_hand(bench: Bench) -> None:
-    _fly(bench, 0.5, 0.0, 0.1)
+    fly(bench, 0.5, 0.0, 0.1)
     bench.gripper("panda_hand", 0.0)
     begin = bench.now_s
-    _line(bench, 0.006)  # the pads end 8 mm below the tool centre point
+    line(bench, 0.006)  # the pads end 8 mm below the tool centre point
     bench.rest(1.5)
     bench.touching.append((begin, bench.now_s))
-    _line(bench, 0.1)
+    line(bench, 0.1)
 
 
 def gravity_free_joint(bench: Bench) -> None:
@@ -310,7 +310,8 @@ PROGRAMS = (
 )
 
 
-def _fly(bench: Bench, x: float, y: float, z: float) -> None:
+def fly(bench: Bench, x: float, y: float, z: float) -> None:
+    """Bring the tool centre point of a Panda to a place, pointing down, and rest."""
     pose = Pose((x, y, z), DOWN)
     bench.go(
         bench.twin.plan_pose(
@@ -319,7 +320,8 @@ def _fly(bench: Bench, x: float, y: float, z: float) -> None:
     )
 
 
-def _line(bench: Bench, z: float) -> None:
+def line(bench: Bench, z: float) -> None:
+    """Bring it straight to a height, whatever is in the way, and rest."""
     x, y, _ = bench.twin.link_pose("panda_hand_tcp").position
     trajectory, _ = bench.twin.plan_cartesian(
         "panda_manipulator",
@@ -331,7 +333,8 @@ def _line(bench: Bench, z: float) -> None:
     bench.go(trajectory)
 
 
-def _to_tube(bench: Bench) -> None:
+def to_tube(bench: Bench) -> None:
+    """Open the hand of a Panda around a tube of its rack."""
     bench.gripper("panda_hand", 0.035)
-    _fly(bench, 0.42, 0.2, 0.235)
-    _line(bench, 0.085)
+    fly(bench, 0.42, 0.2, 0.235)
+    line(bench, 0.085)

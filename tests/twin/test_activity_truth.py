@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from activity_programs import PROGRAMS, Bench, Program
+from activity_programs import PROGRAMS, Bench, Program, fly, line
 from activity_truth import FAR_ENOUGH, score
 
 from tracerisk.twin.activity import element_activity
 from tracerisk.twin.robot import Robot
 from tracerisk.twin.samples import SampleWriter, read_samples
-from tracerisk.twin.scene import load_scene
+from tracerisk.twin.scene import GraspableObject, load_scene
+from tracerisk.twin.shapes import Shape
 from tracerisk.twin.twin import Twin
 
 
@@ -50,3 +51,21 @@ def test_a_rated_speed_that_is_far_too_high_hides_no_motion(panda: Robot, tmp_pa
 def test_a_joint_moves_from_1_mrad_on(panda: Robot, tmp_path: Path, times: float, expected: float):
     moving = seconds_moving(panda, tmp_path, {"panda_joint1": times * FAR_ENOUGH}, 4.0)
     assert moving["panda_joint1"] == pytest.approx(expected, abs=0.05)
+
+
+def test_a_closed_hand_that_is_pressed_on_a_loose_box_grasps_nothing(panda: Robot, tmp_path: Path):
+    flat = (0.0, 0.0, 0.0)
+    shape = Shape("box", (0.05, 0.05, 0.03))
+    box = GraspableObject("box", (0.5, 0.0, 0.03), flat, 0.3, 0.3, (shape,))
+    scene = replace(load_scene("tube_racks"), objects=(box,))
+    twin = Twin.build(panda, scene, samples=SampleWriter(tmp_path))
+    bench = Bench(panda, twin)
+    fly(bench, 0.5, 0.0, 0.12)
+    bench.gripper("panda_hand", 0.0)
+    # The pads end 8 mm below the tool centre point.
+    line(bench, 0.06 + 0.006)
+    bench.rest(1.0)
+    twin.close()
+    samples = read_samples(tmp_path)
+    assert samples.pad_force[-1].min() > 5.0
+    assert not element_activity(samples, panda)["panda_hand"].grasping.any()
