@@ -81,6 +81,7 @@ def activity(panda: Robot, *grasps: tuple[int, int]) -> dict[str, ElementActivit
             rest,
             rest,
             np.where(flags(*grasps), 7.0, 0.0) if element.kind == "gripper" else rest,
+            rest,
             Thresholds(),
         )
         for element in panda.elements

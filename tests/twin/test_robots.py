@@ -14,6 +14,7 @@ from tracerisk.errors import RobotError
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.shipped import shipped_hardware
 from tracerisk.twin import robot as robot_module
+from tracerisk.twin.activity import element_activity
 from tracerisk.twin.clearance import Clearance
 from tracerisk.twin.execution import Motion
 from tracerisk.twin.kinematics import Kinematics
@@ -256,6 +257,9 @@ def test_its_gripper_picks_a_light_object_up(name: str, index: int, tmp_path: Pa
     columns = [samples.header.pads.index(pad) for pad in gripper.pads]
     in_hand = samples.pad_force[-round(1.0 / samples.step_s) :, columns]
     assert in_hand.min() > GRASPED, "every pad holds it, all the time"
+    grasping = element_activity(samples, robot)[gripper.name].grasping
+    assert np.count_nonzero(np.diff(grasping)) == 1, "one grasp, which lasts to the end"
+    assert grasping[-1]
 
 
 def standing_at(robot: Robot, positions: dict[str, float]) -> Robot:

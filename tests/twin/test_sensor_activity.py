@@ -24,7 +24,7 @@ def joint_activity(moving: list[bool]) -> ElementActivity:
     nothing = np.zeros(n, dtype=np.bool_)
     return ElementActivity(
         JOINT, np.array(moving, dtype=np.bool_), nothing, nothing, np.zeros(n), np.zeros(n),
-        np.zeros(n), Thresholds(),
+        np.zeros(n), np.zeros(n), Thresholds(),
     )  # fmt: skip
 
 

@@ -1,19 +1,23 @@
 """Say at each step what each element of the robot does: moving, holding, grasping.
 
-A state begins above one threshold and ends below a lower one, and short flickers of either kind
-are smoothed away: an interval counts from its first step once it has lasted long enough.
+`joint_motion` finds when it moves, and `grasp` what is between the pads of a gripper. Short
+flickers of the other states are smoothed away: an interval counts from its first step once it has
+lasted long enough.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import LogError
 from tracerisk.trace import Element
+from tracerisk.twin.execution import FINGER_LENGTH_M, servo_lead
+from tracerisk.twin.grasp import between_pads
+from tracerisk.twin.joint_motion import LEVER_M, MotionRule, SetPoint, motion_steps
 from tracerisk.twin.robot import Gripper, Joint, Robot
 from tracerisk.twin.samples import Samples
 
@@ -23,21 +27,22 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Thresholds:
-    """When a state begins and ends.
+    """When a state begins and ends."""
 
-    Speeds are fractions of the rated speed, torques of the torque limit, pad forces in [N],
-    times in [s]: an interval counts if it lasts `debounce_on`, a gap in it if it lasts
-    `debounce_off`.
-    """
-
-    moving_on: float = 0.01
-    moving_off: float = 0.005
-    holding_on: float = 0.02
-    holding_off: float = 0.015
+    motion: MotionRule = field(default_factory=MotionRule)
+    """When a joint or a finger moves."""
+    holding: float = 0.02
+    """The torque above which a joint at rest holds, of its torque limit."""
+    mean_s: float = 0.05
+    """The time over which that torque is the mean: a load that trembles counts as it is borne."""
     grasping_on: float = 0.5
+    """The force above which a grasp begins, on the lesser of the pads and of the drive [N]."""
     grasping_off: float = 0.2
+    """The force below which it ends [N]."""
     debounce_on: float = 0.02
+    """How long an interval of holding or grasping lasts at least [s]."""
     debounce_off: float = 0.05
+    """How long a gap in one lasts at least [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,7 +51,8 @@ class ElementActivity:
 
     `moving` and `holding` exclude each other; `grasping` may overlap either.
     speed: |velocity| over the rated one; torque: |torque| over the limit; grip: the lesser force
-    of the pads [N], 0 for a joint.
+    of the pads on what is between them [N], 0 for a joint; travel: how far it goes in the stretch
+    of motion that the step belongs to, over the least that counts, 0 at rest.
     """
 
     element: Element
@@ -56,6 +62,7 @@ class ElementActivity:
     speed: Array
     torque: Array
     grip: Array
+    travel: Array
     thresholds: Thresholds
 
     @property
@@ -124,13 +131,27 @@ def _latch(signs: NDArray[np.int8]) -> Flags:
 def _joint_activity(
     samples: Samples, joint: Joint, column: int, limits: Thresholds
 ) -> ElementActivity:
-    return _classify(
-        Element(joint.name, "joint"),
-        speed=np.abs(samples.velocity[:, column]) / joint.velocity_limit,
-        torque=np.abs(samples.torque[:, column]) / joint.torque_limit,
+    stiffness = joint.servo.stiffness
+    set_point = _set_point(
+        samples,
+        joint.name,
+        samples.position[:, column],
+        servo_lead(joint) if stiffness > 0.0 else None,
+    )
+    unit = _unit(joint)
+    velocity = samples.velocity[:, column]
+    moving, travel = motion_steps(velocity, set_point, unit, samples.step_s, limits.motion)
+    torque = samples.torque[:, column] / joint.torque_limit
+    return ElementActivity(
+        element=Element(joint.name, "joint"),
+        moving=moving,
+        holding=_holding(torque[:, None], moving, samples.step_s, limits),
+        grasping=np.zeros(samples.n_steps, dtype=np.bool_),
+        speed=np.abs(velocity) / joint.velocity_limit,
+        torque=np.abs(torque),
         grip=np.zeros(samples.n_steps),
-        step_s=samples.step_s,
-        limits=limits,
+        travel=travel,
+        thresholds=limits,
     )
 
 
@@ -142,38 +163,77 @@ def _gripper_activity(
     pads: list[int],
     limits: Thresholds,
 ) -> ElementActivity:
+    n_steps, step_s = samples.n_steps, samples.step_s
+    signs = np.array([gripper.sign(name) for name in gripper.joints], dtype=np.float64)
+    friction = sum(finger.servo.friction for finger in fingers)
+    lag_s = (gripper.damping + friction) / gripper.stiffness if gripper.stiffness > 0.0 else None
+    position = (samples.position[:, columns] * signs).mean(axis=1)
+    set_point = _set_point(samples, gripper.name, position, lag_s)
+    moving, travel = np.zeros(n_steps, dtype=np.bool_), np.zeros(n_steps)
+    for finger, column in zip(fingers, columns, strict=True):
+        velocity = samples.velocity[:, column]
+        steps, far = motion_steps(velocity, set_point, _unit(finger), step_s, limits.motion)
+        moving |= steps
+        travel = np.maximum(travel, far)
+    torques = samples.torque[:, columns]
     rated = np.array([finger.velocity_limit for finger in fingers])
-    return _classify(
-        Element(gripper.name, "gripper"),
-        speed=(np.abs(samples.velocity[:, columns]) / rated).max(axis=1),
-        torque=np.abs(samples.torque[:, columns]).max(axis=1) / gripper.effort,
-        grip=samples.pad_force[:, pads].min(axis=1),
-        step_s=samples.step_s,
-        limits=limits,
-    )
-
-
-def _classify(
-    element: Element,
-    *,
-    speed: Array,
-    torque: Array,
-    grip: Array,
-    step_s: float,
-    limits: Thresholds,
-) -> ElementActivity:
-    n_on = round(limits.debounce_on / step_s)
-    n_off = round(limits.debounce_off / step_s)
-    moving = debounce(hysteresis(speed, limits.moving_on, limits.moving_off), n_on, n_off)
-    loaded = hysteresis(torque, limits.holding_on, limits.holding_off)
-    grasped = hysteresis(grip, limits.grasping_on, limits.grasping_off)
+    grip = samples.pad_force[:, pads].min(axis=1)
+    # What the drive presses with: a hand that is pressed on something needs none. The weight of
+    # fingers that move against one another cancels.
+    drive = np.abs((torques * signs).mean(axis=1))
+    drive /= np.array([1.0 if f.type == "prismatic" else FINGER_LENGTH_M for f in fingers]).mean()
+    if samples.contacts is not None:
+        grip = np.where(between_pads(samples.contacts, gripper, n_steps), grip, 0.0)
+    pressed = np.minimum(grip, drive)
+    grasped = hysteresis(pressed, limits.grasping_on, limits.grasping_off)
     return ElementActivity(
-        element=element,
+        element=Element(gripper.name, "gripper"),
         moving=moving,
-        holding=debounce(loaded & ~moving, n_on, n_off) & ~moving,
-        grasping=debounce(grasped, n_on, n_off),
-        speed=speed,
-        torque=torque,
+        holding=_holding(torques / gripper.effort, moving, step_s, limits),
+        grasping=debounce(grasped, *_debounce_steps(step_s, limits)),
+        speed=(np.abs(samples.velocity[:, columns]) / rated).max(axis=1),
+        torque=np.abs(torques).max(axis=1) / gripper.effort,
         grip=grip,
+        travel=travel,
         thresholds=limits,
     )
+
+
+def _unit(joint: Joint) -> float:
+    return LEVER_M if joint.type == "prismatic" else 1.0
+
+
+def _set_point(
+    samples: Samples, actuator: str, position: Array, lag_s: float | None
+) -> SetPoint | None:
+    """Return the set-point of an actuator, None where there is none that says where it leads."""
+    if lag_s is None or actuator not in samples.header.controls:
+        return None
+    column = samples.header.controls.index(actuator)
+    return SetPoint(samples.control[:, column], position, lag_s)
+
+
+def _holding(torque: Array, moving: Flags, step_s: float, limits: Thresholds) -> Flags:
+    """Return where a joint at rest holds; torque: (n_steps, n_joints), of the limit."""
+    # Without hysteresis: what a joint bore before does not decide on what it bears now.
+    loaded = _mean_load(torque, ~moving, round(limits.mean_s / step_s)) > limits.holding
+    return debounce(loaded & ~moving, *_debounce_steps(step_s, limits)) & ~moving
+
+
+def _mean_load(torque: Array, rest: Flags, size: int) -> Array:
+    """Return the greatest |mean| of the columns of torque (n, m) at rest, `size` steps about each.
+
+    What is borne in motion is no part of the mean.
+    """
+    n_steps = len(torque)
+    at = np.arange(n_steps)
+    first, stop = np.maximum(at - size // 2, 0), np.minimum(at + size // 2 + 1, n_steps)
+    count = np.concatenate(([0], np.cumsum(rest)))
+    total = np.concatenate((np.zeros((1, torque.shape[1])), np.cumsum(torque * rest[:, None], 0)))
+    mean = (total[stop] - total[first]) / np.maximum(count[stop] - count[first], 1)[:, None]
+    found: Array = np.abs(mean).max(axis=1)
+    return found
+
+
+def _debounce_steps(step_s: float, limits: Thresholds) -> tuple[int, int]:
+    return round(limits.debounce_on / step_s), round(limits.debounce_off / step_s)

@@ -176,7 +176,7 @@ def contact_activity(run: RunContacts, elements: Sequence[Element]) -> dict[str,
             touching = hysteresis(force, limits.grasping_on, limits.grasping_off)
             grasping = debounce(touching, n_on, n_off)
             found[element.name] = ElementActivity(
-                element, still, still, grasping, rest, rest, force, limits
+                element, still, still, grasping, rest, rest, force, rest, limits
             )
     return found
 

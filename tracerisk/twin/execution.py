@@ -28,7 +28,7 @@ SETTLE_S = 1.0  # an arm that is not at its goal this long after the trajectory 
 _STALL_S = 0.1  # fingers that stand still this long short of their goal hold something
 _FINGER_TOLERANCE = 0.0005  # of a pad [m]
 _FINGER_STILL = 0.001  # of a pad [m/s]
-_FINGER_LENGTH = 0.05  # assumed, from the hinge of a finger to its pad [m]
+FINGER_LENGTH_M = 0.05  # assumed, from the hinge of a finger to its pad [m]
 _LONGEST_S = 1800.0  # of a trajectory, whose set-points are all held in memory
 _LOOK_STEPS = 5  # between two looks at what is measured, where that decides
 
@@ -292,7 +292,7 @@ class GripperTrack:
         self._is_soft = self._slack < gripper.opening
         hinged = members[0].type != "prismatic"
         self._unit = "rad" if hinged else "m"
-        lever = _FINGER_LENGTH if hinged else 1.0
+        lever = FINGER_LENGTH_M if hinged else 1.0
         self._still, self._tolerance = _FINGER_STILL / lever, _FINGER_TOLERANCE / lever
         self._at = 0
         self._waited = 0

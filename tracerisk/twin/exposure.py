@@ -65,7 +65,7 @@ def _around(activity: ElementActivity, mask: Flags) -> tuple[ElementActivity, Fl
         int(before[-1]) if len(before) else 0,
         int(within[-1]) + 2 + int(after[0]) if len(after) else len(mask),
     )
-    names = ("moving", "holding", "grasping", "speed", "torque", "grip")
+    names = ("moving", "holding", "grasping", "speed", "torque", "grip", "travel")
     return replace(activity, **{name: getattr(activity, name)[span] for name in names}), mask[span]
 
 
@@ -119,17 +119,18 @@ def _cubic_mean(torque: Array, speed: Array) -> float:
 def _is_borderline(activity: ElementActivity, mask: Flags, step_s: float) -> bool:
     """Say whether the value that decides on the element's state was near its threshold.
 
-    Where it clearly moved, no other value decides; where it did not, its torque does.
+    Of motion that is how far it went. Where it clearly moved, no other value decides; where it
+    did not, its torque does.
     """
     limits = activity.thresholds
     n_steps = round(limits.debounce_on / step_s)
-    if _near(_sustained(activity.speed[mask], n_steps), limits.moving_on):
+    if _near(_sustained(activity.travel[mask], n_steps), 1.0):
         return True
     if _near(_sustained(activity.grip[mask], n_steps), limits.grasping_on):
         return True
     if _longest(activity.moving, mask) * step_s >= ACTIVE_S:
         return False
-    return _near(_sustained(activity.torque[mask], n_steps), limits.holding_on)
+    return _near(_sustained(activity.torque[mask], n_steps), limits.holding)
 
 
 def _sustained(values: Array, n_steps: int) -> float:

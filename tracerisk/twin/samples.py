@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import Location, LogError
-from tracerisk.twin.contact_log import ContactLogWriter
+from tracerisk.twin.contact_log import ContactLog, ContactLogWriter, read_contacts
 from tracerisk.twin.declared_log import DECLARED_FILES, DeclaredLogWriter
 
 _ROWS = "samples.bin"
@@ -66,6 +66,7 @@ class Samples:
     end_pose: (n_pose,) after the last step; `None` for a run that was cut short.
     changed_at: the step before which bodies were first put into the running simulation, else
     `None`.
+    contacts: what touched what, `None` where that was not logged.
     """
 
     header: SampleHeader
@@ -77,6 +78,7 @@ class Samples:
     poses: Array
     end_pose: Array | None = None
     changed_at: int | None = None
+    contacts: ContactLog | None = None
 
     @property
     def n_steps(self) -> int:
@@ -226,6 +228,7 @@ def read_samples(directory: Path) -> Samples:
         poses=poses[: n_poses * header.n_pose].reshape(n_poses, -1 if n_poses else header.n_pose),
         end_pose=_floats(end) if (end := directory / _END).exists() else None,
         changed_at=int(_floats(at)[0]) if (at := directory / _CHANGED).exists() else None,
+        contacts=log if (log := read_contacts(directory, written)).bodies else None,
     )
 
 

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.twin.activity import ElementActivity
 from tracerisk.twin.contact_log import LOOK_EVERY, POSTURE_EVERY, ContactLog
 from tracerisk.twin.robot import Robot
+
+if TYPE_CHECKING:
+    from tracerisk.twin.activity import ElementActivity
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -72,6 +72,7 @@ def activity_of(name, **spans):
         zeros,
         zeros,
         zeros,
+        zeros,
         Thresholds(),
     )
 

@@ -27,6 +27,7 @@ def activity_of(**frames: str) -> dict[str, ElementActivity]:
             speed=zeros,
             torque=zeros,
             grip=zeros,
+            travel=zeros,
             thresholds=Thresholds(),
         )
     return found

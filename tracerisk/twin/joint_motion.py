@@ -1,0 +1,178 @@
+"""Find when a joint moves, from how far it goes, its speed and its set-point.
+
+A rated speed says nothing about slow motion, so none is used. The steps of a motion are those
+that are fast beside the greatest speed around them, and those in which the set-point moves with
+the joint; a stretch of such steps is a motion once the joint goes far enough in it. So neither
+the profile of the speed nor the lag of a servo decides how long a motion lasts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Flags = NDArray[np.bool_]
+Array = NDArray[np.float64]
+Steps = NDArray[np.intp]
+
+LEVER_M = 0.1  # what an angle of 1 rad is on a sliding joint: all bounds are scaled by it [m]
+
+
+@dataclass(frozen=True, slots=True)
+class MotionRule:
+    """When a joint moves; angles [rad], times [s]; sliding joints have `LEVER_M` a radian."""
+
+    least_travel: float = 1e-3
+    """How far a joint goes at least in a motion in which its set-point moves."""
+    least_stroke: float = 5e-3
+    """How far it goes at least in one direction where its set-point rests, or is not known."""
+    slowest: float = 1e-3
+    """The speed below which only a moving set-point makes a motion, per second."""
+    least_fraction: float = 0.1
+    """Of the greatest speed around: what is slower is no motion, unless the set-point moves."""
+    around_s: float = 0.5
+    """How far around the greatest speed is looked for, to either side."""
+    set_point_step: float = 1e-9
+    """A set-point that changes by no more in a step is at rest: what rounding leaves of none."""
+    trembling_travel: float = 1e-4
+    """A set-point that goes to and fro within so much for `trembling_s` is at rest."""
+    trembling_s: float = 1.0
+    """See `trembling_travel`."""
+    lag: float = 0.01
+    """How far a joint that follows its set-point may be from it, beside its servo's lag."""
+    least_s: float = 0.02
+    """What is shorter is no motion."""
+    gap_s: float = 0.02
+    """The longest rest that does not end a motion."""
+    gap_fraction: float = 0.05
+    """The longest rest that does not end a motion, of the motion before and after it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SetPoint:
+    """The set-point of a servo: value at each step, (n_steps,), and the measured position.
+
+    `lag_s` is the time by which a moving joint lags behind it.
+    """
+
+    value: Array
+    position: Array
+    lag_s: float
+
+
+def motion_steps(
+    velocity: Array, set_point: SetPoint | None, unit: float, step_s: float, rule: MotionRule
+) -> tuple[Flags, Array]:
+    """Return the steps in which a joint moves, and how far it goes in the stretch of each.
+
+    velocity: (n_steps,) [rad/s or m/s]. `unit` scales the bounds of the rule: 1 for an angle.
+    Returns two arrays (n_steps,); the second counts in the least that the rule takes for motion.
+    """
+    n_steps = len(velocity)
+    if not n_steps:
+        return np.zeros(0, dtype=np.bool_), np.zeros(0)
+    way = np.cumsum(velocity) * (step_s / unit)
+    strokes, travel = _strokes(velocity / unit, way, step_s, rule)
+    led = np.zeros(n_steps, dtype=np.bool_)
+    if set_point is not None:
+        led = _led(velocity, set_point, unit, step_s, rule)
+    moving = np.zeros(n_steps, dtype=np.bool_)
+    starts, stops = _joined(*runs(strokes | led), step_s, rule)
+    for start, stop in zip(starts.tolist(), stops.tolist(), strict=True):
+        # The way before the first step belongs to it.
+        part = way[max(start - 1, 0) : stop]
+        least = rule.least_travel if led[start:stop].any() else rule.least_stroke
+        far = float(part.max() - part.min()) / least
+        travel[start:stop] = np.maximum(travel[start:stop], far)
+        moving[start:stop] = far >= 1.0 and stop - start >= round(rule.least_s / step_s)
+    return moving, travel
+
+
+def runs(flags: Flags) -> tuple[Steps, Steps]:
+    """Return where the runs of true entries start, and where they stop."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False]))))
+    return edges[::2], edges[1::2]
+
+
+def _strokes(velocity: Array, way: Array, step_s: float, rule: MotionRule) -> tuple[Flags, Array]:
+    """Return the steps of strokes, fast and in one direction, that go far enough; and how far.
+
+    How far counts in the least that a stroke goes, at every fast step.
+
+    A vibration is fast but goes to and fro: none of its strokes is long enough.
+    """
+    speed = np.abs(velocity)
+    most = _most_around(speed, round(rule.around_s / step_s))
+    fast = speed > np.maximum(rule.slowest, rule.least_fraction * most)
+    direction = np.where(fast, np.sign(velocity), 0.0)
+    starts = np.concatenate(([0], np.flatnonzero(np.diff(direction)) + 1))
+    lengths = np.diff(np.concatenate((starts, [len(way)])))
+    far = np.abs(way[starts + lengths - 1] - way[np.maximum(starts - 1, 0)])
+    travel = np.where(fast, np.repeat(far / rule.least_stroke, lengths), 0.0)
+    return travel >= 1.0, travel
+
+
+def _led(
+    velocity: Array, set_point: SetPoint, unit: float, step_s: float, rule: MotionRule
+) -> Flags:
+    """Return the steps in which the set-point moves, and the joint is where that leads it."""
+    value = set_point.value
+    moves = np.abs(np.diff(value, prepend=value[:1])) > rule.set_point_step * unit
+    moves &= ~_trembles(value / unit, step_s, rule)
+    behind = np.abs(value - set_point.position)
+    with_it: Flags = behind <= rule.lag * unit + set_point.lag_s * np.abs(velocity)
+    return moves & with_it
+
+
+def _trembles(value: Array, step_s: float, rule: MotionRule) -> Flags:
+    """Return the steps of any time of `trembling_s` in which a set-point goes to and fro.
+
+    Then its way is at least three times the distance between its ends, which a turn is not.
+    """
+    size = round(rule.trembling_s / step_s)
+    found = np.zeros(len(value), dtype=np.bool_)
+    windows = len(value) - size + 1
+    if windows <= 0:
+        return found
+    way = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(value)))))
+    way = way[size - 1 :] - way[:windows]
+    spread = _windowed_most(value, size) + _windowed_most(-value, size)
+    is_one = (spread <= rule.trembling_travel) & (way >= 3.0 * spread) & (way > 0.0)
+    change = np.zeros(len(value) + 1, dtype=np.int64)
+    change[:windows] += is_one
+    change[size:] -= is_one
+    found |= np.cumsum(change[:-1]) > 0
+    return found
+
+
+def _joined(starts: Steps, stops: Steps, step_s: float, rule: MotionRule) -> tuple[Steps, Steps]:
+    """Return runs without the rests between them that are too short to end a motion."""
+    if len(starts) < 2:
+        return starts, stops
+    gaps = starts[1:] - stops[:-1]
+    whole = stops[1:] - starts[:-1]
+    short = (gaps < round(rule.gap_s / step_s)) & (gaps <= rule.gap_fraction * whole)
+    return starts[np.concatenate(([True], ~short))], stops[np.concatenate((~short, [True]))]
+
+
+def _most_around(values: Array, reach: int) -> Array:
+    """Return the greatest of `values` (n,) within `reach` steps of each; values from 0 on."""
+    rest = np.zeros(reach)
+    return _windowed_most(np.concatenate((rest, values, rest)), 2 * reach + 1)
+
+
+def _windowed_most(values: Array, size: int) -> Array:
+    """Return the greatest of each `size` values in a row, (n - size + 1,).
+
+    A window of that size reaches over the end of one block and the begin of the next (van Herk,
+    Pattern Recognition Letters 13, 1992).
+    """
+    n_windows = len(values) - size + 1
+    lacking = -len(values) % size
+    blocks = np.concatenate((values, np.full(lacking, -np.inf))).reshape(-1, size)
+    to_end = np.maximum.accumulate(blocks[:, ::-1], axis=1)[:, ::-1].ravel()
+    from_begin = np.maximum.accumulate(blocks, axis=1).ravel()
+    found: Array = np.maximum(to_end[:n_windows], from_begin[size - 1 : size - 1 + n_windows])
+    return found
