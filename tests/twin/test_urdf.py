@@ -114,7 +114,9 @@ def test_a_pose_in_the_frame_of_the_world_is_planned_to_on_a_stand():
 
 @pytest.mark.parametrize("text", [RATED, RAISED], ids=["at the origin", "raised"])
 def test_a_chain_of_the_srdf_may_begin_at_the_world(text: str):
-    srdf = SRDF.replace('<chain base_link="base" tip_link="tool"/>', '<chain base_link="world" tip_link="tool"/>')
+    srdf = SRDF.replace(
+        '<chain base_link="base" tip_link="tool"/>', '<chain base_link="world" tip_link="tool"/>'
+    )
     tiny = read_urdf(text, "tiny.urdf", srdf=read_srdf(srdf, "tiny.srdf"))
     assert tiny.groups["limb"].joints == ("shoulder", "elbow")
 
