@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
 
 from tracerisk.twin.kinematics import Kinematics
-from tracerisk.twin.motion import JointTrajectory
+from tracerisk.twin.motion import JointTrajectory, Pose
 from tracerisk.twin.robot import load_robot, robot_names
 from tracerisk.twin.scene import load_scene
 from tracerisk.twin.twin import Twin
+
+# After the twin, which says that no window is needed.
+import mujoco  # isort: skip
 
 KINDS = (
     "kinematics",
@@ -43,7 +47,7 @@ def test_it_plans_at_most_as_fast_as_it_is_rated(name: str):
 MASSES = {
     "gen3": 7.22,
     "iiwa14": 29.9,
-    "panda": 14.50,
+    "panda": 16.77,
     "ur10e": 29.10,
     "ur5e": 17.70,
     "xarm6": 10.06,
@@ -102,3 +106,46 @@ def test_baxters_gripper_ends_at_the_tips_of_its_long_fingers(side: str):
 @pytest.mark.parametrize(("joint", "torque"), [("lbr_A1", 320.0), ("lbr_A3", 176.0)])
 def test_torques_of_the_iiwa_are_those_of_its_brochure(joint: str, torque: float):
     assert load_robot("iiwa14").joint(joint).torque_limit == torque
+
+
+# Gravity torques [N m] of the arm without a hand, by the closed form that the identified model is
+# published with: marcocognetti/FrankaEmikaPandaDynModel, get_GravityVector.m.
+IDENTIFIED = [
+    (
+        (0.0, -0.78, 0.0, -2.35, 0.0, 1.57, 0.78),
+        (0.000, -1.877, -0.665, 18.520, 0.716, 1.672, 0.000),
+    ),
+    (
+        (0.3, 0.9, -0.5, -1.2, 0.8, 2.2, -0.4),
+        (0.000, -45.384, -7.999, 17.795, 0.481, 1.668, -0.014),
+    ),
+]
+
+
+def turned(pose: Pose, vector: Sequence[float]) -> np.ndarray:
+    x, y, z, w = pose.orientation
+    found = np.zeros(3)
+    mujoco.mju_rotVecQuat(found, np.array(vector), np.array([w, x, y, z]))
+    return found
+
+
+@pytest.mark.parametrize(("positions", "torques"), IDENTIFIED)
+def test_the_pandas_links_weigh_on_its_joints_as_identified(
+    positions: tuple[float, ...], torques: tuple[float, ...]
+):
+    panda = load_robot("panda")
+    kinematics = Kinematics(panda)
+    arm = [link for link in panda.links if link.name.startswith("panda_link")]
+    names = [f"panda_joint{i}" for i in range(1, 8)]
+
+    def energy(at: np.ndarray) -> float:
+        poses = kinematics.forward_all(dict(zip(names, at.tolist(), strict=True)))
+        heights = [
+            poses[link.name].position[2] + turned(poses[link.name], link.centre_of_mass)[2]
+            for link in arm
+        ]
+        return 9.80665 * sum(link.mass * height for link, height in zip(arm, heights, strict=True))
+
+    at, step = np.array(positions), 1e-4 * np.eye(7)
+    found = [(energy(at + each) - energy(at - each)) / 2e-4 for each in step]
+    assert found == pytest.approx(torques, abs=0.1)

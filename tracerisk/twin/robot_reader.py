@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import cast, get_args
@@ -122,7 +123,7 @@ def _joints(top: YamlMap, links: Iterable[str]) -> tuple[tuple[Attachment, ...],
             {
                 "name", "type", "parent", "child", "xyz", "rpy", "axis", "lower", "upper",
                 "velocity", "acceleration", "torque", "servo", "plan_velocity",
-                "plan_acceleration",
+                "plan_acceleration", "friction",
             }
         )  # fmt: skip
         kind = entry.string("type", default="revolute")
@@ -158,6 +159,8 @@ def _joint(entry: YamlMap, kind: JointType, servos: Mapping[str, Servo]) -> Join
         servo = servos[_known(entry, "servo", servos)]
     else:
         servo = derived_servo(torque, velocity)
+    if "friction" in entry:
+        servo = replace(servo, friction=entry.number("friction", minimum=0.0))
     return Joint(
         name=entry.string("name"),
         type=kind,
