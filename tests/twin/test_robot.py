@@ -77,6 +77,8 @@ def test_a_gripper_is_found_by_its_group(panda: Robot):
         ("torque: 87.0", "torque: 0.0", "0 is not allowed"),
         ("torque: 87.0", "torque: -1.0", "-1 is outside"),
         ("torque: 87.0", "tork: 87.0", "unknown key 'tork'"),
+        ("torque: 87.0", "torque: 87.0, plan_velocity: 9.0", "9 is above the rated 2.175"),
+        ("torque: 87.0", "torque: 87.0, plan_acceleration: 4", "4 is above the rated 3.75"),
         ("lower: -2.8973", "lower: 3.0", "is not above the lower limit"),
         ("open: {panda_finger_joint1: 0.035", "open: {panda_finger_joint1: 0.5", "0.5 is outside"),
         ("parent: panda_link7", "parent: panda_hand", "hangs on itself"),

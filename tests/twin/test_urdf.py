@@ -6,9 +6,13 @@ import pytest
 
 from tracerisk.errors import RobotError
 from tracerisk.twin.builder import compile_model
+from tracerisk.twin.kinematics import Kinematics
+from tracerisk.twin.motion import PlanningError, Pose
 from tracerisk.twin.robot_assembly import ASSUMED_VELOCITY
 from tracerisk.twin.robot_file import dump_robot, read_dumped_robot
+from tracerisk.twin.scene import load_scene
 from tracerisk.twin.srdf import read_srdf
+from tracerisk.twin.twin import Twin
 from tracerisk.twin.urdf import read_urdf
 
 URDF = """<?xml version="1.0"?>
@@ -81,6 +85,40 @@ def test_the_arm_is_read_and_can_be_simulated():
     assert not tiny.approximate
     model = compile_model(tiny)
     assert model.njnt == 4
+
+
+LEVEL = {"shoulder": math.pi / 2, "elbow": 0.0}
+RAISED = RATED.replace(
+    '<child link="base"/></joint>',
+    '<child link="base"/><origin xyz="0.3 0 0.8" rpy="0 0 1.5707963"/></joint>',
+)
+
+
+def test_the_origin_of_the_fixed_world_joint_places_the_arm():
+    assert RAISED != RATED
+    raised = robot(RAISED)
+    assert raised.base_link == "world_link"
+    base = Kinematics(raised).forward({}, "base")
+    assert base.position == pytest.approx((0.3, 0.0, 0.8))
+    tool = Kinematics(raised).forward(LEVEL, "tool")
+    assert tool.position == pytest.approx((0.3, 0.5, 0.9), abs=1e-6), "x of the base is y here"
+
+
+def test_a_pose_in_the_frame_of_the_world_is_planned_to_on_a_stand():
+    goal = Pose((0.3, 0.5, 0.9), Kinematics(robot(RAISED)).forward(LEVEL, "tool").orientation)
+    planned = Twin.build(robot(RAISED), load_scene("empty")).plan_pose("limb", goal)
+    assert planned.position[-1] == pytest.approx([math.pi / 2, 0.0], abs=1e-3)
+    with pytest.raises(PlanningError):
+        Twin.build(robot(), load_scene("empty")).plan_pose("limb", goal)
+
+
+@pytest.mark.parametrize("text", [RATED, RAISED], ids=["at the origin", "raised"])
+def test_a_chain_of_the_srdf_may_begin_at_the_world(text: str):
+    srdf = SRDF.replace(
+        '<chain base_link="base" tip_link="tool"/>', '<chain base_link="world" tip_link="tool"/>'
+    )
+    tiny = read_urdf(text, "tiny.urdf", srdf=read_srdf(srdf, "tiny.srdf"))
+    assert tiny.groups["limb"].joints == ("shoulder", "elbow")
 
 
 def test_inertias_are_turned_into_the_axes_of_the_link():

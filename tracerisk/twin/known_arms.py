@@ -98,22 +98,19 @@ def completed_as_ours(robot: Robot, *, knows_motors: bool = False) -> Robot:
 
 
 def _rated(joint: Joint, ours: Joint, assumed: bool, knows_motors: bool) -> Joint:
-    """An URDF tells no acceleration, and where figures are assumed ours are better ones."""
-    if not assumed:
-        return replace(joint, acceleration_limit=ours.acceleration_limit)
-    if knows_motors:
-        return replace(
-            joint,
-            velocity_limit=ours.velocity_limit,
-            acceleration_limit=ours.acceleration_limit,
-        )
-    return replace(
+    """Return a joint with what a URDF does not say, and our figures where its own are assumed."""
+    joint = replace(
         joint,
-        velocity_limit=ours.velocity_limit,
         acceleration_limit=ours.acceleration_limit,
-        torque_limit=ours.torque_limit,
-        servo=ours.servo,
+        plan_velocity=ours.plan_velocity,
+        plan_acceleration=ours.plan_acceleration,
     )
+    if not assumed:
+        return joint
+    joint = replace(joint, velocity_limit=ours.velocity_limit)
+    if knows_motors:
+        return joint
+    return replace(joint, torque_limit=ours.torque_limit, servo=ours.servo)
 
 
 def named_as_ours(robot: Robot) -> Robot:

@@ -256,8 +256,8 @@ class Planner:
         v = _scaling("velocity", default.velocity if velocity is None else velocity)
         a = _scaling("acceleration", default.acceleration if acceleration is None else acceleration)
         return (
-            np.array([joint.velocity_limit * v for joint in joints]),
-            np.array([joint.acceleration_limit * a for joint in joints]),
+            np.array([joint.planned_velocity * v for joint in joints]),
+            np.array([joint.planned_acceleration * a for joint in joints]),
         )
 
 

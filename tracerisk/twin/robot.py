@@ -56,6 +56,8 @@ class Joint:
 
     `velocity_limit` [rad/s or m/s], `acceleration_limit` [rad/s^2 or m/s^2], `torque_limit`
     [N m or N].
+    `plan_velocity` and `plan_acceleration` are what MoveIt plans with where that differs from
+    the rated figures, in the same units.
     """
 
     name: str
@@ -66,6 +68,20 @@ class Joint:
     acceleration_limit: float
     torque_limit: float
     servo: Servo
+    plan_velocity: float | None = None
+    plan_acceleration: float | None = None
+
+    @property
+    def planned_velocity(self) -> float:
+        """The greatest speed of a plan at scaling 1 [rad/s or m/s]."""
+        return self.velocity_limit if self.plan_velocity is None else self.plan_velocity
+
+    @property
+    def planned_acceleration(self) -> float:
+        """The greatest acceleration of a plan at scaling 1 [rad/s^2 or m/s^2]."""
+        if self.plan_acceleration is None:
+            return self.acceleration_limit
+        return self.plan_acceleration
 
 
 @dataclass(frozen=True, slots=True)

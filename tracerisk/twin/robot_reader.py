@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import cast, get_args
@@ -121,7 +122,8 @@ def _joints(top: YamlMap, links: Iterable[str]) -> tuple[tuple[Attachment, ...],
         entry.forbid_unknown(
             {
                 "name", "type", "parent", "child", "xyz", "rpy", "axis", "lower", "upper",
-                "velocity", "acceleration", "torque", "servo",
+                "velocity", "acceleration", "torque", "servo", "plan_velocity",
+                "plan_acceleration", "friction",
             }
         )  # fmt: skip
         kind = entry.string("type", default="revolute")
@@ -152,20 +154,35 @@ def _joint(entry: YamlMap, kind: JointType, servos: Mapping[str, Servo]) -> Join
     if lower >= upper:
         entry.fail("upper", f"{upper:g} is not above the lower limit {lower:g}")
     velocity, torque = _positive(entry, "velocity"), _positive(entry, "torque")
+    acceleration = _positive(entry, "acceleration")
     if "servo" in entry:
         servo = servos[_known(entry, "servo", servos)]
     else:
         servo = derived_servo(torque, velocity)
+    if "friction" in entry:
+        servo = replace(servo, friction=entry.number("friction", minimum=0.0))
     return Joint(
         name=entry.string("name"),
         type=kind,
         lower=lower,
         upper=upper,
         velocity_limit=velocity,
-        acceleration_limit=_positive(entry, "acceleration"),
+        acceleration_limit=acceleration,
         torque_limit=torque,
         servo=servo,
+        plan_velocity=_planned(entry, "plan_velocity", velocity),
+        plan_acceleration=_planned(entry, "plan_acceleration", acceleration),
     )
+
+
+def _planned(entry: YamlMap, key: str, rated: float) -> float | None:
+    """Return a limit of plans, `None` where it is the rated one; it may not lie above that."""
+    if key not in entry:
+        return None
+    value = _positive(entry, key)
+    if value > rated:
+        entry.fail(key, f"{value:g} is above the rated {rated:g}; give the rated figure or less")
+    return value
 
 
 def _servo(entry: YamlMap) -> Servo:

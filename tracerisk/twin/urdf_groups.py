@@ -80,7 +80,7 @@ def _members(
         if joint is not None:
             found.add(joint.name)
     for base, tip in group.chains:
-        found.update(joint.name for joint in tree.way(tip, base))
+        found.update(joint.name for joint in tree.way(tip, tree.place_of(base)))
     for name in group.subgroups:
         # A group that contains itself is cut, as it would be endless.
         if name in groups and name not in above and name != group.name:

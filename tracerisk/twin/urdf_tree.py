@@ -142,11 +142,15 @@ def read_tree(root: XmlElement, file: str) -> Tree:
 
 
 def _without_world(tree: Tree) -> Tree:
-    """Leave out a link `world` under the base: the scene says where the robot stands."""
+    """Return the tree without a link `world` whose frame is that of the base.
+
+    Where the base has a place of its own in the world, the root is a link `world_link`: poses
+    that a controller names in the frame `world` count from there.
+    """
     if tree.root != _WORLD:
         return tree
     below = list(tree.below(_WORLD))
-    if len(below) == 1 and not below[0].moves:
+    if len(below) == 1 and not below[0].moves and not any((*below[0].xyz, *below[0].rpy)):
         return Tree(below[0].child, tuple(each for each in tree.joints if each != below[0]))
     return Tree(
         _WORLD_LINK,

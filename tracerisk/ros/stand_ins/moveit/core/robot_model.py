@@ -51,13 +51,13 @@ class VariableBounds:
 
     @property
     def min_velocity(self) -> float:
-        """The rated velocity backwards [rad/s or m/s]."""
-        return -self._joint.velocity_limit
+        """The greatest velocity of a plan backwards [rad/s or m/s]."""
+        return -self._joint.planned_velocity
 
     @property
     def max_velocity(self) -> float:
-        """The rated velocity [rad/s or m/s]."""
-        return self._joint.velocity_limit
+        """The greatest velocity of a plan [rad/s or m/s]."""
+        return self._joint.planned_velocity
 
     @property
     def velocity_bounded(self) -> bool:
@@ -66,13 +66,13 @@ class VariableBounds:
 
     @property
     def min_acceleration(self) -> float:
-        """The rated acceleration backwards [rad/s^2 or m/s^2]."""
-        return -self._joint.acceleration_limit
+        """The greatest acceleration of a plan backwards [rad/s^2 or m/s^2]."""
+        return -self._joint.planned_acceleration
 
     @property
     def max_acceleration(self) -> float:
-        """The rated acceleration [rad/s^2 or m/s^2]."""
-        return self._joint.acceleration_limit
+        """The greatest acceleration of a plan [rad/s^2 or m/s^2]."""
+        return self._joint.planned_acceleration
 
     @property
     def acceleration_bounded(self) -> bool:
