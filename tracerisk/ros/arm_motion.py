@@ -194,7 +194,12 @@ class ArmMotion:
         """
         group = self._planned()
         trajectory, fraction = self.twin.plan_cartesian(
-            group, list(poses), link=self.tool, avoid_collisions=False
+            group,
+            list(poses),
+            link=self.tool,
+            avoid_collisions=False,
+            velocity_scaling=1.0,
+            acceleration_scaling=1.0,
         )
         if fraction < least - 1e-6 or len(trajectory.time) < 2:
             x, y, z = poses[-1].position
