@@ -86,7 +86,7 @@ def _discretised(waypoints: Array, tolerance: float) -> tuple[Array, Array, Arra
     at = waypoints[0]
     for before, corner, after in zip(waypoints, waypoints[1:], waypoints[2:], strict=False):
         arrive, leave = corner - before, after - corner
-        reach = min(np.linalg.norm(arrive), np.linalg.norm(leave)) / 2
+        reach = min(float(np.linalg.norm(arrive)), float(np.linalg.norm(leave))) / 2
         arrive, leave = arrive / np.linalg.norm(arrive), leave / np.linalg.norm(leave)
         turn = math.acos(float(np.clip(arrive @ leave, -1.0, 1.0)))
         # A circle tangent to both legs that misses the corner by the tolerance at most.

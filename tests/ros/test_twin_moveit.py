@@ -79,6 +79,22 @@ state = execute(plan())
     assert result.owners == ["execute"]
 
 
+def test_a_scaling_that_a_request_leaves_at_0_is_1(ran):
+    result = ran("""
+seconds = []
+for factor in (0.0, 1.0, 0.1):
+    goal = ready()
+    goal.request.max_velocity_scaling_factor = factor
+    goal.request.max_acceleration_scaling_factor = factor
+    goal.planning_options.plan_only = True
+    move.send_goal_and_wait(goal)
+    points = move.get_result().planned_trajectory.joint_trajectory.points
+    seconds.append(points[-1].time_from_start.to_sec())
+""")
+    unset, rated, tenth = result["seconds"]
+    assert unset == rated < tenth
+
+
 def test_a_pose_goal_is_reached_and_a_group_that_is_none_is_told(ran):
     result = ran("""
 move.send_goal_and_wait(ready())
