@@ -1,8 +1,11 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from tracerisk.errors import RobotError
 from tracerisk.twin.builder import SensorLayout, compile_model, place_robot
 from tracerisk.twin.kinematics import Kinematics
 from tracerisk.twin.robot import Robot
@@ -73,3 +76,10 @@ def test_sensors_stand_where_the_layout_says(panda: Robot, tube_racks: Scene):
     dofs = [int(model.joint(joint.name).dofadr[0]) for joint in panda.joints]
     assert data.sensordata[layout.torque].tolist() == data.qfrc_actuator[dofs].tolist()
     assert len(data.sensordata) == layout.touching.stop
+
+
+def test_an_arm_joint_whose_servo_has_no_stiffness_is_named(panda: Robot):
+    first, *others = panda.joints
+    limp = replace(first, servo=replace(first.servo, stiffness=0.0))
+    with pytest.raises(RobotError, match=f"'{first.name}' has stiffness 0 and cannot move it"):
+        compile_model(replace(panda, joints=(limp, *others)))

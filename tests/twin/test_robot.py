@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk.errors import RobotError
-from tracerisk.twin.robot import Robot, load_robot, robot_names
+from tracerisk.twin.robot import Robot, Scaling, load_robot, robot_names
 
 ROBOTS = Path(__file__).parents[2] / "tracerisk" / "twin" / "robots"
 
@@ -84,6 +84,7 @@ def test_a_gripper_is_found_by_its_group(panda: Robot):
         ("parent: panda_link7", "parent: panda_hand", "hangs on itself"),
         ("child: panda_link2", "child: panda_link1", "more than one parent"),
         ("servo: wrist", "servo: wirst", "did you mean 'wrist'"),
+        ("servo: wrist", "servo: finger", "'panda_joint5' has stiffness 0 and cannot move it"),
         ("kind: capsule", "kind: cone", "unknown shape 'cone'"),
         ("type: follow_joint_trajectory", "type: follow", "unknown type 'follow'"),
     ],
@@ -103,3 +104,15 @@ def test_the_line_of_a_mistake_is_right(tmp_path: Path):
         load_robot(path)
     assert caught.value.location is not None
     assert caught.value.location.line == line_of(path, "torque: -1.0")
+
+
+def test_plans_take_a_tenth_of_the_rated_figures_unless_the_file_says_otherwise(tmp_path: Path):
+    said = changed(tmp_path, "default_scaling: {velocity: 0.1", "default_scaling: {velocity: 0.3")
+    assert load_robot(said).default_scaling == Scaling(0.3, 0.1)
+    silent = changed(tmp_path, "default_scaling: {velocity: 0.1, acceleration: 0.1}\n", "")
+    assert load_robot(silent).default_scaling == Scaling(0.1, 0.1)
+
+
+def test_no_shipped_robot_plans_at_its_rated_speed_unasked():
+    for path in sorted(ROBOTS.glob("*.yaml")):
+        assert load_robot(path).default_scaling.velocity < 1.0, path.name

@@ -14,8 +14,9 @@ from tracerisk.hardware.shipped import hardware_of
 from tracerisk.pipeline.robot_choice import choose_robot
 from tracerisk.twin.builder import compile_model
 from tracerisk.twin.generic import generic_arm, names_asked, with_assumed_names
+from tracerisk.twin.joint_limits import scaling_beside
 from tracerisk.twin.known_arms import completed_as_ours
-from tracerisk.twin.robot import load_robot
+from tracerisk.twin.robot import Scaling, load_robot
 from tracerisk.twin.xacro_files import expand_xacro
 
 _texts = importlib.util.spec_from_file_location("texts", Path(__file__).parent / "test_urdf.py")
@@ -52,6 +53,30 @@ def test_the_robot_beside_the_controller_is_taken_and_told(tmp_path):
     assert "tiny.srdf with tiny.urdf in the workspace" in robot.chosen_by
     assert "limb" in robot.chosen_by
     assert not robot.assumes_names
+
+
+def test_plans_take_the_default_scaling_of_the_joint_limits_beside_the_srdf(tmp_path):
+    folder, script = workspace(tmp_path)
+    (folder / "tiny.urdf").write_text(texts.RATED)
+    (folder / "tiny.srdf").write_text(texts.SRDF)
+    assert chosen(script).robot.default_scaling == Scaling(0.1, 0.1)
+    limits = folder / "joint_limits.yaml"
+    limits.write_text("default_velocity_scaling_factor: 0.4\njoint_limits: {}\n")
+    choice = chosen(script)
+    assert choice.robot.default_scaling == Scaling(0.4, 0.1)
+    assert limits in choice.files
+
+
+def test_a_scaling_factor_that_is_none_is_told_and_not_taken(tmp_path):
+    folder, script = workspace(tmp_path)
+    (folder / "tiny.urdf").write_text(texts.RATED)
+    srdf = folder / "tiny.srdf"
+    srdf.write_text(texts.SRDF)
+    (folder / "joint_limits.yaml").write_text("a: 1\ndefault_velocity_scaling_factor: 0.0\n")
+    with pytest.raises(RobotError, match="above 0, at most 1") as caught:
+        scaling_beside(srdf, Scaling(0.1, 0.1), shown="tiny/tiny.srdf")
+    assert str(caught.value.location).startswith("tiny/joint_limits.yaml:2")
+    assert chosen(script).robot.default_scaling == Scaling(0.1, 0.1)
 
 
 def test_of_two_robots_the_one_that_the_controller_names_is_taken(tmp_path):

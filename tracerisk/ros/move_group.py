@@ -25,6 +25,7 @@ from tracerisk.twin.motion import (
     PlanningFailure,
     Pose,
 )
+from tracerisk.twin.timing import MIN_ANGLE_CHANGE, PATH_TOLERANCE, RESAMPLE_S
 
 if TYPE_CHECKING:
     from tracerisk.ros.runtime import Runtime
@@ -65,6 +66,19 @@ class Scaling:
 
     velocity: float
     acceleration: float
+
+
+RATED = Scaling(1.0, 1.0)
+
+
+def valid_fraction(value: float) -> float:
+    """Return a scaling factor as MoveIt's time parameterization takes it.
+
+    What is not within (0, 1] is 1; that includes the 0 of a field of a message that is not set.
+    Source: MotionPlanRequest.msg of moveit_msgs, and verifyScalingFactor in MoveIt's
+    time_optimal_trajectory_generation.cpp.
+    """
+    return float(value) if 0.0 < value <= 1.0 else 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,8 +194,9 @@ class MoveGroupServer(RobotGroups):
         eef_step: float,
         avoid_collisions: bool = True,
         start: Mapping[str, float] | None = None,
+        scaling: Scaling = RATED,
     ) -> tuple[Plan, float]:
-        """Plan straight lines through `waypoints` at the rated speeds, as the service does.
+        """Plan straight lines through `waypoints`, at the rated speeds as the service does.
 
         With `avoid_collisions` the way ends before the first collision.
         Returns the plan and the fraction of the way that it covers; less than 1 is no failure
@@ -196,24 +211,53 @@ class MoveGroupServer(RobotGroups):
                 eef_step=eef_step,
                 avoid_collisions=avoid_collisions,
                 start=start,
-                velocity_scaling=1.0,
-                acceleration_scaling=1.0,
+                velocity_scaling=scaling.velocity,
+                acceleration_scaling=scaling.acceleration,
             )
         except PlanningError as error:
             return self._failed(group, error), -1.0
         return Plan(ErrorCode.SUCCESS, trajectory), fraction
 
-    def retime(self, trajectory: JointTrajectory, scaling: Scaling) -> JointTrajectory:
-        """Return the path timed anew.
+    def retime(
+        self,
+        trajectory: JointTrajectory,
+        scaling: Scaling,
+        *,
+        path_tolerance: float = PATH_TOLERANCE,
+        resample_s: float = RESAMPLE_S,
+        min_angle_change: float = MIN_ANGLE_CHANGE,
+    ) -> JointTrajectory:
+        """Return the path timed anew; the settings are those of `timing.along_path`.
 
         Raises:
-            PlanningError: the trajectory is none.
+            PlanningError: the trajectory is none, or a setting is not above 0.
         """
         return self._twin.retime(
             trajectory,
             velocity_scaling=scaling.velocity,
             acceleration_scaling=scaling.acceleration,
+            path_tolerance=path_tolerance,
+            resample_s=resample_s,
+            min_angle_change=min_angle_change,
         )
+
+    def default_scaling(self, description: str) -> Scaling:
+        """Return the fractions that a client of move_group plans with until it sets others.
+
+        As MoveGroupInterface: `<description>_planning/default_velocity_scaling_factor` and
+        `default_acceleration_scaling_factor` of the parameter server, which joint_limits.yaml
+        sets, else those of the robot, 0.1 unless its description says otherwise. What is not
+        within (0, 1] the time parameterization then takes as 1.
+        """
+        parameters = self._runtime.graph.parameters
+        default = self.robot.default_scaling
+        found = [default.velocity, default.acceleration]
+        for i, kind in enumerate(("velocity", "acceleration")):
+            name = f"/{description}_planning/default_{kind}_scaling_factor"
+            value = parameters.get(name) if parameters.has(name) else None
+            if isinstance(value, int | float) and not isinstance(value, bool):
+                found[i] = valid_fraction(value)
+        return Scaling(*found)
 
     def reach(
         self, group: str, goals: Sequence[PoseGoal], start: Mapping[str, float] | None = None

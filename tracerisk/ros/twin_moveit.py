@@ -10,7 +10,7 @@ from tracerisk.ros.action_graph import ActionGoal
 from tracerisk.ros.goal_constraints import GoalReader, RequestError
 from tracerisk.ros.graph import Publication
 from tracerisk.ros.message_dialect import set_time
-from tracerisk.ros.move_group import MoveGroupServer, Plan, PoseGoal, Scaling
+from tracerisk.ros.move_group import MoveGroupServer, Plan, PoseGoal, Scaling, valid_fraction
 from tracerisk.ros.moveit_messages import set_pose, state_message, trajectory_message
 from tracerisk.ros.path_constraints import message_pose, violation
 from tracerisk.ros.poses import compose, inverse
@@ -215,8 +215,8 @@ class MoveItInterfaces:
             if start is not None:
                 start = {**self._server.positions(), **start}
             scaling = Scaling(
-                _fraction(request.max_velocity_scaling_factor),
-                _fraction(request.max_acceleration_scaling_factor),
+                valid_fraction(request.max_velocity_scaling_factor),
+                valid_fraction(request.max_acceleration_scaling_factor),
             )
             plan = self._goals.plan(request.group_name, request.goal_constraints, scaling, start)
         except RequestError as error:
@@ -246,8 +246,3 @@ class MoveItInterfaces:
 
     def _trajectory(self, trajectory: JointTrajectory) -> Any:
         return trajectory_message(self._messages.new, trajectory, self._server.planning_frame)
-
-
-def _fraction(value: float) -> float:
-    """Return a scaling factor as MoveIt takes it: what is not within (0, 1] is 1."""
-    return float(value) if 0.0 < value <= 1.0 else 1.0

@@ -193,7 +193,12 @@ class XarmMotion:
             raise PlanningError("bad_request", "the robot has no planning group of all its joints")
         here = self._twin.link_pose(self.flange)
         trajectory, fraction = self._twin.plan_cartesian(
-            self._group, [waiting.pose], link=self.flange, avoid_collisions=False
+            self._group,
+            [waiting.pose],
+            link=self.flange,
+            avoid_collisions=False,
+            velocity_scaling=1.0,
+            acceleration_scaling=1.0,
         )
         if fraction < 1.0 - 1e-6:
             x, y, z = waiting.pose.position

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tracerisk.errors import RobotError
-from tracerisk.twin.robot import Attachment, Gripper, Joint, Link, Robot
+from tracerisk.twin.robot import Attachment, Gripper, Joint, Link, Robot, without_stiffness
 from tracerisk.twin.rotation import quaternion_of
 from tracerisk.twin.scene import Scene
 from tracerisk.twin.shapes import Shape
@@ -263,6 +263,8 @@ def _add_servo(spec: Any, joint: Joint) -> None:
         biastype=mujoco.mjtBias.mjBIAS_AFFINE,
     )
     servo = joint.servo
+    if servo.stiffness <= 0.0:
+        raise RobotError(without_stiffness(joint.name))
     actuator.gainprm[0] = servo.stiffness
     actuator.biasprm[:3] = (0.0, -servo.stiffness, -servo.damping)
 

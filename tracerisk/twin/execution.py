@@ -18,7 +18,7 @@ from tracerisk.errors import one_of
 from tracerisk.twin.builder import STEP_S
 from tracerisk.twin.motion import JointTrajectory, MotionOutcome, PlanningError
 from tracerisk.twin.robot import Gripper, Joint, Robot
-from tracerisk.twin.timing import resample, straight_line
+from tracerisk.twin.timing import along_path, resample
 
 Array = NDArray[np.float64]
 
@@ -278,9 +278,7 @@ class GripperTrack:
         self._target = target
         speed = np.array([gripper.speed])
         rise = np.array([min(joint.acceleration_limit for joint in members)])
-        times, position, velocity = straight_line(
-            np.array([begin]), np.array([target]), speed, rise
-        )
+        times, position, velocity = along_path(np.array([[begin], [target]]), speed, rise)
         path, slope = resample(times, position, velocity, STEP_S)
         share = 1.0 / len(joints)
         friction = sum(joint.servo.friction for joint in members)

@@ -17,6 +17,7 @@ from types import MappingProxyType
 
 from tracerisk.twin.outline import derived_servo, outlined
 from tracerisk.twin.robot import (
+    DEFAULT_SCALING,
     Attachment,
     Controller,
     Gripper,
@@ -24,7 +25,6 @@ from tracerisk.twin.robot import (
     Joint,
     Link,
     Robot,
-    Scaling,
     Servo,
 )
 from tracerisk.twin.shapes import Shape
@@ -222,7 +222,7 @@ def generic_arm(asked: NamesAsked) -> Robot:
             Controller("arm_controller", "follow_joint_trajectory", names),
             Controller("gripper_controller", "gripper_command", fingers),
         ),
-        default_scaling=Scaling(0.1, 0.1),
+        default_scaling=DEFAULT_SCALING,
         default_scene="empty",
         file="tracerisk/twin/generic.py",
         approximate=True,

@@ -17,7 +17,7 @@ from tracerisk.twin.clearance import Clearance
 from tracerisk.twin.kinematics import Kinematics
 from tracerisk.twin.motion import JointTrajectory, LinkTarget, PlanningError, Pose
 from tracerisk.twin.robot import Joint, Robot
-from tracerisk.twin.timing import along_path, straight_line
+from tracerisk.twin.timing import MIN_ANGLE_CHANGE, PATH_TOLERANCE, RESAMPLE_S, along_path
 
 _LIMIT_SLACK = 1e-6  # a target this far past a limit is a rounding error [rad or m]
 _MAX_WAYPOINTS = 20_000  # of one Cartesian path
@@ -64,9 +64,7 @@ class Planner:
         )
         begin = np.array([start[name] for name in names])
         limits = self._limits(members, velocity_scaling, acceleration_scaling)
-        path = self._clearance.way(members, start, begin, goal)
-        if path is None:
-            return JointTrajectory(tuple(names), *straight_line(begin, goal, *limits))
+        path = self._clearance.way(members, start, begin, goal) or [begin, goal]
         return JointTrajectory(tuple(names), *along_path(np.array(path), *limits))
 
     def pose(
@@ -240,11 +238,32 @@ class Planner:
         *,
         velocity_scaling: float | None = None,
         acceleration_scaling: float | None = None,
+        path_tolerance: float = PATH_TOLERANCE,
+        resample_s: float = RESAMPLE_S,
+        min_angle_change: float = MIN_ANGLE_CHANGE,
     ) -> JointTrajectory:
-        """Return the same path, timed anew under the limits."""
+        """Return the path through the same points, timed anew under the limits.
+
+        `path_tolerance`, `resample_s` and `min_angle_change` are those of `timing.along_path`.
+        Raises PlanningError("bad_request") for one of them that is not a number above 0.
+        """
+        for what, value in (
+            ("path tolerance", path_tolerance),
+            ("time between points", resample_s),
+            ("least change of angle", min_angle_change),
+        ):
+            if not (math.isfinite(value) and value > 0.0):
+                raise PlanningError("bad_request", f"{what} {value:g}; give a number above 0")
         members = [self._robot.joint(name) for name in trajectory.joints]
         limits = self._limits(members, velocity_scaling, acceleration_scaling)
-        return JointTrajectory(trajectory.joints, *along_path(trajectory.position, *limits))
+        timed = along_path(
+            trajectory.position,
+            *limits,
+            tolerance=path_tolerance,
+            resample_s=resample_s,
+            min_angle_change=min_angle_change,
+        )
+        return JointTrajectory(trajectory.joints, *timed)
 
     def _members(self, group: str) -> list[Joint]:
         return [self._robot.joint(name) for name in self._robot.group(group).joints]

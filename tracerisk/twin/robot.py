@@ -156,6 +156,11 @@ class Scaling:
     acceleration: float
 
 
+DEFAULT_SCALING = Scaling(0.1, 0.1)
+"""What MoveGroupInterface takes where `default_velocity_scaling_factor` and
+`default_acceleration_scaling_factor` of the robot's joint_limits.yaml are not set."""
+
+
 @dataclass(frozen=True, slots=True)
 class Robot:
     """A robot; `joints` are all that move, those of the grippers included, in the file's order.
@@ -296,6 +301,15 @@ MODEL_SUFFIXES = (".xml", ".mjcf", ".urdf", ".xacro")
 def is_model_file(name: str) -> bool:
     """Say whether a name is that of a model file (MJCF, URDF, xacro), there or not."""
     return name.lower().endswith(MODEL_SUFFIXES)
+
+
+def without_stiffness(joint: str) -> str:
+    """Return the message on an arm joint that no servo can move."""
+    return (
+        f"the servo of joint '{joint}' has stiffness 0 and cannot move it; the twin drives each "
+        "joint of an arm by a position servo: give it a stiffness above 0 in N m/rad (N/m), or "
+        "leave the servo out to have it derived from the rated torque"
+    )
 
 
 def load_robot(name_or_path: str | Path) -> Robot:

@@ -14,6 +14,7 @@ from types import MappingProxyType
 from tracerisk.errors import Location, RobotError
 from tracerisk.twin.outline import derived_servo
 from tracerisk.twin.robot import (
+    DEFAULT_SCALING,
     Attachment,
     Gripper,
     Group,
@@ -21,7 +22,6 @@ from tracerisk.twin.robot import (
     JointType,
     Link,
     Robot,
-    Scaling,
     Servo,
 )
 from tracerisk.twin.srdf import Srdf
@@ -39,8 +39,6 @@ LIGHTEST = 1e-3  # what moves and weighs less cannot be simulated with steps of 
 _LEAST_TORQUE = 1.0  # of a joint whose file gives none [N m or N]
 _MARGIN = 2.0  # how much more than its own weight an arm is assumed to hold
 _GRAVITY = 9.81
-# MoveIt plans with a tenth of the rated figures when nobody says otherwise.
-_SCALING = Scaling(0.1, 0.1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +112,7 @@ def assembled_robot(parts: RobotParts) -> Robot:
         initial_state=MappingProxyType(_initial(states, by_name)),
         grippers=grippers,
         controllers=controllers_of(groups, grippers),
-        default_scaling=_SCALING,
+        default_scaling=DEFAULT_SCALING,
         default_scene="empty",
         file=parts.file,
         approximate=assumed,

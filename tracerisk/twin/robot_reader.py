@@ -12,6 +12,7 @@ from typing import cast, get_args
 from tracerisk.errors import RobotError, one_of
 from tracerisk.twin.outline import derived_servo, outlined
 from tracerisk.twin.robot import (
+    DEFAULT_SCALING,
     Attachment,
     Controller,
     ControllerType,
@@ -23,6 +24,7 @@ from tracerisk.twin.robot import (
     Robot,
     Scaling,
     Servo,
+    without_stiffness,
 )
 from tracerisk.twin.sensors import read_sensors
 from tracerisk.twin.shapes import read_shapes
@@ -69,6 +71,10 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
     _unique((entry.string("name") for entry in top.maps("grippers")), top, "grippers")
     grippers = tuple(_gripper(entry, by_name, link_names, groups) for entry in top.maps("grippers"))
     held = {name for gripper in grippers for name in gripper.joints}
+    for entry in top.maps("joints"):
+        joint = by_name.get(entry.string("name"))
+        if joint is not None and joint.name not in held and joint.servo.stiffness == 0.0:
+            entry.fail("servo", without_stiffness(joint.name))
     sensors, without_encoder = read_sensors(
         top,
         tuple(name for name in by_name if name not in held),
@@ -88,7 +94,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
         initial_state=MappingProxyType({name: initial[name] for name in by_name}),
         grippers=grippers,
         controllers=tuple(_controller(entry, by_name) for entry in top.maps("controllers")),
-        default_scaling=Scaling(1.0, 1.0) if scaling is None else _scaling(scaling),
+        default_scaling=DEFAULT_SCALING if scaling is None else _scaling(scaling),
         default_scene=top.optional_string("default_scene"),
         file=file,
         aliases=tuple(top.strings("aliases")),

@@ -149,7 +149,9 @@ def _rounded(path: list[Array], is_free: IsFree) -> list[Array]:
         shifted = [padded[k : k + len(dense)] for k in range(2 * wide + 1)]
         smooth: Array = np.mean(shifted, axis=0)
         smooth[0], smooth[-1] = dense[0], dense[-1]
-        if not all(is_free(point) for point in smooth):
+        # Points between, too: the arm passes there, and the path may graze something.
+        between = (smooth[1:] + smooth[:-1]) / 2
+        if not all(is_free(point) for point in (*smooth, *between)):
             break
         dense = smooth
     return list(dense)

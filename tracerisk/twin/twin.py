@@ -22,6 +22,7 @@ from tracerisk.twin.samples import SampleWriter
 from tracerisk.twin.scene import Scene
 from tracerisk.twin.scene_body import SceneBody
 from tracerisk.twin.simulation import Simulation
+from tracerisk.twin.timing import MIN_ANGLE_CHANGE, PATH_TOLERANCE, RESAMPLE_S
 from tracerisk.twin.wrench import Wrench
 
 _TRACKED = 0.01  # a measured position this near its set-point is planned from the set-point
@@ -275,12 +276,18 @@ class Twin:
         *,
         velocity_scaling: float | None = None,
         acceleration_scaling: float | None = None,
+        path_tolerance: float = PATH_TOLERANCE,
+        resample_s: float = RESAMPLE_S,
+        min_angle_change: float = MIN_ANGLE_CHANGE,
     ) -> JointTrajectory:
-        """Return the same path timed anew; see `Planner.retime`."""
+        """Return the path through the same points timed anew; see `Planner.retime`."""
         return self._planner.retime(
             trajectory,
             velocity_scaling=velocity_scaling,
             acceleration_scaling=acceleration_scaling,
+            path_tolerance=path_tolerance,
+            resample_s=resample_s,
+            min_angle_change=min_angle_change,
         )
 
     # Motion

@@ -11,6 +11,7 @@ from types import MappingProxyType
 
 from tracerisk.errors import RobotError, TraceRiskError
 from tracerisk.limited_process import DEFAULT_LIMITS, Limits
+from tracerisk.twin.joint_limits import scaling_beside
 from tracerisk.twin.known_arms import completed_as_ours, named_as_ours, shipped_like
 from tracerisk.twin.mentions import Hint, decide
 from tracerisk.twin.robot import Robot, load_robot
@@ -131,11 +132,27 @@ class _Search:
                     is_named = bool((parts - set(robot.groups)) & self._words - _SAYS_NOTHING)
                 files = [path for file in taken for path in self._read_for.get(file.path, ())]
                 read = tuple(dict.fromkeys([*(file.path for file in taken), *files]))
+                if ".srdf" in taken[0].path.name:
+                    robot, read = self._scaled(robot, taken[0], read)
                 return WorkspaceRobot(robot, reason, tuple(self._skipped), is_named, read)
         why = "no URDF or SRDF stands in the workspace"
         if self._files:
             why = "no URDF or SRDF of the workspace describes a robot that the controller speaks of"
         return WorkspaceRobot(None, why, tuple(self._skipped))
+
+    def _scaled(
+        self, robot: Robot, srdf: _File, read: tuple[Path, ...]
+    ) -> tuple[Robot, tuple[Path, ...]]:
+        """Return the robot with the default scaling of the package that its SRDF is of."""
+        try:
+            found = scaling_beside(srdf.path, robot.default_scaling, shown=srdf.shown)
+        except TraceRiskError as error:
+            self._skipped.append(str(error))
+            return robot, read
+        if found is None:
+            return robot, read
+        scaling, path = found
+        return replace(robot, default_scaling=scaling), (*read, path)
 
     def _from_srdf(
         self, srdf_files: list[_File], urdf_files: list[_File]

@@ -263,6 +263,33 @@ for scaling in (1.0, 0.5, 0.25):
     assert fast < half < quarter
 
 
+def test_without_a_setting_plans_take_a_tenth_or_what_the_parameters_say(run):
+    ran = run(
+        """
+import rospy
+rospy.init_node("planner")
+def seconds(arm):
+    arm.set_named_target("ready")
+    return arm.plan()[1].joint_trajectory.points[-1].time_from_start.to_sec()
+
+unasked = seconds(MoveGroupCommander("panda_arm"))
+tenth = MoveGroupCommander("panda_arm")
+tenth.set_max_velocity_scaling_factor(0.1)
+tenth.set_max_acceleration_scaling_factor(0.1)
+tenth = seconds(tenth)
+for kind in ("velocity", "acceleration"):
+    rospy.set_param("robot_description_planning/default_%s_scaling_factor" % kind, 0.5)
+said = seconds(MoveGroupCommander("panda_arm"))
+half = MoveGroupCommander("panda_arm", robot_description="other")
+half.set_max_velocity_scaling_factor(0.5)
+half.set_max_acceleration_scaling_factor(0.5)
+half = seconds(half)
+"""
+    )
+    assert ran["unasked"] == ran["tenth"]
+    assert ran["said"] == ran["half"] < ran["tenth"]
+
+
 def test_a_cartesian_path_is_straight_and_says_how_much_of_it(run):
     ran = run(
         FAST

@@ -275,6 +275,7 @@ def test_lin_goes_in_a_straight_line(run):
     ran = run(
         """
 go("ready")
+time.sleep(0.5)
 goal = PoseStamped()
 goal.header.frame_id = "panda_link0"
 with monitor.read_only() as scene:

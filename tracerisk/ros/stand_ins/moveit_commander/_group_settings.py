@@ -20,7 +20,7 @@ from .exception import MoveItCommanderException
 class GroupSettings:
     """The settings of one client, with MoveIt's defaults."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, robot_description: str = "robot_description") -> None:
         self._server: MoveGroupServer = server()
         robot = self._server.robot
         if name not in robot.groups:
@@ -34,7 +34,7 @@ class GroupSettings:
         self._joint_tolerance = 1e-4
         self._position_tolerance = 1e-4
         self._orientation_tolerance = 1e-3
-        self._scaling = Scaling(robot.default_scaling.velocity, robot.default_scaling.acceleration)
+        self._scaling = self._server.default_scaling(robot_description)
         self._planning_time = 5.0
         self._planning_attempts = 1
         self._planner_id = ""

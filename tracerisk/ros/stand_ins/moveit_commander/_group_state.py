@@ -17,8 +17,8 @@ from .exception import MoveItCommanderException
 class GroupState(GroupSettings):
     """Names and present values of the group's joints and of its end effector."""
 
-    def __init__(self, name: str) -> None:
-        super().__init__(name)
+    def __init__(self, name: str, robot_description: str = "robot_description") -> None:
+        super().__init__(name, robot_description)
         self._start_state: dict[str, float] | None = None
 
     # Names

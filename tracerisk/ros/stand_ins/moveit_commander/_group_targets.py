@@ -32,8 +32,8 @@ class _FramedPose:
 class GroupTargets(GroupState):
     """What the next plan is for: the target that was set last."""
 
-    def __init__(self, name: str) -> None:
-        super().__init__(name)
+    def __init__(self, name: str, robot_description: str = "robot_description") -> None:
+        super().__init__(name, robot_description)
         self._target_kind: Literal["joint"] | GoalKind = "joint"
         self._joint_target = self._server.default_target(name)
         self._pose_targets: dict[str, list[_FramedPose]] = {}

@@ -27,8 +27,8 @@ _PLACE_TYPES = (
 class GroupPickPlace(GroupTargets):
     """Pick and place of objects of the planning scene."""
 
-    def __init__(self, name: str) -> None:
-        super().__init__(name)
+    def __init__(self, name: str, robot_description: str = "robot_description") -> None:
+        super().__init__(name, robot_description)
         self._detach_postures: dict[str, Any] = {}
 
     def pick(self, object_name: str, grasp: Any = (), plan_only: bool = False) -> int:
@@ -146,15 +146,14 @@ class GroupPickPlace(GroupTargets):
         if translation.desired_distance <= 0.0:
             return ErrorCode.SUCCESS
         plan, fraction = self._server.plan_cartesian(
-            self._name, [pose], link=link, eef_step=_CARTESIAN_STEP
+            self._name, [pose], link=link, eef_step=_CARTESIAN_STEP, scaling=self._scaling
         )
         if plan.trajectory is None:
             return plan.code
         if fraction * translation.desired_distance < translation.min_distance:
             text = f"only {fraction:.0%} of a straight way of link '{link}' can be followed"
             return self._fail(ErrorCode.PLANNING_FAILED, text)
-        timed = self._server.retime(plan.trajectory, self._scaling)
-        return self._carry_out(timed)
+        return self._carry_out(plan.trajectory)
 
     def _retreat(self, link: str, pose: motion.Pose, translation: Any) -> ErrorCode:
         return self._straight(link, self._moved(pose, translation, link), translation)

@@ -56,8 +56,9 @@ class PlanResult(tuple[bool, Any, float, Any]):
 class MoveGroupCommander(GroupPickPlace):
     """A client of move_group for one planning group of the robot.
 
-    `robot_description`, `ns` and `wait_for_servers` are taken and change nothing: there is one
-    robot, and its server is there at once.
+    `robot_description` names the parameters of the default scaling factors. `ns` and
+    `wait_for_servers` are taken and change nothing: there is one robot, and its server is there
+    at once.
 
     Raises:
         RuntimeError: the robot has no such group; lists those it has.
@@ -70,7 +71,7 @@ class MoveGroupCommander(GroupPickPlace):
         ns: str = "",
         wait_for_servers: float = 5.0,
     ) -> None:
-        super().__init__(name)
+        super().__init__(name, robot_description)
 
     # Plan and move
 

@@ -113,9 +113,17 @@ class RobotTrajectory:
     ) -> bool:
         """Time the path anew for fractions of the rated speeds; tell whether it could be done.
 
-        The twin has one way to time a path; tolerance and steps change nothing.
+        `path_tolerance` is how far a blend may leave a waypoint [rad or m], `resample_dt` the
+        longest time between two waypoints of the result [s]; a waypoint of which no joint is
+        further than `min_angle_change` [rad or m] from the last one is dropped.
         """
-        return self._retime(velocity_scaling_factor, acceleration_scaling_factor)
+        return self._retime(
+            velocity_scaling_factor,
+            acceleration_scaling_factor,
+            path_tolerance=path_tolerance,
+            resample_s=resample_dt,
+            min_angle_change=min_angle_change,
+        )
 
     def apply_ruckig_smoothing(
         self,
@@ -136,12 +144,12 @@ class RobotTrajectory:
             self._waypoints, self._durations = before._waypoints, before._durations
         return True
 
-    def _retime(self, velocity: float, acceleration: float) -> bool:
+    def _retime(self, velocity: float, acceleration: float, **settings: float) -> bool:
         server = library().server
         try:
             if not self._waypoints:
                 raise PlanningError("bad_request", "it has no waypoints")
-            timed = server.retime(self._to_twin(), Scaling(velocity, acceleration))
+            timed = server.retime(self._to_twin(), Scaling(velocity, acceleration), **settings)
         except PlanningError as error:
             message = f"a trajectory cannot be timed anew: {error.message}"
             server.execution.tell("planning_failure", message)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.move_group import Scaling
+from tracerisk.ros.move_group import Scaling, valid_fraction
 
 if TYPE_CHECKING:
     from ._moveit_py import MoveItPy
@@ -54,8 +54,8 @@ class PlanRequestParameters:
 
     def _scaling(self) -> Scaling:
         return Scaling(
-            _fraction(self.max_velocity_scaling_factor),
-            _fraction(self.max_acceleration_scaling_factor),
+            valid_fraction(self.max_velocity_scaling_factor),
+            valid_fraction(self.max_acceleration_scaling_factor),
         )
 
     def _key(self) -> tuple[Any, ...]:
@@ -72,8 +72,3 @@ class MultiPipelinePlanRequestParameters:
     def multi_plan_request_parameters(self) -> list[PlanRequestParameters]:
         """The parameters of each plan."""
         return list(self._all)
-
-
-def _fraction(value: float) -> float:
-    """Return a scaling factor as MoveIt takes it: what is not within (0, 1] is 1."""
-    return float(value) if 0.0 < value <= 1.0 else 1.0

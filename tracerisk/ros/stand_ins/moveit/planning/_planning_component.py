@@ -15,7 +15,7 @@ from tracerisk.ros.goal_constraints import GoalReader, RequestError
 from tracerisk.ros.move_group import Plan, Scaling
 from tracerisk.ros.path_constraints import violation
 from tracerisk.ros.trajectory_execution import ErrorCode
-from tracerisk.twin.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.twin.motion import Pose
 
 from .._library import library, log_error
 from ..core.kinematic_constraints import _pose_constraint, construct_joint_constraint
@@ -271,7 +271,7 @@ class PlanningComponent:
         """Plan a straight line of the goal's link, as the planner LIN of pilz does."""
         link, pose = self._line_end(start)
         plan, fraction = self._server.plan_cartesian(
-            self._name, [pose], link=link, eef_step=_LINE_STEP, start=start
+            self._name, [pose], link=link, eef_step=_LINE_STEP, start=start, scaling=scaling
         )
         if plan.trajectory is None:
             return plan
@@ -280,11 +280,7 @@ class PlanningComponent:
                 ErrorCode.PLANNING_FAILED,
                 f"the straight line of '{link}' ends after {fraction:.0%} of its way",
             )
-        try:
-            timed: JointTrajectory = self._server.retime(plan.trajectory, scaling)
-        except PlanningError as error:
-            raise RequestError(ErrorCode.PLANNING_FAILED, error.message) from error
-        return Plan(plan.code, timed)
+        return plan
 
     def _line_end(self, start: Mapping[str, float] | None) -> tuple[str, Pose]:
         target, alternatives = self._reader.goals(self._name, self._goals)
