@@ -229,7 +229,8 @@ class Graph:
     ) -> Publication:
         """Begin to publish on a topic; those who subscribed already are connected.
 
-        `by_controller` is False for a scenario's: what it publishes commands nothing.
+        `by_controller` is False for a scenario's and the twin's: what these publish commands
+        nothing.
         """
         bound = self.scheduler.bound
         if on_connect is not None:
