@@ -43,6 +43,8 @@ class Row:
     functions: int
     components: tuple[str, ...]
     cause: str
+    is_traced: bool = False
+    """Whether the run came to a good end, with a relevant function."""
 
 
 def run(repo: str, commit: str, path: str, sources: Path) -> Row:
@@ -88,7 +90,9 @@ def _row(name: str, seconds: float, found: dict[str, Any]) -> Row:
     cause = " ".join(str(error.get("message") or "").split())[:160]
     if error.get("line"):
         cause = f"{error['file']}:{error['line']}: {cause}"
-    return Row(name, _outcome(found, error, end), seconds, functions, tuple(active), cause)
+    is_traced = functions > 0 and found["exit_code"] in (0, 1)
+    outcome = _outcome(found, error, end)
+    return Row(name, outcome, seconds, functions, tuple(active), cause, is_traced)
 
 
 def _outcome(found: dict[str, Any], error: dict[str, Any], end: str | None) -> str:
@@ -131,7 +135,7 @@ def main() -> None:
             f"| {row.name} | {row.outcome} | {row.seconds:.1f} | {row.functions} "
             f"| {active} | {row.cause.replace('|', '/')} |"
         )
-    traced = sum(1 for row in rows if row.functions)
+    traced = sum(row.is_traced for row in rows)
     counts = ", ".join(
         f"{n} {outcome}" for outcome, n in Counter(r.outcome for r in rows).most_common()
     )

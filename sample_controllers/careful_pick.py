@@ -1,4 +1,8 @@
 #!/usr/bin/env python3
+# /// script
+# [tool.tracerisk]
+# scene = "tube_racks"
+# ///
 """Take tubes out of a rack with a Franka Emika Panda, trying again when a grasp fails (ROS 1)."""
 
 import sys

@@ -1,4 +1,8 @@
 #!/usr/bin/env python3
+# /// script
+# [tool.tracerisk]
+# scene = "tube_racks"
+# ///
 """Move ten test tubes from one rack to another with a Franka Emika Panda."""
 
 import sys

@@ -1,6 +1,6 @@
 import pytest
 
-from tracerisk.config import Settings, controller_root, read_settings
+from tracerisk.config import Settings, controller_root, read_settings, setting_origins
 from tracerisk.errors import SettingsError
 
 
@@ -52,6 +52,88 @@ def test_a_bad_setting_is_an_error_with_file_and_line(tmp_path, body, message):
         read_settings(tmp_path)
     assert message in str(caught.value)
     assert "pyproject.toml" in str(caught.value)
+
+
+OWN = """\
+#!/usr/bin/env python3
+# /// script
+# dependencies = []
+#
+# [tool.tracerisk]
+# SETTING
+# ///
+print("moves an arm")
+"""
+
+
+def carrying(setting: str) -> str:
+    """A controller that carries a setting of its own."""
+    return OWN.replace("SETTING", setting)
+
+
+def test_a_controller_carries_settings_of_its_own_which_go_before_all_others(tmp_path):
+    (tmp_path / "pick.py").write_text(carrying('scene = "tube_racks"'))
+    (tmp_path / "place.py").write_text("")
+    body = 'scene = "pedestal"\nseed = 4\n[tool.tracerisk.controllers."pick.py"]\nscene = "floor"'
+    write(tmp_path, body)
+    assert read_settings(tmp_path, "pick.py") == Settings(scene="tube_racks", seed=4)
+    assert read_settings(tmp_path, "place.py") == Settings(scene="pedestal", seed=4)
+    origin = setting_origins(tmp_path, "pick.py")["scene"]
+    assert origin.is_own
+    assert str(origin.location) == f"{tmp_path / 'pick.py'}:6"
+
+
+def test_a_controller_carries_its_settings_where_there_is_no_other_file(tmp_path):
+    (tmp_path / "pick.py").write_bytes(carrying('scene = "tube_racks"').encode())
+    assert read_settings(tmp_path, "pick.py").scene == "tube_racks"
+    windows = carrying('scene = "tube_racks"').replace("\n", "\r\n")
+    (tmp_path / "pick.py").write_bytes(b"\xef\xbb\xbf" + windows.encode())
+    assert read_settings(tmp_path, "pick.py").scene == "tube_racks"
+
+
+def test_names_of_files_in_a_controller_start_from_its_folder(tmp_path):
+    (tmp_path / "src").mkdir()
+    (tmp_path / "src" / "cell.yaml").write_text("")
+    (tmp_path / "src" / "pick.py").write_text(carrying('scene = "cell.yaml"'))
+    write(tmp_path, "")
+    settings = read_settings(tmp_path, "src/pick.py")
+    assert settings.scene == str(tmp_path / "src" / "cell.yaml")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "print('no block')\n",
+        "# /// script\n# dependencies = []\n# ///\n",
+        "def f():\n    # /// script\n    # [tool.tracerisk]\n    # seed = 1\n    # ///\n    pass\n",
+        "# /// script\n# dependencies = []\nprint('not closed, and nothing of ours')\n",
+    ],
+)
+def test_what_is_no_block_of_settings_gives_none(tmp_path, text):
+    (tmp_path / "pick.py").write_text(text)
+    assert read_settings(tmp_path, "pick.py") == Settings()
+
+
+BAD_OWN = {
+    carrying('scenes = "empty"'): "pick.py:6: scenes: unknown setting; did you mean 'scene'?",
+    carrying("seed = -1"): "pick.py:6: seed: expected a whole number from 0 up, found -1",
+    carrying("seed = "): "is not valid TOML",
+    carrying("seed = 1").replace(
+        "# ///\n", "\n"
+    ): "pick.py:2: the block '# /// script' has no end; put a line '# ///' below the settings",
+    carrying("seed = 1") * 2: "pick.py:10: a second block '# /// script'; keep one",
+    carrying('controllers = {"a.py" = {seed = 1}}'): "pick.py:6: controllers: a controller holds "
+    "settings of itself alone",
+}
+
+
+@pytest.mark.parametrize(("text", "message"), BAD_OWN.items())
+def test_a_bad_setting_in_a_controller_is_an_error_with_its_line(tmp_path, text, message):
+    (tmp_path / "pick.py").write_text(text)
+    with pytest.raises(SettingsError) as caught:
+        read_settings(tmp_path, "pick.py")
+    assert message in str(caught.value)
+    assert "pick.py" in str(caught.value)
 
 
 @pytest.mark.parametrize("mark", ["package.xml", "pyproject.toml", "setup.py", ".git"])

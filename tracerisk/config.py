@@ -1,10 +1,13 @@
-"""The settings: `[tool.tracerisk]` of the `pyproject.toml` at a controller's root."""
+"""The settings: `[tool.tracerisk]` of the `pyproject.toml` at a controller's root, and its own.
+
+A controller may carry settings of its own in a block of inline script metadata (PEP 723).
+"""
 
 from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal, NoReturn, get_args
@@ -26,6 +29,8 @@ FailOn = Literal["finding", "unexpected_contact", "planning_failure", "execution
 _TABLE = ("tool", "tracerisk")
 _CONTROLLERS = "controllers"
 _ROOT_MARKS = ("package.xml", "pyproject.toml", "setup.py", ".git")
+_BLOCK_BEGINS = "# /// script"
+_BLOCK_ENDS = "# ///"
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,23 +115,27 @@ def read_settings(root: Path, file: str | None = None) -> Settings:
     """Return the settings of the `pyproject.toml` in `root`; the defaults where there is none.
 
     `file` is a controller, from the root: its table `[tool.tracerisk.controllers."FILE"]` goes
-    before the settings of all.
+    before the settings of all, and the settings in the file itself go before both.
     `robot`, `scene`, `scenario`, `hardware`, `params` and `launch` that name a file are returned
-    as its path from the root.
+    as its path from the root; those in the controller start from the controller's folder.
     Raises SettingsError with file and line at an unknown key or a bad value.
     """
-    path = root / "pyproject.toml"
-    if not path.is_file():
-        return Settings()
-    text, table = _read_table(path)
-    return _Reader(path, text).settings(table, root, file)
+    values: dict[str, Any] = {}
+    last = None
+    for last in _sources(root, file):
+        values.update(last.values(file))
+    settings = Settings(**values)
+    both = sorted(set(settings.states) & set(settings.helpers))
+    if both and last is not None:
+        last.fail("helpers", f"{', '.join(both)} stands in `states` too; keep it in one")
+    return settings
 
 
 @dataclass(frozen=True, slots=True)
 class SettingOrigin:
     """Where a setting comes from: `location` is `None` for a default.
 
-    `is_own`: it stands in the controller's own table, and not in that of all.
+    `is_own`: it is given for this controller alone, in its own table or in its file.
     """
 
     location: Location | None = None
@@ -139,12 +148,22 @@ def setting_origins(root: Path, file: str | None = None) -> dict[str, SettingOri
     Raises as `read_settings`.
     """
     read_settings(root, file)
-    names = [field.name for field in fields(Settings)]
+    found = dict.fromkeys((field.name for field in fields(Settings)), SettingOrigin())
+    for source in _sources(root, file):
+        found.update(source.origins(file))
+    return found
+
+
+def _sources(root: Path, file: str | None) -> Iterator[_Reader]:
+    """Yield what holds settings of a controller, those that go before others last."""
     path = root / "pyproject.toml"
-    if not path.is_file():
-        return dict.fromkeys(names, SettingOrigin())
-    text, table = _read_table(path)
-    return _Reader(path, text).origins(table, names, file)
+    if path.is_file():
+        yield _Reader(path, _text(path), root)
+    script = None if file is None else root / file
+    if script is not None and script.is_file():
+        text = _inline_metadata(script)
+        if text is not None:
+            yield _Reader(script, text, script.parent, is_own=True)
 
 
 def loads_toml(text: str) -> dict[str, Any]:
@@ -153,38 +172,78 @@ def loads_toml(text: str) -> dict[str, Any]:
     return document
 
 
-def _read_table(path: Path) -> tuple[str, Any]:
-    """Return the text of a `pyproject.toml`, and what stands in it as `[tool.tracerisk]`."""
+def _text(path: Path, errors: str = "strict") -> str:
     try:
-        text = path.read_text(encoding="utf-8")
-        document = loads_toml(text)
+        return path.read_bytes().decode("utf-8-sig", errors).replace("\r\n", "\n")
     except OSError as error:
         raise SettingsError(f"cannot be read: {error.strerror}", Location(str(path))) from error
     except ValueError as error:
         raise SettingsError(f"is not valid TOML: {error}", Location(str(path))) from error
-    tools = document.get("tool", {})
-    return text, tools.get("tracerisk", {}) if isinstance(tools, dict) else {}
+
+
+def _inline_metadata(path: Path) -> str | None:
+    """Return the TOML in a script's block of inline metadata (PEP 723), `None` without settings.
+
+    Its lines keep their numbers: those before the block are empty.
+    """
+    lines = _text(path, "replace").split("\n")
+    begins = [i for i, line in enumerate(lines) if line.rstrip() == _BLOCK_BEGINS]
+    found: list[str] = []
+    for begin in begins:
+        content: list[str] = []
+        for line in lines[begin + 1 :]:
+            if line.rstrip() != "#" and not line.startswith("# "):
+                break
+            content.append(line.rstrip())
+        if not any(".".join(_TABLE) in line for line in content):
+            continue
+        place = Location(str(path), begin + 1)
+        if _BLOCK_ENDS not in content:
+            raise SettingsError(
+                f"the block '{_BLOCK_BEGINS}' has no end; put a line '{_BLOCK_ENDS}' below the "
+                "settings, and begin each of its lines with '# '",
+                place,
+            )
+        if found:
+            raise SettingsError(f"a second block '{_BLOCK_BEGINS}'; keep one", place)
+        last = len(content) - 1 - content[::-1].index(_BLOCK_ENDS)
+        found = [""] * (begin + 1) + [line[2:] for line in content[:last]]
+    return "\n".join(found) if found else None
 
 
 class _Reader:
-    def __init__(self, path: Path, text: str) -> None:
-        self._path = path
-        self._lines = text.splitlines()
-        self._place: tuple[str, ...] = _TABLE
+    """The settings in one file; `folder` is where the names of files in it start."""
 
-    def settings(self, table: Any, root: Path, file: str | None) -> Settings:
+    def __init__(self, path: Path, text: str, folder: Path, *, is_own: bool = False) -> None:
+        self._path = path
+        self._lines = text.split("\n")
+        self._folder = folder
+        self._is_own = is_own
+        self._place: tuple[str, ...] = _TABLE
+        try:
+            document = loads_toml(text)
+        except ValueError as error:
+            raise SettingsError(f"is not valid TOML: {error}", Location(str(path))) from error
+        tools = document.get("tool", {})
+        self._table: Any = tools.get("tracerisk", {}) if isinstance(tools, dict) else {}
+
+    def values(self, file: str | None) -> dict[str, Any]:
+        """Return the settings of a controller that are given here, by name."""
+        table = self._table
         if not isinstance(table, dict):
             raise SettingsError("[tool.tracerisk] is no table", Location(str(self._path)))
+        if self._is_own and _CONTROLLERS in table:
+            self.fail(_CONTROLLERS, "a controller holds settings of itself alone")
         shared = {key: value for key, value in table.items() if key != _CONTROLLERS}
         values = self._values(shared, _TABLE)
         tables = table.get(_CONTROLLERS, {})
         if not isinstance(tables, dict):
-            self._fail(_CONTROLLERS, 'expected tables, [tool.tracerisk.controllers."FILE"]')
+            self.fail(_CONTROLLERS, 'expected tables, [tool.tracerisk.controllers."FILE"]')
         for name, own in tables.items():
             place = (*_TABLE, _CONTROLLERS, name)
             if not isinstance(own, dict):
-                self._fail(_CONTROLLERS, f"{name} is no table of settings")
-            if not (root / name).is_file():
+                self.fail(_CONTROLLERS, f"{name} is no table of settings")
+            if not (self._folder / name).is_file():
                 raise SettingsError(
                     f"{_CONTROLLERS}: there is no controller {name} below this file's folder",
                     Location(str(self._path), self._line(None, place)),
@@ -192,86 +251,84 @@ class _Reader:
             of_one = self._values(own, place)
             if file is not None and PurePosixPath(name) == PurePosixPath(file):
                 values.update(of_one)
-        settings = Settings(**values)
-        both = sorted(set(settings.states) & set(settings.helpers))
-        if both:
-            self._fail("helpers", f"{', '.join(both)} stands in `states` too; keep it in one")
-        files: dict[str, Any] = {}
-        for key in ("robot", "scene", "scenario", "hardware"):
-            name = getattr(settings, key)
-            # A name with an ending is that of a file, be it there or not; no shipped one has it.
-            if name is not None and ((root / name).is_file() or Path(name).suffix):
-                files[key] = str(root / name)
-        if isinstance(settings.launch, str):
-            files["launch"] = str(root / settings.launch)
-        files["params"] = tuple(str(root / name) for name in settings.params)
-        return replace(settings, **files)
+        return {key: self._placed(key, value) for key, value in values.items()}
 
-    def origins(
-        self, table: Mapping[str, Any], names: Sequence[str], file: str | None
-    ) -> dict[str, SettingOrigin]:
-        found = dict.fromkeys(names, SettingOrigin())
-        tables: list[tuple[tuple[str, ...], Mapping[str, Any], bool]] = [(_TABLE, table, False)]
-        for name, own in table.get(_CONTROLLERS, {}).items():
+    def origins(self, file: str | None) -> dict[str, SettingOrigin]:
+        """Return where the settings of a controller that are given here stand, by name."""
+        found = {}
+        tables: list[tuple[tuple[str, ...], Any, bool]] = [(_TABLE, self._table, self._is_own)]
+        for name, own in self._table.get(_CONTROLLERS, {}).items():
             if file is not None and PurePosixPath(name) == PurePosixPath(file):
                 tables.append(((*_TABLE, _CONTROLLERS, name), own, True))
         for place, values, is_own in tables:
             for name in values:
-                if name in found:
+                if name != _CONTROLLERS:
                     line = self._line(name, place)
                     found[name] = SettingOrigin(Location(str(self._path), line), is_own)
         return found
+
+    def _placed(self, key: str, value: Any) -> Any:
+        """Return a setting with the names of files as paths."""
+        if key == "params":
+            return tuple(str(self._folder / name) for name in value)
+        is_name = key in ("robot", "scene", "scenario", "hardware", "launch")
+        if not is_name or not isinstance(value, str):
+            return value
+        # A name with an ending is that of a file, be it there or not; no shipped one has it.
+        is_file = (self._folder / value).is_file() or Path(value).suffix
+        return str(self._folder / value) if is_file or key == "launch" else value
 
     def _values(self, table: Mapping[str, Any], place: tuple[str, ...]) -> dict[str, Any]:
         self._place = place
         names = [field.name for field in fields(Settings)]
         for key in table:
             if key not in names:
-                allowed = names if place != _TABLE else [*names, _CONTROLLERS]
-                self._fail(key, f"unknown setting; {one_of(allowed, key)}")
+                allowed = names if place != _TABLE or self._is_own else [*names, _CONTROLLERS]
+                self.fail(key, f"unknown setting; {one_of(allowed, key)}")
         return {key: self._value(key, value) for key, value in table.items()}
 
     def _value(self, key: str, value: Any) -> Any:
         if key in ("args", "answers"):
             if not isinstance(value, list) or not all(isinstance(each, str) for each in value):
-                self._fail(key, "expected a list of strings")
+                self.fail(key, "expected a list of strings")
             return tuple(value)
         if key == "max_risk":
             if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= 1:
-                self._fail(key, f"expected a probability from 0 to 1, found {value!r}")
+                self.fail(key, f"expected a probability from 0 to 1, found {value!r}")
             return float(value)
         if key in ("require_reason", "companions"):
             if not isinstance(value, bool):
-                self._fail(key, f"expected true or false, found {value!r}")
+                self.fail(key, f"expected true or false, found {value!r}")
             return value
         if key in ("params", "states", "helpers"):
             if not isinstance(value, list) or not all(isinstance(each, str) for each in value):
                 what = "file names" if key == "params" else "qualified names"
-                self._fail(key, f"expected a list of {what}")
+                self.fail(key, f"expected a list of {what}")
             return tuple(value)
         if key == "launch":
             if not isinstance(value, bool | str) or value == "":
-                self._fail(key, f"expected a launch file, true or false, found {value!r}")
+                self.fail(key, f"expected a launch file, true or false, found {value!r}")
             return value
         for name, choices in (("active", get_args(ActiveMode)), ("fail_on", get_args(FailOn))):
             if key == name and value not in choices:
-                self._fail(key, f"{value!r} is not allowed; {one_of(choices, str(value))}")
+                self.fail(key, f"{value!r} is not allowed; {one_of(choices, str(value))}")
         default = getattr(Settings(), key)
         if isinstance(default, float):
             if isinstance(value, bool) or not isinstance(value, int | float) or value <= 0:
-                self._fail(key, f"expected a number above 0, found {value!r}")
+                self.fail(key, f"expected a number above 0, found {value!r}")
             return float(value)
         if isinstance(default, int):
             if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-                self._fail(key, f"expected a whole number from 0 up, found {value!r}")
+                self.fail(key, f"expected a whole number from 0 up, found {value!r}")
             if key == "mission_cycles" and value < 1:
-                self._fail(key, f"expected a whole number from 1 up, found {value!r}")
+                self.fail(key, f"expected a whole number from 1 up, found {value!r}")
             return value
         if not isinstance(value, str):
-            self._fail(key, f"expected a string, found {value!r}")
+            self.fail(key, f"expected a string, found {value!r}")
         return value
 
-    def _fail(self, key: str, message: str) -> NoReturn:
+    def fail(self, key: str, message: str) -> NoReturn:
+        """Raise SettingsError for a setting, at its line."""
         place = self._line(key, self._place)
         raise SettingsError(f"{key}: {message}", Location(str(self._path), place))
 

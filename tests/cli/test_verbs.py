@@ -318,7 +318,7 @@ def test_doctor_tells_what_a_controller_gets(annotated):
     assert outcome.json["faults"] == {}
     assert found["robot"] == "panda (told by the names in the controller's strings)"
     assert found["physics"].endswith("built and stepped")
-    assert found["scene"] == "tube_racks"
+    assert found["scene"] == "empty"
 
 
 def test_doctor_looks_at_every_dependency():

@@ -123,7 +123,7 @@ def run_on_twin(tmp_path: Path) -> Callable[..., Ran]:
         script = tmp_path / "program.py"
         script.write_text(textwrap.dedent(program))
         robot = load_robot("panda")
-        twin = Twin.build(robot, load_scene(robot.default_scene))
+        twin = Twin.build(robot, load_scene("tube_racks"))
         events = tmp_path / "events.jsonl"
         with events.open("wb", buffering=0) as stream:
             recorder = Recorder(stream, clock=lambda: scheduler.now_ns)

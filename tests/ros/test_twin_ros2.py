@@ -23,7 +23,7 @@ READY = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
 def robot():
     """A run on the Panda with ROS 2 messages: runtime, interfaces, and how to run a function."""
     panda = load_robot("panda")
-    twin = Twin.build(panda, load_scene(panda.default_scene))
+    twin = Twin.build(panda, load_scene("tube_racks"))
     scheduler = Scheduler(twin, duration_ns=60 * SECOND)
     interfaces = Interfaces2()
     runtime = Runtime(scheduler, Graph(scheduler), twin)

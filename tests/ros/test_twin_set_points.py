@@ -52,6 +52,66 @@ here = measured()
     assert 2.0e9 <= command.end_ns - command.issue_ns < 2.6e9
 
 
+@pytest.mark.parametrize(
+    "topic",
+    ["/joint_command", "/isaac_joint_commands", "/topic_based_joint_commands", "/left/joint_cmd",
+     "/move_group/fake_controller_joint_states"],
+)  # fmt: skip
+def test_joint_states_are_commands_where_a_driver_takes_them(ran, topic):
+    result = ran(f"""
+def send():
+    goal = [0.1, *READY[1:]]
+    publisher.publish(JointState(name=JOINTS[::-1], position=goal[::-1]))
+
+publisher = rospy.Publisher("{topic}", JointState, queue_size=1)
+send()
+rospy.sleep(4.0)
+here = measured()
+""")
+    assert result["here"]["panda_joint1"] == pytest.approx(0.1, abs=0.005)
+    (command,) = result.recording.commands
+    assert (command.kind, command.outcome) == ("joint_state_command", "succeeded")
+    assert result.owners == ["send"]
+
+
+def test_joint_states_that_are_published_as_feedback_move_nothing_and_a_note_says_so(ran):
+    result = ran("""
+publisher = rospy.Publisher("/joint_states", JointState, queue_size=1)
+before = measured()
+publisher.publish(JointState(name=JOINTS, position=[0.4, *READY[1:]]))
+rospy.sleep(2.0)
+after = measured()
+""")
+    assert result["after"]["panda_joint1"] == pytest.approx(result["before"]["panda_joint1"])
+    assert result.recording.commands == ()
+    (finding,) = result.recording.findings
+    assert finding.kind == "not_simulated"
+    assert finding.message.startswith("joint states published on /joint_states move nothing")
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ("name=['panda_joint9'], position=[0.1]", "no joint 'panda_joint9'; did you mean"),
+        ("name=JOINTS, position=[0.1]", "1 positions for 7 names of joints"),
+        ("position=[0.1]", "1 positions for 0 names of joints"),
+        ("name=JOINTS, velocity=[0.1] * 7", "commands of velocity or effort are not simulated"),
+    ],
+)
+def test_a_command_of_joint_states_that_fits_no_joints_is_refused_with_the_reason(
+    ran, fields, message
+):
+    result = ran(f"""
+publisher = rospy.Publisher("/joint_command", JointState, queue_size=1)
+publisher.publish(JointState({fields}))
+rospy.sleep(1.0)
+""")
+    assert result.recording.commands == ()
+    (finding,) = result.recording.findings
+    assert finding.kind == "command_ignored"
+    assert message in finding.message
+
+
 def test_a_stream_of_set_points_from_a_timer_is_one_visit(ran):
     result = ran("""
 began = rospy.get_time()

@@ -36,6 +36,45 @@ def test_joint_states_are_published_while_somebody_listens(example):
     assert outcome.json["trace"]["end"]["cause"] == "quiescent"
 
 
+IN_A_NAMESPACE = """\
+import actionlib, rospy
+from control_msgs.msg import FollowJointTrajectoryAction
+from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory
+
+rospy.init_node("listener")
+seen = {}
+for topic in ("/iiwa", "/left", "/franka_state_controller", "/elsewhere"):
+    rospy.Subscriber(topic + "/joint_states", JointState, lambda m, t=topic: seen.setdefault(t, m))
+client = actionlib.SimpleActionClient("/iiwa/arm/follow_joint_trajectory",
+                                      FollowJointTrajectoryAction)
+publisher = rospy.Publisher("/left/arm_controller/command", JointTrajectory, queue_size=1)
+rospy.sleep(0.5)
+names = {topic: message.name for topic, message in seen.items()}
+"""
+
+
+def test_joint_states_come_in_the_namespaces_in_which_the_robot_is_used(run_on_twin):
+    ran = run_on_twin(IN_A_NAMESPACE)
+    assert sorted(ran["names"]) == ["/franka_state_controller", "/iiwa", "/left"]
+    assert all(names[0] == "panda_joint1" for names in ran["names"].values())
+
+
+def test_a_driver_that_publishes_joint_states_in_its_namespace_is_not_joined(run_on_twin):
+    ran = run_on_twin(
+        IN_A_NAMESPACE
+        + """
+own = rospy.Publisher("/iiwa/joint_states", JointState, queue_size=1)
+rospy.sleep(0.1)
+got = []
+rospy.Subscriber("/iiwa/joint_states", JointState, got.append)
+own.publish(JointState(name=["a"]))
+rospy.sleep(0.5)
+"""
+    )
+    assert [message.name for message in ran["got"]] == [["a"]]
+
+
 def test_a_message_that_nobody_publishes_is_named_with_the_line_that_waits(example):
     example.write("waiter.py", PROGRAM.replace("/joint_states", "/joint_stats"))
     outcome = example.run("trace", "waiter.py")

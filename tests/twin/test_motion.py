@@ -9,6 +9,7 @@ import pytest
 
 from tracerisk.errors import RobotError
 from tracerisk.twin.builder import compile_model
+from tracerisk.twin.execution import Motion
 from tracerisk.twin.motion import JointTrajectory, PlanningError
 from tracerisk.twin.robot import Robot
 from tracerisk.twin.scene import load_scene
@@ -173,13 +174,26 @@ def test_a_trajectory_that_begins_later_is_reached_from_where_the_arm_is(free: T
     assert free.joint_state().position[0] == pytest.approx(0.4, abs=0.005)
 
 
-def test_an_arm_that_is_blocked_aborts_and_names_the_joint_and_what_is_in_the_way(free: Twin):
-    names = tuple(joint.name for joint in free.robot.arm_joints)
-    # Below its floor.
-    goal = np.array([[0.0, 1.6, 0.0, -1.0, 0.0, 2.0, 0.8]])
-    motion = free.follow(JointTrajectory(names, np.array([3.0]), goal, np.zeros((1, 7))))
+BELOW_ITS_BASE = [0.0, 1.6, 0.0, -1.0, 0.0, 2.0, 0.8]
+
+
+def moved(twin: Twin, goal: list[float]) -> Motion:
+    """Return the motion of the whole arm to a goal [rad], when it has ended."""
+    names = tuple(joint.name for joint in twin.robot.arm_joints)
+    path = JointTrajectory(names, np.array([3.0]), np.array([goal]), np.zeros((1, 7)))
+    motion = twin.follow(path)
     while motion.outcome == "active":
-        free.advance(FOREVER)
+        twin.advance(FOREVER)
+    return motion
+
+
+def test_where_no_scene_is_asked_for_nothing_is_in_the_way_of_the_arm(free: Twin):
+    assert free.scene.name == free.robot.default_scene
+    assert moved(free, BELOW_ITS_BASE).outcome == "succeeded"
+
+
+def test_an_arm_that_is_blocked_aborts_and_names_the_joint_and_what_is_in_the_way(panda: Robot):
+    motion = moved(Twin.build(panda, load_scene("floor")), BELOW_ITS_BASE)
     assert motion.outcome == "aborted"
     assert "from its goal 1 s after the trajectory ended (tolerance 0.005)" in motion.message
     assert re.search(r"; 'panda_\w+' presses on 'floor'$", motion.message)

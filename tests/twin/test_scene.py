@@ -1,12 +1,14 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from tracerisk.errors import RobotError
-from tracerisk.twin.robot import Robot
-from tracerisk.twin.scene import Scene, load_scene, scene_names
+from tracerisk.twin.robot import Robot, load_robot, robot_names
+from tracerisk.twin.scene import Goal, GraspableObject, Scene, load_scene, scene_names
+from tracerisk.twin.shapes import Shape
 from tracerisk.twin.twin import Twin
 
 SCENES = Path(__file__).parents[2] / "tracerisk" / "twin" / "scenes"
@@ -19,8 +21,24 @@ def test_slots_are_where_the_scene_file_says(tube_racks: Scene):
         assert goal.xyz == pytest.approx((0.30 + 0.04 * i, -0.20, 0.055))
 
 
-def test_every_robot_has_its_default_scene(panda: Robot):
-    assert panda.default_scene in scene_names()
+@pytest.mark.parametrize("name", robot_names())
+def test_a_default_scene_has_nothing_but_what_the_robot_stands_on(name: str):
+    robot = load_robot(name)
+    assert robot.default_scene in scene_names()
+    scene = load_scene(robot.default_scene)
+    assert {each.name for each in scene.fixtures} <= {"floor", "column", "feet"}
+    assert (scene.objects, scene.goals) == ((), ())
+
+
+def test_the_floor_of_the_empty_scene_bears_what_lies_on_it(panda: Robot):
+    ball = GraspableObject(
+        "ball", (0.5, 0.0, 0.03), (0.0, 0.0, 0.0), 0.1, 0.5, (Shape("sphere", (0.02,)),)
+    )
+    goal = Goal("where it lies", (0.5, 0.0, 0.02))
+    twin = Twin.build(panda, replace(load_scene("empty"), objects=(ball,), goals=(goal,)))
+    twin.advance(1_000_000_000)
+    (offset,) = twin.object_offsets()
+    assert offset.offset_m < 0.001
 
 
 def test_a_tube_left_alone_stands_in_its_slot(twin: Twin, tube_racks: Scene):

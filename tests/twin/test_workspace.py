@@ -118,17 +118,112 @@ def test_xacro_finds_the_packages_of_the_workspace(tmp_path):
     read = ["tiny.srdf", "tiny.urdf.xacro", "parts.xacro"]
     assert [path.name for path in chosen(script).files] == read
     (folder / "parts.xacro").rename(folder / "parts.txt")
-    choice = chosen(script)
-    assert choice.robot.name == "generic"
-    assert any("tiny.urdf.xacro: xacro cannot expand it" in each for each in choice.skipped)
+    with pytest.raises(RobotError, match=r"tiny\.urdf\.xacro: xacro cannot expand it"):
+        chosen(script)
 
 
-def test_a_broken_file_is_skipped_with_its_reason(tmp_path):
+def test_a_broken_file_of_the_only_robot_is_an_error_with_its_reason(tmp_path):
     folder, script = workspace(tmp_path)
     (folder / "tiny.srdf").write_text("<robot")
+    with pytest.raises(RobotError) as caught:
+        chosen(script)
+    assert "the robot of the workspace cannot be read: tiny.srdf: is not XML" in str(caught.value)
+    assert "say with --robot which robot it is" in str(caught.value)
+    generic = choose_robot(pipeline.load_controller(script), Settings(robot="generic"))
+    assert generic.robot.name == "generic"
+
+
+PREFIXED = """\
+<robot name="crane" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:arg name="side" default="left"/>
+  <xacro:property name="side" value="$(arg side)"/>
+  <link name="base"/>
+  <xacro:macro name="segment" params="number parent">
+    <link name="crane_${side}_link${number}"/>
+    <joint name="crane_${side}_joint${number}" type="revolute">
+      <parent link="${parent}"/><child link="crane_${side}_link${number}"/>
+      <origin xyz="0 0 0.3"/><axis xyz="0 1 0"/>
+      <limit lower="-2" upper="2" effort="50" velocity="2"/>
+    </joint>
+  </xacro:macro>
+  <xacro:segment number="1" parent="base"/>
+  <xacro:segment number="2" parent="crane_${side}_link1"/>
+  <xacro:segment number="3" parent="crane_${side}_link2"/>
+</robot>
+"""
+NEEDS = "<package><name>moves</name><exec_depend>tiny_description</exec_depend></package>"
+
+
+def joints_of(side):
+    return [f"crane_{side}_joint{number}" for number in (1, 2, 3)]
+
+
+def crane(tmp_path, source):
+    """A workspace whose macros build the names of the robot's joints, and a decoy beside it."""
+    folder, script = workspace(tmp_path, source)
+    (folder / "crane.urdf.xacro").write_text(PREFIXED)
+    other = tmp_path / "other_description"
+    other.mkdir()
+    (other / "package.xml").write_text("<package><name>other_description</name></package>")
+    (other / "other.urdf").write_text(texts.RATED.replace('"tiny"', '"other"'))
+    return folder, script
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        f"joint_names = {joints_of('left')}\n",
+        'names = [f"crane_left_joint{i}" for i in range(1, 4)]\n',
+    ],
+)
+def test_joints_are_those_of_the_expanded_xacro_of_a_package_that_is_needed(tmp_path, source):
+    _, script = crane(tmp_path, source)
+    script.with_name("package.xml").write_text(NEEDS)
     choice = chosen(script)
-    assert choice.robot.name == "generic"
-    assert choice.skipped[0].startswith("tiny.srdf: is not XML")
+    assert [joint.name for joint in choice.robot.arm_joints] == joints_of("left")
+    assert choice.robot.name == "crane"
+    assert "crane.urdf.xacro in the workspace (names crane_left_joint1" in choice.robot.chosen_by
+
+
+def test_a_launch_file_names_the_package_and_the_arguments_of_its_xacro(tmp_path):
+    _, script = crane(tmp_path, f"joint_names = {joints_of('right')}\n")
+    (script.parent / "launch").mkdir()
+    (script.parent / "launch" / "cell.launch").write_text(
+        '<launch><param name="robot_description" command="$(find xacro)/xacro '
+        '$(find tiny_description)/crane.urdf.xacro side:=right"/></launch>\n'
+    )
+    robot = chosen(script).robot
+    assert [joint.name for joint in robot.arm_joints] == joints_of("right")
+
+
+def test_an_expanded_robot_whose_joints_are_not_named_is_not_taken(tmp_path):
+    _, script = crane(tmp_path, 'joint_names = ["hip", "knee", "ankle"]\n')
+    script.with_name("package.xml").write_text(NEEDS)
+    assert chosen(script).robot.name == "generic"
+
+
+def test_of_two_copies_of_a_package_the_nearest_is_taken(tmp_path):
+    folder, script = crane(tmp_path, f"joint_names = {joints_of('left')}\n")
+    script.with_name("package.xml").write_text(NEEDS)
+    near = script.parent.parent / "near"
+    for place in (near, near / "sub"):
+        place.mkdir()
+    script = script.rename(near / "sub" / "pick.py")
+    (near / "sub" / "package.xml").write_text(NEEDS)
+    copy = near / "tiny_description"
+    copy.mkdir()
+    (copy / "package.xml").write_text((folder / "package.xml").read_text())
+    (copy / "crane.urdf.xacro").write_text(PREFIXED.replace('effort="50"', 'effort="70"'))
+    robot = chosen(script).robot
+    assert {joint.torque_limit for joint in robot.arm_joints} == {70.0}
+
+
+def test_a_xacro_that_is_needed_and_cannot_be_expanded_is_an_error_and_no_generic_arm(tmp_path):
+    folder, script = crane(tmp_path, f"joint_names = {joints_of('left')}\n")
+    script.with_name("package.xml").write_text(NEEDS)
+    (folder / "crane.urdf.xacro").write_text(PREFIXED.replace('number="1"', 'nummer="1"'))
+    with pytest.raises(RobotError, match=r"crane\.urdf\.xacro: xacro cannot expand it"):
+        chosen(script)
 
 
 def test_a_robot_without_groups_of_its_own_assumes_those_asked_for(tmp_path):

@@ -124,13 +124,22 @@ class _Parser(argparse.ArgumentParser):
     chosen: _Parser | None = None
 
     def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
-        options, unknown = self.parse_known_args(args, namespace)
+        words = list(sys.argv[1:] if args is None else args)
+        options, unknown = self.parse_known_args(words, namespace)
         verb = self.chosen or self
+        last: list[str] = []
+        if unknown and "--" in words and (verb._list or verb._takes_arguments):
+            # argparse fills all positional arguments at the first; what stands behind `--` is last.
+            cut = words.index("--")
+            options, unknown = self.parse_known_args(words[:cut], namespace)
+            last = words[cut + 1 :]
         if unknown and not any(word.startswith("-") for word in unknown) and verb._list:
             # argparse ends a list of files at the first option; what stands behind belongs to it.
             getattr(options, verb._list).extend(unknown)
         elif unknown:
             verb._unknown(unknown)
+        if last:
+            getattr(options, verb._list or "argv").extend(last)
         return options
 
     def shorten_usage(self) -> None:
@@ -149,6 +158,11 @@ class _Parser(argparse.ArgumentParser):
         found = [action for action in self._actions if not action.option_strings]
         is_list = len(found) == 1 and found[0].nargs in ("*", "+")
         return found[0].dest if is_list else None
+
+    @property
+    def _takes_arguments(self) -> bool:
+        """Whether what stands behind `--` is for the controller."""
+        return any(action.dest == "argv" for action in self._actions)
 
     def _unknown(self, words: list[str]) -> None:
         from difflib import get_close_matches

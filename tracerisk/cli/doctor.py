@@ -137,8 +137,11 @@ def _shown(value: Any) -> str:
 def _source(setting: Mapping[str, Any]) -> str:
     if setting["file"] is None:
         return str(setting["from"])
-    table = "the controller's own table" if setting["from"] == "controller" else "all controllers"
-    return f"{setting['file']}:{setting['line']}, {table}"
+    given = "all controllers"
+    if setting["from"] == "controller":
+        in_table = setting["file"].endswith(".toml")
+        given = "the controller's own table" if in_table else "the controller itself"
+    return f"{setting['file']}:{setting['line']}, {given}"
 
 
 def _of_controller(path: str, robot_name: str | None) -> dict[str, str]:

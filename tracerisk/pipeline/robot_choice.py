@@ -14,7 +14,7 @@ from tracerisk.pipeline.controller import Controller, string_literals
 from tracerisk.pipeline.launch.records import LaunchSetup
 from tracerisk.pipeline.launch.spoken import with_parameters
 from tracerisk.pipeline.own_modules import with_own_modules
-from tracerisk.pipeline.workspace import find_workspace
+from tracerisk.pipeline.workspace import find_workspace, named_packages
 from tracerisk.twin.robot import is_model_file
 
 if TYPE_CHECKING:
@@ -45,10 +45,12 @@ def choose_launched_robot(
 
     Raises RobotError as `choose_robot` does; a name that only the launch file has raises none.
     """
+    from tracerisk.twin.workspace import UnreadableRobotError
+
     try:
         return choose_robot(with_parameters(controller, launch), settings, also_named=also_named)
-    except RobotError:
-        if launch is None or not launch.own:
+    except RobotError as error:
+        if isinstance(error, UnreadableRobotError) or launch is None or not launch.own:
             raise
         return choose_robot(controller, settings, also_named=also_named)
 
@@ -59,13 +61,14 @@ def choose_robot(
     """Return the robot that a controller drives; its `chosen_by` says why it is this one.
 
     `also_named` are joints that it names in its run, and not in its source.
-    Raises RobotError when the settings name none that is known, or several fit equally well.
+    Raises RobotError when the settings name none that is known, several fit equally well, or that
+    of the workspace cannot be read.
     """
     from tracerisk.pipeline.robot_hints import robot_hints
     from tracerisk.twin.detect import NoRobotNamedError, SeveralRobotsError, detect_robot
     from tracerisk.twin.generic import generic_arm, names_asked
     from tracerisk.twin.robot import load_robot
-    from tracerisk.twin.workspace import find_workspace_robot
+    from tracerisk.twin.workspace import NamedParts, UnreadableRobotError, find_workspace_robot
 
     whole = with_own_modules(controller)
     if settings.robot == "generic":
@@ -81,7 +84,8 @@ def choose_robot(
     strings = (*string_literals(controller), *string_literals(whole), *also_named)
     packages = _own_packages(controller.root)
     roots = (controller.root, *packages.values())
-    found = find_workspace_robot(roots, packages, strings, controller.path, settings.limits)
+    named = NamedParts(*named_packages(controller.root, packages, strings))
+    found = find_workspace_robot(roots, packages, strings, controller.path, named, settings.limits)
     if found.robot is not None and found.is_named:
         return RobotChoice(replace(found.robot, chosen_by=found.reason), found.skipped, found.files)
     asked = names_asked(whole.source)
@@ -95,6 +99,13 @@ def choose_robot(
             )
         if isinstance(error, SeveralRobotsError):
             raise
+        if found.unreadable:
+            # Another arm in its place would give figures of a robot that is not there.
+            raise UnreadableRobotError(
+                f"the robot of the workspace cannot be read: {'; '.join(found.unreadable)}; mend "
+                "the file, or say with --robot which robot it is: a file, a shipped one, or "
+                "generic for a stand-in"
+            ) from error
         robot = replace(
             generic_arm(asked),
             chosen_by="a stand-in for the robot, which is not known: name it with --robot",

@@ -56,12 +56,12 @@ class UnmetNeeds:
         self._interfaces = interfaces
         self._root = root
         self._has_commanded = has_commanded
-        self._at_end: tuple[tuple[Missed, ...], tuple[Missed, ...]] | None = None
+        self._at_end: tuple[tuple[Missed, ...], ...] | None = None
         runtime.scheduler.on_over = self._keep
 
     def _keep(self) -> None:
         """Keep what is lacking now: a controller that is ended may still take down its node."""
-        self._at_end = self._missed_now(), self._all_now()
+        self._at_end = self._missed_now(), self._all_now(), self._unserved_now()
 
     def waited_for(self) -> tuple[Missed, ...]:
         """Return what a controller that only waits may be waiting for."""
@@ -91,22 +91,28 @@ class UnmetNeeds:
             message = message.replace(f"{before.need.told},", f"{after.need.told},")
         plain = replace(plain, message=message, needs=tuple(each.need for each in unmet))
         plain = replace(plain, location=location or self.below_root(unmet[0].location))
-        lines = scenario_lines([each.need for each in unmet], self._interfaces)
+        # What it would wait for next is told now, and not after another run.
+        names = {(each.need.kind, each.need.name) for each in unmet}
+        more = tuple(
+            each for each in self._unserved() if (each.need.kind, each.need.name) not in names
+        )
+        lines = scenario_lines([each.need for each in (*unmet, *more)], self._interfaces)
+        also = f"; nor does anything provide {self.told(more, len(more))}" if more else ""
         if cause == "quiescent":
-            told = f"nothing was commanded, and nothing provides {self.told(unmet)}"
+            told = f"nothing was commanded, and nothing provides {self.told(unmet)}{also}"
             asked_at = self.below_root(unmet[0].location)
             return JudgedEnd("no_motion", told, asked_at, lines, plain.needs)
         if cause in _DONE:
-            told = f"{message}; nothing provides {self.told(unmet)}"
+            told = f"{message}; nothing provides {self.told(unmet)}{also}"
             return replace(plain, message=told, scenario=lines)
-        return replace(plain, scenario=lines)
+        return replace(plain, message=f"{message}{also}", scenario=lines)
 
-    def told(self, unmet: tuple[Missed, ...]) -> str:
-        """Return the needs in words, each with the place that asks for it."""
-        places = [(each.need.told, self.below_root(each.location)) for each in unmet[:_TOLD]]
+    def told(self, unmet: tuple[Missed, ...], most: int = _TOLD) -> str:
+        """Return the needs in words, at most `most`, each with the place that asks for it."""
+        places = [(each.need.told, self.below_root(each.location)) for each in unmet[:most]]
         told = [name + (f", asked for at {place}" if place else "") for name, place in places]
-        if len(unmet) > _TOLD:
-            told.append(f"{len(unmet) - _TOLD} more")
+        if len(unmet) > most:
+            told.append(f"{len(unmet) - most} more")
         return "; ".join(told)
 
     def below_root(self, place: Location | None) -> Location | None:
@@ -149,6 +155,15 @@ class UnmetNeeds:
 
     def _missed(self) -> tuple[Missed, ...]:
         return self._missed_now() if self._at_end is None else self._at_end[0]
+
+    def _unserved(self) -> tuple[Missed, ...]:
+        return self._unserved_now() if self._at_end is None else self._at_end[2]
+
+    def _unserved_now(self) -> tuple[Missed, ...]:
+        """Return what the controller has a client of, or listens to, and nobody provides."""
+        graph, actions = self._runtime.graph, self._runtime.client(Actions)
+        found = (*graph.unserved(), *actions.unserved(), *graph.unpublished())
+        return tuple({(each.need.kind, each.need.name): each for each in found}.values())
 
     def _all_now(self) -> tuple[Missed, ...]:
         """Return what was asked for in vain, then the topics on which nobody publishes.

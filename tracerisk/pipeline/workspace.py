@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,6 +27,10 @@ _IMPORT = re.compile(r"^[ \t]*(?:from|import)[ \t]+(\w+)", re.MULTILINE)
 _MOST_FOLDERS = 5000
 _BESIDE = 2
 _NEED = re.compile(r"<(?:\w+_)?depend\b[^>]*>\s*([\w.-]+)\s*<")
+_WORD = re.compile(r"[\w.-]+")
+_LAUNCH_ENDINGS = (".launch", ".py", ".xml", ".yaml")
+_XACRO = re.compile(r"([\w.-]+\.xacro)((?:\s+\w+:=[^\s\"'<>$]+(?=[\s\"'<>]))+)")
+_XACRO_ARGUMENT = re.compile(r"(\w+):=(\S+)")
 _NAME = re.compile(r"<name>\s*([\w.-]+)\s*</name>")
 
 
@@ -97,17 +101,52 @@ def find_workspace(root: Path) -> Workspace:
     the folder `src` of a workspace, or the nearest folder with what lies at the top of a
     repository (a readme, a licence, ...). Where there is neither, what lies beside a package is
     none of its own but for the packages that it depends on.
-    Where two packages have one name, the one that contains `root` or is nearer to the top wins.
+    Where two packages have one name, the one that contains `root` or is nearest to it wins.
     """
     top = project_top(root)
     packages: dict[str, Path] = {}
     for folder in _packages_below(top):
-        packages.setdefault(_name_of(folder), folder)
+        known = packages.setdefault(_name_of(folder), folder)
+        if _apart(folder, root.resolve()) < _apart(known, root.resolve()):
+            packages[_name_of(folder)] = folder
     if (root / PACKAGE_FILE).is_file():
         if top == root.resolve() and not (top / ".git").exists():
             packages = {**_needed_beside(top), **packages}
         packages[_name_of(root.resolve())] = root.resolve()
     return Workspace(dict(sorted(packages.items())))
+
+
+def _apart(one: Path, other: Path) -> int:
+    """Return how many folders lie between two folders."""
+    shared = len(os.path.commonpath((one, other)).rstrip("/").split("/"))
+    return len(one.parts) + len(other.parts) - 2 * shared
+
+
+def named_packages(
+    root: Path, packages: Mapping[str, Path], strings: Iterable[str]
+) -> tuple[frozenset[str], dict[str, dict[str, str]]]:
+    """Return the packages that a controller's `strings`, launch files or manifest name.
+
+    The package of `root` is one of them. With them come the arguments that a launch file gives
+    a xacro file, by the file's name, as far as they are literal.
+    """
+    words = {word for string in strings for word in _WORD.findall(string)}
+    texts = [
+        file.read_text(encoding="utf-8", errors="replace")
+        for file in itertools.islice(sorted(root.rglob("*launch*")), _MOST_MODULES)
+        if file.is_file() and file.suffix in _LAUNCH_ENDINGS
+    ]
+    arguments: dict[str, dict[str, str]] = {}
+    for text in texts:
+        words.update(_WORD.findall(text))
+        for name, given in _XACRO.findall(text):
+            pairs = dict(_XACRO_ARGUMENT.findall(given))
+            arguments.setdefault(name, {}).update(pairs)
+    manifest = root / PACKAGE_FILE
+    if manifest.is_file():
+        text = manifest.read_text(encoding="utf-8", errors="replace")
+        words.update((*_NEED.findall(text), _name_of(root)))
+    return frozenset(words & packages.keys()), arguments
 
 
 def project_top(root: Path) -> Path:

@@ -292,6 +292,7 @@ class ActionClientEnd:
     node: str
     copy: Callable[[Any], Any]
     closed: bool = False
+    place: Location | None = field(default_factory=asking_place)
     _numbers: Any = field(default_factory=lambda: itertools.count(1))
 
     @property
@@ -470,6 +471,15 @@ class Actions:
         own = [each for each in fitting if each.by_controller]
         candidates = own or [each for each in fitting if each.is_scenario] or fitting
         return candidates[-1] if candidates else None
+
+    def unserved(self) -> tuple[Missed, ...]:
+        """Return the actions of which the controller has a client and that nobody serves."""
+        return tuple(
+            Missed(each._need, 0, 0, each.place)
+            for known in self._clients.values()
+            for each in known
+            if each.place is not None and each.server is None
+        )
 
     def uncalled(self) -> tuple[Missed, ...]:
         """Return the controller's own servers to which nobody has sent a goal."""

@@ -121,7 +121,7 @@ class DobotReports:
         is_one = change == "subscribed" and type_name in self._reports
         if is_one and name not in self._published:
             self._published.add(name)
-            publication = self._graph.advertise(name, type_name, node=_NODE)
+            publication = self._graph.advertise(name, type_name, node=_NODE, by_controller=False)
             self._reading.tells_joints(publication, _HZ)
             self._schedule(publication)
 

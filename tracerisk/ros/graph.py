@@ -187,6 +187,7 @@ class Graph:
         self._topics: dict[str, _Topic] = {}
         self._unheard: dict[str, Publication] = {}
         self._services: dict[str, ServiceServer] = {}
+        self._callers: dict[Need, Missed] = {}
         self._offers: dict[str, dict[str, tuple[Callable[[Any], Any], str]]] = {}
         self._watchers: list[Callable[[Change, str, str], None]] = []
         scheduler.listens = self.listens
@@ -228,7 +229,8 @@ class Graph:
     ) -> Publication:
         """Begin to publish on a topic; those who subscribed already are connected.
 
-        `by_controller` is False for a scenario's: what it publishes commands nothing.
+        `by_controller` is False for a scenario's and the twin's: what these publish commands
+        nothing.
         """
         bound = self.scheduler.bound
         if on_connect is not None:
@@ -380,6 +382,19 @@ class Graph:
             return known
         handle, node = offered[kind]
         return self.serve(name, kind, handle, node=node, is_callback=False)
+
+    def become_caller(self, name: str, type_name: str) -> None:
+        """Note that the code which runs has a client of a service."""
+        need = Need("service", name, type_name)
+        self._callers.setdefault(need, Missed(need, 0, 0, asking_place()))
+
+    def unserved(self) -> tuple[Missed, ...]:
+        """Return the services of which the controller has a client and that nobody serves."""
+        return tuple(
+            each
+            for need, each in self._callers.items()
+            if each.location is not None and self.service(need.name, need.type_name) is None
+        )
 
     def uncalled(self) -> tuple[Missed, ...]:
         """Return the controller's own services that nobody has called."""

@@ -78,7 +78,7 @@ class KortexReports:
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
         if change == "subscribed" and type_name == _FEEDBACK and name not in self._published:
             self._published.add(name)
-            publication = self._graph.advertise(name, type_name, node=_NODE)
+            publication = self._graph.advertise(name, type_name, node=_NODE, by_controller=False)
             self._reading.tells_joints(publication, _HZ)
             self._schedule(publication)
 

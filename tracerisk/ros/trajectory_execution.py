@@ -12,7 +12,7 @@ from tracerisk.twin.motion import JointTrajectory, PlanningError
 
 if TYPE_CHECKING:
     from tracerisk.instrument.recording import Recorder
-    from tracerisk.instrument.tracer import Tracer
+    from tracerisk.instrument.tracer import Frame, Tracer
     from tracerisk.ros.runtime import Runtime
     from tracerisk.twin.execution import Motion
     from tracerisk.twin.robot import Gripper
@@ -51,11 +51,14 @@ _CODE_OF_OUTCOME = {
 
 @dataclass(slots=True, eq=False)
 class Execution:
-    """A motion in execution; `code` is set when it ends."""
+    """A motion in execution."""
 
     motion: Motion
     command_id: int
+    stack: tuple[Frame, ...]
+    """The functions that asked for it, innermost last."""
     code: ErrorCode | None = None
+    """How it ended."""
 
 
 class TrajectoryExecution:
@@ -91,10 +94,9 @@ class TrajectoryExecution:
         if refusal is not None:
             self.tell("execution_failure", f"a trajectory was not executed: {refusal}")
             return ErrorCode.CONTROL_FAILED
-        command_id = self._recorder.command(
-            "move_group", motion.elements, self._tracer.stack(), goal=motion.goal
-        )
-        execution = Execution(motion, command_id)
+        stack = tuple(self._tracer.stack())
+        command_id = self._recorder.command("move_group", motion.elements, stack, goal=motion.goal)
+        execution = Execution(motion, command_id, stack)
         self._live.append(execution)
         self._watch()
         self.poll()
@@ -124,11 +126,11 @@ class TrajectoryExecution:
             self._recorder.command_ended(execution.command_id, outcome)
             if outcome == "aborted":
                 message = f"a motion was aborted: {execution.motion.message}"
-                self.tell("execution_failure", message)
+                self.tell("execution_failure", message, execution.stack)
 
-    def tell(self, kind: str, message: str) -> None:
-        """Record a finding at the line where the controller stands; the same one only once."""
-        stack = self._tracer.stack()
+    def tell(self, kind: str, message: str, stack: Sequence[Frame] | None = None) -> None:
+        """Record a finding once, at the line that `stack` ends in; else where the controller is."""
+        stack = self._tracer.stack() if stack is None else stack
         location = None
         if stack:
             line, column = stack[-1].site

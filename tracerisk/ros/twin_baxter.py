@@ -113,7 +113,7 @@ class BaxterDriver:
             )
         elif change == "subscribed" and type_name in self._tellers and name not in self._ticking:
             self._ticking.add(name)
-            publication = self._graph.advertise(name, type_name, node=_NODE)
+            publication = self._graph.advertise(name, type_name, node=_NODE, by_controller=False)
             if type_name in _OF_JOINTS:
                 self._reading.tells_joints(publication, _HZ)
             self._schedule(publication, self._tellers[type_name])

@@ -20,7 +20,7 @@ from tracerisk.ros.interbotix_motion import InterbotixMotion
 from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.ros.twin_topics import JOINT_STATE_TYPE
+from tracerisk.ros.twin_set_points import JOINT_STATE_TYPE
 from tracerisk.ros.velocity_motion import at_velocities
 from tracerisk.twin.motion import PlanningError
 
@@ -120,7 +120,7 @@ class InterbotixDriver:
     def _publish_states(self, topic: str) -> None:
         # The twin's own joint states need no second publisher.
         if topic not in self._publications and topic != "/joint_states":
-            told = self._graph.advertise(topic, JOINT_STATE_TYPE, node=_NODE)
+            told = self._graph.advertise(topic, JOINT_STATE_TYPE, node=_NODE, by_controller=False)
             self._publications[topic] = told
             self._reading.tells_joints(told, _HZ)
             self._schedule(topic)

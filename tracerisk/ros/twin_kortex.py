@@ -175,7 +175,9 @@ class KortexDriver:
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
         if change == "subscribed" and type_name == f"{PACKAGE}/ActionNotification":
             if name not in self._topics:
-                self._topics[name] = self._graph.advertise(name, type_name, node=_NODE)
+                self._topics[name] = self._graph.advertise(
+                    name, type_name, node=_NODE, by_controller=False
+                )
         elif change == "advertised" and type_name in _VELOCITY_TOPICS and name not in self._heard:
             self._heard.add(name)
             kind = _VELOCITY_TOPICS[type_name]

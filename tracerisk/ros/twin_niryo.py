@@ -185,7 +185,7 @@ class NiryoRobot:
         is_one = change == "subscribed" and self._topics.get(name, ("",))[0] == type_name
         if is_one and name not in self._published:
             self._published.add(name)
-            publication = self._graph.advertise(name, type_name, node=_NODE)
+            publication = self._graph.advertise(name, type_name, node=_NODE, by_controller=False)
             if type_name == _STATE:
                 self._reading.tells(publication, self._reading.named("encoder"), _HZ)
             soon_ns = self._scheduler.now_ns + 1_000_000

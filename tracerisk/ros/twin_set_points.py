@@ -1,4 +1,9 @@
-"""Topics that command joints: trajectories, positions of a group, the position of one joint.
+"""Topics that command joints: trajectories, positions of a group, of one joint, joint states.
+
+Joint states are commands where a driver takes them: those of simulators and of bridges to them
+(`joint_command` of Isaac Sim, `topic_based_joint_commands` of topic_based_ros2_control), and those
+of MoveIt's fake controllers. What is published on `joint_states` itself is feedback; it moves no
+real robot.
 
 A stream of set-points is one command for as long as it goes on from the same place in the source:
 it is live until its joints have settled and nothing more has come for a while.
@@ -13,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.errors import one_of
 from tracerisk.ros.graph import Change, Publication
 from tracerisk.ros.message_dialect import nanoseconds
 from tracerisk.ros.runtime import Runtime
@@ -32,11 +38,14 @@ if TYPE_CHECKING:
 TRAJECTORY = "trajectory_msgs/JointTrajectory"
 GROUP = "std_msgs/Float64MultiArray"
 SINGLE = "std_msgs/Float64"
+JOINT_STATE_TYPE = "sensor_msgs/JointState"
 DWELL_NS = 250_000_000
 """How long after the last set-point a stream may still go on [ns]."""
 
 _NODE = "/robot_driver"
 _COMMANDS = ("command", "commands")
+_TAKES_STATES = re.compile(r"(^|_)(commands?|cmd)$|^fake_controller_joint_states$")
+_FEEDBACK = "joint_states"
 _NO_POSITIONS = re.compile(r"velocity|effort|torque")
 _SHORT_S = 0.25  # a single point within this time is a set-point of a stream, not a motion
 Array = NDArray[np.float64]
@@ -69,13 +78,16 @@ class SetPoints:
             TRAJECTORY: self._take_trajectory,
             GROUP: self._take_group,
             SINGLE: self._take_single,
+            JOINT_STATE_TYPE: self._take_states,
         }
         self._graph.watch(self._on_change)
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
         if change != "advertised" or type_name not in self._takers or name in self._subscribed:
             return
-        if type_name != TRAJECTORY and name.rsplit("/", 1)[-1] not in _COMMANDS:
+        if not is_command_topic(name, type_name):
+            if type_name == JOINT_STATE_TYPE and name.endswith(f"/{_FEEDBACK}"):
+                self._note_feedback(name)
             return
         self._subscribed.add(name)
         take = self._takers[type_name]
@@ -136,6 +148,33 @@ class SetPoints:
             self._refuse(topic, f"no joint of the robot is meant; it has {names}")
             return
         self.set_point(topic, (joint,), np.array([float(message.data)]), "joint_command")
+
+    def _take_states(self, topic: str, message: Any) -> None:
+        robot = self._twin.robot
+        names, values = list(message.name), [float(value) for value in message.position]
+        known = {joint.name for joint in robot.joints}
+        unknown = [name for name in names if name not in known]
+        if not values and (len(message.velocity) or len(message.effort)):
+            self._refuse(topic, "commands of velocity or effort are not simulated, only positions")
+        elif not names or len(names) != len(values):
+            self._refuse(topic, f"{len(values)} positions for {len(names)} names of joints")
+        elif unknown:
+            self._refuse(
+                topic,
+                f"robot '{robot.name}' has no joint '{unknown[0]}'; {one_of(known, unknown[0])}",
+            )
+        else:
+            self.set_point(topic, tuple(names), np.array(values), "joint_state_command")
+
+    def _note_feedback(self, topic: str) -> None:
+        """Say of joint states that the controller publishes as a driver does that nothing moves."""
+        if any(each.by_controller for each in self._graph.publications(topic)):
+            self._commands.tell(
+                "not_simulated",
+                f"joint states published on {topic} move nothing: a driver publishes there what "
+                "it measured, and takes commands elsewhere",
+                self._commands.stack(),
+            )
 
     def _is_no_position(self, topic: str) -> bool:
         found = _NO_POSITIONS.search(topic)
@@ -218,6 +257,14 @@ class SetPoints:
                 return JointTrajectory(joints, np.array([period_s]), target[None, :], rate[None, :])
         least_s = fastest_s(joints, start, target, self._twin) / speed
         return JointTrajectory(joints, np.array([least_s]), target[None, :], rest)
+
+
+def is_command_topic(name: str, type_name: str) -> bool:
+    """Tell whether a robot's driver takes what is published on a topic for a command."""
+    last = name.rsplit("/", 1)[-1]
+    if type_name == JOINT_STATE_TYPE:
+        return _TAKES_STATES.search(last) is not None
+    return type_name == TRAJECTORY or (type_name in (GROUP, SINGLE) and last in _COMMANDS)
 
 
 def group_joints(robot: Robot, topic: str, count: int) -> tuple[str, ...] | None:

@@ -113,7 +113,7 @@ class XarmDriver:
             return
         if name not in self._publications:
             self._publications.add(name)
-            publication = self._graph.advertise(name, type_name, node=_NODE)
+            publication = self._graph.advertise(name, type_name, node=_NODE, by_controller=False)
             self._reading.tells_joints(publication, _HZ)
             self._schedule(publication)
 

@@ -27,7 +27,8 @@ STEP_S = STEP_NS * 1e-9
 
 # Collision classes. A pair meets if contype of one has a bit of conaffinity of the other:
 # the robot does not meet itself, for primitive hulls of neighbouring links overlap.
-FIXTURE, ROBOT, OBJECT = 1, 2, 4
+# What is free also rests on what only bears things.
+FIXTURE, ROBOT, OBJECT, FREE = 1, 2, 4, 8
 _PAD_MARGIN = 0.003  # how far the site that feels a pad's contacts reaches around it [m]
 
 _GEOMS = {
@@ -145,8 +146,9 @@ def _add_scene(spec: Any, robot: Robot, scene: Scene) -> None:
         body = spec.worldbody.add_body(
             name=fixture.name, pos=fixture.xyz, quat=quaternion_of(fixture.rpy)
         )
+        kind, meets = (FIXTURE, ROBOT | OBJECT) if fixture.meets_robot else (0, FREE)
         for shape in fixture.shapes:
-            add_geom(body, shape, contype=FIXTURE, conaffinity=ROBOT | OBJECT, friction=0.3)
+            add_geom(body, shape, contype=kind, conaffinity=meets, friction=0.3)
     for thing in scene.objects:
         body = spec.worldbody.add_body(
             name=thing.name, pos=thing.xyz, quat=quaternion_of(thing.rpy)
@@ -157,7 +159,7 @@ def _add_scene(spec: Any, robot: Robot, scene: Scene) -> None:
             geom = add_geom(
                 body,
                 shape,
-                contype=OBJECT,
+                contype=OBJECT | FREE,
                 conaffinity=FIXTURE | ROBOT | OBJECT,
                 friction=thing.friction,
             )

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import RobotError
-from tracerisk.twin.builder import FIXTURE, OBJECT, ROBOT, build_spec
+from tracerisk.twin.builder import FIXTURE, FREE, OBJECT, ROBOT, build_spec
 from tracerisk.twin.declared_log import LoggedShape
 from tracerisk.twin.motion import Pose
 from tracerisk.twin.robot import Robot
@@ -137,7 +137,7 @@ def _compiled(
                     spec,
                     body,
                     spec.worldbody,
-                    contype=OBJECT,
+                    contype=OBJECT | FREE,
                     conaffinity=FIXTURE | ROBOT | OBJECT,
                     free=True,
                     pose=_in_world(data, body, robot.base_link),

@@ -27,6 +27,8 @@ class Fixture:
     xyz: Triple
     rpy: Triple
     shapes: tuple[Shape, ...]
+    meets_robot: bool = True
+    """Whether robot and attached objects collide with it; free objects rest on it in any case."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,9 +185,13 @@ def _rack(entry: YamlMap) -> _Rack:
 
 
 def _fixture(entry: YamlMap) -> Fixture:
-    entry.forbid_unknown({"name", "xyz", "rpy", "shapes"})
+    entry.forbid_unknown({"name", "xyz", "rpy", "shapes", "meets_robot"})
     return Fixture(
-        entry.string("name"), _triple(entry, "xyz"), _triple(entry, "rpy"), read_shapes(entry)
+        name=entry.string("name"),
+        xyz=_triple(entry, "xyz"),
+        rpy=_triple(entry, "rpy"),
+        shapes=read_shapes(entry),
+        meets_robot=entry.boolean("meets_robot", default=True),
     )
 
 

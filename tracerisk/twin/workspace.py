@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 
@@ -32,10 +32,26 @@ _NOT_SEARCHED = frozenset(
 )
 _TESTS = frozenset({"test", "tests"})
 _FITS = 0.6  # the share of an SRDF's names that its URDF must have
+_SHORTEST_STEM = 5  # `joint` alone says nothing about the arm
 _ROBOT_NAME = re.compile(r"<robot\b[^>]*\bname\s*=\s*[\"']([^\"']+)[\"']", re.DOTALL)
+_INCLUDE = re.compile(rb"<xacro:include\b[^>]*\bfilename\s*=\s*[\"']([^\"']+)[\"']")
 _XACRO_ARGUMENT = re.compile(r"(\w+):=(\S+)")
 # What so many robots call a part of theirs says nothing about which one it is.
 _SAYS_NOTHING = frozenset({"world", "base", "base_link", "link", "tool0", "open", "close", "home"})
+
+
+class UnreadableRobotError(RobotError):
+    """The robot of the workspace is in a file that cannot be read."""
+
+
+@dataclass(frozen=True, slots=True)
+class NamedParts:
+    """What a controller, its launch files and its manifest say about the workspace's robot."""
+
+    packages: frozenset[str] = frozenset()
+    """The packages that they name, the controller's own among them."""
+    arguments: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    """The arguments that a launch file gives a xacro file, by the file's name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +59,9 @@ class WorkspaceRobot:
     """What was found in a workspace: the robot and why it was taken, or `None`.
 
     `is_named` says that the controller names a part of it, or the robot itself.
-    `skipped` are files that were looked at and not taken, each with its reason; `files` are those
-    that the robot was read from.
+    `skipped` are files that were looked at and not taken, each with its reason; `unreadable` those
+    of them that the controller means and that cannot be read; `files` are those that the robot was
+    read from.
     """
 
     robot: Robot | None
@@ -52,6 +69,7 @@ class WorkspaceRobot:
     skipped: tuple[str, ...] = ()
     is_named: bool = False
     files: tuple[Path, ...] = ()
+    unreadable: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,18 +99,20 @@ def find_workspace_robot(
     packages: Mapping[str, Path],
     strings: Iterable[str],
     script: Path,
+    named: NamedParts | None = None,
     limits: Limits = DEFAULT_LIMITS,
 ) -> WorkspaceRobot:
     """Return the robot of the SRDF, URDF and xacro files below the roots.
 
     `packages` are the ROS packages that xacro files may find, `strings` those of the controller:
-    of several robots the one is taken whose names the controller uses most, then the one that is
+    of several robots the one is taken whose joints, as they are called when macros are expanded,
+    the controller names most, then the one in a package that is `named`, then the one that is
     nearest to the script. A robot of which the controller names nothing is taken only if it is
     the only one; one of tests is not, unless the script is of them too.
     Raises LimitError where a xacro file takes too long or too much memory: which robot is taken
     must not depend on that.
     """
-    search = _Search(tuple(roots), packages, strings, script, limits)
+    search = _Search(tuple(roots), packages, strings, script, named or NamedParts(), limits)
     return search.run()
 
 
@@ -103,10 +123,14 @@ class _Search:
         packages: Mapping[str, Path],
         strings: Iterable[str],
         script: Path,
+        named: NamedParts,
         limits: Limits,
     ) -> None:
         self._limits = limits
         self._packages = packages
+        self._named = [packages[name].resolve() for name in named.packages if name in packages]
+        self._arguments = named.arguments
+        self._unreadable: list[str] = []
         self._words = _words(strings)
         self._script = script.resolve()
         self._skipped: list[str] = []
@@ -114,6 +138,11 @@ class _Search:
         self._read_for: dict[Path, tuple[Path, ...]] = {}
         files = [_read(path, roots) for path in _found(roots)]
         self._files = [file for file in files if file is not None]
+        self._included = {
+            name.rpartition(b"/")[2].decode(errors="replace")
+            for file in self._files
+            for name in _INCLUDE.findall(file.text)
+        }
 
     def run(self) -> WorkspaceRobot:
         srdf_files = [file for file in self._files if ".srdf" in file.path.name]
@@ -138,7 +167,7 @@ class _Search:
         why = "no URDF or SRDF stands in the workspace"
         if self._files:
             why = "no URDF or SRDF of the workspace describes a robot that the controller speaks of"
-        return WorkspaceRobot(None, why, tuple(self._skipped))
+        return WorkspaceRobot(None, why, tuple(self._skipped), unreadable=tuple(self._unreadable))
 
     def _scaled(
         self, robot: Robot, srdf: _File, read: tuple[Path, ...]
@@ -163,7 +192,7 @@ class _Search:
                 text = self._text(file)
                 read.append((file, read_srdf(text, file.shown)))
             except RobotError as error:
-                self._skip(file, error)
+                self._skip(file, error, is_meant=len(srdf_files) == 1 or self._is_meant(file))
         ranked = sorted(read, key=lambda each: self._srdf_rank(*each))
         only = len({srdf.name for file, srdf in read if not self._is_of_tests(file)}) == 1
         for file, srdf in ranked:
@@ -254,24 +283,67 @@ class _Search:
         self, _srdf_files: list[_File], urdf_files: list[_File]
     ) -> tuple[Robot, str, tuple[_File, ...]] | None:
         names_of = {file.robot_name for file in urdf_files if not self._is_of_tests(file)}
+        best: tuple[tuple[int, int], Robot, str, _File] | None = None
         for file in sorted(urdf_files, key=self._rank):
             only = len(names_of) == 1 and not self._is_of_tests(file)
-            speaks = sorted((file.words & self._words) - _SAYS_NOTHING)
-            if not speaks and not only and not self._is_named(file):
+            if not only and not self._is_meant(file):
                 continue
             try:
-                robot = read_urdf(self._text(file), file.shown)
+                text = self._text(file)
             except RobotError as error:
-                self._skip(file, error)
+                self._skip(file, error, is_meant=not self._is_part(file))
                 continue
-            names = {one.name for one in robot.joints} | set(robot.link_names)
-            speaks = sorted((names & self._words) - _SAYS_NOTHING)
+            try:
+                robot = read_urdf(text, file.shown)
+            except RobotError as error:
+                is_meant = bool(self._spoken(file.words)) and not self._is_part(file)
+                self._skip(file, error, is_meant=is_meant)
+                continue
+            joints = {one.name for one in robot.joints}
+            of_joints = self._spoken(joints)
+            speaks = of_joints | self._spoken(set(robot.link_names))
             if not speaks and not only and not self._is_named(file):
                 continue
-            why = f"names {', '.join(speaks[:4])}" if speaks else "by its name"
-            completed = named_as_ours(completed_as_ours(robot))
-            return completed, f"{file.shown} in the workspace ({why})", (file,)
-        return None
+            weight = (len(of_joints), len(speaks))
+            if best is None or weight > best[0]:
+                why = f"names {', '.join(sorted(speaks)[:4])}" if speaks else "by its name"
+                best = weight, robot, why, file
+            if {one.name for one in robot.arm_joints} <= of_joints:
+                break
+        if best is None:
+            return None
+        _, robot, why, file = best
+        completed = named_as_ours(completed_as_ours(robot))
+        return completed, f"{file.shown} in the workspace ({why})", (file,)
+
+    def _spoken(self, names: Set[str]) -> Set[str]:
+        """Return the names that the controller names, also as a stem before a number."""
+        return {
+            name
+            for name in names - _SAYS_NOTHING
+            if name in self._words
+            or (
+                (stem := name.rstrip("0123456789")) in self._words
+                and stem != name
+                and len(stem.rstrip("_")) > _SHORTEST_STEM
+            )
+        }
+
+    def _is_meant(self, file: _File) -> bool:
+        """Tell whether a file may describe the robot of which the controller speaks.
+
+        Before macros are expanded that is seen from names in its text, its own name, and a package
+        that the controller, its launch file or its manifest names.
+        """
+        in_named = bool(file.robot_name) and self._is_in_named(file)
+        return bool(self._spoken(file.words)) or self._is_named(file) or in_named
+
+    def _is_part(self, file: _File) -> bool:
+        """Tell whether another file includes this one, which is then no whole robot."""
+        return file.path.name in self._included
+
+    def _is_in_named(self, file: _File) -> bool:
+        return any(file.path.resolve().is_relative_to(folder) for folder in self._named)
 
     def _is_of_tests(self, file: _File) -> bool:
         """Tell whether a file belongs to tests of which the script is none."""
@@ -294,8 +366,10 @@ class _Search:
             file.shown,
         )
 
-    def _rank(self, file: _File) -> tuple[int, bool, bool, int, str]:
+    def _rank(self, file: _File) -> tuple[bool, bool, int, bool, bool, int, str]:
         return (
+            not self._is_in_named(file),
+            self._is_part(file),
             -len((file.words & self._words) - _SAYS_NOTHING),
             not self._is_named(file),
             file.path.name.endswith(".xacro"),
@@ -310,6 +384,8 @@ class _Search:
         if self._expanded >= _MOST_EXPANDED:
             raise RobotError(f"not looked at: {_MOST_EXPANDED} xacro files were expanded before it")
         self._expanded += 1
+        if arguments is None:
+            arguments = self._arguments.get(file.path.name)
         expanded = expanded_xacro(
             file.path,
             self._packages,
@@ -320,8 +396,10 @@ class _Search:
         self._read_for[file.path] = expanded.files
         return expanded.text
 
-    def _skip(self, file: _File, error: TraceRiskError) -> None:
+    def _skip(self, file: _File, error: TraceRiskError, *, is_meant: bool = False) -> None:
         self._skipped.append(f"{file.shown}: {error.message}")
+        if is_meant and not self._is_of_tests(file):
+            self._unreadable.append(self._skipped[-1])
 
 
 def _found(roots: tuple[Path, ...]) -> Iterator[Path]:

@@ -50,7 +50,7 @@ def panda() -> Robot:
 @pytest.fixture
 def run(panda: Robot, tmp_path: Path) -> Iterator[Callable[[str], Ran]]:
     """Run a program of moveit_commander on the Panda in virtual time; at full speed."""
-    twin = Twin.build(panda, load_scene(panda.default_scene))
+    twin = Twin.build(panda, load_scene("tube_racks"))
     tracer = Tracer()
     scheduler = Scheduler(twin, duration_ns=100 * SECOND, tracer=tracer)
     events = tmp_path / "events.jsonl"

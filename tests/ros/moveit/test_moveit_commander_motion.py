@@ -79,6 +79,25 @@ second = arm.execute(trajectory, wait=True)
     assert (finding.location.file, finding.location.line) == ("program.py", 11)
 
 
+def test_a_motion_that_is_aborted_is_reported_at_the_line_that_asked_for_it(run):
+    ran = run(
+        FAST
+        + """
+import rospy
+rospy.init_node("presses")
+arm.set_max_velocity_scaling_factor(0.5)
+arm.go([0.0, 1.6, 0.0, -1.0, 0.0, 2.0, 0.8], wait=False)  # through the table
+rospy.sleep(1.0)
+rospy.sleep(20.0)
+"""
+    )
+    finding = next(each for each in ran.recording.findings if each.kind == "execution_failure")
+    assert "presses on 'table'" in finding.message
+    (command,) = ran.recording.commands
+    asked = command.stack[-1].site[0]
+    assert (finding.location.file, finding.location.line) == ("program.py", asked)
+
+
 def test_the_result_of_plan_serves_programs_that_expect_the_trajectory_alone(run):
     ran = run(
         FAST

@@ -84,7 +84,7 @@ def run(tmp_path: Path) -> Callable[..., Ran]:
         script = tmp_path / "program.py"
         script.write_text(PREAMBLE + textwrap.dedent(program))
         robot = load_robot("panda")
-        twin = Twin.build(robot, load_scene(robot.default_scene))
+        twin = Twin.build(robot, load_scene("tube_racks"))
         events = tmp_path / "events.jsonl"
         over = None
         with events.open("wb", buffering=0) as stream:

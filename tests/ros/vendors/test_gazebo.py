@@ -172,6 +172,7 @@ off = call(DetachLink, '/DETACHLINK', **weld)
 wrong = call(AttachLink, '/ATTACHLINK', **{**weld, 'link1_name': 'panda_hnd'})
 """,
         ros=2,
+        scene="tube_racks",
     )
     assert ran["where"].success
     assert ran["on"].success

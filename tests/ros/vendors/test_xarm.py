@@ -143,6 +143,7 @@ move = rospy.ServiceProxy('/xarm/move_joint', Move)
 blocked = move([0.3, 1.9, 0, 0.5, 0, 0, 0], 0.5, 5.0, 0, 0)
 error = rospy.ServiceProxy('/xarm/get_err', GetErr)().err
 """,
+        scene="floor",
     )
     assert ran["blocked"].ret == 1
     assert ran["error"] == 31

@@ -40,6 +40,7 @@ class Client(Entity):
         self.qos_profile = qos_profile
         self._pending: list[Future] = []
         self._responses: deque[tuple[Future, Any]] = deque()
+        run().graph.become_caller(srv_name, srv_type._ros_type)
 
     @property
     def service_name(self) -> str:

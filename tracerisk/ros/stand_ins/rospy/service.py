@@ -154,6 +154,7 @@ class ServiceProxy(_Service):
         self.headers = headers
         self.seq = 0
         node().scheduler.needs.tell_type("service", self.resolved_name, service_class._type)
+        node().graph.become_caller(self.resolved_name, service_class._type)
 
     def wait_for_service(self, timeout: float | Duration | None = None) -> None:
         """Wait until the service is served; see `rospy.wait_for_service`."""

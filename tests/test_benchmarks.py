@@ -1,0 +1,42 @@
+"""What the programs that measure the project say."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture
+def corpus(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    path = ROOT / "benchmarks" / "corpus.py"
+    spec = importlib.util.spec_from_file_location("corpus", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, "corpus", module)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize(
+    ("code", "cause", "is_traced"),
+    [(0, "ended", True), (1, "ended", True), (4, "wall_limit", False), (4, "raised", False)],
+)
+def test_a_row_of_the_corpus_is_traced_only_if_its_run_came_to_a_good_end(
+    corpus, code, cause, is_traced
+):
+    trace = {"functions": [{"name": "pick"}], "end": {"cause": cause}}
+    row = corpus._row("repo:pick.py", 1.0, {"exit_code": code, "trace": trace})
+    assert row.is_traced is is_traced
+    assert row.functions == 1
+
+
+def test_a_run_that_moved_nothing_is_no_trace(corpus):
+    row = corpus._row("repo:pick.py", 1.0, {"exit_code": 0, "trace": {"functions": []}})
+    assert not row.is_traced
