@@ -16,7 +16,7 @@ from tracerisk.twin.builder import STEP_S
 from tracerisk.twin.execution import Motion
 from tracerisk.twin.motion import JointTrajectory, Pose
 from tracerisk.twin.robot import Robot
-from tracerisk.twin.timing import resample, straight_line
+from tracerisk.twin.timing import along_path, resample
 from tracerisk.twin.twin import Twin
 
 Array = NDArray[np.float64]
@@ -128,8 +128,8 @@ class Bench:
         state = self.twin.joint_state()
         begin = gripper.position(dict(zip(state.names, state.position, strict=True)))
         rise = min(self.robot.joint(each).acceleration_limit for each in gripper.joints)
-        time, position, velocity = straight_line(
-            np.array([begin]), np.array([target]), np.array([gripper.speed]), np.array([rise])
+        time, position, velocity = along_path(
+            np.array([[begin], [target]]), np.array([gripper.speed]), np.array([rise])
         )
         path = resample(time, position, velocity, STEP_S)[0][:, 0]
         start = self.now_s

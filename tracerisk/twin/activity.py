@@ -111,7 +111,7 @@ def debounce(flags: Flags, n_on: int, n_off: int) -> Flags:
     An interval that is long enough begins with its first step, and so does a gap.
     """
     if not len(flags):
-        return flags.copy()
+        return flags
     edges = np.flatnonzero(np.diff(flags)) + 1
     starts = np.concatenate(([0], edges))
     lengths = np.diff(np.concatenate((starts, [len(flags)])))

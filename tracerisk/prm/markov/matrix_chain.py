@@ -240,7 +240,7 @@ def _absorbing_states(
     if chosen.dtype == np.bool_:
         if chosen.shape != (size,):
             raise ModelError(f"absorbing: shape {chosen.shape}; it marks each of {size} states")
-        ends = chosen.copy()
+        ends: Array = chosen.copy()
     else:
         ends = np.zeros(size, np.bool_)
         for state in chosen.tolist():

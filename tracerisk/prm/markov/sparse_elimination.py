@@ -174,7 +174,7 @@ def solve_left(
 ) -> Array:
     """Return u with u G = start, all by rank; G as in `factors`."""
     n = len(leaving)
-    moved = start.copy()
+    moved: Array = start.copy()
     for k in range(head):
         mass = moved[k]
         if mass != 0.0:
@@ -215,7 +215,7 @@ def solve_right(
 ) -> Array:
     """Return x with G x = reward, all by rank; G as in `factors`."""
     n = len(leaving)
-    value = reward.copy()
+    value: Array = reward.copy()
     for k in range(n):
         total = value[k]
         lost = 0.0

@@ -43,7 +43,7 @@ def depth_first(n: int, head: int, order: Array, parent: Array) -> Array:
         if above != -1 and above < head:
             sibling[k] = child[above]
             child[above] = k
-    result = order.copy()
+    result: Array = order.copy()
     stack = np.empty(n, np.int32)
     placed = 0
     for root in range(head):

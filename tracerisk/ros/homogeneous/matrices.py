@@ -33,7 +33,8 @@ def translation_matrix(direction: ArrayLike) -> Array:
 
 def translation_from_matrix(matrix: ArrayLike) -> Array:
     """Return by what a matrix shifts: (3,)."""
-    return np.array(matrix, dtype=np.float64)[:3, 3].copy()
+    shift: Array = np.array(matrix, dtype=np.float64)[:3, 3].copy()
+    return shift
 
 
 def rotation_matrix(angle: float, direction: ArrayLike, point: ArrayLike | None = None) -> Array:
