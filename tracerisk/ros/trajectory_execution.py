@@ -12,7 +12,7 @@ from tracerisk.twin.motion import JointTrajectory, PlanningError
 
 if TYPE_CHECKING:
     from tracerisk.instrument.recording import Recorder
-    from tracerisk.instrument.tracer import Tracer
+    from tracerisk.instrument.tracer import Frame, Tracer
     from tracerisk.ros.runtime import Runtime
     from tracerisk.twin.execution import Motion
     from tracerisk.twin.robot import Gripper
@@ -51,10 +51,11 @@ _CODE_OF_OUTCOME = {
 
 @dataclass(slots=True, eq=False)
 class Execution:
-    """A motion in execution; `code` is set when it ends."""
+    """A motion in execution, asked for by `stack`; `code` is set when it ends."""
 
     motion: Motion
     command_id: int
+    stack: tuple[Frame, ...] = ()
     code: ErrorCode | None = None
 
 
@@ -71,7 +72,6 @@ class TrajectoryExecution:
         self._tracer = cast("Tracer", runtime.tracer)
         self._recorder: Recorder = runtime.recorder
         self._live: list[Execution] = []
-        self._told: set[tuple[str, str, Location | None]] = set()
         self._watching = False
 
     def start(
@@ -89,12 +89,15 @@ class TrajectoryExecution:
             except PlanningError as error:
                 refusal = error.message
         if refusal is not None:
-            self.tell("execution_failure", f"a trajectory was not executed: {refusal}")
+            self.tell(
+                "execution_failure",
+                f"a trajectory was not executed: {refusal}",
+                target=trajectory.position[-1] if len(trajectory.time) else (),
+            )
             return ErrorCode.CONTROL_FAILED
-        command_id = self._recorder.command(
-            "move_group", motion.elements, self._tracer.stack(), goal=motion.goal
-        )
-        execution = Execution(motion, command_id)
+        stack = self._tracer.stack()
+        command_id = self._recorder.command("move_group", motion.elements, stack, goal=motion.goal)
+        execution = Execution(motion, command_id, stack)
         self._live.append(execution)
         self._watch()
         self.poll()
@@ -124,18 +127,54 @@ class TrajectoryExecution:
             self._recorder.command_ended(execution.command_id, outcome)
             if outcome == "aborted":
                 message = f"a motion was aborted: {execution.motion.message}"
-                self.tell("execution_failure", message)
+                motion = execution.motion
+                self._tell_of(
+                    execution.stack,
+                    "execution_failure",
+                    message,
+                    object_name=", ".join(motion.elements),
+                    target=motion.goal,
+                )
 
-    def tell(self, kind: str, message: str) -> None:
-        """Record a finding at the line where the controller stands; the same one only once."""
+    def tell(
+        self, kind: str, message: str, *, object_name: str = "", target: Sequence[float] = ()
+    ) -> None:
+        """Record a finding where the controller stands; the same once, until a retry succeeds.
+
+        `object_name` is what it is about, `target` the goal of what failed.
+        """
         stack = self._tracer.stack()
+        self._tell_of(stack, kind, message, object_name=object_name, target=target)
+
+    def succeeded(self, kind: str, object_name: str, target: Sequence[float]) -> None:
+        """Record that what failed where the controller stands has now succeeded."""
+        stack = self._tracer.stack()
+        if stack:
+            self._recorder.succeeded(
+                kind, asker=stack[-1].function, object_name=object_name, target=target
+            )
+
+    def _tell_of(
+        self,
+        stack: Sequence[Frame],
+        kind: str,
+        message: str,
+        *,
+        object_name: str,
+        target: Sequence[float],
+    ) -> None:
         location = None
         if stack:
             line, column = stack[-1].site
             location = Location(stack[-1].function.file, line, column or None)
-        if (kind, message, location) not in self._told:
-            self._told.add((kind, message, location))
-            self._recorder.finding(kind, message, location)
+        self._recorder.failed(
+            kind,
+            message,
+            location,
+            asker=stack[-1].function if stack else None,
+            object_name=object_name,
+            target=target,
+        )
 
     def _watch(self) -> None:
         # A motion started without waiting ends when nobody looks; a thread of the library

@@ -8,6 +8,8 @@ from collections.abc import Callable, Generator
 from contextlib import nullcontext
 from typing import Any
 
+from tracerisk.ros.failures import callback_failed
+
 from ._run import run
 
 
@@ -98,6 +100,7 @@ class Future:
                 with root:
                     callback(self)
             except Exception as error:  # noqa: BLE001 - the controller's; the others still run
+                callback_failed("a done callback", error)
                 warnings.warn(f"Unhandled exception in done callback: {error}", stacklevel=2)
 
     @property
