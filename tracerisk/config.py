@@ -9,13 +9,18 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal, NoReturn, get_args
 
+from tracerisk.acceptances import read_acceptances
 from tracerisk.errors import Location, SettingsError, one_of
+from tracerisk.trace import Acceptance
 
 ActiveMode = Literal["moving", "moving+holding"]
 """Which time counts as exposure: moving only, or moving, holding and grasping."""
 
 FailOn = Literal["finding", "unexpected_contact", "planning_failure", "execution_failure"]
 """Which findings of a run make `run` exit 1: any that is no mere note, or those of a kind."""
+
+DEFAULT_DURATION_S = 300.0
+"""The simulated time after which a run is over where nobody says otherwise [s]."""
 
 _TABLE = ("tool", "tracerisk")
 _CONTROLLERS = "controllers"
@@ -26,8 +31,9 @@ _ROOT_MARKS = ("package.xml", "pyproject.toml", "setup.py", ".git")
 class Settings:
     """What a run and its model depend on beside the controller.
 
-    `duration_s` is simulated time [s], `wall_limit_s` and `stall_limit_s` are wall time [s]
-    (`stall_limit_s`: without any simulated progress), `memory_limit_mb` address space [MB].
+    `duration_s` is simulated time [s], `None` for the default; `wall_limit_s` and `stall_limit_s`
+    are wall time [s] (`stall_limit_s`: without any simulated progress), `memory_limit_mb` is
+    address space [MB].
     `mission_cycles` is how many cycles a mission has whose loop has no end of its own.
     `robot`, `scene` and `hardware` are names or paths, `None` for the default of the robot.
     `scenario` is the file of what the controller's world gives it, `params` files of parameters.
@@ -39,6 +45,8 @@ class Settings:
     `max_risk` is the greatest failure probability of a mission that `check` lets pass;
     `require_reason` makes a value set by hand without a reason an error there.
     `fail_on` says which findings make `run` exit 1.
+    `accept` are the reasons of a verdict that the user accepts; `min_coverage` is the least
+    fraction of the functions that can command hardware which `check` lets pass.
     """
 
     robot: str | None = None
@@ -46,7 +54,7 @@ class Settings:
     scenario: str | None = None
     hardware: str | None = None
     active: ActiveMode = "moving+holding"
-    duration_s: float = 300.0
+    duration_s: float | None = None
     wall_limit_s: float = 120.0
     stall_limit_s: float = 30.0
     memory_limit_mb: int = 8192
@@ -62,6 +70,13 @@ class Settings:
     max_risk: float | None = None
     require_reason: bool = False
     fail_on: FailOn | None = None
+    accept: tuple[Acceptance, ...] = ()
+    min_coverage: float | None = None
+
+    @property
+    def run_duration_s(self) -> float:
+        """The simulated time after which a run is over [s]: as given, else the default."""
+        return DEFAULT_DURATION_S if self.duration_s is None else self.duration_s
 
     def with_options(self, options: Mapping[str, Any]) -> Settings:
         """Return the settings with those options of the command line that were given."""
@@ -207,10 +222,13 @@ class _Reader:
             if not isinstance(value, list) or not all(isinstance(each, str) for each in value):
                 self._fail(key, "expected a list of strings")
             return tuple(value)
-        if key == "max_risk":
+        if key in ("max_risk", "min_coverage"):
             if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= 1:
-                self._fail(key, f"expected a probability from 0 to 1, found {value!r}")
+                what = "probability" if key == "max_risk" else "fraction"
+                self._fail(key, f"expected a {what} from 0 to 1, found {value!r}")
             return float(value)
+        if key == "accept":
+            return read_acceptances(value, lambda message: self._fail(key, message))
         if key in ("require_reason", "companions"):
             if not isinstance(value, bool):
                 self._fail(key, f"expected true or false, found {value!r}")
@@ -227,7 +245,7 @@ class _Reader:
         for name, choices in (("active", get_args(ActiveMode)), ("fail_on", get_args(FailOn))):
             if key == name and value not in choices:
                 self._fail(key, f"{value!r} is not allowed; {one_of(choices, str(value))}")
-        default = getattr(Settings(), key)
+        default = DEFAULT_DURATION_S if key == "duration_s" else getattr(Settings(), key)
         if isinstance(default, float):
             if isinstance(value, bool) or not isinstance(value, int | float) or value <= 0:
                 self._fail(key, f"expected a number above 0, found {value!r}")

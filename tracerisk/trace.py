@@ -6,8 +6,8 @@ description: probabilities are computed from it without running anything again.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, NewType, get_args
 
 from tracerisk.errors import Location
@@ -273,6 +273,23 @@ class Verdict:
     def open_reasons(self) -> tuple[Reason, ...]:
         """The reasons that are not accepted."""
         return tuple(each for each in self.reasons if not each.accepted)
+
+    def with_lines(self, line_of: Callable[[str, int], int]) -> Verdict:
+        """Return the verdict with other lines; `line_of` takes a file and a line of it."""
+
+        def moved(reason: Reason) -> Reason:
+            place = reason.location
+            if place is None or place.line is None:
+                return reason
+            line = line_of(place.file, place.line)
+            return replace(reason, location=Location(place.file, line, place.column))
+
+        never = (replace(u, line=line_of(u.ref.file, u.line)) for u in self.coverage.never_ran)
+        return replace(
+            self,
+            reasons=tuple(map(moved, self.reasons)),
+            coverage=replace(self.coverage, never_ran=tuple(never)),
+        )
 
     @property
     def unused_acceptances(self) -> tuple[Acceptance, ...]:

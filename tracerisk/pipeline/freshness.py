@@ -28,6 +28,7 @@ _SOURCES, _FILES, _SETTINGS, _GIVEN, _HARDWARE = "sources", "files", "settings",
 # Settings that change neither a run nor its values: how long it may take, what is demanded of it.
 _LIMITS = frozenset(
     {"wall_limit_s", "stall_limit_s", "memory_limit_mb", "max_risk", "require_reason", "fail_on"}
+    | {"min_coverage"}
 )
 _OF_VALUES = frozenset({"hardware", "active"})
 _NAMES_OF_FILES = ("robot", "scene", "scenario", "hardware", "launch")

@@ -97,7 +97,7 @@ def refresh_controller(
 
 def _check_end(trace: Trace, path: str) -> None:
     place = trace.end.location or Location(path, 1)
-    if not trace.end.is_good:
+    if not trace.is_usable:
         raise ControllerFailedError(trace.end.message, place, code=trace.end.code)
     if not trace.functions:
         raise ControllerFailedError(f"{trace.end.message}, and it commanded no hardware", place)
