@@ -154,7 +154,7 @@ class RecordedRun:
 
 def judge(run: RecordedRun, acceptances: Sequence[Acceptance] = ()) -> Verdict:
     """Return the verdict of a run with its reasons; accepted ones make it no worse."""
-    reasons = _ordered(
+    reasons: tuple[Reason, ...] = _ordered(
         [
             *_of_findings(run),
             *_of_commands(run),
@@ -176,8 +176,10 @@ def with_acceptances(verdict: Verdict, acceptances: Sequence[Acceptance]) -> Ver
         replace(each, accepted="" if each.verdict == "stuck" else words.get(each.key, ""))
         for each in verdict.reasons
     ]
-    kinds = [each.verdict for each in judged if not each.accepted]
-    kind = max(kinds, key=VERDICTS.index, default="complete")
+    kind: VerdictKind = "complete"
+    for each in judged:
+        if not each.accepted and VERDICTS.index(each.verdict) > VERDICTS.index(kind):
+            kind = each.verdict
     return Verdict(kind, _ordered(judged), verdict.coverage, tuple(acceptances))
 
 

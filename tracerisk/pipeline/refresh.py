@@ -14,6 +14,7 @@ from tracerisk.errors import ControllerFailedError, Location
 from tracerisk.pipeline.check import check_controller, given_options
 from tracerisk.pipeline.controller import load_controller
 from tracerisk.pipeline.freshness import RunInputs, stale_reasons
+from tracerisk.pipeline.kept_verdict import kept_verdict
 from tracerisk.pipeline.stages import (
     Annotated,
     annotate,
@@ -70,7 +71,8 @@ def refresh_controller(
     reasons: tuple[str, ...] = ("it was never run",)
     if entry is not None:
         wants_fresh = policy is not None and policy.fresh
-        is_settled = entry.previous is None and not wants_fresh
+        is_judged = kept_verdict(entry) is not None
+        is_settled = entry.previous is None and not wants_fresh and is_judged
         found = {finding.kind for finding in check_controller(controller.path).findings}
         if is_settled and not found & _MENDED:
             return Refreshed("fresh", "nothing that it depends on has changed")
@@ -78,6 +80,8 @@ def refresh_controller(
         if not reasons:
             trace = cache.read(recorded.fingerprint, controller.file)
             reasons = () if trace is not None else ("its trace is not kept here",)
+            if not is_judged:
+                reasons = ("its last run has no verdict",) if trace is None else ()
     how: How = "recomputed" if trace is not None else "simulated"
     if trace is None:
         trace = trace_controller(controller, settings, progress=progress)

@@ -184,10 +184,10 @@ def _coverage(controller: Controller, recording: Recording) -> Coverage:
     graph = CallGraph.joined(graphs)
     never_ran = uncovered(graph, motion, {site.ref for site in recording.functions_ran})
     # What the run has seen to command counts, however it came to.
-    seen = {each.function for command in recording.commands for each in command.stack[:-1]}
-    innermost = {command.stack[-1].function for command in recording.commands}
+    seen = {frame.function for command in recording.commands for frame in command.stack[:-1]}
+    issuers = {command.stack[-1].function for command in recording.commands}
     reaching = {each.ref for each in motion_reaching(graph, motion)} | seen
-    able = {ref for ref in reaching if ref.name != MODULE_NAME} | innermost
+    able = {ref for ref in reaching if ref.name != MODULE_NAME} | issuers
     return Coverage(len(able) - len(never_ran), len(able), never_ran)
 
 

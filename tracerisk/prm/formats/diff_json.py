@@ -6,6 +6,7 @@ from dataclasses import asdict
 from typing import Any
 
 from tracerisk.prm.risk_change import Review, RiskDiff
+from tracerisk.trace import verdict_line
 
 
 def review_to_json(review: Review) -> dict[str, Any]:
@@ -30,6 +31,11 @@ def _diff_to_json(diff: RiskDiff) -> dict[str, Any]:
         "increase": diff.increase,
         "ratio": diff.ratio,
         "is_unchanged": diff.is_unchanged,
+        "is_comparable": diff.is_comparable,
+        "verdict_line": None if diff.verdicts is None else verdict_line(diff.verdicts.after),
+        "new_acceptances": (
+            [] if diff.verdicts is None else [asdict(e) for e in diff.verdicts.new_acceptances]
+        ),
         "functions": [{**data, "status": each.status} for data, each in functions],
         "changes": [{**data, "causes": list(each.causes)} for data, each in changes],
     }

@@ -163,7 +163,8 @@ class BufferCore:
     ) -> list[str]:
         target_ns, source_ns = nanoseconds(target_time), nanoseconds(source_time)
         return self._answer(
-            lambda: self._tree.chain(target_frame, target_ns, source_frame, source_ns, fixed_frame)
+            (target_frame, source_frame, fixed_frame),
+            lambda: self._tree.chain(target_frame, target_ns, source_frame, source_ns, fixed_frame),
         )
 
     def _set(self, transform: Any, authority: str, *, static: bool) -> None:
