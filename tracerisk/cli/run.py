@@ -40,10 +40,10 @@ from tracerisk.cli.run_report import (
     print_failure,
     write_outputs,
 )
-from tracerisk.cli.verdict import print_verdict, verdict_exit, verdict_json
+from tracerisk.cli.verdict import print_verdict, verdict_details, verdict_exit, verdict_json
 from tracerisk.cli.what_if import print_what_if, what_if_data
 from tracerisk.errors import ControllerFailedError, ExitCode, Location
-from tracerisk.trace import Trace
+from tracerisk.trace import Trace, verdict_line
 
 if TYPE_CHECKING:
     from tracerisk.adder.derivation import FunctionDerivation
@@ -165,7 +165,8 @@ def _assess(options: argparse.Namespace, progress: Progress) -> _Assessed | Trac
         section = run_section(trace, hardware, recorded)
         shown = RunShown(trace, hardware, annotated.computed, () if section is None else (section,))
         review = review_against(options.against, sources)
-        page = report_html(assessment, model, sources, run=shown, review=review)
+        verdict = (verdict_line(trace.verdict), *verdict_details(trace.verdict))
+        page = report_html(assessment, model, sources, run=shown, review=review, verdict=verdict)
         write_file(options.report, page)
     return _Assessed(
         controller, settings, trace, annotated, model, assessment, figures, uncertainty, derivation

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
+from tracerisk.cli.sources import read_file
 from tracerisk.errors import ExitCode
 from tracerisk.trace import Verdict, verdict_line
 from tracerisk.trace_json import plain_data
@@ -46,3 +49,29 @@ def verdict_json(verdict: Verdict | None) -> dict[str, Any]:
     """Return the verdict for a `--json`: its line, and all of it as data."""
     data = None if verdict is None else plain_data(verdict)
     return {"verdict_line": verdict_line(verdict), "verdict": data}
+
+
+def sources_verdict(files: Sequence[str]) -> SourcesVerdict | None:
+    """Return what the locks say of the runs behind sources; `None` for files of a model."""
+    from tracerisk.pipeline.source_verdict import source_verdict_lines, source_verdicts
+
+    sources = {name: read_file(name) for name in files}
+    if any(text.lstrip().startswith(b"{") for text in sources.values()):
+        return None
+    found = source_verdicts(sources)
+    return SourcesVerdict(tuple(source_verdict_lines(found)), found)
+
+
+@dataclass(frozen=True, slots=True)
+class SourcesVerdict:
+    """The verdicts of the runs behind sources, as lines and by controller."""
+
+    lines: tuple[str, ...]
+    by_controller: Mapping[str, Verdict | None]
+
+    def data(self) -> dict[str, Any]:
+        """Return what `--json` says of them."""
+        plain = [
+            {"controller": name, **verdict_json(each)} for name, each in self.by_controller.items()
+        ]
+        return {"verdict_line": "; ".join(self.lines), "verdicts": plain}

@@ -23,7 +23,7 @@ from tracerisk.pipeline.stages import (
     trace_controller,
 )
 from tracerisk.pipeline.trace_cache import TraceCache
-from tracerisk.trace import Trace
+from tracerisk.trace import Trace, Verdict
 
 # What a refresh mends; the rest is for a person to mend.
 _MENDED = frozenset({"stale", "edited", "missing", "orphaned", "unknown"})
@@ -39,6 +39,7 @@ class Refreshed:
     how: How
     reason: str
     annotated: Annotated | None = None
+    verdict: Verdict | None = None
 
     @property
     def is_changed(self) -> bool:
@@ -75,7 +76,8 @@ def refresh_controller(
         is_settled = entry.previous is None and not wants_fresh and is_judged
         found = {finding.kind for finding in check_controller(controller.path).findings}
         if is_settled and not found & _MENDED:
-            return Refreshed("fresh", "nothing that it depends on has changed")
+            told = "nothing that it depends on has changed"
+            return Refreshed("fresh", told, verdict=kept_verdict(entry))
         reasons = stale_reasons(recorded, controller, settings)
         if not reasons:
             trace = cache.read(recorded.fingerprint, controller.file)
@@ -96,7 +98,8 @@ def refresh_controller(
         policy=policy,
         given=given,
     )
-    return Refreshed(how, "; ".join(reasons) or "values made anew of the kept trace", annotated)
+    told = "; ".join(reasons) or "values made anew of the kept trace"
+    return Refreshed(how, told, annotated, trace.verdict)
 
 
 def _check_end(trace: Trace, path: str) -> None:
