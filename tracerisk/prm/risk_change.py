@@ -191,7 +191,7 @@ class RiskDiff:
     `inputs` tells in words what the runs behind the blocks depended on that differs, `of_run`
     what the later run showed that the earlier one did not: contacts that were not to be expected,
     motions of which there is no risk data. `verdicts` are those of the two runs, `None` where the
-    blocks alone are compared, without their locks.
+    blocks alone are compared: no lock tells of a run of either version.
     """
 
     name: str

@@ -121,7 +121,7 @@ def _difference(
         inputs=input_changes(controller.before, controller.after),
     )
     verdicts = None
-    if versions is not None:
+    if controller.before.entry is not None or controller.after.entry is not None:
         verdicts = RunVerdicts(
             version_verdict(controller.before),
             version_verdict(controller.after),
