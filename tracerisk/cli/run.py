@@ -214,6 +214,7 @@ def _told(options: argparse.Namespace, done: _Assessed) -> int:
             "run",
             exit_code=int(code),
             **verdict_json(trace.verdict),
+            **({} if trace.end.is_good else {"error": failure_of(trace)}),
             trace=trace_json.trace_data(trace),
             objects=trace_json.trace_data(trace)["objects"],
             assessment=assessment_to_json(assessment),

@@ -170,6 +170,12 @@ class RunVerdicts:
         return tuple(each for each in self.after.acceptances if each.key not in known)
 
 
+def _is_news(verdicts: RunVerdicts) -> bool:
+    """Return whether a run went wrong, or lost its verdict or got its first."""
+    is_unknown = verdicts.before is None and verdicts.after is None
+    return not verdicts.is_comparable and not is_unknown
+
+
 def _is_whole(verdict: Verdict | None, is_there: bool) -> bool:
     return not is_there or (verdict is not None and verdict.kind in ("complete", "partial"))
 
@@ -236,7 +242,8 @@ class RiskDiff:
         """Return what `Review.is_worth_telling` says, for one controller."""
         if self.before is None or self.after is None or self.pins or self.of_run:
             return True
-        if not self.is_comparable or (self.verdicts and self.verdicts.new_acceptances):
+        runs = self.verdicts
+        if runs is not None and (runs.new_acceptances or _is_news(runs)):
             return True
         marks = {mark for change in self.changes for mark in change.marks}
         if marks & {"lost_redundancy", "single_point_of_failure"}:
