@@ -252,7 +252,8 @@ class Reason:
         return self.code, self.function, self.object
 
     def __str__(self) -> str:
-        where = [] if self.location is None else [str(self.location)]
+        place = self.location
+        where = [] if place is None else [str(Location(place.file, place.line))]
         where += [f"in {self.function}"] if self.function else []
         where += [f"at {self.time_s:.1f} s"] if self.time_s is not None else []
         return self.words + (f" ({', '.join(where)})" if where else "")

@@ -388,7 +388,8 @@ def test_a_pose_out_of_reach_that_the_controller_handles_is_a_finding(example, q
     )
     example.write("controller.py", source)
     outcome = example.run("trace", "controller.py", "--json")
-    assert outcome.code == 0, outcome.err
+    assert outcome.code == 1, outcome.err
+    assert outcome.json["verdict"]["reasons"][0]["code"] == "planning-failed"
     (finding,) = outcome.json["trace"]["findings"]
     assert finding["location"]["line"] == line_of(source, "assert not")
     assert "no position of group 'panda_arm'" in finding["message"]
@@ -403,7 +404,8 @@ def test_a_thread_that_dies_is_a_finding(example, quick):
     )
     example.write("controller.py", source)
     outcome = example.run("trace", "controller.py", "--json")
-    assert outcome.code == 0
+    assert outcome.code == 1
+    assert outcome.json["verdict"]["reasons"][0]["function"] == "act.<locals>.work"
     (finding,) = outcome.json["trace"]["findings"]
     assert finding["message"].startswith("thread worker died of ValueError: no tube")
     assert finding["location"]["line"] == line_of(source, "def work")
