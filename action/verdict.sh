@@ -3,11 +3,11 @@
 set -euo pipefail
 code=0
 if [ "${CHECK:-0}" -ne 0 ]; then
-    echo "::error title=tracerisk check::the risk blocks cannot be trusted as they stand (exit code $CHECK)"
+    echo "::error title=tracerisk check::the risk blocks cannot be trusted as they stand, or their run went wrong (exit code $CHECK)"
     code=$CHECK
 fi
 if [ "${DIFF:-0}" -ne 0 ]; then
-    echo "::error title=tracerisk diff::a limit on the risk is exceeded, or it cannot be told (exit code $DIFF)"
+    echo "::error title=tracerisk diff::a limit on the risk is exceeded, the run went wrong, or it cannot be told (exit code $DIFF)"
     [ "$code" -ne 0 ] || code=$DIFF
 fi
 exit "$code"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 from collections.abc import Mapping
@@ -244,7 +245,40 @@ def test_a_run_that_fails_is_told_so(code, call, tmp_path, quick):
     put({"cell.py": source})
     exit_code, out = call(f"run cell.py {options}")
     bad_input = code == "run-not-importable"
-    assert exit_code == (ExitCode.BAD_INPUT if bad_input else ExitCode.CONTROLLER_FAILED)
+    is_faulted = code in ("run-raised", "run-exited")
+    bad = ExitCode.WOULD_CHANGE if is_faulted else ExitCode.CONTROLLER_FAILED
+    assert exit_code == (ExitCode.BAD_INPUT if bad_input else bad)
+    assert_told(code, out, tmp_path)
+
+
+LAMP = (
+    "ACT try: rospy.wait_for_service('/lamp', 1.0); rospy.ServiceProxy('/lamp', SetBool)\n"
+    "    except rospy.ROSException: pass"
+)
+# What a verdict of the last run does not let pass: what `act` does, and options of the check.
+VERDICTS: dict[str, tuple[str, str]] = {
+    "faulted": ('ACT rospy.logerr("no tube")', ""),
+    "stuck": ("ACT pass", ""),
+    "partial": (LAMP, ""),
+    "coverage": ("ACT pass", "--min-coverage 0.9"),
+}
+
+
+@pytest.mark.parametrize("code", VERDICTS)
+def test_a_verdict_that_does_not_pass_is_told_so(code, call, tmp_path, quick):
+    act, options = VERDICTS[code]
+    spare = "\n\ndef spare(arm):\n    arm.go()\n" if code == "coverage" else ""
+    source = quick(act.removeprefix("ACT ")) + spare
+    put({"cell.py": "from std_srvs.srv import SetBool\n" + source})
+    call("run cell.py --quiet")
+    if code == "stuck":
+        lock = json.loads(Path("tracerisk.lock").read_text())
+        kept = lock["controllers"]["cell.py"]["trace"]["verdict"]
+        reason = {"code": "run-deadlock", "verdict": "stuck", "function": "act"}
+        kept["reasons"] = [{**reason, "words": "a wait that nothing can end"}]
+        Path("tracerisk.lock").write_text(json.dumps({**lock}))
+    exit_code, out = call(f"check cell.py {options}")
+    assert exit_code == ExitCode.WOULD_CHANGE
     assert_told(code, out, tmp_path)
 
 
@@ -260,8 +294,8 @@ def test_each_code_has_a_section_and_each_section_a_code():
     ends = {RunEnd(cause, "", None).code for cause in get_args(EndCause) if cause not in GOOD_ENDS}
     assert set(SECTIONS) == raised | ends | set(get_args(FindingKind)) | {"usage"}
     # tests/test_dependencies.py, tests/report/png, tests/pipeline: errors of the machine
-    elsewhere = {"dependency", "limit", "render"}
-    assert set(SECTIONS) == {*STATIC, *RUNS, *CHECKS, "edit", "unequal", "contact", *elsewhere}
+    others = {"edit", "unequal", "contact", "dependency", "limit", "render"}
+    assert set(SECTIONS) == {*STATIC, *RUNS, *CHECKS, *VERDICTS, *others}
 
 
 def test_every_class_of_errors_has_a_code_of_its_own():

@@ -13,7 +13,8 @@ ROOMS = ("cli", "pipeline", "report", "prm", "adder", "ros", "twin", "instrument
 """From the top down."""
 BELOW = (
     *("trace", "trace_display", "trace_json", "trace_log"),
-    *("config", "dependencies", "errors", "limited_process", "yaml_reader", "yaml_nodes"),
+    *("acceptances", "config", "dependencies", "errors", "limited_process"),
+    *("yaml_reader", "yaml_nodes"),
 )
 """Modules that every room may import, and that import no room."""
 RANK = {room: rank for rank, room in enumerate(ROOMS)} | dict.fromkeys(BELOW, len(ROOMS))

@@ -12,8 +12,10 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal, NoReturn, get_args
 
+from tracerisk.acceptances import read_acceptances
 from tracerisk.errors import Location, SettingsError, one_of
 from tracerisk.limited_process import Limit, Limits
+from tracerisk.trace import Acceptance
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -26,6 +28,9 @@ ActiveMode = Literal["moving", "moving+holding"]
 FailOn = Literal["finding", "unexpected_contact", "planning_failure", "execution_failure"]
 """Which findings of a run make `run` exit 1: any that is no mere note, or those of a kind."""
 
+DEFAULT_DURATION_S = 300.0
+"""The simulated time after which a run is over where nobody says otherwise [s]."""
+
 _TABLE = ("tool", "tracerisk")
 _CONTROLLERS = "controllers"
 _ROOT_MARKS = ("package.xml", "pyproject.toml", "setup.py", ".git")
@@ -37,10 +42,11 @@ _BLOCK_ENDS = "# ///"
 class Settings:
     """What a run and its model depend on beside the controller.
 
-    `duration_s` is simulated time [s], `cpu_limit_s` processor time and `wall_limit_s` wall time
-    [s]; `stall_limit_s` is time without simulated progress in which the controller's process
-    computes or sleeps, and that which a process that reads a file may take [s].
-    `memory_limit_mb` is address space [MB]. These limits end a run and decide nothing else.
+    `duration_s` is simulated time [s], `None` for the default; `cpu_limit_s` is processor time
+    and `wall_limit_s` wall time [s]; `stall_limit_s` is time without simulated progress in which
+    the controller's process computes or sleeps, and that which a process that reads a file may
+    take [s]. `memory_limit_mb` is address space [MB]. These limits end a run and decide nothing
+    else.
     `mission_cycles` is how many cycles a mission has whose loop has no end of its own.
     `robot`, `scene` and `hardware` are names or paths, `None` for the default of the robot.
     `scenario` is the file of what the controller's world gives it, `params` files of parameters.
@@ -52,6 +58,8 @@ class Settings:
     `max_risk` is the greatest failure probability of a mission that `check` lets pass;
     `require_reason` makes a value set by hand without a reason an error there.
     `fail_on` says which findings make `run` exit 1.
+    `accept` are the reasons of a verdict that the user accepts; `min_coverage` is the least
+    fraction of the functions that can command hardware which `check` lets pass.
     """
 
     robot: str | None = None
@@ -59,7 +67,7 @@ class Settings:
     scenario: str | None = None
     hardware: str | None = None
     active: ActiveMode = "moving+holding"
-    duration_s: float = 300.0
+    duration_s: float | None = None
     cpu_limit_s: float = 120.0
     wall_limit_s: float = 1800.0
     stall_limit_s: float = 30.0
@@ -76,6 +84,13 @@ class Settings:
     max_risk: float | None = None
     require_reason: bool = False
     fail_on: FailOn | None = None
+    accept: tuple[Acceptance, ...] = ()
+    min_coverage: float | None = None
+
+    @property
+    def run_duration_s(self) -> float:
+        """The simulated time after which a run is over [s]: as given, else the default."""
+        return DEFAULT_DURATION_S if self.duration_s is None else self.duration_s
 
     @property
     def limits(self) -> Limits:
@@ -292,10 +307,13 @@ class _Reader:
             if not isinstance(value, list) or not all(isinstance(each, str) for each in value):
                 self.fail(key, "expected a list of strings")
             return tuple(value)
-        if key == "max_risk":
+        if key in ("max_risk", "min_coverage"):
             if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= 1:
-                self.fail(key, f"expected a probability from 0 to 1, found {value!r}")
+                what = "probability" if key == "max_risk" else "fraction"
+                self.fail(key, f"expected a {what} from 0 to 1, found {value!r}")
             return float(value)
+        if key == "accept":
+            return read_acceptances(value, lambda message: self.fail(key, message))
         if key in ("require_reason", "companions"):
             if not isinstance(value, bool):
                 self.fail(key, f"expected true or false, found {value!r}")
@@ -312,7 +330,7 @@ class _Reader:
         for name, choices in (("active", get_args(ActiveMode)), ("fail_on", get_args(FailOn))):
             if key == name and value not in choices:
                 self.fail(key, f"{value!r} is not allowed; {one_of(choices, str(value))}")
-        default = getattr(Settings(), key)
+        default = DEFAULT_DURATION_S if key == "duration_s" else getattr(Settings(), key)
         if isinstance(default, float):
             if isinstance(value, bool) or not isinstance(value, int | float) or value <= 0:
                 self.fail(key, f"expected a number above 0, found {value!r}")

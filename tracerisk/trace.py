@@ -6,9 +6,9 @@ description: probabilities are computed from it without running anything again.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any, Literal, NewType
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, NewType, get_args
 
 from tracerisk.errors import Location
 
@@ -36,7 +36,9 @@ EndCause = Literal[
     "memory_limit",
     "not_importable",  # a module it imports is missing, or is not Python 3
 ]
-NOTES: frozenset[str] = frozenset({"assumed_name", "concurrent_owners", "not_simulated", "unused"})
+NOTES: frozenset[str] = frozenset(
+    {"assumed_name", "concurrent_owners", "not_simulated", "nothing_to_grasp", "unused"}
+)
 """The kinds of findings by which nothing went wrong: what was assumed, or is not simulated."""
 GOOD_ENDS: frozenset[EndCause] = frozenset({"ended", "quiescent", "cycles", "idle", "duration"})
 
@@ -172,12 +174,155 @@ class Uncovered:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Something the run showed that a person should know; not an error."""
+    """Something the run showed that a user should know; not an error."""
 
     kind: str
     message: str
     time_s: float | None = None
     location: Location | None = None
+    function: str = ""
+    """The qualified name of the function in which it happened; empty where none is known."""
+    object: str = ""
+    """What it is about: a frame, a service, a joint, a group, a gripper, a thing of the scene."""
+    target: tuple[float, ...] = ()
+    """The goal of what failed: joint positions [rad or m], or a position [m]."""
+    recovered_s: float | None = None
+    """When a retry of what failed succeeded [s]; `None` where none did."""
+
+
+VerdictKind = Literal["complete", "partial", "faulted", "stuck"]
+"""How far the run can be taken for the mission, from best to worst; docs/verdict.md."""
+VERDICTS: tuple[VerdictKind, ...] = get_args(VerdictKind)
+
+
+@dataclass(frozen=True, slots=True)
+class Coverage:
+    """How many of the functions that can command hardware ran, of how many."""
+
+    ran: int
+    all: int
+    never_ran: tuple[Uncovered, ...] = ()
+    """Those that did not run, with the line of each."""
+
+
+@dataclass(frozen=True, slots=True)
+class Acceptance:
+    """A reason that the user accepts, by code, function and object, with words why."""
+
+    code: str
+    function: str
+    object: str
+    words: str
+
+    @property
+    def key(self) -> tuple[str, str, str]:
+        """What it accepts, whatever the words."""
+        return self.code, self.function, self.object
+
+    def __str__(self) -> str:
+        of = f" of '{self.object}'" if self.object else ""
+        where = f" in {self.function}" if self.function else ""
+        return f"{self.code}{of}{where}: {self.words}"
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """Why a run is not complete."""
+
+    code: str
+    """What kind of reason it is: docs/verdict.md lists all."""
+    verdict: VerdictKind
+    """What it makes of the run where it is not accepted."""
+    words: str
+    """What happened, without place and time."""
+    function: str = ""
+    """The qualified name of the function in which it happened; empty where none is known."""
+    object: str = ""
+    """The frame, service, joint, gripper or other thing; empty where there is none."""
+    time_s: float | None = None
+    """When it happened, in simulated time [s]."""
+    location: Location | None = None
+    """The file, from the controller's root, and the line."""
+    accepted: str = ""
+    """The words with which the user accepts it; empty where nobody does."""
+
+    @property
+    def key(self) -> tuple[str, str, str]:
+        """What an acceptance must name: code, function and object."""
+        return self.code, self.function, self.object
+
+    def __str__(self) -> str:
+        place = self.location
+        where = [] if place is None else [str(Location(place.file, place.line))]
+        where += [f"in {self.function}"] if self.function else []
+        where += [f"at {self.time_s:.1f} s"] if self.time_s is not None else []
+        return self.words + (f" ({', '.join(where)})" if where else "")
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """How far a run can be taken for the mission."""
+
+    kind: VerdictKind
+    reasons: tuple[Reason, ...] = ()
+    """Every reason, the worst first, then by time; accepted ones last."""
+    coverage: Coverage = Coverage(0, 0)
+    acceptances: tuple[Acceptance, ...] = ()
+    """What the settings and the scenario of the run accept."""
+
+    @property
+    def open_reasons(self) -> tuple[Reason, ...]:
+        """The reasons that are not accepted."""
+        return tuple(each for each in self.reasons if not each.accepted)
+
+    def with_lines(self, line_of: Callable[[str, int], int]) -> Verdict:
+        """Return the verdict with other lines; `line_of` takes a file and a line of it."""
+
+        def moved(reason: Reason) -> Reason:
+            place = reason.location
+            if place is None or place.line is None:
+                return reason
+            line = line_of(place.file, place.line)
+            return replace(reason, location=Location(place.file, line, place.column))
+
+        never = (replace(u, line=line_of(u.ref.file, u.line)) for u in self.coverage.never_ran)
+        return replace(
+            self,
+            reasons=tuple(map(moved, self.reasons)),
+            coverage=replace(self.coverage, never_ran=tuple(never)),
+        )
+
+    @property
+    def unused_acceptances(self) -> tuple[Acceptance, ...]:
+        """The acceptances of which nothing occurred."""
+        occurred = {each.key for each in self.reasons}
+        return tuple(each for each in self.acceptances if each.key not in occurred)
+
+    def __str__(self) -> str:
+        """Return the verdict as one line: `partial: ...; 4 of 6 functions with commands ran`."""
+        return verdict_line(self)
+
+
+UNKNOWN_VERDICT = "verdict unknown"
+"""The line of a run of which no verdict is kept."""
+
+
+def verdict_line(verdict: Verdict | None) -> str:
+    """Return a verdict in one line, its coverage included; `None` is an unknown one."""
+    if verdict is None:
+        return UNKNOWN_VERDICT
+    ran, number = verdict.coverage.ran, verdict.coverage.all
+    covered = f"{ran} of {number} function{'' if number == 1 else 's'} with commands ran"
+    # Functions that never ran are counted by the coverage.
+    told = [each for each in verdict.open_reasons if each.code != NEVER_RAN]
+    if not told:
+        return f"{verdict.kind}, {covered}"
+    more = f" (and {len(told) - 1} more)" if len(told) > 1 else ""
+    return f"{verdict.kind}: {told[0]}{more}; {covered}"
+
+
+NEVER_RAN = "never-ran"
+"""The code of a function that can command hardware and did not run."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,6 +382,7 @@ class Trace:
     The exposures of an element over all visits sum to its entry in `active`.
     `cycle` is what a run that ended by `cycles` repeated.
     `files` are the controller's files that were imported, its script left out, sorted.
+    `verdict` says how far the run can be taken for the mission; `None` in the log of another tool.
     `inputs` are the files from which it was given parameters without being asked to: launch
     files, and the files of parameters that they name, from the controller's root, sorted.
     """
@@ -256,6 +402,17 @@ class Trace:
     files: tuple[str, ...] = ()
     inputs: tuple[str, ...] = ()
     cycle: Cycle | None = None
+    verdict: Verdict | None = None
+
+    @property
+    def is_usable(self) -> bool:
+        """Whether risk can be computed from it: the run is not stuck, and it commanded hardware.
+
+        A run that failed before it commanded anything is not.
+        """
+        if self.verdict is None:
+            return self.end.is_good
+        return self.verdict.kind != "stuck" and (self.end.is_good or bool(self.functions))
 
     def _repr_html_(self) -> str:
         from tracerisk.trace_display import trace_html

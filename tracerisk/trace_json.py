@@ -12,7 +12,7 @@ from typing import Any, cast
 
 from tracerisk import trace as trace_module
 from tracerisk.errors import Location, LogError, one_of
-from tracerisk.trace import Trace
+from tracerisk.trace import Trace, Verdict
 
 SCHEMA = "tracerisk-trace"
 VERSION = 2
@@ -22,6 +22,19 @@ VERSION = 2
 def trace_data(trace: Trace) -> dict[str, Any]:
     """Return the trace as plain JSON values, schema and version with it."""
     return {"schema": SCHEMA, "version": VERSION, **dataclasses.asdict(trace)}
+
+
+def plain_data(value: Any) -> Any:
+    """Return a dataclass as plain JSON values."""
+    return json.loads(json.dumps(dataclasses.asdict(value), allow_nan=False))
+
+
+def verdict_of_data(data: Any) -> Verdict | None:
+    """Return the verdict that plain JSON values state; `None` where they state none."""
+    try:
+        return cast(Verdict, _read(Verdict, data, "verdict"))
+    except _MismatchError:
+        return None
 
 
 def dumps(trace: Trace) -> str:

@@ -32,10 +32,6 @@ FAILURES = {
         ["sys.stdout.close()", "sys.stderr.close()", "1 / 0"],
         "raised ZeroDivisionError: division by zero",
     ),
-    "waits for a service": (
-        ['rospy.wait_for_service("/nobody")'],
-        "waits for service /nobody, which nothing provides",
-    ),
     "names an unknown target": (
         ['arm.set_named_target("nowhere")'],
         "no named target 'nowhere'; allowed: extended, ready, transport",
@@ -54,28 +50,39 @@ FAILURES = {
 
 
 @pytest.mark.parametrize("name", FAILURES)
-def test_a_failure_of_the_controller_is_told_with_its_place_and_the_trace_so_far(
+def test_a_failure_of_the_controller_makes_its_run_faulted_with_place_and_blocks(
     name, example, quick
 ):
     statements, message = FAILURES[name]
-    source = quick(*statements)
+    path = example.write("controller.py", quick(*statements))
+    outcome = example.run("run", path.name)
+    assert outcome.code == 1
+    assert outcome.out.startswith("faulted: ")
+    told = next(line for line in outcome.out.splitlines() if message in line)
+    annotated = example.read("controller.py").decode()
+    assert f"controller.py:{line_of(annotated, statements[-1])}, in act" in told
+    assert "RiskAnnotation" in annotated
+    assert b'"kind": "faulted"' in example.read("tracerisk.lock")
+    assert "/tracerisk/" not in outcome.err, "a traceback shows the controller's frames alone"
+
+
+def test_a_wait_that_nothing_can_end_is_stuck_and_writes_nothing(example, quick):
+    source = quick('rospy.wait_for_service("/nobody")')
     path = example.write("controller.py", source)
     before = example.files()
     outcome = example.run("run", path.name)
     assert outcome.code == 4
-    told = [line for line in outcome.err.splitlines() if line.startswith("tracerisk: ")]
-    assert len(told) == 1, "one message"
-    assert told[0].startswith(f"tracerisk: controller.py:{line_of(source, statements[-1])}: ")
-    assert message in told[0]
+    (told,) = (line for line in outcome.err.splitlines() if line.startswith("tracerisk: "))
+    assert told.startswith(f"tracerisk: controller.py:{line_of(source, 'wait_for_service')}: ")
+    assert "waits for service /nobody, which nothing provides" in told
+    assert "verdict: stuck" in outcome.err
     assert HELD in outcome.err
     assert "No source was changed." in outcome.err
-    assert "/tracerisk/" not in outcome.err, "a traceback shows the controller's frames alone"
     assert_untouched(example, before)
 
 
 def test_of_a_run_that_ended_badly_no_report_is_written_and_an_earlier_one_is_told(example, quick):
-    statements, _ = FAILURES["raises"]
-    example.write("controller.py", quick(*statements))
+    example.write("controller.py", quick("os.kill(os.getpid(), 9)"))
     outcome = example.run("run", "controller.py", "--report", "run.html")
     assert outcome.code == 4
     assert outcome.err.endswith("run.html: no report is written of a run that ended badly\n")
@@ -248,7 +255,9 @@ def test_a_failed_run_is_told_as_json_too(example, quick):
     source = quick('raise RuntimeError("tube lost")')
     example.write("controller.py", source)
     outcome = example.run("run", "controller.py", "--json")
-    assert outcome.code == outcome.json["exit_code"] == 4
+    assert outcome.code == outcome.json["exit_code"] == 1
+    assert outcome.json["verdict"]["kind"] == "faulted"
+    source = example.read("controller.py").decode()
     assert outcome.json["error"] == {
         "kind": "ControllerFailedError",
         "code": "run-raised",
@@ -379,7 +388,8 @@ def test_a_pose_out_of_reach_that_the_controller_handles_is_a_finding(example, q
     )
     example.write("controller.py", source)
     outcome = example.run("trace", "controller.py", "--json")
-    assert outcome.code == 0, outcome.err
+    assert outcome.code == 1, outcome.err
+    assert outcome.json["verdict"]["reasons"][0]["code"] == "planning-failed"
     (finding,) = outcome.json["trace"]["findings"]
     assert finding["location"]["line"] == line_of(source, "assert not")
     assert "no position of group 'panda_arm'" in finding["message"]
@@ -394,7 +404,8 @@ def test_a_thread_that_dies_is_a_finding(example, quick):
     )
     example.write("controller.py", source)
     outcome = example.run("trace", "controller.py", "--json")
-    assert outcome.code == 0
+    assert outcome.code == 1
+    assert outcome.json["verdict"]["reasons"][0]["function"] == "act.<locals>.work"
     (finding,) = outcome.json["trace"]["findings"]
     assert finding["message"].startswith("thread worker died of ValueError: no tube")
     assert finding["location"]["line"] == line_of(source, "def work")

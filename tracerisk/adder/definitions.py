@@ -144,6 +144,32 @@ def definitions(tree: ast.Module) -> Iterator[Definition]:
         stack += [(child, inner) for child in reversed(children)]
 
 
+def function_at(tree: ast.Module, line: int) -> QualifiedName:
+    """Return the innermost function around a line; the module's pseudo-function outside all."""
+    found, prefix = MODULE, ""
+    node: ast.AST = tree
+    while True:
+        inner = next(
+            (
+                child
+                for child in ast.walk(node)
+                if child is not node
+                and isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef)
+                and child.lineno <= line <= (child.end_lineno or child.lineno)
+            ),
+            None,
+        )
+        if inner is None:
+            return found
+        prefix += inner.name
+        if isinstance(inner, ast.ClassDef):
+            prefix += "."
+        else:
+            found = QualifiedName(prefix)
+            prefix += ".<locals>."
+        node = inner
+
+
 def header_end(source: PythonSource, definition: Definition) -> int | None:
     """Return the line on which a function's header ends; `None` for a one-line function."""
     if definition.body_line == definition.line:

@@ -103,7 +103,7 @@ def _read_trace(options: argparse.Namespace, controller: Controller) -> Trace:
     if options.log is not None:
         return read_log(text, name, controller=controller.file)
     trace = trace_json.loads(text, name)
-    if not trace.end.is_good:
+    if not trace.is_usable:
         raise InputError(
             f"is the trace of a run that failed ({trace.end.message}); run the controller again",
             Location(name),

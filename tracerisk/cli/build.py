@@ -8,6 +8,7 @@ from tracerisk.cli import options as shared
 from tracerisk.cli.hardware_spread import add_hardware_spread, spreads_of_files, tell
 from tracerisk.cli.output import note, print_json
 from tracerisk.cli.sources import model_of_sources
+from tracerisk.cli.verdict import sources_verdict
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -34,10 +35,14 @@ def run(options: argparse.Namespace) -> int:
         model = with_distributions(model, spreads.figures)
         tell(spreads, options)
     text = model_json.dumps(model)
+    verdicts = sources_verdict(options.files)
+    for line in () if verdicts is None else verdicts.lines:
+        note(line, quiet=options.quiet)
     if options.output is not None:
         write_file(options.output, text)
     if options.json:
-        print_json("build", model=model_json.model_data(model))
+        data = {} if verdicts is None else verdicts.data()
+        print_json("build", **data, model=model_json.model_data(model))
     elif options.output is None:
         print(text, end="")
     trees = sum(1 for state in model.states if state.tree.events)

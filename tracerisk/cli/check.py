@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tracerisk.cli import options as shared
 from tracerisk.cli.output import note, print_json, write_sarif
+from tracerisk.cli.verdict import verdict_json
 from tracerisk.errors import ExitCode, InputError, TraceRiskError
+from tracerisk.trace import verdict_line
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline.check import Checked
+    from tracerisk.trace import Coverage
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -18,13 +26,30 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         help="a controller, or what one depends on; else all of the lock in this folder",
     )
+    parser.add_argument(
+        "--min-coverage",
+        metavar="F",
+        type=shared.probability,
+        help="exit 1 if less than this fraction of the functions that can command hardware ran",
+    )
+    parser.add_argument(
+        "--base",
+        metavar="REV",
+        help="exit 1 if fewer of those functions ran than by the lock of this revision of git",
+    )
     shared.add_sarif(parser)
     shared.add_json(parser)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.check import Checked, check_controllers, controllers_in, controllers_of
+    from tracerisk.pipeline.check import (
+        Checked,
+        CoverageLimits,
+        check_controllers,
+        controllers_in,
+        controllers_of,
+    )
 
     if options.files:
         paths = controllers_of(options.files)
@@ -32,7 +57,8 @@ def run(options: argparse.Namespace) -> int:
         paths = controllers_in(Path())
         if not paths:
             raise InputError("no tracerisk.lock in this folder knows a controller; name a FILE")
-    found = check_controllers(paths)
+    limits = [CoverageLimits(options.min_coverage, base) for base in _bases(paths, options.base)]
+    found = check_controllers(paths, limits)
     checked = [each for each in found if isinstance(each, Checked)]
     errors = [each for each in found if isinstance(each, TraceRiskError)]
     findings = [finding for each in checked for finding in each.findings]
@@ -61,11 +87,45 @@ def run(options: argparse.Namespace) -> int:
                 for finding in findings
             ],
             errors=[str(error) for error in errors],
+            verdicts=[
+                {"controller": str(each.path), **verdict_json(each.verdict)} for each in checked
+            ],
         )
         return int(code)
+    for each in checked:
+        if not options.quiet:
+            print(f"{each.path}: {verdict_line(each.verdict)}")
     for line in [*map(str, findings), *(error.with_code for error in errors)]:
         print(line)
+    for line in _notes(checked):
+        note(line, quiet=options.quiet)
     bad = len(errors) + sum(1 for each in checked if each.findings)
     count = f"{len(paths)} controller{'' if len(paths) == 1 else 's'}"
     note(f"{count} checked, {bad} to mend", quiet=options.quiet)
     return int(code)
+
+
+def _bases(paths: Sequence[Path], revision: str | None) -> list[Coverage | None]:
+    """Return the coverage that the lock of a revision keeps of each controller."""
+    if revision is None:
+        return [None] * len(paths)
+    from tracerisk.pipeline.review.run_verdicts import base_verdicts
+
+    found = base_verdicts(list(paths), revision)
+    return [None if each is None else each.coverage for each in found]
+
+
+def _notes(checked: Sequence[Checked]) -> Iterator[str]:
+    """Yield what a user should know of verdicts that pass."""
+    for each in checked:
+        if each.verdict is None and all(one.kind != "unknown" for one in each.findings):
+            yield (
+                f"{each.path}: its lock is of a tracerisk without verdicts; "
+                f"`tracerisk refresh {each.path}` gives it one"
+            )
+        elif each.verdict is not None:
+            for one in each.verdict.reasons:
+                if one.accepted:
+                    yield f"{each.path}: accepted: {one}: {one.accepted}"
+            for entry in each.verdict.unused_acceptances:
+                yield f"{each.path}: accepted, and did not occur; remove it: {entry}"

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from tracerisk.cli import options as shared
 from tracerisk.cli.output import print_json, terminal_width, write_sarif
 from tracerisk.errors import ExitCode, InputError
+from tracerisk.trace import verdict_line
 
 if TYPE_CHECKING:
     from tracerisk.prm.risk_change import Review, RiskDiff
@@ -43,6 +44,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="exit 1 if a mission's failure probability is above P after the change",
     )
     parser.add_argument(
+        "--no-new-accepts",
+        action="store_true",
+        help="exit 1 if the change accepts a reason of its run that was not accepted before",
+    )
+    parser.add_argument(
         "--silent-below",
         metavar="R",
         type=_increase,
@@ -69,7 +75,10 @@ def run(options: argparse.Namespace) -> int:
     exceeded = [
         line
         for each in found.controllers
-        for line in _exceeded(each, options.max_increase, options.max_risk)
+        for line in (
+            *_new_accepts(each, options),
+            *_exceeded(each, options.max_increase, options.max_risk),
+        )
     ]
     code = ExitCode.WOULD_CHANGE if exceeded else ExitCode.FINE
     if options.sarif is not None:
@@ -121,19 +130,58 @@ def _textconv(options: argparse.Namespace) -> int:
     return int(ExitCode.FINE)
 
 
+def _new_accepts(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
+    if not options.no_new_accepts or diff.verdicts is None:
+        return []
+    return [
+        f"{diff.name}: newly accepted, and --no-new-accepts: {each}"
+        for each in diff.verdicts.new_acceptances
+    ]
+
+
+def _bad_run(diff: RiskDiff) -> str | None:
+    """Return why the newer run keeps a change from being compared; `None` where it does not."""
+    verdicts = diff.verdicts
+    if verdicts is None or not verdicts.in_after:
+        return None
+    if verdicts.after is None:
+        if verdicts.before is None:
+            return None
+        return "the verdict of its run is unknown and was known before; `tracerisk refresh` it"
+    if verdicts.after.kind in ("faulted", "stuck"):
+        return f"its run is {verdict_line(verdicts.after)}"
+    return None
+
+
 def _exceeded(diff: RiskDiff, max_increase: float | None, max_risk: float | None) -> list[str]:
-    """Return which limits a controller exceeds; a rise within the noise is none."""
+    """Return which limits a controller exceeds; a rise within the noise is none.
+
+    A newer run that went wrong fails the limit on the increase; a base that went wrong is no
+    measure, so that its repair passes.
+    """
+    from tracerisk.prm.risk_change import RunVerdicts
+
     if diff.after is None:
         return []
     found = []
     risk = diff.after.failure_probability
-    if max_increase is not None and diff.before is not None and not diff.is_unchanged:
+    bad = _bad_run(diff)
+    # Of two runs of unknown verdict the figures are all there is.
+    unknown = diff.verdicts is not None and diff.verdicts == RunVerdicts(None, None)
+    if max_increase is not None and bad is not None:
+        found.append(f"{diff.name}: {bad}; --max-increase {max_increase:g}")
+    elif (
+        max_increase is not None
+        and diff.before is not None
+        and not diff.is_unchanged
+        and (diff.is_comparable or unknown)
+    ):
         before = diff.before.failure_probability
         if risk > before * (1.0 + max_increase):
             rise = f"{100.0 * (risk / before - 1.0):.3g} %" if before > 0.0 else "from zero"
             found.append(
-                f"{diff.name}: mission failure rises by {rise}, over --max-increase "
-                f"{max_increase:g}"
+                f"{diff.name}: mission failure {'is more' if unknown else 'rises'} by {rise}, "
+                f"over --max-increase {max_increase:g}"
             )
     if max_risk is not None and risk > max_risk:
         found.append(f"{diff.name}: mission failure {risk:.4g} is over --max-risk {max_risk:g}")

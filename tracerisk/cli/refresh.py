@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import options as shared
 from tracerisk.cli.output import note, print_diffs, print_json, progress_bar
+from tracerisk.cli.verdict import verdict_exit, verdict_json
 from tracerisk.errors import ExitCode, InputError, TraceRiskError
+from tracerisk.trace import verdict_line
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.refresh import Refreshed
@@ -51,8 +53,17 @@ def run(options: argparse.Namespace) -> int:
             continue
         if would_change:
             code = max(code, ExitCode.WOULD_CHANGE)
-        outcomes.append({"controller": str(path), "how": done.how, "changed": done.is_changed})
+        code = max(code, verdict_exit(done.verdict))
+        outcomes.append(
+            {
+                "controller": str(path),
+                "how": done.how,
+                "changed": done.is_changed,
+                **verdict_json(done.verdict),
+            }
+        )
         state = "changed" if done.is_changed else "unchanged"
+        note(f"{path}: {verdict_line(done.verdict)}", quiet=options.quiet)
         note(f"{path}: {state} ({done.reason})", quiet=options.quiet)
     if options.json:
         print_json("refresh", exit_code=int(code), controllers=outcomes)

@@ -16,6 +16,7 @@ from tracerisk.cli.report_pictures import (
     write_report_pictures,
 )
 from tracerisk.cli.sources import model_of_sources, read_file
+from tracerisk.cli.verdict import sources_verdict, verdict_details
 from tracerisk.errors import ExitCode, InputError, SourceError
 
 if TYPE_CHECKING:
@@ -73,17 +74,24 @@ def _write_page(
         files = list(kept.files)
     model = model_of_sources(files, shared.read_profile(options))
     assessment = pipeline.solve(model)
+    verdicts = sources_verdict(files)
+    assert verdicts is not None, "the files are sources"
+    lines = list(verdicts.lines)
+    for each in verdicts.by_controller.values():
+        lines += verdict_details(each)
     html = report_html(
         assessment,
         model,
         {name: read_file(name) for name in files},
         run=_run_of(kept, trace, options),
         review=review_against(options.against, files),
+        verdict=lines,
     )
     write_file(options.output, html)
     told = f"{options.output}: the report of {model.name}"
     note(told, quiet=options.quiet or options.json)
-    return {"report": options.output, "assessment": assessment_to_json(assessment)}
+    data = assessment_to_json(assessment)
+    return {"report": options.output, **verdicts.data(), "assessment": data}
 
 
 def _kept(file: str) -> KeptRun | None:

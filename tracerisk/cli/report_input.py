@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import tokenize
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -62,10 +62,12 @@ def report_html(
     *,
     run: RunShown | str,
     review: Review | None = None,
+    verdict: Sequence[str] = (),
 ) -> str:
     """Return the page; `sources` map the files that hold the blocks, as messages call them.
 
-    `run` is what is known of the run behind them, or why nothing is.
+    `run` is what is known of the run behind them, or why nothing is; `verdict` are the lines of
+    its verdict.
     Raises BlockError or SourceError where blocks are malformed.
     """
     from tracerisk.cli.run_report import finding_line, object_lines
@@ -80,6 +82,7 @@ def report_html(
         sources=shown_sources(sources),
         pins=shown_pins(sources),
         review=review,
+        verdict=tuple(verdict),
     )
     if isinstance(run, str):
         return render_report(replace(report, no_trace=run))

@@ -75,9 +75,9 @@ def write_report_pictures(
             Location(options.files[0]),
         )
     else:
-        with progress_bar(settings.duration_s, quiet=options.quiet) as progress:
+        with progress_bar(settings.run_duration_s, quiet=options.quiet) as progress:
             trace, found = run_again(kept.controller, settings, progress)
-        if not trace.end.is_good or found is None:
+        if not trace.is_usable or found is None:
             return ExitCode(print_failure(trace)), ()
         recorded = found
     files = write_pictures(trace, recorded, settings, options.png)

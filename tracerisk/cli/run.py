@@ -40,9 +40,10 @@ from tracerisk.cli.run_report import (
     print_failure,
     write_outputs,
 )
+from tracerisk.cli.verdict import print_verdict, verdict_details, verdict_exit, verdict_json
 from tracerisk.cli.what_if import print_what_if, what_if_data
 from tracerisk.errors import ControllerFailedError, ExitCode, Location
-from tracerisk.trace import Trace
+from tracerisk.trace import Trace, verdict_line
 
 if TYPE_CHECKING:
     from tracerisk.adder.derivation import FunctionDerivation
@@ -123,9 +124,9 @@ def _assess(options: argparse.Namespace, progress: Progress) -> _Assessed | Trac
         told = None if progress is _untold else progress
         trace = pipeline.trace_controller(controller, settings, keep=keep, progress=told)
         recorded = None
-        if keep is not None and options.report is not None and trace.end.is_good:
+        if keep is not None and options.report is not None and trace.is_usable:
             recorded = recorded_run(keep)
-    if not trace.end.is_good:
+    if not trace.is_usable:
         return trace
     if not trace.functions:
         raise _nothing_commanded(trace, controller)
@@ -164,7 +165,8 @@ def _assess(options: argparse.Namespace, progress: Progress) -> _Assessed | Trac
         section = run_section(trace, hardware, recorded)
         shown = RunShown(trace, hardware, annotated.computed, () if section is None else (section,))
         review = review_against(options.against, sources)
-        page = report_html(assessment, model, sources, run=shown, review=review)
+        verdict = (verdict_line(trace.verdict), *verdict_details(trace.verdict))
+        page = report_html(assessment, model, sources, run=shown, review=review, verdict=verdict)
         write_file(options.report, page)
     return _Assessed(
         controller, settings, trace, annotated, model, assessment, figures, uncertainty, derivation
@@ -188,7 +190,8 @@ def _failed(options: argparse.Namespace, trace: Trace) -> int:
         note(f"{told}{kept}", quiet=options.quiet)
     if options.json:
         data = trace_json.trace_data(trace)
-        print_json("run", exit_code=code, error=failure_of(trace), trace=data)
+        verdict = verdict_json(trace.verdict)
+        print_json("run", exit_code=code, **verdict, error=failure_of(trace), trace=data)
     return code
 
 
@@ -199,13 +202,19 @@ def _told(options: argparse.Namespace, done: _Assessed) -> int:
     from tracerisk.prm.formats.assessment_json import assessment_to_json
 
     trace, annotated, assessment = done.trace, done.annotated, done.assessment
-    code = max(risk_exit(assessment, options.max_risk), finding_exit(trace, done.settings.fail_on))
+    code = max(
+        verdict_exit(trace.verdict),
+        risk_exit(assessment, options.max_risk),
+        finding_exit(trace, done.settings.fail_on),
+    )
     if options.check and annotated.is_changed:
         code = ExitCode.WOULD_CHANGE
     if options.json:
         print_json(
             "run",
             exit_code=int(code),
+            **verdict_json(trace.verdict),
+            **({} if trace.end.is_good else {"error": failure_of(trace)}),
             trace=trace_json.trace_data(trace),
             objects=trace_json.trace_data(trace)["objects"],
             assessment=assessment_to_json(assessment),
@@ -216,6 +225,7 @@ def _told(options: argparse.Namespace, done: _Assessed) -> int:
             **what_if_data([], (), done.uncertainty),
         )
         return int(code)
+    print_verdict(trace.verdict, options)
     if options.diff:
         print_diffs(annotated)
     for line in _notes(options, done):

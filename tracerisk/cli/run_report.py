@@ -53,6 +53,8 @@ def finding_line(finding: Finding) -> str:
     """Return a finding as one line."""
     place = "" if finding.location is None else f"{finding.location}: "
     time = "" if finding.time_s is None else f" (at {finding.time_s:.2f} s)"
+    if finding.recovered_s is not None:
+        time = f" (at {finding.time_s:.2f} s, a retry at {finding.recovered_s:.2f} s succeeded)"
     return f"{place}{finding.message}{time}"
 
 
@@ -71,7 +73,8 @@ def finding_exit(trace: Trace, fail_on: FailOn | None) -> ExitCode:
     counted = [
         finding
         for finding in trace.findings
-        if finding.kind == fail_on or (fail_on == "finding" and finding.kind not in NOTES)
+        if finding.recovered_s is None
+        and (finding.kind == fail_on or (fail_on == "finding" and finding.kind not in NOTES))
     ]
     if not counted:
         return ExitCode.FINE
@@ -129,6 +132,8 @@ def print_failure(trace: Trace) -> int:
     """Tell how a run ended badly and what it had shown so far; return the exit code."""
     place = "" if trace.end.location is None else f"{trace.end.location}: "
     print(f"tracerisk: {place}{trace.end.message} [{trace.end.code}]", file=sys.stderr)
+    if trace.verdict is not None:
+        print(f"verdict: {trace.verdict.kind}", file=sys.stderr)
     seconds = 0.0 if trace.end.simulated_s is None else trace.end.simulated_s
     print(f"The trace so far, {seconds:.1f} s simulated:", file=sys.stderr)
     for line in [*trace_lines(trace), *(f"  {line}" for line in finding_lines(trace))]:

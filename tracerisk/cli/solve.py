@@ -12,6 +12,7 @@ from tracerisk.cli.hardware_spread import notes_data, spreads_of_files, tell
 from tracerisk.cli.model_files import OWN, format_of
 from tracerisk.cli.output import print_json
 from tracerisk.cli.sources import linked_model, model_of_files
+from tracerisk.cli.verdict import sources_verdict
 from tracerisk.errors import InputError
 
 
@@ -68,16 +69,20 @@ def run(options: argparse.Namespace) -> int:
     uncertainty = asked.uncertainty_of(model, options, spreads)
     pairs = asked.pairs_of(model, options)
     code = risk_exit(assessment, options.max_risk)
+    verdicts = sources_verdict(options.files)
     if options.json:
         print_json(
             "solve",
             exit_code=int(code),
+            **({} if verdicts is None else verdicts.data()),
             assessment=assessment_to_json(assessment),
             **({} if pairs is None else {"pairs": [asdict(pair) for pair in pairs]}),
             **asked.what_if_data(changes, sweeps, uncertainty),
             **notes_data(spreads),
         )
     else:
+        for line in () if verdicts is None else verdicts.lines:
+            print(line)
         tell(spreads, options)
         asked.print_set(changes)
         print_assessment(assessment)

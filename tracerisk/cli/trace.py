@@ -16,6 +16,7 @@ from tracerisk.cli.run_report import (
     trace_lines,
     write_outputs,
 )
+from tracerisk.cli.verdict import print_verdict, verdict_exit, verdict_json
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -42,14 +43,17 @@ def run(options: argparse.Namespace) -> int:
         )
     if options.output is not None:
         write_file(options.output, trace_json.dumps(trace))
-    code = 0 if trace.end.is_good else print_failure(trace)
+    code = 0 if trace.is_usable else print_failure(trace)
+    code = code or int(verdict_exit(trace.verdict))
     if options.log is not None:
         hardware = pipeline.load_hardware(settings, trace.robot)
         write_outputs(options, compute_blocks(trace, hardware, active=settings.active))
     if options.json:
         data = trace_json.trace_data(trace)
-        print_json("trace", exit_code=code, error=failure_of(trace), trace=data)
-    elif trace.end.is_good:
+        verdict = verdict_json(trace.verdict)
+        print_json("trace", exit_code=code, **verdict, error=failure_of(trace), trace=data)
+    elif trace.is_usable:
+        print_verdict(trace.verdict, options)
         note(headline(trace), quiet=options.quiet)
         for line in [*trace_lines(trace), *object_lines(trace), *finding_lines(trace)]:
             print(line)

@@ -9,8 +9,8 @@ from __future__ import annotations
 import itertools
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, BinaryIO, Protocol, get_args
 
@@ -27,7 +27,8 @@ class Command:
     """A call that made hardware act, from its issue to its end, simulated time [ns].
 
     `elements` are the names of those that it addresses; `stack` is never empty, root first.
-    `end_ns` and `outcome` are `None` where the run ended first.
+    `end_ns` and `outcome` are `None` where the run ended first. `goal` are the positions to which
+    it leads, one a joint [rad or m].
     """
 
     id: int
@@ -37,6 +38,7 @@ class Command:
     issue_ns: int
     end_ns: int | None = None
     outcome: str | None = None
+    goal: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +105,10 @@ class Recorder:
         self.watch: CommandWatch | None = None
         self._next_command = itertools.count(1).__next__
         self._functions: dict[tuple[FunctionRef, int], int] = {}
+        self._findings = 0
+        self._open: dict[
+            tuple[str, Hashable, str, str, Location | None], tuple[int, tuple[float, ...]]
+        ] = {}
 
     def command(
         self,
@@ -114,7 +120,7 @@ class Recorder:
     ) -> int:
         """Record that a command is issued now; return its id, from 1 in the order of issue.
 
-        `goal`, for the watch alone, are the positions to which it leads, one a joint [rad or m].
+        `goal` are the positions to which it leads, one a joint [rad or m].
 
         Raises:
             ValueError: the stack is empty.
@@ -128,7 +134,14 @@ class Recorder:
             [self._function(frame.function, frame.line), frame.activation, *frame.site, frame.root]
             for frame in stack
         ]
-        self._write("command", id=command_id, kind=kind, elements=list(elements), stack=frames)
+        self._write(
+            "command",
+            id=command_id,
+            kind=kind,
+            elements=list(elements),
+            stack=frames,
+            goal=[float(each) for each in goal],
+        )
         if self.watch is not None:
             self.watch.issued(command_id, stack, goal)
         return command_id
@@ -143,9 +156,67 @@ class Recorder:
         """Record the first run of a function; what a `Tracer` calls on each first run."""
         self._write("ran", function=self._function(ref, line))
 
-    def finding(self, kind: str, message: str, location: Location | None = None) -> None:
-        """Record what a person should know."""
-        self._write("finding", kind=kind, message=message, location=_location_data(location))
+    def finding(
+        self,
+        kind: str,
+        message: str,
+        location: Location | None = None,
+        *,
+        object_name: str = "",
+        target: Sequence[float] = (),
+    ) -> None:
+        """Record what a user should know.
+
+        `object_name` is what it is about, `target` the goal of what failed.
+        """
+        self._findings += 1
+        self._write(
+            "finding",
+            kind=kind,
+            message=message,
+            location=_location_data(location),
+            object=object_name,
+            target=[float(each) for each in target],
+        )
+
+    def failed(
+        self,
+        kind: str,
+        message: str,
+        location: Location | None,
+        *,
+        asker: Hashable,
+        object_name: str = "",
+        target: Sequence[float] = (),
+    ) -> None:
+        """Record that something failed which the code at `asker` may try again.
+
+        While it is not tried again with success the same failure is recorded once.
+        """
+        key = (kind, asker, object_name, message, location)
+        goal = tuple(map(float, target))
+        if key in self._open and is_near(self._open[key][1], goal):
+            return
+        self._open[key] = (self._findings, goal)
+        self.finding(kind, message, location, object_name=object_name, target=goal)
+
+    @property
+    def has_open_failures(self) -> bool:
+        """Whether something failed that was not tried again with success."""
+        return bool(self._open)
+
+    def succeeded(
+        self, kind: str, *, asker: Hashable, object_name: str = "", target: Sequence[float] = ()
+    ) -> None:
+        """Record that what failed before has now succeeded: same asker, object and goal."""
+        if not self._open:
+            return
+        goal = tuple(map(float, target))
+        tried = (kind, asker, object_name)
+        for key, (number, wanted) in list(self._open.items()):
+            if key[:3] == tried and is_near(wanted, goal):
+                del self._open[key]
+                self._write("recovered", finding=number)
 
     def note(self, kind: str, **data: Any) -> None:
         """Record free JSON data."""
@@ -171,6 +242,17 @@ class Recorder:
         line = memoryview(f"{text}\n".encode())
         while line:
             line = line[os.write(self._stream.fileno(), line) :]
+
+
+NEAR = 0.02
+"""Goals are the same whose values differ by no more [rad or m]."""
+
+
+def is_near(goal: Sequence[float], other: Sequence[float]) -> bool:
+    """Return whether two goals are the same: as many values, each within `NEAR`."""
+    return len(goal) == len(other) and all(
+        abs(one - two) <= NEAR for one, two in zip(goal, other, strict=True)
+    )
 
 
 def _location_data(location: Location | None) -> list[Any] | None:
@@ -224,6 +306,7 @@ class _Reader:
             "command": self._command,
             "command_ended": self._command_ended,
             "finding": self._finding,
+            "recovered": self._recovered,
             "note": self._note,
             "end": self._end,
         }
@@ -256,27 +339,38 @@ class _Reader:
             site = self.functions[number]
             frames.append(Frame(site.ref, site.line, activation, (line, column), root))
         self.commands[event["id"]] = Command(
-            event["id"], event["kind"], tuple(event["elements"]), tuple(frames), event["ns"]
+            event["id"],
+            event["kind"],
+            tuple(event["elements"]),
+            tuple(frames),
+            event["ns"],
+            goal=tuple(event.get("goal", ())),
         )
 
     def _command_ended(self, event: dict[str, Any]) -> None:
         command = self.commands[event["id"]]
         if command.end_ns is None:
-            self.commands[event["id"]] = Command(
-                command.id,
-                command.kind,
-                command.elements,
-                command.stack,
-                command.issue_ns,
-                event["ns"],
-                event["outcome"],
+            self.commands[event["id"]] = replace(
+                command, end_ns=event["ns"], outcome=event["outcome"]
             )
 
     def _finding(self, event: dict[str, Any]) -> None:
         time_s = event["ns"] / _SECOND_NS
         self.findings.append(
-            Finding(event["kind"], event["message"], time_s, _location(event["location"]))
+            Finding(
+                event["kind"],
+                event["message"],
+                time_s,
+                _location(event["location"]),
+                object=event.get("object", ""),
+                target=tuple(event.get("target", ())),
+            )
         )
+
+    def _recovered(self, event: dict[str, Any]) -> None:
+        number = event["finding"]
+        time_s = event["ns"] / _SECOND_NS
+        self.findings[number] = replace(self.findings[number], recovered_s=time_s)
 
     def _note(self, event: dict[str, Any]) -> None:
         self.notes.append(Note(event["kind"], event["data"]))

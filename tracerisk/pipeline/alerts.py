@@ -30,7 +30,7 @@ from tracerisk.pipeline.last_run import (
 from tracerisk.prm.risk_change import Review
 from tracerisk.report.diff_words import some
 from tracerisk.report.sarif import Alert, alert_at
-from tracerisk.trace import FunctionRef, Trace
+from tracerisk.trace import NEVER_RAN, FunctionRef, Reason, Trace
 
 _RULES: dict[FindingKind, str] = {
     "stale": "stale-block",
@@ -42,6 +42,10 @@ _RULES: dict[FindingKind, str] = {
     "unequal": "unequal-units",
     "unknown": "unknown-blocks",
     "contact": "unexpected-contact",
+    "faulted": "faulted-run",
+    "stuck": "faulted-run",
+    "partial": "partial-run",
+    "coverage": "partial-run",
 }
 _CONTACT = "unexpected_contact"
 
@@ -112,9 +116,13 @@ def run_alerts(trace: Trace, root: Path) -> tuple[Alert, ...]:
 
     `root` is the controller's root, from which the trace names files.
     """
-    alerts = []
+    alerts: list[Alert] = []
+    if trace.verdict is not None:
+        reasons = [each for each in trace.verdict.open_reasons if each.code != NEVER_RAN]
+        alerts += [_of_reason(each, trace, root) for each in reasons]
+    told = {each.message for each in alerts}
     for finding in trace.findings:
-        if finding.kind != _CONTACT:
+        if finding.kind != _CONTACT and finding.message not in told:
             place = finding.location or Location(trace.controller)
             subject = f"{finding.kind} {finding.message}"
             file = _file(str(root / place.file))
@@ -127,6 +135,19 @@ def run_alerts(trace: Trace, root: Path) -> tuple[Alert, ...]:
     names = model_names([each.ref for each in trace.uncovered])
     alerts += [_uncovered(each.ref, names[each.ref], each.line, root) for each in trace.uncovered]
     return tuple(alerts)
+
+
+def _of_reason(reason: Reason, trace: Trace, root: Path) -> Alert:
+    """Return the alert of a reason for which a run is not complete."""
+    place = reason.location or Location(trace.controller)
+    return alert_at(
+        "partial-run" if reason.verdict == "partial" else "faulted-run",
+        reason.words,
+        place,
+        _file(str(root / place.file)),
+        function=reason.function,
+        subject=f"{reason.code} {reason.object}",
+    )
 
 
 def _of_last_run(

@@ -52,7 +52,7 @@ def trace_attempts(
     simulated_s = 0.0
 
     def may_go_on() -> bool:
-        return simulated_s < _MOST_DURATIONS * settings.duration_s
+        return simulated_s < _MOST_DURATIONS * settings.run_duration_s
 
     def run(
         choice: LaunchChoice, keep: Path | None, companions: tuple[Companion, ...] = ()

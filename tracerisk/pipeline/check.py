@@ -32,10 +32,11 @@ from tracerisk.config import Settings, controller_root, read_settings
 from tracerisk.errors import ExitCode, InputError, Location, TraceRiskError
 from tracerisk.pipeline.controller import Controller, load_controller
 from tracerisk.pipeline.freshness import RunInputs, stale_reasons, values_reasons
+from tracerisk.pipeline.kept_verdict import block_lines, kept_verdict
 from tracerisk.pipeline.known_functions import check_steps
 from tracerisk.pipeline.last_run import kept_contacts
 from tracerisk.pipeline.one_writer import one_writer
-from tracerisk.trace import FunctionRef, QualifiedName
+from tracerisk.trace import NEVER_RAN, Coverage, FunctionRef, QualifiedName, Verdict, VerdictKind
 
 _OF_ALL = ("pyproject.toml", LOCK_NAME)  # what every controller of a root depends on
 _WORTH_A_PROCESS = 20  # files that take as long to check as a process takes to start
@@ -50,14 +51,26 @@ FindingKind = Literal[
     "unequal",
     "unknown",
     "contact",
+    "faulted",
+    "stuck",
+    "partial",
+    "coverage",
 ]
 """Why blocks are not to be trusted: what they depend on has changed; a person changed a value
 that is the tool's; a block is gone; its function is gone or renamed; the mission's failure
 probability is above `max_risk`; a value is set by hand without a reason; a redundancy is set by
 hand over units that differed in the last run; the lock knows nothing; in the last run something
-touched that should not, and `fail_on` says that this is to fail."""
+touched that should not, and `fail_on` says that this is to fail; the last run went wrong, did
+not come to an end, or rests on needs that nothing met or on assumptions that nobody accepted;
+of the functions that can command hardware too few ran."""
 
 
+_OF_VERDICT: Mapping[VerdictKind, FindingKind] = {
+    "complete": "partial",
+    "partial": "partial",
+    "faulted": "faulted",
+    "stuck": "stuck",
+}
 _OF_LOCK_AND_SOURCE = frozenset({"edited", "missing", "orphaned"})
 
 
@@ -89,6 +102,8 @@ class Checked:
 
     path: Path
     findings: tuple[CheckFinding, ...]
+    verdict: Verdict | None = None
+    """The verdict of the last run; `None` where the lock keeps none."""
 
 
 def controllers_of(files: Sequence[Path | str]) -> tuple[Path, ...]:
@@ -164,20 +179,35 @@ def _shown(path: Path, like: Path) -> Path:
     return path if like.is_absolute() else Path(os.path.relpath(path))
 
 
-def check_controller(path: Path | str) -> Checked:
+@dataclass(frozen=True, slots=True)
+class CoverageLimits:
+    """How many of the functions that can command hardware must have run.
+
+    `least` is a fraction, in place of the setting `min_coverage`; `base` the coverage of the
+    version that a change is made to.
+    """
+
+    least: float | None = None
+    base: Coverage | None = None
+
+
+_NO_LIMITS = CoverageLimits()
+
+
+def check_controller(path: Path | str, limits: CoverageLimits = _NO_LIMITS) -> Checked:
     """Return what keeps the blocks of the controller at `path` from being trusted.
 
     Raises BlockError, SourceError or InputError where a block, a source or the lock is malformed.
     """
-    found = _check_once(path)
+    found = _check_once(path, limits)
     if all(finding.kind not in _OF_LOCK_AND_SOURCE for finding in found.findings):
         return found
     # Another run may have written between our looks at lock and source; it may not now.
     with one_writer(controller_root(found.path)):
-        return _check_once(path)
+        return _check_once(path, limits)
 
 
-def _check_once(path: Path | str) -> Checked:
+def _check_once(path: Path | str, limits: CoverageLimits) -> Checked:
     controller = load_controller(path)
     lock = lock_of(controller.root)
     entry = lock.controllers.get(lock_key(controller.path, controller.root))
@@ -203,30 +233,40 @@ def _check_once(path: Path | str) -> Checked:
         findings += _over_threshold(controller, sources, settings.max_risk)
     if settings.fail_on in ("finding", "unexpected_contact"):
         findings += _contacts(controller, entry)
-    return Checked(controller.path, tuple(sorted(findings, key=_order)))
+    verdict = _verdict(entry, sources)
+    if verdict is not None:
+        findings += _of_verdict(controller, verdict)
+        least = settings.min_coverage if limits.least is None else limits.least
+        findings += _of_coverage(controller, verdict.coverage, least, limits.base)
+    return Checked(controller.path, tuple(sorted(findings, key=_order)), verdict)
 
 
 def check_controllers(
-    paths: Sequence[Path], *, jobs: int | None = None
+    paths: Sequence[Path],
+    limits: Sequence[CoverageLimits] = (),
+    *,
+    jobs: int | None = None,
 ) -> tuple[Checked | TraceRiskError, ...]:
     """Return for each controller what `check_controller` returns or raises, in their order.
 
+    `limits` are those of each; none for all of them where it is empty.
     Many are shared out among as many processes as there are cores, or `jobs`.
     """
     count = min(jobs or os.cpu_count() or 1, len(paths) // _WORTH_A_PROCESS)
     if count < 2:
-        return tuple(map(_checked, paths))
+        return tuple(map(_checked, paths, limits or [_NO_LIMITS] * len(paths)))
     # Not needed for a few files, where a hundredth of a second is felt.
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
     with ProcessPoolExecutor(count, mp_context=get_context("fork")) as pool:
-        return tuple(pool.map(_checked, paths, chunksize=_WORTH_A_PROCESS // 2))
+        each = limits or [_NO_LIMITS] * len(paths)
+        return tuple(pool.map(_checked, paths, each, chunksize=_WORTH_A_PROCESS // 2))
 
 
-def _checked(path: Path) -> Checked | TraceRiskError:
+def _checked(path: Path, limits: CoverageLimits) -> Checked | TraceRiskError:
     try:
-        return check_controller(path)
+        return check_controller(path, limits)
     except TraceRiskError as error:
         return error
 
@@ -411,6 +451,50 @@ def _contacts(controller: Controller, entry: ControllerLock) -> Iterable[CheckFi
         place = function_place(controller, each.function)
         if place is not None:
             yield CheckFinding("contact", str(each), place, each.function.name)
+
+
+def _verdict(entry: ControllerLock, sources: Sequence[_Source]) -> Verdict | None:
+    """Return the verdict that the lock keeps, with the lines that the sources have now."""
+    verdict = kept_verdict(entry)
+    if verdict is None:
+        return None
+    held = {each.file: each.source for each in sources}
+    return verdict.with_lines(block_lines(held, {each.file: each.shown for each in sources}))
+
+
+def _of_verdict(controller: Controller, verdict: Verdict) -> Iterable[CheckFinding]:
+    """Yield the reasons for which a run does not pass: not functions that never ran."""
+    for each in verdict.open_reasons:
+        if each.code == NEVER_RAN:
+            continue
+        place = Location(str(controller.path), 1)
+        if each.location is not None:
+            file = str(controller.path_of(each.location.file))
+            place = Location(file, each.location.line, each.location.column)
+        where = f" (in {each.function})" if each.function else ""
+        advice = "" if each.verdict == "stuck" else f"; {each.code} may be accepted, with words"
+        message = f"{each.words}{where}{advice}"
+        yield CheckFinding(_OF_VERDICT[each.verdict], message, place, each.function)
+
+
+def _of_coverage(
+    controller: Controller, coverage: Coverage, least: float | None, base: Coverage | None
+) -> Iterable[CheckFinding]:
+    """Yield a finding where too few functions ran: below the limit, or fewer than in the base."""
+    ran, number = coverage.ran, coverage.all
+    told = f"{ran} of {number} functions with commands ran"
+    place = Location(str(controller.path), 1)
+    if coverage.never_ran:
+        first = coverage.never_ran[0]
+        place = Location(str(controller.path_of(first.ref.file)), first.line)
+        names = ", ".join(str(each.ref.name) for each in coverage.never_ran)
+        told += f", not {names}"
+    if least is not None and ran < least * number:
+        message = f"{told}; the min_coverage is {least:g}"
+        yield CheckFinding("coverage", message, place)
+    if base is not None and ran * base.all < base.ran * number:
+        message = f"{told}; before the change {base.ran} of {base.all} did"
+        yield CheckFinding("coverage", message, place)
 
 
 def function_place(controller: Controller, function: FunctionRef) -> Location | None:

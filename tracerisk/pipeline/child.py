@@ -14,6 +14,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 
 from tracerisk.errors import ExitCode, TraceRiskError
@@ -30,6 +31,7 @@ from tracerisk.pipeline.run_files import (
     ELSEWHERE,
     ENTRY,
     EVENTS,
+    GIVEN,
     JOINTS_ASKED,
     LAUNCH,
     ROBOT,
@@ -157,6 +159,15 @@ def _run_recorded(
     )
     companions = Companions(request.companions, runtime, recorder)
     watch = RunWatch(scheduler, recorder)
+    recorder.note(
+        GIVEN,
+        objects=[
+            each.string("name")
+            for each in scenario.objects
+            if each.boolean("graspable", default="mass" in each)
+        ],
+        accept=[asdict(each) for each in scenario.accept],
+    )
     recorder.watch, tracer.on_iteration = watch, watch.looped
     is_ros2 = ros_version(script, root) == 2
     own = workspace.interfaces

@@ -95,7 +95,7 @@ def run_controller(
             launch=launch,
             launch_notes=choice.notes,
             companions=companions,
-            duration_s=settings.duration_s,
+            duration_s=settings.run_duration_s,
             memory_limit_mb=settings.memory_limit_mb,
             seed=settings.seed,
             parent=os.getpid(),

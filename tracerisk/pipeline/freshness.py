@@ -10,7 +10,7 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +29,7 @@ _SOURCES, _FILES, _SETTINGS, _GIVEN, _HARDWARE = "sources", "files", "settings",
 _LIMITS = frozenset(
     {
         *("cpu_limit_s", "wall_limit_s", "stall_limit_s", "memory_limit_mb"),
-        *("max_risk", "require_reason", "fail_on"),
+        *("max_risk", "require_reason", "fail_on", "min_coverage"),
     }
 )
 _OF_VALUES = frozenset({"hardware", "active"})
@@ -184,6 +184,8 @@ def _settings_reasons(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iter
 
 
 def _shown(value: Any) -> str:
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return f"{len(value)} of them"
     return "the default" if value is None else str(value)
 
 
@@ -215,6 +217,8 @@ def _plain(name: str, value: Any, root: Path) -> Any:
         return [_from(root, Path(file)) for file in value]
     if name in _NAMES_OF_FILES and isinstance(value, str) and Path(value).suffix:
         return _from(root, Path(value))
+    if name == "accept":
+        return [asdict(each) for each in value]
     return list(value) if isinstance(value, tuple) else value
 
 

@@ -14,6 +14,7 @@ from tracerisk.errors import ControllerFailedError, Location
 from tracerisk.pipeline.check import check_controller, given_options
 from tracerisk.pipeline.controller import load_controller
 from tracerisk.pipeline.freshness import RunInputs, stale_reasons
+from tracerisk.pipeline.kept_verdict import kept_verdict
 from tracerisk.pipeline.stages import (
     Annotated,
     annotate,
@@ -22,7 +23,7 @@ from tracerisk.pipeline.stages import (
     trace_controller,
 )
 from tracerisk.pipeline.trace_cache import TraceCache
-from tracerisk.trace import Trace
+from tracerisk.trace import Trace, Verdict
 
 # What a refresh mends; the rest is for a person to mend.
 _MENDED = frozenset({"stale", "edited", "missing", "orphaned", "unknown"})
@@ -38,6 +39,7 @@ class Refreshed:
     how: How
     reason: str
     annotated: Annotated | None = None
+    verdict: Verdict | None = None
 
     @property
     def is_changed(self) -> bool:
@@ -70,14 +72,18 @@ def refresh_controller(
     reasons: tuple[str, ...] = ("it was never run",)
     if entry is not None:
         wants_fresh = policy is not None and policy.fresh
-        is_settled = entry.previous is None and not wants_fresh
+        is_judged = kept_verdict(entry) is not None
+        is_settled = entry.previous is None and not wants_fresh and is_judged
         found = {finding.kind for finding in check_controller(controller.path).findings}
         if is_settled and not found & _MENDED:
-            return Refreshed("fresh", "nothing that it depends on has changed")
+            told = "nothing that it depends on has changed"
+            return Refreshed("fresh", told, verdict=kept_verdict(entry))
         reasons = stale_reasons(recorded, controller, settings)
         if not reasons:
             trace = cache.read(recorded.fingerprint, controller.file)
             reasons = () if trace is not None else ("its trace is not kept here",)
+            if not is_judged:
+                reasons = ("its last run has no verdict",) if trace is None else ()
     how: How = "recomputed" if trace is not None else "simulated"
     if trace is None:
         trace = trace_controller(controller, settings, progress=progress)
@@ -92,12 +98,13 @@ def refresh_controller(
         policy=policy,
         given=given,
     )
-    return Refreshed(how, "; ".join(reasons) or "values made anew of the kept trace", annotated)
+    told = "; ".join(reasons) or "values made anew of the kept trace"
+    return Refreshed(how, told, annotated, trace.verdict)
 
 
 def _check_end(trace: Trace, path: str) -> None:
     place = trace.end.location or Location(path, 1)
-    if not trace.end.is_good:
+    if not trace.is_usable:
         raise ControllerFailedError(trace.end.message, place, code=trace.end.code)
     if not trace.functions:
         raise ControllerFailedError(f"{trace.end.message}, and it commanded no hardware", place)

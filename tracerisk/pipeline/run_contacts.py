@@ -17,6 +17,7 @@ from tracerisk.trace import Element, Exposure, Finding, Visit
 from tracerisk.twin.activity import ElementActivity
 from tracerisk.twin.contact_log import read_contacts
 from tracerisk.twin.contacts import (
+    RunContacts,
     contact_activity,
     run_contacts,
     visit_contacts,
@@ -41,16 +42,17 @@ def with_contacts(
     samples: Samples,
     active: Mapping[str, Exposure],
     visits: tuple[Visit, ...],
-) -> tuple[Mapping[str, Exposure], tuple[Visit, ...]]:
+) -> tuple[Mapping[str, Exposure], tuple[Visit, ...], RunContacts | None]:
     """Return the exposures of the run and its visits with contacts, payloads and touching time.
 
+    What was held, and when, comes third.
     Raises LogError when the log of contacts in `folder` is damaged.
     """
     n_steps, step_ns = samples.n_steps, samples.header.step_ns
     log = read_contacts(folder, n_steps)
     untouched = {each.name: Exposure() for each in elements if each.kind == "contact"}
     if not len(log.rows) and not log.welds:
-        return {**active, **untouched}, visits
+        return {**active, **untouched}, visits, None
     owners: dict[str | None, NDArray[np.int64]] = {
         name: attribution.assign(name, n_steps, step_ns) for name in activity
     }
@@ -82,7 +84,7 @@ def with_contacts(
         )
         for index, visit in enumerate(visits)
     ]
-    return {**active, **untouched, **found}, tuple(given)
+    return {**active, **untouched, **found}, tuple(given), run
 
 
 def collisions(

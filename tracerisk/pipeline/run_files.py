@@ -34,6 +34,10 @@ NEEDS = "needs"
 COMPANION = "companion"
 """The note of a companion that `ended` before its time: how it is `told`, and how it ended."""
 _WALL_TIME = "wall_time.json"
+UNMET = "unmet"
+"""The note of what the controller asked for in vain and went on without."""
+GIVEN = "given"
+"""The note of what the scenario gives it: `objects` to grasp, reasons that it may `accept`."""
 
 
 @dataclass(frozen=True, slots=True)

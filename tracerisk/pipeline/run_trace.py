@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,26 +13,29 @@ import numpy as np
 from tracerisk.config import Settings
 from tracerisk.errors import UnsafeRewriteError
 from tracerisk.hardware.shipped import is_shipped
-from tracerisk.instrument.call_graph import CallGraph, call_graph, uncovered
+from tracerisk.instrument.call_graph import CallGraph, call_graph, motion_reaching, uncovered
 from tracerisk.instrument.motion_calls import MOTION_CALLS, calls_at
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
+from tracerisk.instrument.source import MODULE_NAME
 from tracerisk.instrument.tracer import Site
 from tracerisk.pipeline.run_contacts import collisions, with_contacts
 from tracerisk.pipeline.run_files import ELSEWHERE, ENTRY, LAUNCH
+from tracerisk.pipeline.run_verdict import placed_findings, run_verdict
 from tracerisk.pipeline.run_watch import CYCLE, MISSION_END
 from tracerisk.pipeline.sensors import elements_of, with_sensors
 from tracerisk.trace import (
+    Coverage,
     Cycle,
     Exposure,
     Finding,
     ObjectOffset,
     RunEnd,
     Trace,
-    Uncovered,
     Visit,
 )
 from tracerisk.twin.activity import ElementActivity, element_activity
+from tracerisk.twin.contacts import RunContacts
 from tracerisk.twin.exposure import exposure
 from tracerisk.twin.samples import Samples, has_samples, read_samples
 
@@ -61,6 +64,8 @@ def make_trace(
     mission_end = recording.note(MISSION_END)
     active: Mapping[str, Exposure] = {}
     visits: tuple[Visit, ...] = ()
+    samples: Samples | None = None
+    contacts: RunContacts | None = None
     if has_samples(folder):
         samples = read_samples(folder)
         if mission_end is not None:
@@ -71,9 +76,23 @@ def make_trace(
         active, visits = with_sensors(
             elements, recording, attribution, activity, samples, active, visits
         )
-        active, visits = with_contacts(
+        active, visits, contacts = with_contacts(
             folder, robot, elements, attribution, activity, samples, active, visits
         )
+    coverage = _coverage(controller, recording)
+    found = _findings(recording, attribution, collisions(robot, attribution, visits))
+    findings = placed_findings(found, controller)
+    verdict, more = run_verdict(
+        controller,
+        robot,
+        settings,
+        recording,
+        end,
+        findings,
+        coverage,
+        samples,
+        contacts,
+    )
     return Trace(
         controller=controller.file,
         robot=robot.name,
@@ -83,13 +102,14 @@ def make_trace(
         functions=attribution.functions,
         visits=visits,
         active=active,
-        uncovered=_uncovered(controller, recording),
-        findings=_findings(recording, attribution, collisions(robot, attribution, visits)),
+        uncovered=coverage.never_ran,
+        findings=_in_time((*findings, *more)),
         objects=_objects(recording),
         assumptions=_assumptions(robot, scene, settings, recording, end),
         cycle=_cycle(recording, attribution, settings),
         files=tuple(file for file in _files(controller, recording) if file != controller.file),
         inputs=tuple(_launched(recording)["inputs"]),
+        verdict=verdict,
     )
 
 
@@ -149,7 +169,8 @@ def _files(controller: Controller, recording: Recording) -> tuple[str, ...]:
     return tuple(sorted({site.ref.file for site in recording.functions_ran} | {controller.file}))
 
 
-def _uncovered(controller: Controller, recording: Recording) -> tuple[Uncovered, ...]:
+def _coverage(controller: Controller, recording: Recording) -> Coverage:
+    """Return which of the functions that can command hardware ran."""
     sites: dict[str, set[Site]] = {}
     for command in recording.commands:
         innermost = command.stack[-1]
@@ -161,14 +182,23 @@ def _uncovered(controller: Controller, recording: Recording) -> tuple[Uncovered,
             graphs.append(call_graph(source, file))
         motion |= calls_at(source, sites.get(file, ()))
     graph = CallGraph.joined(graphs)
-    return uncovered(graph, motion, {site.ref for site in recording.functions_ran})
+    never_ran = uncovered(graph, motion, {site.ref for site in recording.functions_ran})
+    # What the run has seen to command counts, however it came to.
+    seen = {frame.function for command in recording.commands for frame in command.stack[:-1]}
+    issuers = {command.stack[-1].function for command in recording.commands}
+    reaching = {each.ref for each in motion_reaching(graph, motion)} | seen
+    able = {ref for ref in reaching if ref.name != MODULE_NAME} | issuers
+    return Coverage(len(able) - len(never_ran), len(able), never_ran)
 
 
 def _findings(
     recording: Recording, attribution: Attribution, collided: tuple[Finding, ...]
 ) -> tuple[Finding, ...]:
-    found = [*recording.findings, *attribution.findings, *collided]
-    return tuple(sorted(found, key=lambda finding: finding.time_s or 0.0))
+    return _in_time((*recording.findings, *attribution.findings, *collided))
+
+
+def _in_time(findings: Sequence[Finding]) -> tuple[Finding, ...]:
+    return tuple(sorted(findings, key=lambda finding: finding.time_s or 0.0))
 
 
 def _objects(recording: Recording) -> tuple[ObjectOffset, ...]:
@@ -226,7 +256,7 @@ def _assumptions(
         lines.append("mission: over where the controller's loop had nothing more to command")
     if end.cause == "duration":
         lines.append(
-            f"mission: cut after {settings.duration_s:g} s of simulated time (--duration); the "
+            f"mission: cut after {settings.run_duration_s:g} s of simulated time (--duration); the "
             "controller did not end by itself"
         )
     return tuple(lines)

@@ -234,7 +234,9 @@ def annotate(
         [_source_blocks(controller, file, before[file], trace, computed) for file in files],
         lock,
         fingerprint=inputs.fingerprint,
-        trace=trace_summary(trace, computed.instances, kept=kept),
+        trace=trace_summary(
+            _at_bare_lines(trace, before, controller), computed.instances, kept=kept
+        ),
         inputs=inputs.data(),
         policy=policy,
     )
@@ -246,6 +248,19 @@ def annotate(
     return Annotated(
         controller, sources, before, change, lock_path, computed, trace, inputs.fingerprint
     )
+
+
+def _at_bare_lines(trace: Trace, sources: Mapping[str, bytes], controller: Controller) -> Trace:
+    """Return the trace whose verdict has the lines that the sources have without their blocks.
+
+    So what the lock keeps does not change when blocks come into a source.
+    """
+    from tracerisk.pipeline.kept_verdict import bare_lines
+
+    if trace.verdict is None:
+        return trace
+    shown = {file: str(controller.path_of(file)) for file in sources}
+    return replace(trace, verdict=trace.verdict.with_lines(bare_lines(sources, shown)))
 
 
 def _as_on_disk(controller: Controller, trace: Trace) -> tuple[Controller, Trace]:
@@ -423,10 +438,14 @@ def at_annotated_lines(trace: Trace, annotated: Annotated) -> Trace:
     def line(ref: FunctionRef, old: int) -> int:
         return moved[ref.file](old) if ref.file in moved else old
 
+    def line_at(file: str, old: int) -> int:
+        return moved[file](old) if file in moved else old
+
     return replace(
         trace,
         end=replace(trace.end, location=place(trace.end.location)),
         functions=tuple(replace(f, line=line(f.ref, f.line)) for f in trace.functions),
         uncovered=tuple(replace(u, line=line(u.ref, u.line)) for u in trace.uncovered),
         findings=tuple(replace(f, location=place(f.location)) for f in trace.findings),
+        verdict=None if trace.verdict is None else trace.verdict.with_lines(line_at),
     )

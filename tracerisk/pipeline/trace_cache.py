@@ -30,7 +30,8 @@ class TraceCache:
             trace = trace_json.loads(path.read_text(encoding="utf-8"), str(path))
         except (OSError, UnicodeDecodeError, TraceRiskError):
             return None
-        return trace if trace.controller == controller and trace.end.is_good else None
+        is_ours = trace.controller == controller and trace.verdict is not None
+        return trace if is_ours and trace.is_usable else None
 
     def write(self, fingerprint: str, trace: Trace) -> None:
         """Keep a trace in the place of the controller's last one.

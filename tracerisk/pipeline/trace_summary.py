@@ -10,6 +10,7 @@ from tracerisk.adder.instance_values import kept_values
 from tracerisk.adder.instances import ComponentInstances
 from tracerisk.adder.merge import NOISE
 from tracerisk.adder.model_names import model_names
+from tracerisk.pipeline.kept_verdict import verdict_summary
 from tracerisk.pipeline.last_run import last_run_summary
 from tracerisk.trace import FunctionRef, Trace
 
@@ -24,8 +25,8 @@ def trace_summary(
 
     Beside these stand, by component, the failure probabilities of its instances in one visit,
     with 4 significant digits. One within the noise of what is `kept`, the summary that the lock
-    has, keeps its text. Motions that never ran and unexpected contacts are kept where there are
-    any.
+    has, keeps its text. The verdict of the run is kept with its reasons, its lines
+    as they are given. Motions that never ran and unexpected contacts are kept where there are any.
     """
     functions: dict[str, Any] = {}
     names = model_names([function.ref for function in trace.functions])
@@ -58,6 +59,7 @@ def trace_summary(
         "scene": trace.scene,
         "end": trace.end.cause,
         "functions": functions,
+        **verdict_summary(trace.verdict),
         **last_run_summary(trace),
     }
 

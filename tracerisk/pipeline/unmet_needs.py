@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import Location
+from tracerisk.pipeline.run_files import UNMET
 from tracerisk.ros.action_graph import Actions
 from tracerisk.ros.needs import Missed, Need, NeedKind
 from tracerisk.ros.runtime import Runtime
@@ -79,6 +80,7 @@ class UnmetNeeds:
             self._runtime.recorder.finding("unused", f"in the scenario, but {told}", here)
         plain = JudgedEnd(cause, message, location)
         if cause in GOOD_ENDS and self._has_commanded():
+            self._note_unmet()
             if cause in _LISTENING:
                 self._tell_unpublished()
             return plain
@@ -137,7 +139,23 @@ class UnmetNeeds:
                 f"nothing provides {each.need.told}, to which the controller listens; a scenario "
                 "(--scenario) can",
                 self.below_root(each.location),
+                object_name=each.need.name,
             )
+
+    def _note_unmet(self) -> None:
+        """Note what the controller asked for in vain and went on without."""
+        needs = [
+            {
+                "kind": each.need.kind,
+                "name": each.need.name,
+                "words": each.need.told,
+                "location": None if place is None else [place.file, place.line, place.column],
+            }
+            for each in map(_typed, self._missed())
+            for place in (self.below_root(each.location),)
+        ]
+        if needs:
+            self._runtime.recorder.note(UNMET, needs=needs)
 
     def _led_to(self, cause: EndCause) -> tuple[Missed, ...]:
         if cause in ("raised", "exited"):

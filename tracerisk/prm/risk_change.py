@@ -8,6 +8,7 @@ from typing import Literal
 
 from tracerisk.errors import Location
 from tracerisk.prm.assessment import FIGURE_STATEMENT, MissionFigures
+from tracerisk.trace import NEVER_RAN, Acceptance, Reason, Verdict
 
 ChangeKind = Literal[
     "structure",
@@ -134,6 +135,58 @@ class SinglePoint:
 
 
 @dataclass(frozen=True, slots=True)
+class RunVerdicts:
+    """The verdicts of the runs behind two versions; `None` where one is unknown.
+
+    A version without blocks has none: it is not `in_before`, or not `in_after`.
+    """
+
+    before: Verdict | None
+    after: Verdict | None
+    in_before: bool = True
+    in_after: bool = True
+
+    @property
+    def is_comparable(self) -> bool:
+        """Whether the figures of the two runs say anything of each other."""
+        return _is_whole(self.before, self.in_before) and _is_whole(self.after, self.in_after)
+
+    @property
+    def broke(self) -> tuple[Reason, ...]:
+        """What went wrong in the later run and not in the earlier one."""
+        return _only_in(self.after, self.before)
+
+    @property
+    def repaired(self) -> tuple[Reason, ...]:
+        """What went wrong in the earlier run and does not in the later one."""
+        return _only_in(self.before, self.after)
+
+    @property
+    def new_acceptances(self) -> tuple[Acceptance, ...]:
+        """What the later version accepts and the earlier one did not."""
+        if self.after is None:
+            return ()
+        known = {each.key for each in self.before.acceptances} if self.before else set()
+        return tuple(each for each in self.after.acceptances if each.key not in known)
+
+
+def _is_news(verdicts: RunVerdicts) -> bool:
+    """Return whether a run went wrong, or lost its verdict or got its first."""
+    is_unknown = verdicts.before is None and verdicts.after is None
+    return not verdicts.is_comparable and not is_unknown
+
+
+def _is_whole(verdict: Verdict | None, is_there: bool) -> bool:
+    return not is_there or (verdict is not None and verdict.kind in ("complete", "partial"))
+
+
+def _only_in(verdict: Verdict | None, other: Verdict | None) -> tuple[Reason, ...]:
+    known = {each.key for each in other.open_reasons} if other is not None else set()
+    found = verdict.open_reasons if verdict is not None else ()
+    return tuple(each for each in found if each.key not in known and each.code != NEVER_RAN)
+
+
+@dataclass(frozen=True, slots=True)
 class RiskDiff:
     """The difference in risk between two versions of one controller.
 
@@ -143,7 +196,8 @@ class RiskDiff:
     `within_noise` counts the values that changed by less than 1 %: they are told as unchanged.
     `inputs` tells in words what the runs behind the blocks depended on that differs, `of_run`
     what the later run showed that the earlier one did not: contacts that were not to be expected,
-    motions of which there is no risk data.
+    motions of which there is no risk data. `verdicts` are those of the two runs, `None` where the
+    blocks alone are compared: no lock tells of a run of either version.
     """
 
     name: str
@@ -158,6 +212,12 @@ class RiskDiff:
     within_noise: int
     inputs: tuple[str, ...] = ()
     of_run: tuple[str, ...] = ()
+    verdicts: RunVerdicts | None = None
+
+    @property
+    def is_comparable(self) -> bool:
+        """Whether the runs behind the two versions can be compared; models alone always can."""
+        return self.verdicts is None or self.verdicts.is_comparable
 
     @property
     def increase(self) -> float:
@@ -181,6 +241,9 @@ class RiskDiff:
     def is_worth_telling(self, threshold: float) -> bool:
         """Return what `Review.is_worth_telling` says, for one controller."""
         if self.before is None or self.after is None or self.pins or self.of_run:
+            return True
+        runs = self.verdicts
+        if runs is not None and (runs.new_acceptances or _is_news(runs)):
             return True
         marks = {mark for change in self.changes for mark in change.marks}
         if marks & {"lost_redundancy", "single_point_of_failure"}:

@@ -22,7 +22,12 @@ _SPECIAL = re.compile(r"([\\`*_\[\]<>|~])")
 def render_diff_markdown(review: Review) -> str:
     """Return the review as Markdown: one sentence, a small table, the rest folded."""
     shown = review.controllers[:MOST_CONTROLLERS]
-    lines = [TAG, f"**{_escaped(words.headline(review))}**", ""]
+    lines = [TAG]
+    verdicts = words.verdict_lines(review)[:MOST_CONTROLLERS]
+    accepted = [line for each in shown for line in words.acceptances(each)]
+    for line in (*verdicts, *accepted):
+        lines += [_escaped(line), ""]
+    lines += [f"**{_escaped(words.headline(review))}**", ""]
     if review.controllers:
         lines += _table(
             ("controller", _escaped(review.before), _escaped(review.after), "ratio", "per cycle"),
@@ -55,6 +60,7 @@ def _figures(diff: RiskDiff) -> tuple[str, ...]:
     ratio = cycles = ""
     if old is not None and new is not None:
         ratio = words.ratio(old.failure_probability, new.failure_probability)
+        ratio = ratio if diff.is_comparable else "not comparable"
         earlier, later = old.cycle_failure_probability, new.cycle_failure_probability
         cycles = f"{words.probability(earlier)} → {words.probability(later)}"
     return (
@@ -67,7 +73,12 @@ def _figures(diff: RiskDiff) -> tuple[str, ...]:
 
 
 def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
-    if diff.changes:
+    for title, entries in words.broken_and_repaired(diff):
+        yield f"{title}:"
+        yield ""
+        yield from (f"- {_escaped(entry)}" for entry in entries)
+        yield ""
+    if diff.changes and diff.is_comparable:
         rows = [
             (
                 words.difference(change.contribution),
@@ -84,7 +95,7 @@ def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
             rows.append((words.difference(diff.interaction), told, "", ""))
         yield from _table(("alone", "change", "cause", "where"), rows, right=(0,))
     functions = [each for each in diff.functions if each.status != "unchanged"]
-    if functions:
+    if functions and diff.is_comparable:
         yield from _table(
             ("function", "a visit, before", "after", "visits, before", "after"),
             [

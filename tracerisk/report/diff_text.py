@@ -19,7 +19,13 @@ def render_diff(review: Review, *, width: int = 80) -> str:
     `width` is the number of columns, at least 60; nothing is wider.
     """
     room = max(width, 60)
-    lines = [*_wrapped(words.headline(review), room), ""]
+    lines = []
+    for line in words.verdict_lines(review):
+        lines += _wrapped(line, room, hanging=2)
+    for each in review.controllers:
+        for line in words.acceptances(each):
+            lines += _wrapped(line, room, hanging=2)
+    lines += [*_wrapped(words.headline(review), room), ""]
     if review.controllers:
         lines += [*_wrapped(f"before: {review.before}; after: {review.after}", room), ""]
     for each in review.controllers:
@@ -38,10 +44,12 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
     missions = diff.before, diff.after
     whole = [None if each is None else each.failure_probability for each in missions]
     cycle = [None if each is None else each.cycle_failure_probability for each in missions]
-    yield from _row("  mission failure", _cells(*whole), room)
-    yield from _row("  per cycle", _cells(*cycle), room)
+    yield from _row("  mission failure", _cells(*whole, comparable=diff.is_comparable), room)
+    yield from _row("  per cycle", _cells(*cycle, comparable=diff.is_comparable), room)
     yield ""
-    if diff.changes:
+    for title, entries in words.broken_and_repaired(diff):
+        yield from _list(title, entries, room)
+    if diff.changes and diff.is_comparable:
         yield "  What changed, by what each alone does to mission failure"
         small = _small(diff.changes)
         for change in diff.changes:
@@ -54,7 +62,8 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
             rest = words.difference(diff.interaction)
             yield f"  {rest:>{_ALONE}}  what they do only together, and noise"
         yield ""
-    yield from _functions(diff.functions, room)
+    if diff.is_comparable:
+        yield from _functions(diff.functions, room)
     yield from _list(
         "Single points of failure that were none",
         [f"{point.component}, in {words.some(point.functions)}" for point in diff.single_points],
@@ -127,11 +136,14 @@ def _visits(function: FunctionChange) -> str:
     return f"{told} visit" if told == "1" else f"{told} visits"
 
 
-def _cells(before: float | None, after: float | None) -> tuple[str, str, str]:
+def _cells(
+    before: float | None, after: float | None, *, comparable: bool = True
+) -> tuple[str, str, str]:
+    ratio = "" if before is None or after is None else words.ratio(before, after)
     return (
         "-" if before is None else words.probability(before),
         "-" if after is None else words.probability(after),
-        "" if before is None or after is None else words.ratio(before, after),
+        ratio if comparable else "",
     )
 
 

@@ -10,9 +10,11 @@ from tracerisk.prm.risk_change import (
     Review,
     RiskChange,
     RiskDiff,
+    RunVerdicts,
     is_noise,
     ratio_of,
 )
+from tracerisk.trace import UNKNOWN_VERDICT, Verdict, verdict_line
 
 _MARKS: dict[Mark, str] = {
     "new_state": "new state",
@@ -35,17 +37,81 @@ _CAUSES = {
 def headline(review: Review) -> str:
     """Return the one sentence that says what the change did to the risk."""
     changed = [each for each in review.controllers if not each.is_unchanged]
+    apart = [each for each in review.controllers if not each.is_comparable]
     if not review.controllers:
         return f"No risk block differs between {review.before} and {review.after}."
     if len(review.controllers) == 1:
         return f"{_sentence(review.controllers[0])}."
+    if apart:
+        lead = f"The runs of {len(apart)} of {len(review.controllers)} controllers"
+        return f"{lead} cannot be compared, first of all {_sentence(apart[0])}."
     if not changed:
         return f"The risk of {len(review.controllers)} controllers is unchanged."
     lead = f"The risk of {len(changed)} of {len(review.controllers)} controllers changed"
     return f"{lead}, most of all {_sentence(changed[0])}."
 
 
+def verdict_lines(review: Review) -> list[str]:
+    """Return the verdicts of the later runs with those of the earlier, a line a controller."""
+    lines = []
+    for diff in review.controllers:
+        if diff.verdicts is None:
+            continue
+        name = "" if len(review.controllers) == 1 else f"{diff.name}: "
+        if not diff.verdicts.in_after:
+            lines.append(f"{name}no risk blocks; before: {verdict_line(diff.verdicts.before)}")
+            continue
+        before = f"; before: {_short(diff.verdicts.before)}" if diff.verdicts.in_before else ""
+        lines.append(f"{name}{verdict_line(diff.verdicts.after)}{before}")
+    return lines
+
+
+def _short(verdict: Verdict | None) -> str:
+    if verdict is None:
+        return UNKNOWN_VERDICT
+    return f"{verdict.kind}, {verdict.coverage.ran} of {verdict.coverage.all}"
+
+
+def acceptances(diff: RiskDiff) -> list[str]:
+    """Return what a change accepts of its own run, a line each."""
+    found = () if diff.verdicts is None else diff.verdicts.new_acceptances
+    return [f"newly accepted: {each}" for each in found]
+
+
+def broken_and_repaired(diff: RiskDiff) -> list[tuple[str, list[str]]]:
+    """Return what broke in the later run and what was repaired, each with its title."""
+    if diff.verdicts is None:
+        return []
+    found = [
+        ("What broke", [str(each) for each in diff.verdicts.broke]),
+        ("What was repaired", [str(each) for each in diff.verdicts.repaired]),
+    ]
+    return [(title, lines) for title, lines in found if lines]
+
+
+def _incomparable(diff: RiskDiff, verdicts: RunVerdicts) -> str:
+    """Say what became of a run that cannot be compared; of the risk it says nothing."""
+    old = verdicts.before.kind if verdicts.before else "unknown"
+    new = verdicts.after.kind if verdicts.after else "unknown"
+    if verdicts.after is None and verdicts.in_after:
+        told = f"{diff.name}: the verdict of its run is unknown; `tracerisk refresh` gives it one"
+    elif new in ("faulted", "stuck"):
+        first = next(
+            iter(verdicts.broke or (verdicts.after.open_reasons if verdicts.after else ()))
+        )
+        was = f"was {old}, " if verdicts.in_before and old != new else ""
+        told = f"{diff.name} {was}is {new}: {first}"
+    elif verdicts.before is None:
+        told = f"{diff.name} is {new}; the verdict of its run before is unknown"
+    else:
+        first = next(iter(verdicts.repaired or verdicts.before.open_reasons))
+        told = f"{diff.name} is {new}, was {old}; repaired: {first}"
+    return f"{told}; the two runs cannot be compared"
+
+
 def _sentence(diff: RiskDiff) -> str:
+    if diff.verdicts is not None and not diff.verdicts.is_comparable:
+        return _incomparable(diff, diff.verdicts)
     if diff.before is None:
         assert diff.after is not None, "one version at least has blocks"
         figure = probability(diff.after.failure_probability)

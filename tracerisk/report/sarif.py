@@ -44,6 +44,22 @@ RULES: tuple[Rule, ...] = (
         "were written, so their figures are those of another program. Run `tracerisk refresh`.",
     ),
     Rule(
+        "faulted-run",
+        "FaultedRun",
+        "error",
+        "The run behind the risk blocks went wrong.",
+        "A run that went wrong is shorter and moves less, so its figure is not that of the "
+        "mission. Mend the cause, or accept the reason in [tool.tracerisk] with words.",
+    ),
+    Rule(
+        "partial-run",
+        "PartialRun",
+        "warning",
+        "The run behind the risk blocks is not the whole mission.",
+        "Something that the controller asked for was not there, or was assumed. Give it in a "
+        "scenario, name the robot, or accept the reason in [tool.tracerisk] with words.",
+    ),
+    Rule(
         "edited-block",
         "EditedBlock",
         "error",

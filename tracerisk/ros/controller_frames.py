@@ -65,6 +65,14 @@ def controller_frame() -> FrameType | None:
     return frame
 
 
+def caller_beyond(files: tuple[str, ...]) -> FrameType | None:
+    """Return the innermost frame beyond the modules whose files end so."""
+    frame: FrameType | None = _getframe(1)
+    while frame is not None and frame.f_code.co_filename.endswith(files):
+        frame = frame.f_back
+    return frame
+
+
 def is_quiet(frame: FrameType | None) -> bool:
     """Tell whether the frame is a library's whose looks at the clock move nothing."""
     if frame is None:

@@ -60,6 +60,10 @@ class PoseGoal:
     orientation_tolerance: float = 1e-3
 
 
+WHOLE_PATH = 0.999
+"""A Cartesian path of which less is covered was cut."""
+
+
 @dataclass(frozen=True, slots=True)
 class Scaling:
     """Fractions in (0, 1] of the rated velocity and acceleration."""
@@ -159,10 +163,13 @@ class MoveGroupServer(RobotGroups):
     ) -> Plan:
         """Plan to joint positions."""
         self._runtime.scheduler.touch()
+        asked = tuple(target[name] for name in sorted(target))
         try:
-            return self._plan_joints(group, target, scaling, start)
+            plan = self._plan_joints(group, target, scaling, start)
         except PlanningError as error:
-            return self._failed(group, error)
+            return self._failed(group, error, asked)
+        self._planned(group, asked)
+        return plan
 
     def plan_pose(
         self,
@@ -180,10 +187,13 @@ class MoveGroupServer(RobotGroups):
         for alternative in goals:
             try:
                 target = self.reach(group, alternative, start)
-                return self._plan_joints(group, target, scaling, start)
+                plan = self._plan_joints(group, target, scaling, start)
             except PlanningError as error:
                 failure = error
-        return self._failed(group, failure)
+            else:
+                self._planned(group, _places(goals[:1]))
+                return plan
+        return self._failed(group, failure, _places(goals[:1]))
 
     def plan_cartesian(
         self,
@@ -199,8 +209,8 @@ class MoveGroupServer(RobotGroups):
         """Plan straight lines through `waypoints`, at the rated speeds as the service does.
 
         With `avoid_collisions` the way ends before the first collision.
-        Returns the plan and the fraction of the way that it covers; less than 1 is no failure
-        here, the caller decides.
+        Returns the plan and the fraction of the way that it covers; less than 1 is a success
+        with a finding.
         """
         self._runtime.scheduler.touch()
         try:
@@ -215,7 +225,17 @@ class MoveGroupServer(RobotGroups):
                 acceleration_scaling=scaling.acceleration,
             )
         except PlanningError as error:
-            return self._failed(group, error), -1.0
+            return self._failed(group, error, _last_place(waypoints)), -1.0
+        if fraction < WHOLE_PATH:
+            self.execution.tell(
+                "path_cut",
+                f"a Cartesian path of group '{group}' was cut to {100.0 * fraction:.1f} % of its "
+                "way",
+                object_name=group,
+                target=_last_place(waypoints),
+            )
+        else:
+            self._planned(group, _last_place(waypoints))
         return Plan(ErrorCode.SUCCESS, trajectory), fraction
 
     def retime(
@@ -329,9 +349,14 @@ class MoveGroupServer(RobotGroups):
         )
         return Plan(ErrorCode.SUCCESS, trajectory)
 
-    def _failed(self, group: str, error: PlanningError) -> Plan:
+    def _planned(self, group: str, target: Sequence[float]) -> None:
+        """Note that a plan was found, which may be a retry."""
+        for kind in ("planning_failure", "path_cut"):
+            self.execution.succeeded(kind, group, target)
+
+    def _failed(self, group: str, error: PlanningError, target: Sequence[float] = ()) -> Plan:
         message = f"planning for group '{group}' failed: {error.message}"
-        self.execution.tell("planning_failure", message)
+        self.execution.tell("planning_failure", message, object_name=group, target=target)
         return Plan(_CODE_OF[error.failure], None, error.message)
 
     # Objects
@@ -392,3 +417,12 @@ class MoveGroupServer(RobotGroups):
     def detach(self, name: str) -> bool:
         """Leave an attached object in the world where it now is; False where there is none."""
         return self.changes.detach(name)
+
+
+def _last_place(poses: Sequence[Pose]) -> tuple[float, ...]:
+    return tuple(poses[-1].position) if poses else ()
+
+
+def _places(goals: Sequence[Sequence[PoseGoal]]) -> tuple[float, ...]:
+    """Return the positions of the first alternative: a retry may turn the tool."""
+    return tuple(value for goal in next(iter(goals), ()) for value in goal.pose.position)

@@ -12,9 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from tracerisk.acceptances import read_acceptances
 from tracerisk.errors import Location, ScenarioError, one_of
 from tracerisk.ros.scenario_message import Written
 from tracerisk.ros.scenario_parameters import Parameter, parameters_of
+from tracerisk.trace import Acceptance
 from tracerisk.yaml_reader import YamlMap, read_yaml
 
 Outcome = Literal["succeeded", "aborted", "canceled", "rejected"]
@@ -113,6 +115,7 @@ class Scenario:
     calls: tuple[YamlMap, ...] = ()
     objects: tuple[YamlMap, ...] = ()
     answers: tuple[str, ...] = ()
+    accept: tuple[Acceptance, ...] = ()
 
 
 def read_scenario(path: Path) -> Scenario:
@@ -125,7 +128,7 @@ def read_scenario(path: Path) -> Scenario:
     top.forbid_unknown(
         {
             *("parameters", "publish", "services", "actions"),
-            *("calls", "frames", "objects", "answers"),
+            *("calls", "frames", "objects", "answers", "accept"),
         }
     )
     parameters = top.optional_map("parameters") if top.get("parameters") is not None else None
@@ -139,6 +142,7 @@ def read_scenario(path: Path) -> Scenario:
         calls=tuple(top.maps("calls")) if top.get("calls") is not None else (),
         objects=tuple(top.maps("objects")) if top.get("objects") is not None else (),
         answers=_answers(top),
+        accept=_accept(top),
     )
     _forbid_twice(top, "services", "name")
     _forbid_twice(top, "actions", "name")
@@ -332,6 +336,11 @@ def written_at(entry: YamlMap, key: str) -> Written:
     """Return what is written at a key, with its place."""
     place = entry.key_location(key)
     return Written(entry.get(key), place.file, entry.name_of(key), place)
+
+
+def _accept(top: YamlMap) -> tuple[Acceptance, ...]:
+    value = top.get("accept")
+    return () if value is None else read_acceptances(value, lambda text: top.fail("accept", text))
 
 
 def _answers(top: YamlMap) -> tuple[str, ...]:

@@ -74,7 +74,6 @@ class TrajectoryExecution:
         self._tracer = cast("Tracer", runtime.tracer)
         self._recorder: Recorder = runtime.recorder
         self._live: list[Execution] = []
-        self._told: set[tuple[str, str, Location | None]] = set()
         self._watching = False
 
     def start(
@@ -92,7 +91,11 @@ class TrajectoryExecution:
             except PlanningError as error:
                 refusal = error.message
         if refusal is not None:
-            self.tell("execution_failure", f"a trajectory was not executed: {refusal}")
+            self.tell(
+                "execution_failure",
+                f"a trajectory was not executed: {refusal}",
+                target=trajectory.position[-1] if len(trajectory.time) else (),
+            )
             return ErrorCode.CONTROL_FAILED
         stack = tuple(self._tracer.stack())
         command_id = self._recorder.command("move_group", motion.elements, stack, goal=motion.goal)
@@ -126,18 +129,54 @@ class TrajectoryExecution:
             self._recorder.command_ended(execution.command_id, outcome)
             if outcome == "aborted":
                 message = f"a motion was aborted: {execution.motion.message}"
-                self.tell("execution_failure", message, execution.stack)
+                motion = execution.motion
+                self._tell_of(
+                    execution.stack,
+                    "execution_failure",
+                    message,
+                    object_name=", ".join(motion.elements),
+                    target=motion.goal,
+                )
 
-    def tell(self, kind: str, message: str, stack: Sequence[Frame] | None = None) -> None:
-        """Record a finding once, at the line that `stack` ends in; else where the controller is."""
-        stack = self._tracer.stack() if stack is None else stack
+    def tell(
+        self, kind: str, message: str, *, object_name: str = "", target: Sequence[float] = ()
+    ) -> None:
+        """Record a finding where the controller stands; the same once, until a retry succeeds.
+
+        `object_name` is what it is about, `target` the goal of what failed.
+        """
+        stack = self._tracer.stack()
+        self._tell_of(stack, kind, message, object_name=object_name, target=target)
+
+    def succeeded(self, kind: str, object_name: str, target: Sequence[float]) -> None:
+        """Record that what failed where the controller stands has now succeeded."""
+        stack = self._tracer.stack()
+        if stack:
+            self._recorder.succeeded(
+                kind, asker=stack[-1].function, object_name=object_name, target=target
+            )
+
+    def _tell_of(
+        self,
+        stack: Sequence[Frame],
+        kind: str,
+        message: str,
+        *,
+        object_name: str,
+        target: Sequence[float],
+    ) -> None:
         location = None
         if stack:
             line, column = stack[-1].site
             location = Location(stack[-1].function.file, line, column or None)
-        if (kind, message, location) not in self._told:
-            self._told.add((kind, message, location))
-            self._recorder.finding(kind, message, location)
+        self._recorder.failed(
+            kind,
+            message,
+            location,
+            asker=stack[-1].function if stack else None,
+            object_name=object_name,
+            target=target,
+        )
 
     def _watch(self) -> None:
         # A motion started without waiting ends when nobody looks; a thread of the library

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -45,7 +45,6 @@ class TwinCommands:
         self._runtime = runtime
         self._recorder: Recorder | None = runtime.recorder
         self._live: list[LiveCommand] = []
-        self._told: set[tuple[str, str, Location | None]] = set()
         self._is_watching = False
 
     def stack(self) -> tuple[Frame, ...]:
@@ -87,15 +86,32 @@ class TwinCommands:
                 self._recorder.command_ended(command.id, command.motion.outcome)
             command.on_end(command.motion)
 
-    def tell(self, kind: str, message: str, stack: tuple[Frame, ...]) -> None:
-        """Record a finding at the line that sent the goal or message; the same one only once."""
+    def tell(
+        self,
+        kind: str,
+        message: str,
+        stack: tuple[Frame, ...],
+        *,
+        object_name: str = "",
+        target: Sequence[float] = (),
+    ) -> None:
+        """Record a finding at the line that sent the goal or message; the same one only once.
+
+        `object_name` is what it is about, `target` the goal of what failed.
+        """
         location = None
         if stack:
             line, column = stack[-1].site
             location = Location(stack[-1].function.file, line, column or None)
-        if self._recorder is not None and (kind, message, location) not in self._told:
-            self._told.add((kind, message, location))
-            self._recorder.finding(kind, message, location)
+        if self._recorder is not None:
+            self._recorder.failed(
+                kind,
+                message,
+                location,
+                asker=stack[-1].function if stack else None,
+                object_name=object_name,
+                target=target,
+            )
 
     def _is_over(self, command: LiveCommand) -> bool:
         outcome = command.motion.outcome

@@ -76,8 +76,13 @@ class FollowServer:
         goal.reject(message, self._result(code, message))
 
     def _tell_refused(self, goal: ActionGoal, message: str) -> None:
+        points = goal.message.trajectory.points
         self._commands.tell(
-            "goal_rejected", f"action {goal.client.name} refused a goal: {message}", goal.stack
+            "goal_rejected",
+            f"action {goal.client.name} refused a goal: {message}",
+            goal.stack,
+            object_name=goal.client.name,
+            target=points[-1].positions if len(points) else (),
         )
 
     def _result(self, code: TrajectoryCode, message: str = "") -> Any:
@@ -282,4 +287,6 @@ class _Pursuit:
             "execution_failure",
             f"a goal of action {self._goal.client.name} was aborted: {message}",
             self._goal.stack,
+            object_name=self._goal.client.name,
+            target=self._motion.goal,
         )

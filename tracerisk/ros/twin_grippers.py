@@ -190,7 +190,10 @@ class GripperServer:
 
     def _tell(self, goal: ActionGoal, message: str) -> None:
         self._commands.tell(
-            "goal_rejected", f"action {goal.client.name} refused a goal: {message}", goal.stack
+            "goal_rejected",
+            f"action {goal.client.name} refused a goal: {message}",
+            goal.stack,
+            object_name=goal.client.name,
         )
 
 

@@ -130,6 +130,7 @@ class MoveItInterfaces:
 
     def _position_ik(self, request: Any) -> Any:
         asked, answer = request.ik_request, self._messages.response("moveit_msgs/GetPositionIK")
+        wanted = message_pose(asked.pose_stamped.pose).position
         try:
             self._goals.check_group(asked.group_name)
             link = asked.ik_link_name or self._goals.tip(asked.group_name)
@@ -138,27 +139,39 @@ class MoveItInterfaces:
             found = self._server.reach(
                 asked.group_name, [goal], self._start(asked.robot_state) or None
             )
-        except RequestError as error:
-            answer.error_code.val = int(error.code)
-        except PlanningError:
-            answer.error_code.val = int(ErrorCode.NO_IK_SOLUTION)
+        except (RequestError, PlanningError) as error:
+            code = error.code if isinstance(error, RequestError) else ErrorCode.NO_IK_SOLUTION
+            answer.error_code.val = int(code)
+            self._server.execution.tell(
+                "ik_failure",
+                f"inverse kinematics of group '{asked.group_name}' failed ({code.name}, {code}): "
+                f"{error}",
+                object_name=asked.group_name,
+                target=wanted,
+            )
         else:
+            self._server.execution.succeeded("ik_failure", asked.group_name, wanted)
             answer.solution = self._state({**self._server.positions(), **found})
             answer.error_code.val = int(ErrorCode.SUCCESS)
         return answer
 
     def _position_fk(self, request: Any) -> Any:
         answer = self._messages.response("moveit_msgs/GetPositionFK")
+        links = ", ".join(request.fk_link_names)
         try:
             back = inverse(self._goals.frame(request.header.frame_id))
             start = self._start(request.robot_state)
             poses = [self._server.forward(start, link) for link in request.fk_link_names]
-        except RequestError as error:
-            answer.error_code.val = int(error.code)
+        except (RequestError, RobotError) as error:
+            code = error.code if isinstance(error, RequestError) else ErrorCode.INVALID_LINK_NAME
+            answer.error_code.val = int(code)
+            self._server.execution.tell(
+                "fk_failure",
+                f"forward kinematics failed ({code.name}, {code}): {error}",
+                object_name=links,
+            )
             return answer
-        except RobotError:
-            answer.error_code.val = int(ErrorCode.INVALID_LINK_NAME)
-            return answer
+        self._server.execution.succeeded("fk_failure", links, ())
         stamped = []
         for pose in poses:
             message = self._messages.new("geometry_msgs/PoseStamped")
@@ -188,6 +201,11 @@ class MoveItInterfaces:
             )
         except RequestError as error:
             answer.error_code.val = int(error.code)
+            self._server.execution.tell(
+                "planning_failure",
+                f"a Cartesian path failed: {error}",
+                object_name=request.group_name,
+            )
             return answer
         answer.fraction = fraction
         answer.error_code.val = int(plan.code)
@@ -220,7 +238,9 @@ class MoveItInterfaces:
             )
             plan = self._goals.plan(request.group_name, request.goal_constraints, scaling, start)
         except RequestError as error:
-            self._server.execution.tell("planning_failure", f"planning failed: {error}")
+            self._server.execution.tell(
+                "planning_failure", f"planning failed: {error}", object_name=request.group_name
+            )
             return Plan(error.code, None, str(error))
         if plan.trajectory is None:
             return plan
@@ -229,7 +249,7 @@ class MoveItInterfaces:
         )
         if broken is not None:
             told = f"planning for group '{request.group_name}' failed: {broken}"
-            self._server.execution.tell("planning_failure", told)
+            self._server.execution.tell("planning_failure", told, object_name=request.group_name)
             return Plan(ErrorCode.PLANNING_FAILED, None, broken)
         return plan
 

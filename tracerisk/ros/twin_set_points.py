@@ -187,6 +187,7 @@ class SetPoints:
             "command_ignored",
             f"a message on {topic} moved nothing: {message}",
             self._commands.stack(),
+            object_name=topic,
         )
 
     def set_point(

@@ -19,6 +19,7 @@ _COMMANDS = frozenset({"GripperCommand", "GripperCommandAction", "ParallelGrippe
 _NAMED = re.compile(r"(?:^|.*[/_.])(?:\w*gripper|robotiq)\w*(?:/\S*)?|hand", re.IGNORECASE)
 _FINGER = re.compile(r"finger|gripper|knuckle|jaw|robotiq", re.IGNORECASE)
 
+_FINGER_LINK = "assumed_finger_"
 _OPENING = 0.04  # of each finger [m]
 _EFFORT, _RATED, _SPEED = 20.0, 0.2, 0.05  # [N], [m/s], [m/s]
 _REACH = 0.12  # of the pads before the flange, along its z axis [m]
@@ -40,6 +41,11 @@ def commands_gripper(source: bytes) -> bool:
     return False
 
 
+def has_assumed_gripper(robot: Robot) -> bool:
+    """Return whether the gripper of a robot is one of `with_assumed_gripper`."""
+    return any(link.name.startswith(_FINGER_LINK) for link in robot.links)
+
+
 def with_assumed_gripper(robot: Robot, joints: Iterable[str]) -> Robot:
     """Return the robot with a gripper of two fingers on the tip of its longest arm.
 
@@ -55,7 +61,7 @@ def with_assumed_gripper(robot: Robot, joints: Iterable[str]) -> Robot:
     links, attachments, added = [], [], []
     for index, name in enumerate(moved):
         side = 1.0 - 2.0 * index
-        link = f"assumed_finger_{index + 1}"
+        link = f"{_FINGER_LINK}{index + 1}"
         pad = Shape("box", _PAD, (0.0, side * _PAD[1], _REACH), pad=True)
         links.append(Link(link, _MASS, (0.0, 0.0, _REACH), None, (pad,)))
         attachments.append(

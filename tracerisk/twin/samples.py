@@ -40,6 +40,8 @@ class SampleHeader:
 
     `controls` are the actuators; `joints` have position, velocity and torque each; `pads` are
     the finger links whose contact force is measured; `n_pose` is the length of one pose.
+    `free_bodies` are the things that can be moved, `free_at` where the pose of each begins in
+    one: three coordinates [m], then the quaternion, w first.
     """
 
     robot: str
@@ -49,6 +51,8 @@ class SampleHeader:
     joints: tuple[str, ...]
     pads: tuple[str, ...]
     n_pose: int
+    free_bodies: tuple[str, ...] = ()
+    free_at: tuple[int, ...] = ()
 
     @property
     def width(self) -> int:
@@ -251,8 +255,8 @@ def _read_header(path: Path) -> SampleHeader:
         found = json.loads(path.read_bytes())
         if found.pop("version") != _VERSION:
             raise LogError(f"is not version {_VERSION} of the samples", Location(str(path)))
-        names = ("controls", "joints", "pads")
-        return SampleHeader(**{**found, **{name: tuple(found[name]) for name in names}})
+        names = ("controls", "joints", "pads", "free_bodies", "free_at")
+        return SampleHeader(**{**found, **{name: tuple(found.get(name, ())) for name in names}})
     except (OSError, KeyError, TypeError, AttributeError, json.JSONDecodeError) as cause:
         raise LogError(f"is no header of samples: {cause}", Location(str(path))) from cause
 

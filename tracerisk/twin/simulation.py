@@ -240,6 +240,11 @@ class Simulation:
             joints=tuple(self.joint_index),
             pads=tuple(pad for gripper in robot.grippers for pad in gripper.pads),
             n_pose=self._n_pose,
+            free_bodies=tuple(thing.name for thing in self.scene.objects),
+            free_at=tuple(
+                int(self._model.jnt_qposadr[self._model.body(thing.name).jntadr[0]])
+                for thing in self.scene.objects
+            ),
         )
 
     def _body_pose(self, name: str) -> Pose:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
+from tracerisk.adder.lock import LOCK_NAME
 from tracerisk.adder.published import is_c_like
 from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.review.git_versions import Compared, GitVersion
@@ -18,12 +19,13 @@ class AnnotatedFiles:
 
     `pairs` are their paths from the top in both versions, `None` where a version lacks the file;
     `renames` the later path of each that moved, by its earlier one.
-    `notes` tell what was left out.
+    `notes` tell what was left out. `lock_folders` are those of the locks that changed.
     """
 
     pairs: tuple[tuple[str | None, str | None], ...]
     renames: Mapping[str, str]
     notes: tuple[str, ...]
+    lock_folders: tuple[str, ...] = ()
 
 
 def annotated_files(repository: Repository, what: Compared) -> AnnotatedFiles:
@@ -43,7 +45,14 @@ def annotated_files(repository: Repository, what: Compared) -> AnnotatedFiles:
     renames = _renames(repository, what, held)
     pairs = [(file.before, file.after) for file in held if _is_within(file, what.paths)]
     pairs += _named(what, {path for pair in pairs for path in pair if path is not None})
-    return AnnotatedFiles(tuple(_joined(pairs, renames)), renames, notes)
+    locks = tuple(
+        str(PurePosixPath(file.after).parent)
+        for file in changed
+        if file.after is not None
+        and PurePosixPath(file.after).name == LOCK_NAME
+        and what.paths is None
+    )
+    return AnnotatedFiles(tuple(_joined(pairs, renames)), renames, notes, locks)
 
 
 def is_annotated(path: str, content: bytes | None) -> bool:

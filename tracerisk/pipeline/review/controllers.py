@@ -8,6 +8,7 @@ from pathlib import PurePosixPath
 
 from tracerisk.adder.lock import LOCK_NAME, ControllerLock, Lock, loads
 from tracerisk.errors import InputError, Location, TraceRiskError
+from tracerisk.pipeline.kept_verdict import kept_verdict
 from tracerisk.pipeline.review.annotated_files import AnnotatedFiles, is_annotated
 from tracerisk.pipeline.review.git_versions import GitVersion
 
@@ -102,7 +103,20 @@ def reviewed_controllers(
             found += [files.renames.get(name, name) for name in locks[0].controllers_of(old)]
         own = new if new is not None else old
         names.update(dict.fromkeys(found or [str(own)]))
+    for folder in files.lock_folders:
+        names.update(dict.fromkeys(_of_other_verdict(locks, folder)))
     return [_reviewed(name, was.get(name), locks, files.renames) for name in sorted(names)]
+
+
+def _of_other_verdict(locks: tuple[_Locks, _Locks], folder: str) -> Iterator[str]:
+    """Yield the controllers of a lock whose run has another verdict, or accepts something else."""
+    earlier, later = locks[0]._in(folder), locks[1]._in(folder)
+    for name in sorted(earlier.keys() & later.keys()):
+        old, new = (kept_verdict(each[name].entry) for each in (earlier, later))
+        if old is None or new is None:
+            continue
+        if old.kind != new.kind or old.acceptances != new.acceptances:
+            yield name
 
 
 def _reviewed(

@@ -20,10 +20,11 @@ from tracerisk.pipeline.review.git_versions import GitVersion, compared
 from tracerisk.pipeline.review.renamed_functions import FunctionSource, renamed_functions
 from tracerisk.pipeline.review.repository import Repository
 from tracerisk.pipeline.review.run_changes import run_changes
+from tracerisk.pipeline.review.run_verdicts import version_verdict
 from tracerisk.pipeline.stages import blocks_of
 from tracerisk.prm.compare import compare
 from tracerisk.prm.model_parts import RiskVersion
-from tracerisk.prm.risk_change import Review, RiskDiff
+from tracerisk.prm.risk_change import Review, RiskDiff, RunVerdicts
 from tracerisk.trace import FunctionRef
 
 
@@ -119,7 +120,16 @@ def _difference(
         cause_of=cause_finder(controller.before, controller.after, new),
         inputs=input_changes(controller.before, controller.after),
     )
-    return replace(found, of_run=run_changes(controller.before, controller.after, renamed))
+    verdicts = None
+    if controller.before.entry is not None or controller.after.entry is not None:
+        verdicts = RunVerdicts(
+            version_verdict(controller.before),
+            version_verdict(controller.after),
+            before is not None,
+            after is not None,
+        )
+    told = run_changes(controller.before, controller.after, renamed)
+    return replace(found, of_run=told, verdicts=verdicts)
 
 
 def _built(

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from tracerisk.prm.risk_change import Review, RiskDiff
+from tracerisk.trace import verdict_line
 
 
 def review_to_json(review: Review) -> dict[str, Any]:
@@ -23,13 +24,22 @@ def review_to_json(review: Review) -> dict[str, Any]:
 
 def _diff_to_json(diff: RiskDiff) -> dict[str, Any]:
     plain = asdict(diff)
+    if not diff.is_comparable:
+        # Of a run that went wrong a ratio or a contribution says nothing.
+        told = replace(diff, changes=(), functions=(), interaction=None, single_points=())
+        diff, plain = told, asdict(told)
     functions = zip(plain["functions"], diff.functions, strict=True)
     changes = zip(plain["changes"], diff.changes, strict=True)
     return {
         **plain,
-        "increase": diff.increase,
-        "ratio": diff.ratio,
+        "increase": diff.increase if diff.is_comparable else None,
+        "ratio": diff.ratio if diff.is_comparable else None,
         "is_unchanged": diff.is_unchanged,
+        "is_comparable": diff.is_comparable,
+        "verdict_line": None if diff.verdicts is None else verdict_line(diff.verdicts.after),
+        "new_acceptances": (
+            [] if diff.verdicts is None else [asdict(e) for e in diff.verdicts.new_acceptances]
+        ),
         "functions": [{**data, "status": each.status} for data, each in functions],
         "changes": [{**data, "causes": list(each.causes)} for data, each in changes],
     }

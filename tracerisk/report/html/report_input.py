@@ -57,6 +57,7 @@ class ReportInput:
     """All that a report is made of.
 
     `trace` is that of the run behind the blocks; without it `no_trace` says in a sentence why.
+    `verdict` are the lines of the verdict of that run, the first of which says it all.
     `outcome` are lines on what became of the things of the scene.
     `exposures` are the seconds active by function and component, over all visits of the run.
     `findings` are those that are not the assessment's, `assumptions` likewise; functions without
@@ -78,5 +79,6 @@ class ReportInput:
     assumptions: tuple[str, ...] = ()
     hardware: Hardware | None = None
     figures: RunFigures | None = None
+    verdict: tuple[str, ...] = ()
     review: Review | None = None
     sections: tuple[Section, ...] = field(default=())

@@ -15,6 +15,8 @@ def lead(report: ReportInput) -> Markup:
         "summary.html.j2",
         name=report.model.name,
         context=_context(report),
+        verdict=report.verdict[:1],
+        reasons=report.verdict[1:],
         sentence=_sentence(report),
         cause=_cause(report),
         assumed=_assumed(report),

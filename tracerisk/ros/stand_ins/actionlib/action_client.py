@@ -15,6 +15,7 @@ from std_msgs.msg import Header
 
 from tracerisk.ros.action_graph import ActionGoal, Actions
 from tracerisk.ros.callback_thread import CallbackThread
+from tracerisk.ros.failures import callback_failed
 from tracerisk.ros.message_base import SerializationError
 from tracerisk.ros.runtime import current
 from tracerisk.ros.virtual_clock import EPOCH_NS
@@ -348,7 +349,4 @@ class ActionClient:
                 return
             shown = "".join(traceback.format_exception(error)).rstrip()
             rospy.logerr("bad callback of action %s\n%s", self._name, shown)
-            recorder = current().recorder
-            if recorder is not None:
-                told = f"a callback of action {self._name} raised {type(error).__name__}: {error}"
-                recorder.finding("callback_failed", told)
+            callback_failed(f"a callback of action {self._name}", error)

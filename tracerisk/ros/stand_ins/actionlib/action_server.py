@@ -12,6 +12,7 @@ from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 
 from tracerisk.ros.action_graph import ActionGoal, Actions, ActionServerEnd
 from tracerisk.ros.callback_thread import CallbackThread
+from tracerisk.ros.failures import callback_failed
 from tracerisk.ros.runtime import current
 
 from ._node import action_name, action_parts, is_shut_down, sent
@@ -126,11 +127,6 @@ class ActionServer:
                     return
                 shown = "".join(traceback.format_exception(error)).rstrip()
                 rospy.logerr("bad callback of action server %s\n%s", self._name, shown)
-                recorder = current().recorder
-                if recorder is not None:
-                    told = f"{type(error).__name__}: {error}"
-                    recorder.finding(
-                        "callback_failed", f"a callback of action server {self._name} raised {told}"
-                    )
+                callback_failed(f"a callback of action server {self._name}", error)
 
         self._calls.put(run)

@@ -12,6 +12,7 @@ import rospy
 from actionlib_msgs.msg import GoalStatus
 
 from tracerisk.ros.action_graph import GoalState
+from tracerisk.ros.failures import callback_failed
 from tracerisk.ros.runtime import current
 
 from ._node import is_shut_down
@@ -184,6 +185,7 @@ class SimpleActionServer:
                 self.set_aborted(None, "No terminal state was set.")
         except Exception as error:  # noqa: BLE001 - the controller's; the goal is aborted with it
             shown = "".join(traceback.format_exception(error)).rstrip()
+            callback_failed("the execute callback of an action server", error)
             rospy.logerr("Exception in your execute callback: %s\n%s", error, shown)
             self.set_aborted(None, f"Exception in execute callback: {error}")
 

@@ -128,12 +128,17 @@ class GroupTargets(GroupState):
             elif argument is not None:
                 raise MoveItCommanderException("Unexpected type")
         self._target_kind = "joint"
+        place: tuple[float, ...] = ()
         try:
             goal = self._pose_goal(link, self._framed(pose), "pose")
+            place = goal.pose.position
             self._joint_target.update(self._server.reach(self._name, [goal], self._start()))
+            self._server.execution.succeeded("planning_failure", self._name, place)
         except PlanningError as error:
             text = f"inverse kinematics of group '{self._name}' failed: {error.message}"
-            self._server.execution.tell("planning_failure", text)
+            self._server.execution.tell(
+                "planning_failure", text, object_name=self._name, target=place
+            )
             asked = "support approximate IK?" if approximate else "functional?"
             solver = "Does your IK solver" if approximate else "Is the IK solver"
             raise MoveItCommanderException(

@@ -156,7 +156,8 @@ class MoveGroupCommander(GroupPickPlace):
         if plan.trajectory is None:
             return RobotTrajectory(), fraction
         if path_constraints and (reason := self._breach(path_constraints, plan.trajectory)):
-            self._server.execution.tell("planning_failure", f"the Cartesian path fails: {reason}")
+            text = f"the Cartesian path fails: {reason}"
+            self._server.execution.tell("planning_failure", text, object_name=self._name)
             return RobotTrajectory(), 0.0
         trajectory = self._within_speed(plan.trajectory)
         return conversions._trajectory_message(trajectory, self.get_planning_frame()), fraction
@@ -223,9 +224,10 @@ class MoveGroupCommander(GroupPickPlace):
         if not self._server.attach(object_name, link, touch_links or [link]):
             known = self._server.scene.world
             self._server.execution.tell(
-                "planning_scene",
+                "attach_failure",
                 f"object '{object_name}' cannot be attached: the planning scene has no such "
                 f"object; {one_of(known, object_name)}",
+                object_name=object_name,
             )
         return True
 
@@ -262,13 +264,13 @@ class MoveGroupCommander(GroupPickPlace):
                 plan = self._server.plan_pose(self._name, goals, self._scaling, start)
         except PlanningError as error:
             text = f"planning for group '{self._name}' failed: {error.message}"
-            self._server.execution.tell("planning_failure", text)
+            self._server.execution.tell("planning_failure", text, object_name=self._name)
             return Plan(ErrorCode.FRAME_TRANSFORM_FAILURE, None, error.message)
         if plan.trajectory is None:
             return plan
         if reason := self._breach(self._path_constraints, plan.trajectory):
             text = f"planning for group '{self._name}' failed: the path constraints: {reason}"
-            self._server.execution.tell("planning_failure", text)
+            self._server.execution.tell("planning_failure", text, object_name=self._name)
             return Plan(ErrorCode.PLANNING_FAILED, None, reason)
         return Plan(plan.code, self._within_speed(plan.trajectory), plan.message)
 
@@ -308,7 +310,8 @@ class MoveGroupCommander(GroupPickPlace):
         try:
             return self._pose_goal(link, self._framed(waypoint), "pose")
         except PlanningError as error:
-            self._server.execution.tell("planning_failure", f"a waypoint: {error.message}")
+            text = f"a waypoint: {error.message}"
+            self._server.execution.tell("planning_failure", text, object_name=self._name)
             return None
 
     def _start_message(self) -> Any:

@@ -348,9 +348,10 @@ class PlanningSceneInterface:
 
     def _tell_unknown(self, name: str, known: Any, what: str) -> None:
         self._server.execution.tell(
-            "planning_scene",
+            "attach_failure" if what == "attached" else "planning_scene",
             f"object '{name}' cannot be {what}: the planning scene has no such object; "
             f"{one_of(known, name)}",
+            object_name=name,
         )
 
 

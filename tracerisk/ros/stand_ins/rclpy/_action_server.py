@@ -12,6 +12,7 @@ from action_msgs.msg import GoalInfo
 from unique_identifier_msgs.msg import UUID
 
 from tracerisk.ros.action_graph import ActionGoal, GoalState, GoalStateError
+from tracerisk.ros.failures import callback_failed
 from tracerisk.ros.messages2 import copy_message
 
 from ._entity import Call, Entity
@@ -284,6 +285,7 @@ class ActionServer(Entity):
             result = await await_or_execute(callback, handle)
         except Exception as error:  # noqa: BLE001 - the controller's; the server goes on
             result = self._action_type.Result()
+            callback_failed("the execute callback of an action server", error)
             logger.error(f"Error raised in execute callback: {error}")
             traceback.print_exc()
         if handle.is_active:

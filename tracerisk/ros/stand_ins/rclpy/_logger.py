@@ -6,6 +6,7 @@ import sys
 from typing import Any
 
 from tracerisk.ros.controller_frames import controller_frame
+from tracerisk.ros.failures import error_logged
 from tracerisk.ros.virtual_clock import EPOCH_NS
 
 from ._run import run
@@ -74,6 +75,8 @@ class RcutilsLogger:
             f"[{level.name}] [{seconds}.{rest:09d}] [{self.name}]: {message}", file=sys.stderr
         )
         self._publish_to_rosout(level, str(message))
+        if level >= LoggingSeverity.ERROR:
+            error_logged(level.name, str(message))
         return True
 
     def _passes(self, filters: dict[str, Any]) -> bool:

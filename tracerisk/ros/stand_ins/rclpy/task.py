@@ -10,6 +10,7 @@ from typing import Any
 
 from tracerisk.errors import Location
 from tracerisk.ros.controller_frames import controller_frame
+from tracerisk.ros.failures import callback_failed
 from tracerisk.ros.standstill import LONG_NS
 
 from ._run import run
@@ -125,6 +126,7 @@ class Future:
                 with root:
                     callback(self)
             except Exception as error:  # noqa: BLE001 - the controller's; the others still run
+                callback_failed("a done callback", error)
                 warnings.warn(f"Unhandled exception in done callback: {error}", stacklevel=2)
 
     @property

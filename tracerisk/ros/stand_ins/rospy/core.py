@@ -9,6 +9,7 @@ from types import FrameType
 from typing import Any
 
 from tracerisk.ros.controller_frames import controller_frame
+from tracerisk.ros.failures import error_logged
 from tracerisk.ros.virtual_clock import EPOCH_NS
 
 from ._node import NodeState, node
@@ -93,6 +94,8 @@ def _log(level: int, msg: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) ->
     name = f" [{child}]" if child else ""
     print(f"[{_NAMES[level]}]{name} {text}", file=sys.stderr)  # noqa: T201 - this is its purpose
     _publish_to_rosout(state, level, text)
+    if level >= ERROR:
+        error_logged(_NAMES[level], text)
 
 
 def _formatted(msg: Any, args: tuple[Any, ...]) -> str:

@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Callable
 from typing import Any
 
+from tracerisk.ros.failures import callback_failed
 from tracerisk.ros.graph import ServiceFailedError, ServiceServer
 from tracerisk.ros.message_base import Message
 from tracerisk.ros.names import ANY_TYPE, is_legal_name
@@ -106,6 +107,7 @@ class Service(_Service):
             raise ServiceFailedError(f"service cannot process request: {error}") from error
         except Exception as error:
             entry = error.__traceback__.tb_next if error.__traceback__ is not None else None
+            callback_failed(f"the handler of service {self.resolved_name}", error)
             self.error_handler(error, type(error), error, entry)
             raise ServiceFailedError(f"error processing request: {error}") from error
 

@@ -10,6 +10,7 @@ from contextlib import nullcontext
 from typing import Any
 
 from tracerisk.ros.callback_thread import CallbackThread
+from tracerisk.ros.failures import callback_failed
 from tracerisk.ros.graph import Publication, Subscription
 from tracerisk.ros.message_base import Message, SerializationError
 from tracerisk.ros.names import is_legal_name
@@ -358,11 +359,7 @@ class _SubscriberImpl:
             entry = error.__traceback__.tb_next if error.__traceback__ is not None else None
             shown = "".join(traceback.format_exception(type(error), error, entry))
             core.logerr("bad callback: %s\n%s", _name_of(callback), shown.rstrip())
-            if state.runtime.recorder is not None:
-                state.runtime.recorder.finding(
-                    "callback_failed",
-                    f"a callback of {self.name} raised {type(error).__name__}: {error}",
-                )
+            callback_failed(f"a callback of {self.name}", error)
 
 
 def _name_of(callback: Callable[..., object]) -> str:

@@ -20,6 +20,8 @@ from geometry_msgs.msg import (
 )
 from sensor_msgs.msg import PointCloud
 
+from tracerisk.ros.failures import lookup_failed, lookup_succeeded
+
 from . import transformations
 
 Numbers = list[float]
@@ -315,7 +317,10 @@ def _stripped(*frames: str) -> tuple[str, ...]:
 
 def _raise_unless(told: tuple[bool, str], target: str, source: str) -> None:
     can_transform, reason = told
-    if not can_transform:
+    if can_transform:
+        lookup_succeeded((source, target))
+    else:
+        lookup_failed(f"tf look-up of frame '{source}' in '{target}' failed", source)
         raise tf2_ros.TransformException(
             reason or f'no such transformation: "{source}" -> "{target}"'
         )

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from geometry_msgs.msg import TransformStamped
 
+from tracerisk.ros.failures import lookup_failed, lookup_succeeded
 from tracerisk.ros.message_dialect import nanoseconds, set_time
 from tracerisk.ros.needs import Need
 from tracerisk.ros.runtime import current
@@ -85,7 +86,10 @@ class BufferCore:
         """
         self._look(target_frame, source_frame)
         time_ns = nanoseconds(time)
-        found = self._answer(lambda: self._tree.lookup(target_frame, source_frame, time_ns))
+        found = self._answer(
+            (target_frame, source_frame),
+            lambda: self._tree.lookup(target_frame, source_frame, time_ns),
+        )
         self._read(target_frame, source_frame, time_ns)
         return _stamped(target_frame, source_frame, *found)
 
@@ -106,9 +110,10 @@ class BufferCore:
         self._look(target_frame, source_frame)
         target_ns, source_ns = nanoseconds(target_time), nanoseconds(source_time)
         found = self._answer(
+            (target_frame, source_frame, fixed_frame),
             lambda: self._tree.lookup_full(
                 target_frame, target_ns, source_frame, source_ns, fixed_frame
-            )
+            ),
         )
         self._read(fixed_frame, source_frame, source_ns)
         self._read(target_frame, fixed_frame, target_ns)
@@ -121,7 +126,10 @@ class BufferCore:
             LookupException, ConnectivityException: there is no way.
         """
         self._look(target_frame, source_frame)
-        time_ns = self._answer(lambda: self._tree.latest_common_time(target_frame, source_frame))
+        time_ns = self._answer(
+            (target_frame, source_frame),
+            lambda: self._tree.latest_common_time(target_frame, source_frame),
+        )
         return _client_time(time_ns)
 
     def clear(self) -> None:
@@ -155,7 +163,8 @@ class BufferCore:
     ) -> list[str]:
         target_ns, source_ns = nanoseconds(target_time), nanoseconds(source_time)
         return self._answer(
-            lambda: self._tree.chain(target_frame, target_ns, source_frame, source_ns, fixed_frame)
+            (target_frame, source_frame, fixed_frame),
+            lambda: self._tree.chain(target_frame, target_ns, source_frame, source_ns, fixed_frame),
         )
 
     def _set(self, transform: Any, authority: str, *, static: bool) -> None:
@@ -192,11 +201,26 @@ class BufferCore:
             way = self._tree.way(target, source, time_ns)
             runtime.client(SensorReading).asked_of_frames(way)
 
-    def _answer(self, ask: Callable[[], Answer]) -> Answer:
+    def _answer(self, names: tuple[str, ...], ask: Callable[[], Answer]) -> Answer:
         try:
-            return ask()
+            found = ask()
         except FrameError as error:
+            self._tell_failed(names, error.failure, str(error))
             raise _EXCEPTIONS[error.failure](str(error)) from None
+        lookup_succeeded(names)
+        return found
+
+    def _tell_failed(self, names: tuple[str, ...], failure: str, message: str) -> None:
+        """Record a look-up in vain under the frame that is missing, else under the source."""
+        known = self._tree.frames
+        missing = [name for name in names[::-1] if name not in known]
+        if missing:
+            told = " and ".join(f"'{name}'" for name in sorted(missing))
+            lookup_failed(f"tf look-up of frame {told} failed", missing[0])
+            return
+        why = {"connectivity": "nothing connects them", "extrapolation": "not at that time"}
+        told = f"tf look-up of frame '{names[1]}' in '{names[0]}' failed"
+        lookup_failed(f"{told}: {why.get(failure, message)}", names[1])
 
 
 def _client_time(time_ns: int) -> Any:

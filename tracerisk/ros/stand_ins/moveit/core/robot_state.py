@@ -144,11 +144,14 @@ class RobotState(JointValues):
         group = self._model._group(joint_model_group_name).name
         server = library().server
         self._link(tip_name)
+        pose = message_pose(geometry_pose)
         try:
-            found = server.solve(group, message_pose(geometry_pose), tip_name, self._positions)
+            found = server.solve(group, pose, tip_name, self._positions)
         except PlanningError as error:
-            server.execution.tell("planning_failure", f"set_from_ik failed: {error.message}")
+            text = f"set_from_ik failed: {error.message}"
+            server.execution.tell("ik_failure", text, object_name=group, target=pose.position)
             return False
+        server.execution.succeeded("ik_failure", group, pose.position)
         self._set_positions(found)
         return True
 

@@ -310,7 +310,7 @@ class PlanningComponent:
 
     def _tell(self, reason: str) -> None:
         message = f"planning for group '{self._name}' failed: {reason}"
-        self._server.execution.tell("planning_failure", message)
+        self._server.execution.tell("planning_failure", message, object_name=self._name)
 
     def _states(self) -> Mapping[str, Mapping[str, float]]:
         return self._server.robot.named_states.get(self._name, {})
@@ -324,7 +324,7 @@ class PlanningComponent:
                 f"'{self._name}'; {one_of(states, name)}"
             )
             log_error(message)
-            self._server.execution.tell("planning_failure", message)
+            self._server.execution.tell("planning_failure", message, object_name=self._name)
             return None
         state = RobotState(self._model)
         state.set_to_default_values()

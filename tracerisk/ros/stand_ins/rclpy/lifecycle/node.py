@@ -15,6 +15,8 @@ from lifecycle_msgs.srv import (
     GetState,
 )
 
+from tracerisk.ros.failures import callback_failed
+
 from .._rclpy_pybind11 import RCLError
 from ..callback_groups import CallbackGroup
 from ..node import Node
@@ -214,6 +216,7 @@ class LifecycleNodeMixin(ManagedEntity):
             answer = callback(before)
         except Exception as error:  # noqa: BLE001  # the real library turns each into ERROR
             assert isinstance(self, Node)
+            callback_failed(f"the callback {callback.__name__}", error)
             self.get_logger().error(f"{callback.__name__} raised {type(error).__name__}: {error}")
             return TransitionCallbackReturn.ERROR
         if isinstance(answer, TransitionCallbackReturn):

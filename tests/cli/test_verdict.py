@@ -1,0 +1,112 @@
+"""The verdict of a run as settings, scenarios and reviews see it."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+ACCEPT = '[tool.tracerisk]\naccept = [{%s, words = "a lamp that is often out"}]\n'
+LOGGED = 'code = "error-logged", function = "act", object = "lamp # is out"'
+
+
+@pytest.fixture
+def logs(quick):
+    return quick('rospy.logerr("lamp 4 is out")')
+
+
+def first_line(outcome) -> str:
+    return outcome.out.splitlines()[0]
+
+
+def test_a_line_of_error_makes_a_run_faulted(example, logs):
+    example.write("c.py", logs)
+    outcome = example.run("run", "c.py")
+    assert outcome.code == 1
+    assert first_line(outcome).startswith("faulted: it logged ERROR: lamp 4 is out (c.py:")
+
+
+def test_an_accepted_reason_passes_and_stays_visible(example, logs):
+    example.write("c.py", logs)
+    example.write("pyproject.toml", ACCEPT % LOGGED)
+    outcome = example.run("run", "c.py")
+    assert outcome.code == 0, outcome.err
+    assert first_line(outcome).startswith("partial, ")
+    assert "accepted: it logged ERROR: lamp 4 is out" in outcome.out
+    assert "a lamp that is often out" in outcome.out
+    assert example.run("check", "c.py").code == 0
+
+
+def test_a_scenario_accepts_as_well(example, logs):
+    example.write("c.py", logs)
+    entry = {"code": "error-logged", "function": "act", "object": "lamp # is out", "words": "old"}
+    example.write("world.yaml", json.dumps({"accept": [entry]}))
+    assert example.run("run", "c.py", "--scenario", "world.yaml").code == 0
+
+
+def test_an_acceptance_that_does_not_occur_is_told_by_run_and_check(example, quick):
+    example.write("c.py", quick())
+    example.write("pyproject.toml", ACCEPT % LOGGED)
+    ran, checked = example.run("run", "c.py"), example.run("check", "c.py")
+    assert (ran.code, checked.code) == (0, 0)
+    assert "accepted, and did not occur: error-logged of 'lamp # is out' in act" in ran.out
+    assert "accepted, and did not occur; remove it: error-logged" in checked.err
+
+
+def test_a_change_that_accepts_its_own_fault_is_told_first_and_can_fail(repository, logs, quick):
+    repository.write("c.py", quick())
+    assert repository.run("run", "c.py", "-q").code == 0
+    repository.commit()
+    repository.write("c.py", logs)
+    repository.write("pyproject.toml", ACCEPT % LOGGED)
+    assert repository.run("run", "c.py", "-q", "--discard-edits").code == 0
+    outcome = repository.run("diff")
+    assert outcome.code == 0
+    assert "newly accepted: error-logged of 'lamp # is out' in act" in " ".join(outcome.out.split())
+    strict = repository.run("diff", "--no-new-accepts")
+    assert strict.code == 1
+    assert "newly accepted, and --no-new-accepts: error-logged" in strict.err
+
+
+def test_a_lock_of_before_verdicts_is_read_and_refreshed(example, quick):
+    example.write("c.py", quick())
+    assert example.run("run", "c.py", "-q").code == 0
+    lock = json.loads(example.read("tracerisk.lock"))
+    del lock["controllers"]["c.py"]["trace"]["verdict"]
+    example.write("tracerisk.lock", json.dumps(lock))
+    checked = example.run("check", "c.py")
+    assert (checked.code, checked.out) == (0, "c.py: verdict unknown\n")
+    assert "`tracerisk refresh c.py` gives it one" in checked.err
+    assert first_line(example.run("solve", "c.py")) == "verdict unknown"
+    assert example.run("refresh", "c.py").code == 0
+    assert example.run("check", "c.py").out.startswith("c.py: partial, ")
+
+
+def test_code_that_is_not_that_of_the_run_has_an_unknown_verdict(example, quick):
+    example.write("c.py", quick())
+    assert example.run("run", "c.py", "-q").code == 0
+    assert first_line(example.run("solve", "c.py")).startswith("partial, ")
+    example.write("c.py", example.read("c.py") + b"\nLATER = 1\n")
+    assert first_line(example.run("solve", "c.py")) == "verdict unknown"
+
+
+def test_a_retry_that_succeeds_clears_a_look_up(example, quick):
+    retry = (
+        "import tf2_ros",
+        "frames = tf2_ros.Buffer(); listener = tf2_ros.TransformListener(frames)",
+        "found = None",
+        "while found is None:",
+        "    try: found = frames.lookup_transform('panda_link0', 'part', rospy.Time())",
+        "    except tf2_ros.LookupException: rospy.logerr('no part yet'); rospy.sleep(0.2)",
+    )
+    example.write("c.py", quick(*retry))
+    example.write(
+        "world.yaml",
+        "publish:\n  - topic: /tf\n    type: tf2_msgs/TFMessage\n    at: [6.0]\n"
+        "    message: {transforms: [{header: {frame_id: panda_link0}, child_frame_id: part,\n"
+        "      transform: {rotation: {w: 1.0}}}]}\n",
+    )
+    outcome = example.run("trace", "c.py", "--scenario", "world.yaml")
+    assert outcome.code == 0, outcome.out + outcome.err
+    assert first_line(outcome).startswith("partial, ")
+    assert "a retry at" in outcome.out

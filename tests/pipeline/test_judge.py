@@ -1,0 +1,342 @@
+"""The verdict of a run, judged over what was recorded: no simulation."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from tracerisk.acceptances import ACCEPTABLE
+from tracerisk.errors import Location
+from tracerisk.pipeline.judge import (
+    CODES,
+    Fall,
+    IssuedCommand,
+    RecordedRun,
+    UnmetNeed,
+    judge,
+    with_acceptances,
+)
+from tracerisk.trace import (
+    Acceptance,
+    Coverage,
+    Finding,
+    FunctionRef,
+    QualifiedName,
+    RunEnd,
+    Uncovered,
+    verdict_line,
+)
+
+GOOD = RunEnd("ended", "the controller ended", 10.0)
+HERE = Location("cell.py", 12)
+ALL_RAN = Coverage(3, 3)
+
+
+def recorded(**parts) -> RecordedRun:
+    return RecordedRun(**{"end": GOOD, "coverage": ALL_RAN, **parts})
+
+
+def finding(kind: str, **parts) -> Finding:
+    given = {"message": f"a {kind}", "time_s": 2.0, "location": HERE, "function": "pick"}
+    return Finding(kind, **{**given, **parts})
+
+
+def move(issue_s: float, **parts) -> IssuedCommand:
+    given = {
+        "kind": "follow",
+        "function": "move",
+        "location": HERE,
+        "elements": ("joint1",),
+        "end_s": issue_s + 1.0,
+        "outcome": "succeeded",
+        "goal": (0.5,),
+        "callers": ("run", "move"),
+        "path": ("run", "move"),
+    }
+    return IssuedCommand(issue_s=issue_s, **{**given, **parts})
+
+
+def grip(issue_s: float, how: str, **parts) -> IssuedCommand:
+    given = {"elements": ("hand",), "gripper": "hand", "grip": how, "goal": (0.0,)}
+    return move(issue_s, **{**given, "kind": "gripper", "path": (how,), **parts})
+
+
+def codes(run: RecordedRun) -> list[str]:
+    return [each.code for each in judge(run).reasons]
+
+
+def test_a_run_in_which_nothing_failed_is_complete():
+    verdict = judge(recorded(commands=(move(1.0), move(3.0))))
+    assert verdict.kind == "complete"
+    assert verdict_line(verdict) == "complete, 3 of 3 functions with commands ran"
+
+
+@pytest.mark.parametrize(
+    ("kind", "code"),
+    [
+        ("execution_failure", "command-rejected"),
+        ("goal_rejected", "command-rejected"),
+        ("command_ignored", "command-ignored"),
+        ("service_refused", "service-refused"),
+        ("lookup_failure", "lookup-failed"),
+        ("ik_failure", "ik-failed"),
+        ("fk_failure", "fk-failed"),
+        ("planning_failure", "planning-failed"),
+        ("path_cut", "path-cut"),
+        ("attach_failure", "attach-failed"),
+        ("callback_failed", "callback-raised"),
+        ("thread_failed", "thread-raised"),
+        ("error_logged", "error-logged"),
+    ],
+)
+def test_what_failed_and_was_not_retried_makes_the_run_faulted(kind, code):
+    verdict = judge(recorded(findings=(finding(kind, object="part"),)))
+    (reason,) = verdict.reasons
+    assert verdict.kind == "faulted"
+    assert (reason.code, reason.function, reason.object) == (code, "pick", "part")
+    assert (reason.location, reason.time_s) == (HERE, 2.0)
+
+
+@pytest.mark.parametrize("kind", ["not_simulated", "assumed_name", "concurrent_owners", "unused"])
+def test_a_note_is_no_reason(kind):
+    assert judge(recorded(findings=(finding(kind),))).kind == "complete"
+
+
+def test_a_failure_whose_retry_succeeded_is_no_reason():
+    found = finding("lookup_failure", object="part", recovered_s=4.0)
+    assert judge(recorded(findings=(found,))).kind == "complete"
+
+
+def test_an_error_logged_between_a_failure_and_its_retry_is_settled_with_it():
+    found = finding("lookup_failure", object="part", recovered_s=4.0)
+    logged = finding("error_logged", time_s=2.1)
+    assert codes(recorded(findings=(found, logged))) == []
+    late = finding("error_logged", time_s=4.1)
+    assert codes(recorded(findings=(found, late))) == ["error-logged"]
+    elsewhere = finding("error_logged", time_s=2.1, function="place")
+    assert codes(recorded(findings=(found, elsewhere))) == ["error-logged"]
+
+
+def test_an_aborted_command_is_a_reason_in_the_words_of_its_finding():
+    aborted = move(1.0, outcome="aborted")
+    told = finding(
+        "execution_failure", function="move", message="a goal was aborted", target=(0.5,)
+    )
+    verdict = judge(recorded(commands=(aborted,), findings=(told,)))
+    (reason,) = verdict.reasons
+    assert (reason.code, reason.words, reason.object) == (
+        "command-aborted",
+        "a goal was aborted",
+        "joint1",
+    )
+
+
+def test_an_aborted_command_that_no_finding_speaks_of_is_a_reason_all_the_same():
+    (reason,) = judge(recorded(commands=(move(1.0, outcome="aborted"),))).reasons
+    assert reason.code == "command-aborted"
+    assert "joint1" in reason.words
+
+
+def test_a_command_of_the_same_function_and_goal_that_succeeds_later_is_its_retry():
+    aborted = move(1.0, outcome="aborted")
+    assert codes(recorded(commands=(aborted, move(3.0)))) == []
+
+
+@pytest.mark.parametrize("other", [{"goal": (0.9,)}, {"function": "lift"}, {"kind": "move_group"}])
+def test_another_goal_function_or_kind_is_no_retry(other):
+    aborted = move(1.0, outcome="aborted")
+    assert codes(recorded(commands=(aborted, move(3.0, **other)))) == ["command-aborted"]
+
+
+def test_a_refused_goal_that_is_met_later_is_no_reason():
+    refused = finding("goal_rejected", function="move", target=(0.5,))
+    assert codes(recorded(findings=(refused,), commands=(move(3.0),))) == []
+    assert codes(recorded(findings=(refused,), commands=(move(1.0),))) == ["command-rejected"]
+
+
+def test_a_preempted_command_is_no_reason():
+    assert codes(recorded(commands=(move(1.0, outcome="preempted"), move(1.5)))) == []
+
+
+@pytest.mark.parametrize(
+    ("cause", "code", "kind"),
+    [
+        ("raised", "run-raised", "faulted"),
+        ("exited", "run-exited", "faulted"),
+        ("deadlock", "run-deadlock", "stuck"),
+        ("no_motion", "run-no-motion", "stuck"),
+        ("wall_limit", "run-wall-limit", "stuck"),
+        ("memory_limit", "run-memory-limit", "stuck"),
+        ("died", "run-died", "stuck"),
+        ("not_importable", "run-not-importable", "stuck"),
+    ],
+)
+def test_a_bad_end_is_a_reason(cause, code, kind):
+    verdict = judge(recorded(end=RunEnd(cause, "why", 3.0, HERE), end_function="pick"))
+    (reason,) = verdict.reasons
+    assert (verdict.kind, reason.code, reason.function) == (kind, code, "pick")
+
+
+def test_the_default_duration_that_cuts_a_run_makes_it_partial():
+    end = RunEnd("duration", "the simulated time is over", 300.0)
+    assert codes(recorded(end=end)) == ["duration-cut"]
+    assert judge(recorded(end=end)).kind == "partial"
+
+
+def test_a_duration_that_the_user_gave_is_no_reason():
+    end = RunEnd("duration", "the simulated time is over", 300.0)
+    assert judge(recorded(end=end, is_duration_given=True)).kind == "complete"
+
+
+def test_a_function_that_never_ran_makes_the_run_partial():
+    never = Uncovered(FunctionRef("cell.py", QualifiedName("Cell.recover")), 40)
+    verdict = judge(recorded(coverage=Coverage(3, 4, (never,))))
+    assert [each.code for each in verdict.reasons] == ["never-ran"]
+    assert str(verdict.reasons[0].location) == "cell.py:40"
+    assert verdict_line(verdict) == "partial, 3 of 4 functions with commands ran"
+
+
+def test_an_unmet_need_makes_the_run_partial_and_names_it():
+    need = UnmetNeed("/gripper/on", "service /gripper/on (std_srvs/SetBool)", HERE, "pick")
+    verdict = judge(recorded(unmet=(need,)))
+    assert verdict.kind == "partial"
+    assert "nothing provides service /gripper/on" in verdict_line(verdict)
+
+
+def test_a_frame_that_was_looked_up_in_vain_is_told_once():
+    need = UnmetNeed("part", "frame part", HERE, "pick", is_frame=True)
+    found = finding("lookup_failure", object="part")
+    assert codes(recorded(unmet=(need,), findings=(found,))) == ["lookup-failed"]
+
+
+def test_what_nobody_publishes_and_a_companion_that_died_are_unmet():
+    found = (finding("unprovided", object="/camera"), finding("companion_failed"))
+    assert codes(recorded(findings=found)) == ["unmet-need", "companion-failed"]
+
+
+def test_what_of_the_robot_is_assumed_makes_the_run_partial():
+    verdict = judge(recorded(assumed=(("generic", "a generic arm was taken"),)))
+    assert (verdict.kind, verdict.reasons[0].object) == ("partial", "generic")
+
+
+# Grasps
+
+
+PICK = (grip(0.0, "opens"), move(1.0), grip(2.0, "closes"), move(3.0), grip(4.0, "opens"))
+
+
+def held(command: IssuedCommand) -> IssuedCommand:
+    return replace(command, holds=True)
+
+
+def test_a_grasp_on_nothing_that_is_carried_and_let_go_is_a_fault():
+    (reason,) = judge(recorded(commands=PICK, has_objects=True)).reasons
+    assert (reason.code, reason.object, reason.time_s) == ("grasped-nothing", "hand", 2.0)
+
+
+def test_a_grasp_in_a_scene_without_things_to_grasp_is_none():
+    assert codes(recorded(commands=PICK)) == []
+
+
+def test_a_grasp_that_holds_is_no_reason():
+    commands = (*PICK[:2], held(PICK[2]), *PICK[3:])
+    assert codes(recorded(commands=commands, has_objects=True)) == []
+
+
+def test_a_call_that_holds_at_another_time_meant_to_hold():
+    missed = tuple(replace(each, issue_s=each.issue_s + 10.0, posture=(1.0,)) for each in PICK)
+    commands = (*PICK[:2], held(PICK[2]), *PICK[3:], *missed)
+    (reason,) = judge(recorded(commands=commands)).reasons
+    assert (reason.code, reason.time_s) == ("grasped-nothing", 12.0)
+
+
+def test_a_second_try_at_the_same_place_clears_a_grasp_on_nothing():
+    again = tuple(replace(each, issue_s=each.issue_s + 10.0) for each in PICK)
+    commands = (*PICK, *again[:2], held(again[2]), *again[3:])
+    assert codes(recorded(commands=commands, has_objects=True)) == []
+
+
+def test_a_gripper_that_closes_and_opens_on_the_spot_is_no_grasp():
+    commands = (grip(0.0, "closes"), grip(1.0, "opens"), move(2.0))
+    assert codes(recorded(commands=commands, has_objects=True)) == []
+
+
+def test_a_gripper_that_travels_closed_from_the_begin_is_no_grasp():
+    commands = (grip(0.0, "closes"), move(1.0), grip(2.0, "opens"))
+    assert codes(recorded(commands=commands, has_objects=True)) == []
+
+
+def test_a_gripper_that_is_parked_closed_after_the_work_is_no_grasp():
+    commands = (*PICK[:2], held(PICK[2]), *PICK[3:], move(5.0), grip(6.0, "closes", path=("park",)))
+    assert codes(recorded(commands=(*commands, move(7.0)), has_objects=True)) == []
+
+
+@pytest.mark.parametrize(
+    ("was_held", "code"), [(True, "object-dropped"), (False, "object-knocked")]
+)
+def test_a_thing_that_fell_is_a_reason_at_the_last_command(was_held, code):
+    fall = Fall("tube", 3.5, 0.15, was_held)
+    (reason,) = judge(recorded(commands=(move(1.0), move(9.0)), falls=(fall,))).reasons
+    assert (reason.code, reason.function, reason.object) == (code, "move", "tube")
+    assert "fell 150 mm" in reason.words
+
+
+def test_a_thing_that_tipped_is_a_reason():
+    (reason,) = judge(recorded(falls=(Fall("tube", 3.5, 0.0, False, is_tipped=True),))).reasons
+    assert "tipped over" in reason.words
+
+
+# Order, acceptances
+
+
+def test_the_worst_and_earliest_reason_comes_first():
+    run = recorded(
+        findings=(finding("error_logged", time_s=2.0), finding("lookup_failure", time_s=1.0)),
+        unmet=(UnmetNeed("x", "service x"),),
+        end=RunEnd("deadlock", "waits for ever", 3.0),
+    )
+    assert codes(run) == ["run-deadlock", "lookup-failed", "error-logged", "unmet-need"]
+
+
+def test_what_fails_again_and_again_at_one_place_is_one_reason():
+    found = tuple(finding("ik_failure", object="arm", time_s=float(t)) for t in range(4))
+    (reason,) = judge(recorded(findings=found)).reasons
+    assert reason.time_s == 0.0
+
+
+ACCEPTED = Acceptance("lookup-failed", "pick", "part", "the part may be gone")
+
+
+def test_an_accepted_reason_makes_the_verdict_no_worse():
+    found = (finding("lookup_failure", object="part"),)
+    verdict = judge(recorded(findings=found), (ACCEPTED,))
+    assert verdict.kind == "complete"
+    assert [each.accepted for each in verdict.reasons] == ["the part may be gone"]
+    assert verdict.unused_acceptances == ()
+
+
+@pytest.mark.parametrize("other", [{"code": "ik-failed"}, {"function": "place"}, {"object": "lid"}])
+def test_an_acceptance_of_something_else_accepts_nothing_and_is_unused(other):
+    found = (finding("lookup_failure", object="part"),)
+    verdict = judge(recorded(findings=found), (replace(ACCEPTED, **other),))
+    assert verdict.kind == "faulted"
+    assert len(verdict.unused_acceptances) == 1
+
+
+def test_what_is_stuck_cannot_be_accepted():
+    end = RunEnd("deadlock", "waits for ever", 3.0, HERE)
+    accepted = Acceptance("run-deadlock", "pick", "", "never mind")
+    verdict = judge(recorded(end=end, end_function="pick"), (accepted,))
+    assert verdict.kind == "stuck"
+
+
+def test_other_acceptances_judge_a_kept_verdict_anew():
+    verdict = judge(recorded(findings=(finding("lookup_failure", object="part"),)))
+    accepted = with_acceptances(verdict, (ACCEPTED,))
+    assert accepted.kind == "complete"
+    assert with_acceptances(accepted, ()).kind == "faulted"
+
+
+def test_every_code_that_is_not_stuck_may_be_accepted():
+    assert set(ACCEPTABLE) == {code for code, kind in CODES.items() if kind != "stuck"}

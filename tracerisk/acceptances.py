@@ -1,0 +1,76 @@
+"""Read what a user accepts of a run's verdict: entries of the settings or of a scenario."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, NoReturn
+
+from tracerisk.errors import one_of
+from tracerisk.trace import Acceptance
+
+ACCEPTABLE: tuple[str, ...] = (
+    "attach-failed",
+    "callback-raised",
+    "command-aborted",
+    "command-ignored",
+    "command-rejected",
+    "companion-failed",
+    "duration-cut",
+    "error-logged",
+    "fk-failed",
+    "grasped-nothing",
+    "ik-failed",
+    "lookup-failed",
+    "never-ran",
+    "object-dropped",
+    "object-knocked",
+    "path-cut",
+    "planning-failed",
+    "robot-assumed",
+    "run-exited",
+    "run-raised",
+    "service-refused",
+    "thread-raised",
+    "unmet-need",
+)
+"""The codes that may be accepted: those of every verdict but `stuck`."""
+
+_KEYS = ("code", "function", "object", "words")
+
+
+def read_acceptances(value: Any, fail: Callable[[str], NoReturn]) -> tuple[Acceptance, ...]:
+    """Return the entries of an `accept`; `fail` raises the error of a message.
+
+    Each is a table with `code`, `words` and, where the reason has them, `function` and `object`.
+    """
+    if not isinstance(value, list):
+        fail("expected a list of tables with code, function, object and words")
+    found: dict[tuple[str, str, str], Acceptance] = {}
+    for number, entry in enumerate(value, start=1):
+        each = _acceptance(entry, number, fail)
+        if each.key in found:
+            fail(f"entry {number} is a duplicate of {each.code} in '{each.function}'; remove one")
+        found[each.key] = each
+    return tuple(found.values())
+
+
+def _acceptance(entry: Any, number: int, fail: Callable[[str], NoReturn]) -> Acceptance:
+    if not isinstance(entry, Mapping):
+        fail(f"entry {number} is no table; expected code, function, object and words")
+    for key in entry:
+        if key not in _KEYS:
+            fail(f"entry {number}: unknown key '{key}'; {one_of(_KEYS, str(key))}")
+    texts = {key: entry.get(key, "") for key in _KEYS}
+    for key, text in texts.items():
+        if not isinstance(text, str):
+            fail(f"entry {number}: {key} is {text!r}; expected a text")
+        if text == "*" or ("*" in text and key in ("code", "function")):
+            fail(f"entry {number}: {key} is {text!r}; wildcards are not allowed")
+    if texts["code"] not in ACCEPTABLE:
+        fail(
+            f"entry {number}: code '{texts['code']}' cannot be accepted; "
+            f"{one_of(ACCEPTABLE, texts['code'])}"
+        )
+    if not texts["words"].strip():
+        fail(f"entry {number}: words are missing; say why {texts['code']} is accepted")
+    return Acceptance(texts["code"], texts["function"], texts["object"], texts["words"].strip())

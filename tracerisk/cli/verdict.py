@@ -1,0 +1,77 @@
+"""Print the verdict of a run, first of all, and make of it an exit code."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from tracerisk.cli.sources import read_file
+from tracerisk.errors import ExitCode
+from tracerisk.trace import Verdict, verdict_line
+from tracerisk.trace_json import plain_data
+
+
+def verdict_exit(verdict: Verdict | None) -> ExitCode:
+    """Return the exit code of a run: 1 for a faulted one, 4 for a stuck one, else 0."""
+    if verdict is None or verdict.kind in ("complete", "partial"):
+        return ExitCode.FINE
+    return ExitCode.WOULD_CHANGE if verdict.kind == "faulted" else ExitCode.CONTROLLER_FAILED
+
+
+def print_verdict(verdict: Verdict | None, options: argparse.Namespace) -> None:
+    """Print the verdict with its reasons; a quiet command prints one that makes it fail."""
+    quiet, is_text = options.quiet, not getattr(options, "diff", False)
+    if quiet and verdict_exit(verdict) == ExitCode.FINE:
+        return
+    # Where a diff of the sources is on standard output, nothing else is.
+    stream = sys.stdout if is_text and not quiet else sys.stderr
+    print(verdict_line(verdict), file=stream)
+    for line in verdict_details(verdict):
+        print(f"  {line}", file=stream)
+
+
+def verdict_details(verdict: Verdict | None) -> list[str]:
+    """Return the reasons of a verdict that its line leaves out, a line each."""
+    if verdict is None:
+        return []
+    opened = verdict.open_reasons
+    # A single reason is in the line, unless it is a function that never ran.
+    lines = [str(each) for each in opened if len(opened) > 1 or each.code == "never-ran"]
+    lines += [f"accepted: {each}: {each.accepted}" for each in verdict.reasons if each.accepted]
+    lines += [f"accepted, and did not occur: {each}" for each in verdict.unused_acceptances]
+    return lines
+
+
+def verdict_json(verdict: Verdict | None) -> dict[str, Any]:
+    """Return the verdict for a `--json`: its line, and all of it as data."""
+    data = None if verdict is None else plain_data(verdict)
+    return {"verdict_line": verdict_line(verdict), "verdict": data}
+
+
+def sources_verdict(files: Sequence[str]) -> SourcesVerdict | None:
+    """Return what the locks say of the runs behind sources; `None` for files of a model."""
+    from tracerisk.pipeline.source_verdict import source_verdict_lines, source_verdicts
+
+    sources = {name: read_file(name) for name in files}
+    if any(text.lstrip().startswith(b"{") for text in sources.values()):
+        return None
+    found = source_verdicts(sources)
+    return SourcesVerdict(tuple(source_verdict_lines(found)), found)
+
+
+@dataclass(frozen=True, slots=True)
+class SourcesVerdict:
+    """The verdicts of the runs behind sources, as lines and by controller."""
+
+    lines: tuple[str, ...]
+    by_controller: Mapping[str, Verdict | None]
+
+    def data(self) -> dict[str, Any]:
+        """Return what `--json` says of them."""
+        plain = [
+            {"controller": name, **verdict_json(each)} for name, each in self.by_controller.items()
+        ]
+        return {"verdict_line": "; ".join(self.lines), "verdicts": plain}

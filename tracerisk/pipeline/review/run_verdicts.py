@@ -1,0 +1,65 @@
+"""The verdict of the run behind a version, by its lock."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
+
+from tracerisk.adder.lock import LOCK_NAME, loads, lock_key
+from tracerisk.adder.published import is_c_like
+from tracerisk.config import controller_root
+from tracerisk.errors import TraceRiskError
+from tracerisk.pipeline.kept_verdict import block_lines, kept_verdict
+from tracerisk.pipeline.review.controllers import ControllerVersion, in_version
+from tracerisk.pipeline.review.git_versions import compared
+from tracerisk.pipeline.review.repository import Repository
+from tracerisk.trace import Verdict
+
+
+def version_verdict(version: ControllerVersion) -> Verdict | None:
+    """Return the verdict that the lock of a version keeps, with the lines of its sources."""
+    verdict = kept_verdict(version.entry)
+    if verdict is None:
+        return None
+    sources = {
+        _from_folder(file, version.folder): (file, source)
+        for file, source in version.sources.items()
+        if not is_c_like(file)
+    }
+    line_of = block_lines(
+        {name: source for name, (_, source) in sources.items()},
+        {name: file for name, (file, _) in sources.items()},
+    )
+    return verdict.with_lines(line_of)
+
+
+def _from_folder(file: str, folder: str) -> str:
+    """Return a file as its lock calls it."""
+    try:
+        return PurePosixPath(file).relative_to(PurePosixPath(folder)).as_posix()
+    except ValueError:
+        return file
+
+
+def base_verdicts(paths: list[Path], revision: str) -> Iterator[Verdict | None]:
+    """Yield for each controller the verdict that its lock kept in a revision of git.
+
+    Raises InputError for a revision that git does not know, and where a lock cannot be read.
+    """
+    here = Path.cwd()
+    with Repository.opened(here) as repository:
+        version = compared(repository, here, [revision]).before
+        top = repository.top.resolve()
+        for path in paths:
+            root = controller_root(path)
+            folder = root.resolve()
+            name = (folder / LOCK_NAME).relative_to(top).as_posix()
+            content = version.file(name)
+            if content is None:
+                yield None
+                continue
+            try:
+                lock = loads(content, name)
+            except TraceRiskError as error:
+                raise in_version(error, version) from error
+            yield kept_verdict(lock.controllers.get(lock_key(path, root)))
