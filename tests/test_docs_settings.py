@@ -8,7 +8,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from tracerisk.cli import run
+from tracerisk.cli import check, run
 from tracerisk.config import Settings, loads_toml, read_settings
 
 TEXT = (Path(__file__).parents[1] / "docs" / "settings.md").read_text(encoding="utf-8")
@@ -26,7 +26,10 @@ def test_every_setting_is_listed_with_its_default():
 def test_every_option_that_is_named_exists():
     parser = argparse.ArgumentParser()
     run.add_options(parser)
-    known = {each for action in parser._actions for each in action.option_strings}
+    checking = argparse.ArgumentParser()
+    check.add_options(checking)
+    actions = (*parser._actions, *checking._actions)
+    known = {each for action in actions for each in action.option_strings}
     named = {option for _, _, options in ROWS for option in re.findall(r"`(--[\w-]+)`", options)}
     assert len(named) > 10
     assert named <= known

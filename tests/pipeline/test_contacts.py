@@ -63,7 +63,9 @@ def test_findings_fail_a_run_only_where_it_is_asked_for(raised):
     assert failed.code == 1
     assert re.search(r"tracerisk: \d+ findings, and --fail-on finding", failed.err)
     fine = example.run("run", "pick.py", "--scene", "scene.yaml", "--check")
-    assert fine.code == 0, fine.err
+    # The motion that the table ends makes the run faulted, whatever findings do.
+    assert fine.code == 1, fine.err
+    assert fine.out.startswith("faulted: a motion was aborted")
     assert "--fail-on" not in fine.err
     assert "unexpected contact: " in fine.out
 
@@ -80,7 +82,7 @@ def test_a_project_can_settle_what_a_run_fails_on(raised, example):
     checked = example.run("check", "pick.py", "--json")
     assert checked.code == 1
     kinds = {each["kind"] for each in checked.json["findings"]}
-    assert kinds == {"contact"}
+    assert kinds == {"contact", "faulted"}
     told = [each["message"] for each in checked.json["findings"]]
     assert (
         "panda_rightfinger and table touched in pick, which was not to be expected; `tracerisk "
@@ -91,7 +93,8 @@ def test_a_project_can_settle_what_a_run_fails_on(raised, example):
 def test_a_check_alerts_of_the_contacts_of_the_last_run_as_the_run_does(raised):
     example, _ = raised
     checked = example.run("check", "pick.py", "--sarif", "check.sarif")
-    assert checked.code == 0, "no setting says that a finding fails"
+    assert checked.code == 1, "the run is faulted: a motion was aborted"
+    assert "contact: " not in checked.out, "no setting says that a finding fails"
     ran, kept = (
         {
             each["partialFingerprints"]["tracerisk/v1"]: each["locations"]

@@ -56,14 +56,17 @@ def _falls_of(
     tilt = np.arccos(np.clip(axis, -1.0, 1.0))
     begin = first // POSE_EVERY
     for start, stop in _free_spans(held, begin):
-        down = float(height[start] - height[start:stop].min())
-        turned = abs(float(tilt[stop - 1] - tilt[start]))
+        was_held = start > 0 and bool(held[start - 1])
+        # It counts from the last pose in the hand, for it falls at once.
+        begun = start - 1 if was_held else start
+        down = float(height[begun] - height[start:stop].min())
+        turned = abs(float(tilt[stop - 1] - tilt[begun]))
         if down > FALL_M or turned > TIP_RAD:
             yield Fall(
                 object=name,
                 time_s=start * POSE_EVERY * samples.step_s,
                 height_m=down,
-                was_held=start > 0 and bool(held[start - 1]),
+                was_held=was_held,
                 is_tipped=down <= FALL_M,
             )
 
