@@ -204,15 +204,8 @@ def same_under_load(example, at_rest):
     return check
 
 
-@pytest.mark.parametrize(
-    "entry",
-    [
-        pytest.param(each, marks=() if each == "glue_bead.py" else pytest.mark.slow)
-        for each in ENTRIES
-    ],
-)
-def test_a_sample_leaves_the_same_bytes_under_load(entry, same_under_load):
-    same_under_load(entry, files_of(entry), entry)
+def test_a_sample_leaves_the_same_bytes_under_load(same_under_load):
+    same_under_load("glue_bead.py", files_of("glue_bead.py"), "glue_bead.py")
 
 
 def test_the_launch_file_is_taken_under_load(same_under_load):
@@ -233,13 +226,14 @@ def test_a_companion_is_started_under_load(same_under_load):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("repetition", range(10))
-@pytest.mark.parametrize("name", ["glue_bead", "launched", "expanded"])
+@pytest.mark.parametrize("name", [*ENTRIES, "launched", "expanded"])
 def test_ten_runs_under_load_leave_the_same_bytes(name, repetition, same_under_load):
-    files, entry = {
-        "glue_bead": (files_of("glue_bead.py"), "glue_bead.py"),
-        "launched": (LAUNCHED, "arm_task/turn.py"),
-        "expanded": (EXPANDED, "scripts/reach.py"),
-    }[name]
+    if name == "launched":
+        files, entry = LAUNCHED, "arm_task/turn.py"
+    elif name == "expanded":
+        files, entry = EXPANDED, "scripts/reach.py"
+    else:
+        files, entry = files_of(name), name
     same_under_load(name, files, entry)
 
 
