@@ -38,3 +38,10 @@ def test_nothing_moves_where_the_blocks_keep_their_lines():
     other = insert_blocks(SOURCE, {"pick": block("pick", {"pick": 3, "done": 1})}, "a.py")
     moved = line_map(one, other, "a.py")
     assert [moved(n) for n in (1, 4, 20)] == [1, 4, 20]
+
+
+def test_a_block_that_names_another_function_moves_lines_all_the_same() -> None:
+    block = "    # | RiskAnnotation\n    # | @Function {\n    # |   name = {}\n    # |   callSequence = 1\n    # | }\n"
+    text = "def stretch():\n{}    arm.go()\n"
+    after = text.replace("{}", block.replace("{}", "reach")).encode()
+    assert line_map(text.replace("{}", "").encode(), after, "c.py")(2) == 7

@@ -106,6 +106,19 @@ def read_blocks(source: bytes, file: str) -> tuple[PlacedBlock, ...]:
     return placed
 
 
+def block_lines(source: bytes, file: str) -> tuple[int, ...]:
+    """Return the lines that belong to risk blocks, ascending, whatever the blocks say.
+
+    Raises SourceError if the source is not Python.
+    """
+    if _ANY_BLOCK.search(source) is None:
+        return ()
+    parsed = parse_python(source, file)
+    finder = _OwnerFinder(parsed)
+    runs = (run for run in _runs(parsed) if finder.owners(run))
+    return tuple(line for run in runs for line in range(run.first, run.last + 1))
+
+
 def scan_blocks(source: PythonSource) -> tuple[PlacedBlock, ...]:
     """Return the blocks of a parsed source; functions of one name may have one each.
 
