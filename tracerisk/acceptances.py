@@ -21,6 +21,7 @@ ACCEPTABLE: tuple[str, ...] = (
     "grasped-nothing",
     "ik-failed",
     "lookup-failed",
+    "never-grasped",
     "never-ran",
     "object-dropped",
     "object-knocked",

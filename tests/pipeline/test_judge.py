@@ -272,6 +272,32 @@ def test_a_gripper_that_is_parked_closed_after_the_work_is_no_grasp():
     assert codes(recorded(commands=(*commands, move(7.0)), has_objects=True)) == []
 
 
+LEFT_OPEN = (grip(0.0, "opens"), move(1.0), grip(2.0, None), move(3.0))
+
+
+def test_a_gripper_that_never_closes_on_what_there_is_to_grasp_is_a_reason():
+    verdict = judge(recorded(commands=LEFT_OPEN, has_objects=True))
+    (reason,) = verdict.reasons
+    assert (verdict.kind, reason.code, reason.object) == ("partial", "never-grasped", "hand")
+    assert "hand was commanded 2 times and never closed" in reason.words
+
+
+@pytest.mark.parametrize(
+    ("commands", "has_objects"),
+    [
+        (LEFT_OPEN, False),
+        (LEFT_OPEN[:2], True),
+        ((LEFT_OPEN[0], LEFT_OPEN[2], LEFT_OPEN[1]), True),
+        ((*LEFT_OPEN, grip(4.0, "closes")), True),
+        ((*LEFT_OPEN, held(grip(4.0, None))), True),
+        ((LEFT_OPEN[0], LEFT_OPEN[1], grip(2.0, None, goal=())), True),
+    ],
+    ids=["nothing to grasp", "once", "no motion between", "closed", "held", "no goal known"],
+)
+def test_a_gripper_that_may_stay_open_is_no_reason(commands, has_objects):
+    assert codes(recorded(commands=commands, has_objects=has_objects)) == []
+
+
 @pytest.mark.parametrize(
     ("was_held", "code"), [(True, "object-dropped"), (False, "object-knocked")]
 )

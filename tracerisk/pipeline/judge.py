@@ -43,6 +43,7 @@ CODES: dict[str, VerdictKind] = {
     "object-dropped": "faulted",
     "object-knocked": "faulted",
     NEVER_RAN: "partial",
+    "never-grasped": "partial",
     "unmet-need": "partial",
     "companion-failed": "partial",
     "robot-assumed": "partial",
@@ -159,6 +160,7 @@ def judge(run: RecordedRun, acceptances: Sequence[Acceptance] = ()) -> Verdict:
             *_of_findings(run),
             *_of_commands(run),
             *_of_grasps(run),
+            *_of_open_grippers(run),
             *_of_falls(run),
             *_of_needs(run),
             *_of_assumptions(run),
@@ -410,6 +412,28 @@ def _of_grasps(run: RecordedRun) -> Iterator[Reason]:
                 object_name=command.gripper,
                 time_s=command.issue_s,
                 location=command.location,
+            )
+
+
+def _of_open_grippers(run: RecordedRun) -> Iterator[Reason]:
+    """Yield grippers that only ever open, although the user gave the run something to grasp."""
+    if not run.has_objects or any(each.holds for each in run.commands):
+        return
+    for name in dict.fromkeys(each.gripper for each in run.commands if each.gripper):
+        numbers = [at for at, each in enumerate(run.commands) if each.gripper == name]
+        own = [run.commands[at] for at in numbers]
+        between = run.commands[numbers[0] : numbers[-1]]
+        if any(each.grip == "closes" or not each.goal for each in own):
+            continue
+        if any(not each.gripper for each in between):
+            last = own[-1]
+            yield _reason(
+                "never-grasped",
+                f"{name} was commanded {len(own)} times and never closed, so nothing was grasped",
+                function=last.function,
+                object_name=name,
+                time_s=last.issue_s,
+                location=last.location,
             )
 
 

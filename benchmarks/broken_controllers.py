@@ -1,0 +1,309 @@
+"""Break controllers that work, one at a time, and compare the verdict of each run with its physics.
+
+    python benchmarks/broken_controllers.py [--most 1] [--jobs 2] [--only TEXT]
+
+Samples and the programs of `broken_cases` are broken in ways that are found automatically
+(`broken_kinds`), and refactored (`broken_refactorings`). Whether the mission is still carried out
+is judged from the recorded physics alone (`broken_mission`), against the unbroken run. A breakage
+is caught if its verdict is not `complete`, the reasons of the unbroken run being accepted.
+A false alarm is a mission that is carried out with a verdict worse than that of the unbroken run.
+Prints a table of each; exits 1 where less than 95 % are caught, or with a false alarm.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from broken_kinds import KINDS, MOVED, Breakage, Commanded, Unbroken, breakages, spread
+from broken_mission import Mission, missing, read_mission
+from broken_refactorings import REFACTORINGS, refactorings
+
+ROOT = Path(__file__).parents[1]
+SAMPLES, CASES = ROOT / "sample_controllers", Path(__file__).parent / "broken_cases"
+SCENES = ROOT / "tracerisk" / "twin" / "scenes"
+RANKS = ("complete", "partial", "faulted", "stuck")
+LEAST_CAUGHT, LEAST_REFACTORINGS = 0.95, 50
+
+
+@dataclass(frozen=True)
+class Case:
+    """A controller: the folder it is copied from, its script, and the options of its run."""
+
+    name: str
+    folder: Path
+    script: str
+    options: tuple[str, ...] = ()
+    more: tuple[Path, ...] = ()
+    """Files that are copied beside it."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A run: its verdict, the keys of the reasons, and what happened."""
+
+    verdict: str
+    reasons: frozenset[tuple[str, str, str]]
+    words: str
+    mission: Mission | None
+
+
+@dataclass(frozen=True)
+class Row:
+    """A breakage or refactoring, judged."""
+
+    case: str
+    breakage: Breakage
+    lacks: str
+    """What of the mission is not carried out; empty where all is."""
+    verdict: str
+    words: str
+    is_new: bool
+    """Whether a reason was found that the unbroken run has not."""
+    is_worse: bool
+
+    @property
+    def is_miss(self) -> bool:
+        return bool(self.lacks) and not self.is_new
+
+    @property
+    def is_false_alarm(self) -> bool:
+        return not self.lacks and self.is_worse
+
+
+def _own(name: str, robot: str) -> Case:
+    options: tuple[str, ...] = ("--robot", robot)
+    if (CASES / name / "scenario.yaml").exists():
+        options += ("--scenario", "scenario.yaml")
+    more = (CASES / robot,) if robot.endswith(".urdf") else ()
+    return Case(name, CASES / name, f"{name}.py", options, more)
+
+
+def _sample(name: str, *options: str, more: tuple[Path, ...] = ()) -> Case:
+    return Case(name, SAMPLES, f"{name}.py", options, more)
+
+
+def cases() -> tuple[Case, ...]:
+    """Return the controllers to break."""
+    racks = SCENES / "tube_racks.yaml"
+    sorting = "part_sorting/src/part_sorting/scripts/sort_parts.py"
+    own = {
+        **dict.fromkeys(("block_stacking", "lid_closing"), "panda"),
+        "peg_pulling": "panda",
+        "polishing": "ur5e",
+        "sorting": "small_arm.urdf",
+    }
+    return (
+        _sample("careful_pick", "--scene", "scene.yaml", more=(racks,)),
+        _sample("glue_bead"),
+        _sample("machine_tending"),
+        _sample("pick_and_place", "--scene", "scene.yaml", more=(racks,)),
+        _sample("shelf_stocking"),
+        _sample("surface_scan"),
+        Case("part_sorting", SAMPLES, sorting),
+        *(
+            _own(each.name, own.get(each.name, "arm.urdf"))
+            for each in sorted(CASES.iterdir())
+            if each.is_dir() and (each / f"{each.name}.py").exists()
+        ),
+    )
+
+
+def lay_out(case: Case, folder: Path) -> None:
+    """Copy a controller into a folder, as the root of a project."""
+    folder.mkdir(parents=True)
+    (folder / "pyproject.toml").write_bytes(b"")
+    top = case.script.partition("/")[0]
+    if "/" in case.script:
+        shutil.copytree(case.folder / top, folder / top)
+    elif case.folder == SAMPLES:
+        shutil.copy(case.folder / top, folder / top)
+    else:
+        shutil.copytree(case.folder, folder, dirs_exist_ok=True)
+    for each in case.more:
+        shutil.copy(each, folder / ("scene.yaml" if each.suffix == ".yaml" else each.name))
+
+
+def files_of(folder: Path) -> dict[str, str]:
+    return {
+        each.relative_to(folder).as_posix(): each.read_text(encoding="utf-8")
+        for each in sorted(folder.rglob("*"))
+        if each.suffix in (".py", ".yaml", ".urdf") and "keep" not in each.parts
+    }
+
+
+def run(case: Case, folder: Path) -> Outcome:
+    """Run a controller that lies in a folder, and return how it went."""
+    keep = folder / "keep"
+    limits = ("--cpu-limit", "60", "--wall-limit", "150", "--stall-limit", "8")
+    ended = subprocess.run(
+        [
+            *(sys.executable, "-m", "tracerisk", "trace", case.script),
+            *(*case.options, *limits, "--json", "--keep", str(keep)),
+        ],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    try:
+        found: dict[str, Any] = json.loads(ended.stdout)
+    except ValueError:
+        return Outcome("internal error", frozenset(), ended.stderr[-300:], None)
+    trace = found.get("trace") or {}
+    given = found.get("verdict")
+    verdict = trace.get("verdict") or (given if isinstance(given, dict) else {})
+    reasons = verdict.get("reasons") or ()
+    kind = verdict.get("kind") or (given if isinstance(given, str) else "") or "refused"
+    words = found.get("verdict_line") or str((found.get("error") or {}).get("message"))
+    keys = frozenset((each["code"], each["function"], each["object"]) for each in reasons)
+    if kind in ("stuck", "refused") and not keys:
+        keys = frozenset({(kind, "", "")})
+    return Outcome(kind, keys, " ".join(words.split())[:170], read_mission(keep))
+
+
+def unbroken_of(folder: Path) -> Unbroken:
+    """Return a controller with what the events of its run show."""
+    robot = json.loads((folder / "keep" / "robot.json").read_text(encoding="utf-8"))
+    grippers = {each["name"] for each in robot["grippers"]}
+    names = {each["name"] for each in robot["joints"]} | set(robot["groups"])
+    files: dict[int, str] = {}
+    commands = []
+    for line in (folder / "keep" / "events.jsonl").read_text(encoding="utf-8").splitlines():
+        event = json.loads(line)
+        if event["event"] == "function":
+            files[event["id"]] = event["file"]
+        elif event["event"] == "command":
+            sites = tuple((files[each[0]], each[2], each[3]) for each in event["stack"])
+            commands.append(Commanded(sites, set(event["elements"]) <= grippers))
+    return Unbroken(files_of(folder), frozenset(names), tuple(commands))
+
+
+def _run_broken(case: Case, breakage: Breakage, nominal: Outcome, folder: Path) -> Row:
+    lay_out(case, folder)
+    for name, text in breakage.files.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    found = run(case, folder)
+    assert nominal.mission is not None
+    lacks = missing(nominal.mission, found.mission)
+    shutil.rmtree(folder)
+    is_worse = _rank(found.verdict) > _rank(nominal.verdict)
+    is_new = found.verdict != "complete" and bool(found.reasons - nominal.reasons)
+    words = found.words
+    return Row(case.name, breakage, lacks, found.verdict, words, is_new, is_worse)
+
+
+def _rank(verdict: str) -> int:
+    return RANKS.index(verdict) if verdict in RANKS else len(RANKS)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--most", type=int, default=1, help="of each kind in each controller")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--only", default="", help="only controllers whose name holds this text")
+    parser.add_argument("--kind", default="", help="only kinds that hold this text")
+    parser.add_argument("--rows", type=Path, help="write every row as a line of JSON")
+    options = parser.parse_args()
+    begin = time.monotonic()
+    with tempfile.TemporaryDirectory() as where:
+        rows = measure(Path(where), options)
+    return report(rows, time.monotonic() - begin)
+
+
+def measure(where: Path, options: argparse.Namespace) -> list[Row]:
+    chosen = [each for each in cases() if options.only in each.name]
+    for case in chosen:
+        lay_out(case, where / case.name)
+    with ThreadPoolExecutor(options.jobs) as pool:
+        nominals = list(pool.map(lambda each: run(each, where / each.name), chosen))
+        wanted: list[tuple[Case, Breakage, Outcome, Path]] = []
+        most = {kind: options.most * (2 if kind == MOVED else 1) for kind in KINDS}
+        for turn, (case, nominal) in enumerate(zip(chosen, nominals, strict=True)):
+            print(f"{case.name}: {nominal.verdict}", file=sys.stderr)
+            if nominal.verdict not in ("complete", "partial") or nominal.mission is None:
+                raise SystemExit(f"{case.name} does not work unbroken: {nominal.words}")
+            unbroken = unbroken_of(where / case.name)
+            found = spread(list(breakages(unbroken)), most, turn)
+            found += spread(
+                list(refactorings(unbroken)), dict.fromkeys(REFACTORINGS, options.most), turn
+            )
+            for number, each in enumerate(found):
+                if options.kind in each.kind:
+                    folder = where / f"{case.name}-{number}"
+                    wanted.append((case, each, nominal, folder))
+        rows = []
+        for row in pool.map(lambda each: _run_broken(*each), wanted):
+            rows.append(row)
+            if options.rows:
+                with options.rows.open("a", encoding="utf-8") as stream:
+                    stream.write(json.dumps(_row_data(row)) + "\n")
+        return rows
+
+
+def _row_data(row: Row) -> dict[str, Any]:
+    return {
+        "case": row.case,
+        "kind": row.breakage.kind,
+        "what": row.breakage.what,
+        "lacks": row.lacks,
+        "verdict": row.verdict,
+        "words": row.words,
+        "is_miss": row.is_miss,
+        "is_false_alarm": row.is_false_alarm,
+    }
+
+
+def report(rows: Sequence[Row], seconds: float) -> int:
+    """Print what was found, and return the exit code."""
+    heads = ("kind", "n", "carried out", *RANKS, "other", "missed", "false alarms")
+    print(f"| {' | '.join(heads)} |\n|{'---|' * len(heads)}")
+    for kind in (*KINDS, *REFACTORINGS):
+        print(_line(kind, [each for each in rows if each.breakage.kind == kind]))
+    broken = [each for each in rows if each.breakage.kind in KINDS]
+    refactored = [each for each in rows if each.breakage.kind in REFACTORINGS]
+    print(_line("all breakages", broken))
+    print(_line("all refactorings", refactored))
+    for title, chosen in (
+        ("missed", [each for each in rows if each.is_miss and each.breakage.kind in KINDS]),
+        ("false alarms", [each for each in rows if each.is_false_alarm]),
+        ("refactorings that changed the mission", [each for each in refactored if each.lacks]),
+    ):
+        print(f"\n{title}: {len(chosen)}")
+        for row in chosen:
+            print(f"- {row.case}, {row.breakage.kind}: {row.breakage.what}")
+            print(f"  mission: {row.lacks or 'carried out'}; verdict: {row.words or row.verdict}")
+    failed = [each for each in broken if each.lacks]
+    done = [each for each in rows if not each.lacks]
+    caught = sum(not each.is_miss for each in failed) / max(len(failed), 1)
+    false = sum(each.is_false_alarm for each in done)
+    print(f"\n{len(broken)} breakages, {len(failed)} missions not carried out, {caught:.1%} caught")
+    print(f"{len(done)} missions carried out, {false} false alarms; {seconds:.0f} s")
+    is_good = caught >= LEAST_CAUGHT and not false and not any(each.lacks for each in refactored)
+    return 0 if is_good else 1
+
+
+def _line(kind: str, rows: Sequence[Row]) -> str:
+    counts = Counter(each.verdict if each.verdict in RANKS else "other" for each in rows)
+    cells = [
+        *(str(len(rows)), str(sum(not each.lacks for each in rows))),
+        *(str(counts[each]) for each in (*RANKS, "other")),
+        str(sum(each.is_miss for each in rows)),
+        str(sum(each.is_false_alarm for each in rows)),
+    ]
+    return f"| {kind} | {' | '.join(cells)} |"
+
+
+if __name__ == "__main__":
+    sys.exit(main())
