@@ -93,7 +93,7 @@ class UnmetNeeds:
             message = message.replace(f"{before.need.told},", f"{after.need.told},")
         plain = replace(plain, message=message, needs=tuple(each.need for each in unmet))
         plain = replace(plain, location=location or self.below_root(unmet[0].location))
-        # What it would wait for next is told now, and not after another run.
+        # What it would wait for next is reported now, not after another run.
         names = {(each.need.kind, each.need.name) for each in unmet}
         more = tuple(
             each for each in self._unserved() if (each.need.kind, each.need.name) not in names

@@ -197,7 +197,7 @@ class RiskDiff:
     `inputs` tells in words what the runs behind the blocks depended on that differs, `of_run`
     what the later run showed that the earlier one did not: contacts that were not to be expected,
     motions of which there is no risk data. `verdicts` are those of the two runs, `None` where the
-    blocks alone are compared: no lock tells of a run of either version.
+    blocks alone are compared: neither version has a lock entry for a run.
     """
 
     name: str

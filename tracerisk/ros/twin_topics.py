@@ -29,8 +29,8 @@ CLOCK_HZ = 100.0
 
 _PUBLISHER = "/joint_state_publisher"
 _CLOCK_PUBLISHER = "/clock_publisher"
-# Controllers of ros_control that publish joint states, in a namespace of their own if they are told
-# to (`use_local_topics` of the joint state broadcaster).
+# Controllers of ros_control that publish joint states, in a namespace of their own where it is set
+# (`use_local_topics` of the joint state broadcaster).
 _STATE_CONTROLLER = re.compile(r"_state_(controller|broadcaster)$")
 _DRIVERS = ("control_msgs/", "moveit_msgs/")
 """The packages of actions that a robot's driver or its move_group serves."""
