@@ -12,6 +12,7 @@ from tracerisk.errors import DependencyError
 MODULES: Mapping[str, str] = {
     "daqp": "daqp",
     "dm-control": "dm_control.mujoco",
+    "etils": "etils.epath",
     "jinja2": "jinja2",
     "lark": "lark",
     "libcst": "libcst",
@@ -41,7 +42,9 @@ def needed() -> tuple[str, ...]:
 
     dm-control is used where it can be imported, and needed nowhere.
     """
-    absent = {"dm-control"} if sys.version_info < (3, 11) else {"dm-control", "tomli"}
+    absent = {"dm-control"}
+    if sys.version_info >= (3, 11):
+        absent |= {"etils", "tomli"}
     return tuple(name for name in MODULES if name not in absent)
 
 
