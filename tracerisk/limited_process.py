@@ -17,10 +17,10 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from time import clock_gettime, monotonic, process_time
 from typing import NoReturn
 
 from tracerisk.errors import LimitError, Location
@@ -110,7 +110,7 @@ def mark_start() -> None:
     descriptor, _, cpu_s = os.environ.pop(_MARK, "").partition(":")
     if not cpu_s:
         return
-    used_s = time.process_time()
+    used_s = process_time()
     _, hard = resource.getrlimit(resource.RLIMIT_CPU)
     wanted = math.ceil(used_s) + int(cpu_s)
     most = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
@@ -129,7 +129,7 @@ class OwnTime:
         self._pid = pid
         self._first_s = self._cpu_s = cpu_s
         self._slept_s = 0.0
-        self._looked = time.monotonic()
+        self._looked = monotonic()
         self._was_asleep = False
 
     @property
@@ -144,7 +144,7 @@ class OwnTime:
 
     def look(self) -> None:
         """Look at the process; to be called every `POLL_S`."""
-        now = time.monotonic()
+        now = monotonic()
         # Who looks late, for it was kept waiting itself, cannot know what went on meanwhile.
         passed, self._looked = min(now - self._looked, 2 * POLL_S), now
         cpu_s = _cpu_s(self._pid)
@@ -163,7 +163,7 @@ def _cpu_s(pid: int) -> float | None:
         return None
     # clock_getcpuclockid(3): the clock of a process, in the form that the kernel reads.
     with contextlib.suppress(OSError):
-        return time.clock_gettime((~pid << 3) | 2)
+        return clock_gettime((~pid << 3) | 2)
     return None
 
 
@@ -241,13 +241,13 @@ def _watched(
     doing: str,
     place: Location | None,
 ) -> tuple[bytes, bytes]:
-    began = time.monotonic()
+    began = monotonic()
     own: OwnTime | None = None
     while True:
         with contextlib.suppress(subprocess.TimeoutExpired):
             return child.communicate(timeout=POLL_S)
         if own is None and (cpu_s := mark.cpu_s) is not None:
-            own, began = OwnTime(child.pid, cpu_s), time.monotonic()
+            own, began = OwnTime(child.pid, cpu_s), monotonic()
         if own is not None:
             own.look()
             if own.seconds > limits.own.value:
@@ -256,7 +256,7 @@ def _watched(
                     f"{limits.own.told}",
                     place,
                 )
-        if time.monotonic() - began > limits.wall.value:
+        if monotonic() - began > limits.wall.value:
             what = "did not start within" if own is None else "took more than"
             raise LimitError(
                 f"{doing} {what} {limits.wall.value:g} s of wall time; {limits.wall.told}", place

@@ -38,7 +38,7 @@ def test_each_setting_is_told_with_its_value_and_its_place(example, quick):
     assert left["robot"] == {"value": "panda", "from": "controller", "line": 8, **place}
     assert left["helpers"] == {"value": ["go", "grip"], "from": "all", "line": 4, **place}
     default = {"from": "default", "file": None, "line": None}
-    assert left["duration_s"] == {"value": 300.0, **default}
+    assert left["duration_s"] == {"value": None, **default}
     right = settings_of(example, "src/right.py", "--robot", "ur5e")
     assert right["seed"] == {"value": 3, "from": "all", "line": 2, **place}
     assert right["duration_s"]["value"] == 7.0

@@ -72,7 +72,8 @@ def refresh_controller(
     reasons: tuple[str, ...] = ("it was never run",)
     if entry is not None:
         wants_fresh = policy is not None and policy.fresh
-        is_judged = kept_verdict(entry) is not None
+        # A published log names no robot: there was no run to judge.
+        is_judged = kept_verdict(entry) is not None or entry.trace.get("robot") == ""
         is_settled = entry.previous is None and not wants_fresh and is_judged
         found = {finding.kind for finding in check_controller(controller.path).findings}
         if is_settled and not found & _MENDED:

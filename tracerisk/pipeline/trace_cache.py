@@ -30,8 +30,9 @@ class TraceCache:
             trace = trace_json.loads(path.read_text(encoding="utf-8"), str(path))
         except (OSError, UnicodeDecodeError, TraceRiskError):
             return None
-        is_ours = trace.controller == controller and trace.verdict is not None
-        return trace if is_ours and trace.is_usable else None
+        # A published log names no robot: there was no run to judge.
+        is_judged = trace.verdict is not None or not trace.robot
+        return trace if trace.controller == controller and is_judged and trace.is_usable else None
 
     def write(self, fingerprint: str, trace: Trace) -> None:
         """Keep a trace in the place of the controller's last one.

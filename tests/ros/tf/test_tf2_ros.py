@@ -30,7 +30,8 @@ def succeed(example):
     def run(program: str) -> None:
         example.write("program.py", START + program)
         outcome = example.run("trace", "program.py", "--robot", "panda", "--json")
-        assert outcome.code == 0, outcome.err
+        # Some look-ups are meant to fail, which makes the run faulted.
+        assert outcome.json["trace"]["end"]["cause"] == "ended", outcome.err
 
     return run
 
