@@ -46,8 +46,10 @@ def test_a_stand_in_arm_gets_the_joints_that_the_run_moves(example):
 def test_a_shipped_arm_is_told_by_them(example):
     example.write("c.py", SOURCE.replace("PREFIX", "panda_joint"))
     outcome = example.run("run", "c.py", "--json")
-    # The Panda cannot reach the pose, so its run is faulted.
-    assert outcome.code in (0, 1), outcome.err
+    # Its fourth joint cannot reach 0.3 rad, so the goal is aborted and the run is faulted.
+    assert outcome.code == 1, outcome.err
+    (reason,) = outcome.json["trace"]["verdict"]["reasons"]
+    assert "joint 'panda_joint4' is" in reason["words"]
     assert outcome.json["trace"]["robot"] == "panda"
 
 
