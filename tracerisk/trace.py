@@ -323,6 +323,8 @@ def verdict_line(verdict: Verdict | None) -> str:
 
 NEVER_RAN = "never-ran"
 """The code of a function that can command hardware and did not run."""
+MISSED_CALL = "missed-call"
+"""The code of a call that led to no command, in a function that ran."""
 
 
 @dataclass(frozen=True, slots=True)

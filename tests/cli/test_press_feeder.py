@@ -5,6 +5,7 @@ Its run is shorter and moves less than the mission, so every gate must stop it.
 
 from __future__ import annotations
 
+import json
 import shutil
 from pathlib import Path
 
@@ -133,6 +134,25 @@ def test_fewer_functions_than_in_the_base_fail_the_check(ran, repository):
     assert outcome.code == 1
     assert "coverage: 5 of 9 functions with commands ran" in outcome.out
     assert "before the change 8 of 9 did" in outcome.out
+
+
+def test_a_call_that_the_base_did_not_miss_fails_the_check(ran, repository):
+    _, good, _ = ran
+    (lock,) = (name for name in good if name.endswith("tracerisk.lock"))
+    data = json.loads(good[lock])
+    (entry,) = data["controllers"].values()
+    reasons = entry["trace"]["verdict"]["reasons"]
+    words = "self.go led to no command here, elsewhere it did"
+    missed = {"code": "missed-call", "verdict": "partial", "words": words, "object": "self.go"}
+    reasons.append({**reasons[0], **missed})
+    changed = {lock: json.dumps(data).encode()}
+    cell = in_git(repository, good, changed)
+    assert cell.run("check", CONTROLLER).code == 0
+    outcome = cell.run("check", "--base", "HEAD", CONTROLLER)
+    assert outcome.code == 1
+    assert f"coverage: {words} (in PressFeeder.fault); before the change it did" in outcome.out
+    kept = in_git(repository, {**good, **changed}, {})
+    assert kept.run("check", "--base", "HEAD", CONTROLLER).code == 0
 
 
 def test_as_many_functions_as_in_the_base_pass(ran, repository):

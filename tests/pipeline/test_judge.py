@@ -12,6 +12,7 @@ from tracerisk.pipeline.judge import (
     CODES,
     Fall,
     IssuedCommand,
+    MissedCommand,
     RecordedRun,
     UnmetNeed,
     judge,
@@ -34,7 +35,7 @@ ALL_RAN = Coverage(3, 3)
 
 
 def recorded(**parts) -> RecordedRun:
-    return RecordedRun(**{"end": GOOD, "coverage": ALL_RAN, **parts})
+    return RecordedRun(**{"end": GOOD, "coverage": ALL_RAN, "commands": (move(1.0),), **parts})
 
 
 def finding(kind: str, **parts) -> Finding:
@@ -366,3 +367,38 @@ def test_other_acceptances_judge_a_kept_verdict_anew():
 
 def test_every_code_that_is_not_stuck_may_be_accepted():
     assert set(ACCEPTABLE) == {code for code, kind in CODES.items() if kind != "stuck"}
+
+
+def test_a_run_without_a_command_is_partial():
+    verdict = judge(recorded(commands=()))
+    assert verdict.kind == "partial"
+    assert [each.code for each in verdict.reasons] == ["no-command"]
+
+
+def test_a_call_that_led_to_no_command_is_told_first_and_may_be_accepted():
+    missed = MissedCommand("pick", "self.arm.go", HERE)
+    verdict = judge(recorded(missed=(missed,)))
+    assert verdict_line(verdict) == (
+        "partial: self.arm.go led to no command here, elsewhere it did (cell.py:12, in pick); "
+        "3 of 3 functions with commands ran"
+    )
+    accepted = Acceptance("missed-call", "pick", "self.arm.go", "a second try")
+    assert judge(recorded(missed=(missed,)), [accepted]).kind == "complete"
+
+
+@pytest.mark.parametrize(
+    ("outcome", "expected"),
+    [
+        ("preempted", ["past-limit"]),
+        (None, ["past-limit"]),
+        ("succeeded", ["past-limit"]),
+        # Its abort tells what happened.
+        ("aborted", ["command-aborted"]),
+    ],
+)
+def test_a_goal_past_a_limit_is_a_fault_however_its_motion_ended(outcome, expected):
+    words = "to 9, past its limits [-2.9, 2.9]"
+    past = move(1.0, outcome=outcome, past_limit="joint1", past_words=words)
+    found = judge(recorded(commands=(past, move(3.0, goal=(0.1,)))))
+    assert [each.code for each in found.reasons] == expected
+    assert found.reasons[0].object == "joint1"

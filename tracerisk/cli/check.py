@@ -15,7 +15,7 @@ from tracerisk.trace import verdict_line
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.check import Checked
-    from tracerisk.trace import Coverage
+    from tracerisk.trace import Verdict
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -105,14 +105,13 @@ def run(options: argparse.Namespace) -> int:
     return int(code)
 
 
-def _bases(paths: Sequence[Path], revision: str | None) -> list[Coverage | None]:
-    """Return the coverage that the lock of a revision keeps of each controller."""
+def _bases(paths: Sequence[Path], revision: str | None) -> list[Verdict | None]:
+    """Return the verdict that the lock of a revision keeps of each controller."""
     if revision is None:
         return [None] * len(paths)
     from tracerisk.pipeline.review.run_verdicts import base_verdicts
 
-    found = base_verdicts(list(paths), revision)
-    return [None if each is None else each.coverage for each in found]
+    return list(base_verdicts(list(paths), revision))
 
 
 def _notes(checked: Sequence[Checked]) -> Iterator[str]:

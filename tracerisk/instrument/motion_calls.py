@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection
+from collections import Counter
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 
 from tracerisk.instrument.tracer import Site
 
@@ -50,3 +52,76 @@ def _dotted(node: ast.expr) -> str | None:
     if not isinstance(node, ast.Name):
         return None
     return ".".join(reversed([*parts, node.id]))
+
+
+@dataclass(frozen=True, slots=True)
+class MissedCall:
+    """A call that led to no command, although the same call did at another place."""
+
+    line: int
+    written: str
+    """As it is written: `self.arm.go`."""
+
+
+def missed_calls(
+    source: bytes, made: Collection[Site], commanding: Collection[str]
+) -> tuple[MissedCall, ...]:
+    """Return the calls that led to no command although the same call did at another place.
+
+    `made` are the places of the calls of this source that led to commands, `commanding` the last
+    names of the controller's functions that did. A call is the same by its whole expression
+    (`self.arm.go`); or as one of such a function, by its plain name or on `self`, where the
+    source has no other function of that name.
+    """
+    try:
+        tree = ast.parse(source)
+    except (SyntaxError, ValueError):
+        return ()
+    calls = list(_calls(tree))
+    known = {_same(call, scope) for call, scope in calls if _is_made(call, made)}
+    defined = Counter(node.name for node in ast.walk(tree) if isinstance(node, _FUNCTIONS))
+    missed = []
+    for call, scope in calls:
+        # A coroutine that goes on later is called by its executor: its callers are not on the
+        # stack.
+        if isinstance(scope, ast.AsyncFunctionDef) or _is_made(call, made):
+            continue
+        written = _dotted(call.func)
+        if written is None:
+            continue
+        owner, _, last = written.rpartition(".")
+        is_own = owner in ("", "self") and last in commanding and defined[last] == 1
+        if _same(call, scope) in known or is_own:
+            missed.append(MissedCall(call.lineno, written))
+    return tuple(sorted(missed, key=lambda each: (each.line, each.written)))
+
+
+_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+
+
+def _calls(
+    node: ast.AST, scope: ast.AST | None = None
+) -> Iterator[tuple[ast.Call, ast.AST | None]]:
+    """Yield the calls below a node, each with the function around it."""
+    if isinstance(node, ast.Call):
+        yield node, scope
+    inner = node if isinstance(node, _FUNCTIONS) else scope
+    for each in ast.iter_child_nodes(node):
+        yield from _calls(each, inner)
+
+
+def _same(call: ast.Call, scope: ast.AST | None) -> tuple[str | None, int]:
+    """Return what is equal for calls of the same thing."""
+    written = _dotted(call.func)
+    owner, _, last = (written or "").rpartition(".")
+    # A local `publisher` may be another one in another function.
+    is_local = last in _COMMON and owner.partition(".")[0] != "self"
+    return written, id(scope) if is_local else 0
+
+
+def _is_made(node: ast.Call, made: Collection[Site]) -> bool:
+    if (node.lineno, node.col_offset + 1) in made:
+        return True
+    # Where no column is known, its lines tell.
+    last = node.end_lineno or node.lineno
+    return any(column == 0 and node.lineno <= line <= last for line, column in made)

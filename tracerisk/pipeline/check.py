@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import lru_cache
@@ -36,7 +37,15 @@ from tracerisk.pipeline.kept_verdict import block_lines, kept_verdict
 from tracerisk.pipeline.known_functions import check_steps
 from tracerisk.pipeline.last_run import kept_contacts
 from tracerisk.pipeline.one_writer import one_writer
-from tracerisk.trace import NEVER_RAN, Coverage, FunctionRef, QualifiedName, Verdict, VerdictKind
+from tracerisk.trace import (
+    MISSED_CALL,
+    NEVER_RAN,
+    FunctionRef,
+    QualifiedName,
+    Reason,
+    Verdict,
+    VerdictKind,
+)
 
 _OF_ALL = ("pyproject.toml", LOCK_NAME)  # what every controller of a root depends on
 _WORTH_A_PROCESS = 20  # files that take as long to check as a process takes to start
@@ -181,14 +190,14 @@ def _shown(path: Path, like: Path) -> Path:
 
 @dataclass(frozen=True, slots=True)
 class CoverageLimits:
-    """How many of the functions that can command hardware must have run.
+    """How much of what can command hardware must have run.
 
-    `least` is a fraction, in place of the setting `min_coverage`; `base` the coverage of the
+    `least` is a fraction, in place of the setting `min_coverage`; `base` the verdict of the
     version that a change is made to.
     """
 
     least: float | None = None
-    base: Coverage | None = None
+    base: Verdict | None = None
 
 
 _NO_LIMITS = CoverageLimits()
@@ -237,7 +246,7 @@ def _check_once(path: Path | str, limits: CoverageLimits) -> Checked:
     if verdict is not None:
         findings += _of_verdict(controller, verdict)
         least = settings.min_coverage if limits.least is None else limits.least
-        findings += _of_coverage(controller, verdict.coverage, least, limits.base)
+        findings += _of_coverage(controller, verdict, least, limits.base)
     return Checked(controller.path, tuple(sorted(findings, key=_order)), verdict)
 
 
@@ -463,24 +472,29 @@ def _verdict(entry: ControllerLock, sources: Sequence[_Source]) -> Verdict | Non
 
 
 def _of_verdict(controller: Controller, verdict: Verdict) -> Iterable[CheckFinding]:
-    """Yield the reasons for which a run does not pass: not functions that never ran."""
+    """Yield the reasons for which a run does not pass: not what never ran."""
     for each in verdict.open_reasons:
-        if each.code == NEVER_RAN:
+        if each.code in (NEVER_RAN, MISSED_CALL):
             continue
-        place = Location(str(controller.path), 1)
-        if each.location is not None:
-            file = str(controller.path_of(each.location.file))
-            place = Location(file, each.location.line, each.location.column)
+        place = _place(controller, each)
         where = f" (in {each.function})" if each.function else ""
         advice = "" if each.verdict == "stuck" else f"; {each.code} may be accepted, with words"
         message = f"{each.words}{where}{advice}"
         yield CheckFinding(_OF_VERDICT[each.verdict], message, place, each.function)
 
 
+def _place(controller: Controller, reason: Reason) -> Location:
+    if reason.location is None:
+        return Location(str(controller.path), 1)
+    file = str(controller.path_of(reason.location.file))
+    return Location(file, reason.location.line, reason.location.column)
+
+
 def _of_coverage(
-    controller: Controller, coverage: Coverage, least: float | None, base: Coverage | None
+    controller: Controller, verdict: Verdict, least: float | None, base: Verdict | None
 ) -> Iterable[CheckFinding]:
-    """Yield a finding where too few functions ran: below the limit, or fewer than in the base."""
+    """Yield a finding where too little ran: fewer functions than the limit, or than in the base."""
+    coverage = verdict.coverage
     ran, number = coverage.ran, coverage.all
     told = f"{ran} of {number} functions with commands ran"
     place = Location(str(controller.path), 1)
@@ -492,9 +506,18 @@ def _of_coverage(
     if least is not None and ran < least * number:
         message = f"{told}; the min_coverage is {least:g}"
         yield CheckFinding("coverage", message, place)
-    if base is not None and ran * base.all < base.ran * number:
-        message = f"{told}; before the change {base.ran} of {base.all} did"
+    if base is None:
+        return
+    before = base.coverage
+    if ran * before.all < before.ran * number:
+        message = f"{told}; before the change {before.ran} of {before.all} did"
         yield CheckFinding("coverage", message, place)
+    known = Counter(each.key for each in base.reasons)
+    for each in verdict.open_reasons:
+        known[each.key] -= 1
+        if each.code == MISSED_CALL and known[each.key] < 0:
+            message = f"{each.words} (in {each.function}); before the change it did"
+            yield CheckFinding("coverage", message, _place(controller, each), each.function)
 
 
 def function_place(controller: Controller, function: FunctionRef) -> Location | None:

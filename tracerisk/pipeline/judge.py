@@ -12,6 +12,7 @@ from typing import Literal
 from tracerisk.errors import Location
 from tracerisk.instrument.recording import is_near
 from tracerisk.trace import (
+    MISSED_CALL,
     NEVER_RAN,
     VERDICTS,
     Acceptance,
@@ -42,7 +43,10 @@ CODES: dict[str, VerdictKind] = {
     "grasped-nothing": "faulted",
     "object-dropped": "faulted",
     "object-knocked": "faulted",
+    "past-limit": "faulted",
     NEVER_RAN: "partial",
+    MISSED_CALL: "partial",
+    "no-command": "partial",
     "never-grasped": "partial",
     "unmet-need": "partial",
     "companion-failed": "partial",
@@ -106,6 +110,10 @@ class IssuedCommand:
     """Whether something was held once the gripper had closed, before the arm moved on."""
     posture: tuple[float, ...] = ()
     """The positions of the arm's joints when it was issued [rad or m]."""
+    past_limit: str = ""
+    """The joint that its goal takes furthest past the joint's limits; empty for none."""
+    past_words: str = ""
+    """Where to, and what the limits are, in words."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +125,17 @@ class UnmetNeed:
     location: Location | None = None
     function: str = ""
     is_frame: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class MissedCommand:
+    """A call that led to no command, although the same call did at another place."""
+
+    function: str
+    """The qualified name of the function in which it stands, which ran."""
+    call: str
+    """As it is written: `self.arm.go`."""
+    location: Location
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,6 +163,7 @@ class RecordedRun:
     """In the order of issue."""
     unmet: tuple[UnmetNeed, ...] = ()
     coverage: Coverage = field(default_factory=lambda: Coverage(0, 0))
+    missed: tuple[MissedCommand, ...] = ()
     falls: tuple[Fall, ...] = ()
     assumed: tuple[tuple[str, str], ...] = ()
     """What of the robot is assumed (the arm, a group, a gripper), each with the words for it."""
@@ -159,12 +179,14 @@ def judge(run: RecordedRun, acceptances: Sequence[Acceptance] = ()) -> Verdict:
         [
             *_of_findings(run),
             *_of_commands(run),
+            *_of_limits(run.commands),
             *_of_grasps(run),
             *_of_open_grippers(run),
             *_of_falls(run),
             *_of_needs(run),
             *_of_assumptions(run),
             *_of_coverage(run.coverage),
+            *_of_missed(run.missed),
             *_of_end(run),
         ]
     )
@@ -212,6 +234,9 @@ def _reason(
 
 def _of_end(run: RecordedRun) -> Iterator[Reason]:
     end = run.end
+    if end.is_good and not run.commands:
+        words = "nothing was commanded, so no motion is in the figures"
+        yield _reason("no-command", words, time_s=end.simulated_s)
     if not end.is_good:
         yield _reason(
             end.code,
@@ -286,6 +311,20 @@ def _is_about(finding: Finding, command: IssuedCommand) -> bool:
         and command.issue_s <= finding.time_s
         and is_near(finding.target, command.goal)
     )
+
+
+def _of_limits(commands: Sequence[IssuedCommand]) -> Iterator[Reason]:
+    """Yield goals past a joint's limit of which no other command's end tells."""
+    for command in commands:
+        if command.past_limit and command.outcome != "aborted":
+            yield _reason(
+                "past-limit",
+                f"a goal takes joint '{command.past_limit}' {command.past_words}",
+                function=command.function,
+                object_name=command.past_limit,
+                time_s=command.issue_s,
+                location=command.location,
+            )
 
 
 def _of_findings(run: RecordedRun) -> Iterator[Reason]:
@@ -485,4 +524,15 @@ def _of_coverage(coverage: Coverage) -> Iterator[Reason]:
             f"{each.ref.name} can command hardware and never ran",
             function=each.ref.name,
             location=Location(each.ref.file, each.line),
+        )
+
+
+def _of_missed(missed: Sequence[MissedCommand]) -> Iterator[Reason]:
+    for each in missed:
+        yield _reason(
+            MISSED_CALL,
+            f"{each.call} led to no command here, elsewhere it did",
+            function=each.function,
+            object_name=each.call,
+            location=each.location,
         )

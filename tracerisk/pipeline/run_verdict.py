@@ -11,10 +11,13 @@ from typing import TYPE_CHECKING
 from tracerisk.adder.definitions import function_at, parse_python
 from tracerisk.config import Settings
 from tracerisk.errors import Location, TraceRiskError
-from tracerisk.instrument.recording import Command, Recording
+from tracerisk.instrument.motion_calls import missed_calls
+from tracerisk.instrument.recording import NEAR, Command, Recording
+from tracerisk.instrument.tracer import Site
 from tracerisk.pipeline.judge import (
     Grip,
     IssuedCommand,
+    MissedCommand,
     RecordedRun,
     UnmetNeed,
     empty_grasps,
@@ -32,7 +35,7 @@ from tracerisk.twin.touches import Hold
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.controller import Controller
-    from tracerisk.twin.robot import Gripper, Robot
+    from tracerisk.twin.robot import Gripper, Joint, Robot
 
 NOTHING_TO_GRASP = "nothing_to_grasp"
 _SAME_PLACE = 0.05  # of its range: a command that moves a gripper by less neither opens nor closes
@@ -99,6 +102,7 @@ def run_verdict(
         commands=commands,
         unmet=tuple(_unmet(recording, controller)),
         coverage=coverage,
+        missed=tuple(_missed(recording, controller)),
         falls=falls(samples, contacts) if samples is not None else (),
         assumed=tuple(_assumed(robot, recording)),
         has_objects=bool(named),
@@ -148,16 +152,36 @@ def _unmet(recording: Recording, controller: Controller) -> Iterator[UnmetNeed]:
         )
 
 
+def _missed(recording: Recording, controller: Controller) -> Iterator[MissedCommand]:
+    """Yield the calls of functions that ran which led to no command, though others like it did."""
+    made: dict[str, set[Site]] = {}
+    commanding = set()
+    for command in recording.commands:
+        for frame in command.stack:
+            made.setdefault(frame.function.file, set()).add(frame.site)
+            if frame.root is None:
+                commanding.add(frame.function.name.rpartition(".")[2])
+    ran = {(site.ref.file, str(site.ref.name)) for site in recording.functions_ran}
+    for file in sorted(made):
+        for each in missed_calls(controller.source_of(file), made[file], commanding):
+            place = Location(file, each.line)
+            function = function_of(controller, place)
+            if (file, function) in ran:
+                yield MissedCommand(function, each.written, place)
+
+
 def _commands(
     recording: Recording, robot: Robot, samples: Samples | None, contacts: RunContacts | None
 ) -> Iterator[IssuedCommand]:
     grippers = {gripper.name: gripper for gripper in robot.grippers}
+    joints = {joint.name: joint for joint in robot.arm_joints}
     holds: Sequence[Hold] = contacts.holds if contacts is not None else ()
     for number, command in enumerate(recording.commands):
         gripper = next((grippers[name] for name in command.elements if name in grippers), None)
         is_arms = any(name not in grippers for name in command.elements)
         innermost = command.stack[-1]
         line, column = innermost.site
+        past_limit, past_words = _past_limit(joints, command)
         issued = IssuedCommand(
             kind=command.kind,
             function=innermost.function.name,
@@ -169,6 +193,8 @@ def _commands(
             goal=command.goal,
             callers=tuple(frame.function.name for frame in command.stack),
             path=tuple((frame.function, frame.site) for frame in command.stack),
+            past_limit=past_limit,
+            past_words=past_words,
         )
         if gripper is not None and not is_arms and samples is not None:
             at = _positions(samples, command.issue_ns)
@@ -180,6 +206,22 @@ def _commands(
                 posture=tuple(at[joint.name] for joint in robot.arm_joints),
             )
         yield issued
+
+
+def _past_limit(joints: Mapping[str, Joint], command: Command) -> tuple[str, str]:
+    """Return the joint that a goal takes furthest past its limits, and words; empty for none."""
+    found, furthest = ("", ""), NEAR
+    if len(command.goal) == len(command.elements):
+        for name, goal in zip(command.elements, command.goal, strict=True):
+            joint = joints.get(name)
+            if joint is None or joint.type == "continuous":
+                continue
+            by = max(joint.lower - goal, goal - joint.upper)
+            if by > furthest:
+                furthest = by
+                words = f"to {goal:g}, past its limits [{joint.lower:g}, {joint.upper:g}]"
+                found = (name, words)
+    return found
 
 
 def _positions(samples: Samples, time_ns: int) -> Mapping[str, float]:
