@@ -283,17 +283,23 @@ def test_a_gripper_that_never_closes_on_what_there_is_to_grasp_is_a_reason():
     assert "hand was commanded 2 times and never closed" in reason.words
 
 
+def test_a_gripper_that_is_sent_to_where_it_is_again_and_again_is_a_reason_without_objects_too():
+    (reason,) = judge(recorded(commands=LEFT_OPEN)).reasons
+    assert (reason.code, reason.verdict) == ("never-grasped", "partial")
+    assert "commanded 2 times and stayed as it was after the first time" in reason.words
+
+
 @pytest.mark.parametrize(
     ("commands", "has_objects"),
     [
-        (LEFT_OPEN, False),
+        ((*LEFT_OPEN, grip(4.0, "closes")), False),
         (LEFT_OPEN[:2], True),
         ((LEFT_OPEN[0], LEFT_OPEN[2], LEFT_OPEN[1]), True),
         ((*LEFT_OPEN, grip(4.0, "closes")), True),
         ((*LEFT_OPEN, held(grip(4.0, None))), True),
         ((LEFT_OPEN[0], LEFT_OPEN[1], grip(2.0, None, goal=())), True),
     ],
-    ids=["nothing to grasp", "once", "no motion between", "closed", "held", "no goal known"],
+    ids=["closed at the end", "once", "no motion between", "closed", "held", "no goal known"],
 )
 def test_a_gripper_that_may_stay_open_is_no_reason(commands, has_objects):
     assert codes(recorded(commands=commands, has_objects=has_objects)) == []

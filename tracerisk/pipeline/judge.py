@@ -181,7 +181,7 @@ def judge(run: RecordedRun, acceptances: Sequence[Acceptance] = ()) -> Verdict:
             *_of_commands(run),
             *_of_limits(run.commands),
             *_of_grasps(run),
-            *_of_open_grippers(run),
+            *_of_idle_grippers(run),
             *_of_falls(run),
             *_of_needs(run),
             *_of_assumptions(run),
@@ -454,21 +454,28 @@ def _of_grasps(run: RecordedRun) -> Iterator[Reason]:
             )
 
 
-def _of_open_grippers(run: RecordedRun) -> Iterator[Reason]:
-    """Yield grippers that only ever open, although the user gave the run something to grasp."""
-    if not run.has_objects or any(each.holds for each in run.commands):
-        return
+def _of_idle_grippers(run: RecordedRun) -> Iterator[Reason]:
+    """Yield grippers of which no command, or none but the first, opened or closed anything.
+
+    Where the user gave the run something to grasp, and nothing was held, those too that opened
+    again and again and never closed.
+    """
+    is_vain = run.has_objects and not any(each.holds for each in run.commands)
     for name in dict.fromkeys(each.gripper for each in run.commands if each.gripper):
         numbers = [at for at, each in enumerate(run.commands) if each.gripper == name]
         own = [run.commands[at] for at in numbers]
         between = run.commands[numbers[0] : numbers[-1]]
-        if any(each.grip == "closes" or not each.goal for each in own):
+        if own[0].holds or not all(each.goal for each in own):
             continue
-        if any(not each.gripper for each in between):
-            last = own[-1]
+        if all(each.gripper for each in between):
+            continue
+        last = own[-1]
+        never_closed = is_vain and not any(each.grip == "closes" for each in own)
+        if never_closed or not any(each.grip or each.holds for each in own[1:]):
+            what = "never closed" if never_closed else "stayed as it was after the first time"
             yield _reason(
                 "never-grasped",
-                f"{name} was commanded {len(own)} times and never closed, so nothing was grasped",
+                f"{name} was commanded {len(own)} times and {what}, so nothing was grasped",
                 function=last.function,
                 object_name=name,
                 time_s=last.issue_s,
