@@ -24,6 +24,7 @@ ACCEPTABLE: tuple[str, ...] = (
     "missed-call",
     "never-grasped",
     "never-ran",
+    "never-released",
     "no-command",
     "object-dropped",
     "object-knocked",

@@ -296,13 +296,24 @@ def test_a_gripper_that_is_sent_to_where_it_is_again_and_again_is_a_reason_witho
         (LEFT_OPEN[:2], True),
         ((LEFT_OPEN[0], LEFT_OPEN[2], LEFT_OPEN[1]), True),
         ((*LEFT_OPEN, grip(4.0, "closes")), True),
-        ((*LEFT_OPEN, held(grip(4.0, None))), True),
+        ((*LEFT_OPEN, held(grip(4.0, None)), grip(5.0, "opens")), True),
         ((LEFT_OPEN[0], LEFT_OPEN[1], grip(2.0, None, goal=())), True),
     ],
     ids=["closed at the end", "once", "no motion between", "closed", "held", "no goal known"],
 )
 def test_a_gripper_that_may_stay_open_is_no_reason(commands, has_objects):
     assert codes(recorded(commands=commands, has_objects=has_objects)) == []
+
+
+def test_what_is_held_at_the_end_is_a_reason():
+    (reason,) = judge(recorded(commands=(*PICK[:2], held(PICK[2]), PICK[3]))).reasons
+    assert (reason.code, reason.verdict, reason.object) == ("never-released", "partial", "hand")
+
+
+def test_a_last_grasp_without_a_release_is_a_reason_where_the_same_call_had_one_before():
+    again = tuple(replace(each, issue_s=each.issue_s + 10.0) for each in PICK)
+    assert codes(recorded(commands=(*PICK, *again[:4]))) == ["never-released"]
+    assert codes(recorded(commands=PICK)) == []
 
 
 @pytest.mark.parametrize(

@@ -48,6 +48,7 @@ CODES: dict[str, VerdictKind] = {
     MISSED_CALL: "partial",
     "no-command": "partial",
     "never-grasped": "partial",
+    "never-released": "partial",
     "unmet-need": "partial",
     "companion-failed": "partial",
     "robot-assumed": "partial",
@@ -182,6 +183,7 @@ def judge(run: RecordedRun, acceptances: Sequence[Acceptance] = ()) -> Verdict:
             *_of_limits(run.commands),
             *_of_grasps(run),
             *_of_idle_grippers(run),
+            *_of_closed_grippers(run.commands),
             *_of_falls(run),
             *_of_needs(run),
             *_of_assumptions(run),
@@ -476,6 +478,30 @@ def _of_idle_grippers(run: RecordedRun) -> Iterator[Reason]:
             yield _reason(
                 "never-grasped",
                 f"{name} was commanded {len(own)} times and {what}, so nothing was grasped",
+                function=last.function,
+                object_name=name,
+                time_s=last.issue_s,
+                location=last.location,
+            )
+
+
+def _of_closed_grippers(commands: Sequence[IssuedCommand]) -> Iterator[Reason]:
+    """Yield grippers that took something and never let it go.
+
+    They hold it at the end; or they closed by the call that was followed by a release before.
+    """
+    for name in dict.fromkeys(each.gripper for each in commands if each.gripper):
+        own = [each for each in commands if each.gripper == name]
+        last = own[-1]
+        released = {
+            one.path
+            for one, then in zip(own, own[1:], strict=False)
+            if one.grip == "closes" and then.grip == "opens"
+        }
+        if last.grip != "opens" and (last.holds or (last.grip and last.path in released)):
+            yield _reason(
+                "never-released",
+                f"{name} closed and was not opened again: what it takes is still held at the end",
                 function=last.function,
                 object_name=name,
                 time_s=last.issue_s,
