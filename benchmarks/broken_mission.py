@@ -2,13 +2,14 @@
 
 It reads the files that a run keeps by itself, and shares nothing with the verdict of a run.
 The run of the unbroken controller says what the mission is: the postures in which arm and gripper
-rest, in their order, and where things are taken. A run carries the mission out that does all of
-it; more postures, from a retry say, are allowed.
+rest, in their order, where things are taken, and how many commands succeed on each part of the
+hardware. A run carries the mission out that does all of it; more, from a retry say, is allowed.
 """
 
 from __future__ import annotations
 
 import json
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -40,12 +41,14 @@ class Mission:
 
     rests: (n_rests, n_joints), positions at rest, each unlike the one before [rad or m];
     tolerance, way: (n_joints,), how far a position may be off and the way gone [rad or m].
+    commands: how many succeeded on each set of joints and grippers.
     """
 
     rests: Array
     tolerance: Array
     way: Array
     things: dict[str, Thing]
+    commands: Counter[tuple[str, ...]]
 
 
 def read_mission(folder: Path) -> Mission | None:
@@ -78,7 +81,7 @@ def read_mission(folder: Path) -> Mission | None:
             rests.append(row)
     way = np.abs(np.diff(position[::10], axis=0)).sum(axis=0)
     found = np.array(rests) if rests else np.empty((0, n_joints))
-    return Mission(found, tolerance, way, _things(folder, header))
+    return Mission(found, tolerance, way, _things(folder, header), _commands(folder))
 
 
 def _things(folder: Path, header: dict[str, list[int]]) -> dict[str, Thing]:
@@ -93,6 +96,18 @@ def _things(folder: Path, header: dict[str, list[int]]) -> dict[str, Thing]:
         far = np.linalg.norm(track - track[0], axis=1)
         found[str(name)] = Thing(track[0], track[-1], float(far.max()))
     return found
+
+
+def _commands(folder: Path) -> Counter[tuple[str, ...]]:
+    begun: dict[int, tuple[str, ...]] = {}
+    done: Counter[tuple[str, ...]] = Counter()
+    for line in (folder / "events.jsonl").read_text(encoding="utf-8").splitlines():
+        event = json.loads(line)
+        if event["event"] == "command":
+            begun[event["id"]] = tuple(event["elements"])
+        elif event["event"] == "command_ended" and event["outcome"] == "succeeded":
+            done[begun[event["id"]]] += 1
+    return done
 
 
 def missing(nominal: Mission, other: Mission | None) -> str:
@@ -122,4 +137,8 @@ def missing(nominal: Mission, other: Mission | None) -> str:
             return f"{name} is not at its place"
         elif now.most < thing.most - SAME_PLACE and np.allclose(now.begin, thing.begin, atol=1e-3):
             return f"{name} was not taken as far"
+    fewer = nominal.commands - other.commands
+    if fewer:
+        elements, number = next(iter(fewer.items()))
+        return f"{number} of {nominal.commands[elements]} commands to {elements[0]} were not made"
     return ""

@@ -37,6 +37,7 @@ ACCEPTABLE: tuple[str, ...] = (
     "service-refused",
     "thread-raised",
     "unmet-need",
+    "unused-input",
 )
 """The codes that may be accepted: those of every verdict but `stuck`."""
 

@@ -325,6 +325,10 @@ NEVER_RAN = "never-ran"
 """The code of a function that can command hardware and did not run."""
 MISSED_CALL = "missed-call"
 """The code of a call that led to no command, in a function that ran."""
+UNUSED_INPUT = "unused-input"
+"""The code of an entry of the scenario of which nobody made use."""
+GAPS = frozenset({NEVER_RAN, MISSED_CALL, UNUSED_INPUT})
+"""The codes of what a run left out, which `check` counts against the base alone."""
 
 
 @dataclass(frozen=True, slots=True)

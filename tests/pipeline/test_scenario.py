@@ -404,7 +404,8 @@ def test_what_nobody_made_use_of_is_a_finding(example):
         "  - {topic: /angle, type: std_msgs/Float64, message: 0.1}\n"
         "  - {topic: /angel, type: std_msgs/Float64, rate: 5}\n"
         "services:\n  - {name: /detect, type: std_srvs/Trigger}\n"
-        "actions:\n  - {name: /drive, type: move_base_msgs/MoveBase}\n",
+        "actions:\n  - {name: /drive, type: move_base_msgs/MoveBase}\n"
+        "parameters:\n  /cell/speed: 0.5\n  ~depth: 0.1\n  gains: {p: 1.0}\n",
     )
     trace = example.run("trace", "c.py", "--json", "--scenario", "s.yaml").json["trace"]
     told = {
@@ -416,7 +417,12 @@ def test_what_nobody_made_use_of_is_a_finding(example):
         ("in the scenario, but nobody subscribed to topic /angel", 3),
         ("in the scenario, but nobody called service /detect", 5),
         ("in the scenario, but nobody sent a goal to action server /drive", 7),
+        ("in the scenario, but nobody asked for parameter /cell/speed", 9),
+        ("in the scenario, but nobody asked for parameter ~depth", 10),
+        ("in the scenario, but nobody asked for parameter gains", 11),
     }
+    assert trace["verdict"]["kind"] == "partial"
+    assert {each["code"] for each in trace["verdict"]["reasons"]} == {"unused-input"}
 
 
 def test_a_controller_that_waits_to_be_called_is_told_how(example):

@@ -38,7 +38,7 @@ from tracerisk.pipeline.known_functions import check_steps
 from tracerisk.pipeline.last_run import kept_contacts
 from tracerisk.pipeline.one_writer import one_writer
 from tracerisk.trace import (
-    MISSED_CALL,
+    GAPS,
     NEVER_RAN,
     FunctionRef,
     QualifiedName,
@@ -474,7 +474,7 @@ def _verdict(entry: ControllerLock, sources: Sequence[_Source]) -> Verdict | Non
 def _of_verdict(controller: Controller, verdict: Verdict) -> Iterable[CheckFinding]:
     """Yield the reasons for which a run does not pass: not what never ran."""
     for each in verdict.open_reasons:
-        if each.code in (NEVER_RAN, MISSED_CALL):
+        if each.code in GAPS:
             continue
         place = _place(controller, each)
         where = f" (in {each.function})" if each.function else ""
@@ -515,8 +515,9 @@ def _of_coverage(
     known = Counter(each.key for each in base.reasons)
     for each in verdict.open_reasons:
         known[each.key] -= 1
-        if each.code == MISSED_CALL and known[each.key] < 0:
-            message = f"{each.words} (in {each.function}); before the change it did"
+        if each.code in GAPS - {NEVER_RAN} and known[each.key] < 0:
+            where = f" (in {each.function})" if each.function else ""
+            message = f"{each.words}{where}; before the change that was not so"
             yield CheckFinding("coverage", message, _place(controller, each), each.function)
 
 

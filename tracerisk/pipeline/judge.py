@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Literal
 
 from tracerisk.errors import Location
@@ -14,6 +15,7 @@ from tracerisk.instrument.recording import is_near
 from tracerisk.trace import (
     MISSED_CALL,
     NEVER_RAN,
+    UNUSED_INPUT,
     VERDICTS,
     Acceptance,
     Coverage,
@@ -46,6 +48,7 @@ CODES: dict[str, VerdictKind] = {
     "past-limit": "faulted",
     NEVER_RAN: "partial",
     MISSED_CALL: "partial",
+    UNUSED_INPUT: "partial",
     "no-command": "partial",
     "never-grasped": "partial",
     "never-released": "partial",
@@ -77,6 +80,7 @@ _OF_FINDING = {
     "thread_failed": "thread-raised",
     "error_logged": "error-logged",
     "unprovided": "unmet-need",
+    "unused": UNUSED_INPUT,
     "companion_failed": "companion-failed",
 }
 _OF_COMMANDS = frozenset({"execution_failure", "goal_rejected"})
@@ -495,7 +499,7 @@ def _of_closed_grippers(commands: Sequence[IssuedCommand]) -> Iterator[Reason]:
         last = own[-1]
         released = {
             one.path
-            for one, then in zip(own, own[1:], strict=False)
+            for one, then in pairwise(own)
             if one.grip == "closes" and then.grip == "opens"
         }
         if last.grip != "opens" and (last.holds or (last.grip and last.path in released)):

@@ -18,6 +18,25 @@ class ParameterTree:
     def __init__(self) -> None:
         self._root: dict[str, Any] = {}
         self._offers: dict[str, Callable[[], Any]] = {}
+        self._asked: set[tuple[str, ...]] = set()
+
+    def ask(self, name: str) -> None:
+        """Note that a parameter was asked for: `/pick/speed`, or the name that a node declares."""
+        self._asked.add(tuple(_parts(name.replace(".", names.SEP))))
+
+    def is_asked(self, name: str) -> bool:
+        """Tell whether anybody asked for a parameter, its namespace or something below it.
+
+        A name without its namespace counts: `speed` for `/pick/speed`, and the other way round.
+        """
+        parts = tuple(_parts(name.lstrip("~").replace(".", names.SEP)))
+        return any(
+            (len(asked) <= len(parts) and asked in (parts[: len(asked)], parts[-len(asked) :]))
+            or any(
+                asked[at : at + len(parts)] == parts for at in range(len(asked) - len(parts) + 1)
+            )
+            for asked in self._asked
+        )
 
     def offer(self, base_name: str, value: Callable[[], Any]) -> None:
         """Have `/base_name`, or `/robot/base_name` for any robot, where it is not set.
@@ -34,6 +53,7 @@ class ParameterTree:
         Raises:
             KeyError: the parameter is not set.
         """
+        self.ask(name)
         value: Any = self._root
         for part in _parts(name):
             if not isinstance(value, dict) or part not in value:
@@ -83,8 +103,17 @@ class ParameterTree:
             raise KeyError(name)
         del space[parts[-1]]
 
+    def set_default(self, name: str, value: Any) -> None:
+        """Set a value where there is none; see `set`."""
+        if not self._holds(name):
+            self.set(name, value)
+
     def has(self, name: str) -> bool:
         """Tell whether a parameter or a namespace is set."""
+        self.ask(name)
+        return self._holds(name)
+
+    def _holds(self, name: str) -> bool:
         value: Any = self._root
         for part in _parts(name):
             if not isinstance(value, dict) or part not in value:
@@ -121,6 +150,7 @@ class ParameterTree:
 
     def names(self) -> list[str]:
         """Return the global names of all values, sorted."""
+        self.ask(names.SEP)
         return sorted(_leaves("", self._root))
 
 

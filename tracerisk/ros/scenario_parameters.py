@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tracerisk.errors import ScenarioError
+from tracerisk.errors import Location, ScenarioError
 from tracerisk.ros.parameters import ParameterTree
 from tracerisk.yaml_reader import YamlMap, read_yaml
 
@@ -18,11 +18,12 @@ _EVERY = frozenset({EVERY_NODE, "/*", "**", "*"})
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A parameter: `node` is whose it is, None for everybody's."""
+    """A parameter: `node` is whose it is, None for everybody's; `location` where it is given."""
 
     node: str | None
     name: str
     value: Any
+    location: Location | None = None
 
 
 def read_parameters(path: Path) -> tuple[Parameter, ...]:
@@ -56,7 +57,8 @@ def _walk(tree: YamlMap, space: str) -> Iterator[Parameter]:
             yield from _walk(tree.map(key), f"{space.rstrip('/')}/{key.strip('/')}")
         else:
             _check(tree, key, value)
-            yield Parameter(None, _joined(space, key), plain(value))
+            place = tree.key_location(key)
+            yield Parameter(None, _joined(space, key), plain(value), place)
 
 
 def _of_node(values: YamlMap, space: str) -> Iterator[Parameter]:
@@ -66,7 +68,7 @@ def _of_node(values: YamlMap, space: str) -> Iterator[Parameter]:
         value = values.get(key)
         _check(values, key, value)
         for name, inner in _flat(key, plain(value)):
-            yield Parameter(node, name, inner)
+            yield Parameter(node, name, inner, values.key_location(key))
 
 
 def _names_nodes(tree: dict[str, Any]) -> bool:

@@ -31,6 +31,8 @@ class ScenarioWorld:
 
     def __init__(self, runtime: Runtime, interfaces: Any, scenario: Scenario) -> None:
         self.schedule = Schedule(runtime.scheduler)
+        self._parameters = scenario.parameters
+        self._asked = runtime.graph.parameters
         into_tree(runtime.parameters, runtime.graph.parameters)
         self._services = [ScenarioService(runtime, interfaces, each) for each in scenario.services]
         self._actions = [
@@ -51,5 +53,10 @@ class ScenarioWorld:
             *(each.unused for each in self._actions),
             *(each.unused for each in self._calls),
             *(each.unused for each in self._topics),
+            *(
+                (f"nobody asked for parameter {each.name}", each.location)
+                for each in self._parameters
+                if each.location is not None and not self._asked.is_asked(each.name)
+            ),
         ]
         return tuple(each for each in found if each is not None)

@@ -73,6 +73,7 @@ class NodeParameters:
         descriptors: dict[str, Any] = {}
         for index, entry in enumerate(parameters):
             name, value, descriptor = self._declaration(namespace, index, entry)
+            run().runtime.graph.parameters.ask(name)
             if not ignore_override and name in self._parameter_overrides:
                 value = self._parameter_overrides[name].value
             found.append(Parameter(name, value=value))
@@ -168,6 +169,7 @@ class NodeParameters:
             ParameterNotDeclaredException: it is not declared.
             ParameterUninitializedException: it has a type and no value yet.
         """
+        run().runtime.graph.parameters.ask(name)
         if name in self._parameters:
             parameter = self._parameters[name]
             if parameter.type_ is not _NOT_SET or self._descriptors[name].dynamic_typing:

@@ -126,8 +126,8 @@ def init_node(
     if state.is_shutdown:
         raise ROSInitException("init_node interrupted before it could complete")
     for key, value in private_of(state.runtime.parameters):
-        if not has_param(graph_names.PRIVATE + key):
-            set_param(graph_names.PRIVATE + key, value)
+        own = graph_names.resolve(graph_names.PRIVATE + key, state.name)
+        state.runtime.graph.parameters.set_default(own, value)
     for key, value in load_command_line_node_params(argv).items():
         set_param(graph_names.PRIVATE + key, value)
     if log_level is not None:
