@@ -150,7 +150,10 @@ def test_a_call_that_the_base_did_not_miss_fails_the_check(ran, repository):
     assert cell.run("check", CONTROLLER).code == 0
     outcome = cell.run("check", "--base", "HEAD", CONTROLLER)
     assert outcome.code == 1
-    assert f"coverage: {words} (in PressFeeder.fault); before the change that was not so" in outcome.out
+    assert (
+        f"coverage: {words} (in PressFeeder.fault); before the change that was not so"
+        in outcome.out
+    )
     kept = in_git(repository, {**good, **changed}, {})
     assert kept.run("check", "--base", "HEAD", CONTROLLER).code == 0
 

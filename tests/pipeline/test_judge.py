@@ -8,15 +8,13 @@ import pytest
 
 from tracerisk.acceptances import ACCEPTABLE
 from tracerisk.errors import Location
-from tracerisk.pipeline.judge import (
-    CODES,
+from tracerisk.pipeline.judge import CODES, judge, with_acceptances
+from tracerisk.pipeline.recorded_run import (
     Fall,
     IssuedCommand,
     MissedCommand,
     RecordedRun,
     UnmetNeed,
-    judge,
-    with_acceptances,
 )
 from tracerisk.trace import (
     Acceptance,

@@ -6,12 +6,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
-from itertools import pairwise
-from typing import Literal
+from dataclasses import replace
 
 from tracerisk.errors import Location
 from tracerisk.instrument.recording import is_near
+from tracerisk.pipeline.gripper_faults import gripper_faults
+from tracerisk.pipeline.recorded_run import IssuedCommand, MissedCommand, RecordedRun
 from tracerisk.trace import (
     MISSED_CALL,
     NEVER_RAN,
@@ -21,7 +21,6 @@ from tracerisk.trace import (
     Coverage,
     Finding,
     Reason,
-    RunEnd,
     Verdict,
     VerdictKind,
 )
@@ -85,98 +84,6 @@ _OF_FINDING = {
 }
 _OF_COMMANDS = frozenset({"execution_failure", "goal_rejected"})
 
-Grip = Literal["closes", "opens"]
-
-
-@dataclass(frozen=True, slots=True)
-class IssuedCommand:
-    """A command as the judge sees it, with its outcome; times in [s]."""
-
-    kind: str
-    function: str
-    """The qualified name of the function that issued it."""
-    location: Location | None
-    elements: tuple[str, ...]
-    issue_s: float
-    end_s: float | None = None
-    outcome: str | None = None
-    """`succeeded`, `aborted`, `preempted`; `None` where the run ended first."""
-    goal: tuple[float, ...] = ()
-    """Where it leads, one value a joint [rad or m]."""
-    callers: tuple[str, ...] = ()
-    """The functions on its stack, the one that issued it among them."""
-    path: tuple[object, ...] = ()
-    """The functions on its stack, each with the place of its call: the same for a loop."""
-    gripper: str = ""
-    """The gripper that it moves, empty for an arm's motion."""
-    grip: Grip | None = None
-    """Whether it closes or opens the gripper."""
-    holds: bool = False
-    """Whether something was held once the gripper had closed, before the arm moved on."""
-    posture: tuple[float, ...] = ()
-    """The positions of the arm's joints when it was issued [rad or m]."""
-    past_limit: str = ""
-    """The joint that its goal takes furthest past the joint's limits; empty for none."""
-    past_words: str = ""
-    """Where to, and what the limits are, in words."""
-
-
-@dataclass(frozen=True, slots=True)
-class UnmetNeed:
-    """Something that the controller asked for in vain and went on without."""
-
-    object: str
-    words: str
-    location: Location | None = None
-    function: str = ""
-    is_frame: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class MissedCommand:
-    """A call that led to no command, although the same call did at another place."""
-
-    function: str
-    """The qualified name of the function in which it stands, which ran."""
-    call: str
-    """As it is written: `self.arm.go`."""
-    location: Location
-
-
-@dataclass(frozen=True, slots=True)
-class Fall:
-    """A thing that fell or tipped while nobody held it."""
-
-    object: str
-    time_s: float
-    """When it was let go, or first touched [s]."""
-    height_m: float
-    """How far it came down [m]."""
-    was_held: bool
-    is_tipped: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class RecordedRun:
-    """All that the verdict of a run rests on."""
-
-    end: RunEnd
-    end_function: str = ""
-    """The qualified name of the function in which it ended badly."""
-    findings: tuple[Finding, ...] = ()
-    commands: tuple[IssuedCommand, ...] = ()
-    """In the order of issue."""
-    unmet: tuple[UnmetNeed, ...] = ()
-    coverage: Coverage = field(default_factory=lambda: Coverage(0, 0))
-    missed: tuple[MissedCommand, ...] = ()
-    falls: tuple[Fall, ...] = ()
-    assumed: tuple[tuple[str, str], ...] = ()
-    """What of the robot is assumed (the arm, a group, a gripper), each with the words for it."""
-    has_objects: bool = False
-    """Whether the user gave the run something that can be grasped."""
-    is_duration_given: bool = False
-    """Whether the user said how long the run may last."""
-
 
 def judge(run: RecordedRun, acceptances: Sequence[Acceptance] = ()) -> Verdict:
     """Return the verdict of a run with its reasons; accepted ones make it no worse."""
@@ -185,9 +92,7 @@ def judge(run: RecordedRun, acceptances: Sequence[Acceptance] = ()) -> Verdict:
             *_of_findings(run),
             *_of_commands(run),
             *_of_limits(run.commands),
-            *_of_grasps(run),
-            *_of_idle_grippers(run),
-            *_of_closed_grippers(run.commands),
+            *_of_grippers(run),
             *_of_falls(run),
             *_of_needs(run),
             *_of_assumptions(run),
@@ -392,125 +297,20 @@ def _is_settled(finding: Finding, spans: Iterable[_Span]) -> bool:
     )
 
 
-# Grasps and things that fall
+# Grippers, and things that fall
 
 
-@dataclass(frozen=True, slots=True)
-class EmptyGrasp:
-    """A gripper that closed on nothing, was carried on and opened; `intended`: to hold a thing."""
-
-    command: IssuedCommand
-    intended: bool
-
-
-def empty_grasps(commands: Sequence[IssuedCommand], *, has_objects: bool) -> Iterator[EmptyGrasp]:
-    """Yield the grasps on nothing with which a controller went on as if it held.
-
-    The gripper closes and holds nothing, the arm moves, the gripper opens. It was meant to hold
-    something where the same call did so at another time in the run; or, in a run that never
-    holds anything although the user gave it something to grasp, where the arm had moved with
-    the gripper open.
-    """
-    closing = [each for each in commands if each.grip == "closes"]
-    held_at = {each.path for each in closing if each.holds}
-    for number, command in enumerate(commands):
-        if command.grip != "closes" or command.holds or not _is_carried_on(commands, number):
-            continue
-        later = [each for each in commands[number + 1 :] if each.path == command.path]
-        if any(each.holds and is_near(each.posture, command.posture) for each in later):
-            continue
-        if held_at:
-            if command.path in held_at:
-                yield EmptyGrasp(command, intended=True)
-        elif _is_approached(commands, number):
-            yield EmptyGrasp(command, intended=has_objects)
-
-
-def _is_carried_on(commands: Sequence[IssuedCommand], number: int) -> bool:
-    """Return whether the arm moves after a command, and the gripper then opens."""
-    has_moved = False
-    for each in commands[number + 1 :]:
-        if each.gripper == commands[number].gripper:
-            return has_moved and each.grip == "opens"
-        has_moved |= not each.gripper
-    return False
-
-
-def _is_approached(commands: Sequence[IssuedCommand], number: int) -> bool:
-    """Return whether the arm moved between the gripper's command before and this one."""
-    for each in reversed(commands[:number]):
-        if each.gripper == commands[number].gripper:
-            return False
-        if not each.gripper:
-            return True
-    return False
-
-
-def _of_grasps(run: RecordedRun) -> Iterator[Reason]:
-    for each in empty_grasps(run.commands, has_objects=run.has_objects):
-        if each.intended:
-            command = each.command
-            yield _reason(
-                "grasped-nothing",
-                f"{command.gripper} closed on nothing, and the controller went on as if it held",
-                function=command.function,
-                object_name=command.gripper,
-                time_s=command.issue_s,
-                location=command.location,
-            )
-
-
-def _of_idle_grippers(run: RecordedRun) -> Iterator[Reason]:
-    """Yield grippers of which no command, or none but the first, opened or closed anything.
-
-    Where the user gave the run something to grasp, and nothing was held, those too that opened
-    again and again and never closed.
-    """
-    is_vain = run.has_objects and not any(each.holds for each in run.commands)
-    for name in dict.fromkeys(each.gripper for each in run.commands if each.gripper):
-        numbers = [at for at, each in enumerate(run.commands) if each.gripper == name]
-        own = [run.commands[at] for at in numbers]
-        between = run.commands[numbers[0] : numbers[-1]]
-        if own[0].holds or not all(each.goal for each in own):
-            continue
-        if all(each.gripper for each in between):
-            continue
-        last = own[-1]
-        never_closed = is_vain and not any(each.grip == "closes" for each in own)
-        if never_closed or not any(each.grip or each.holds for each in own[1:]):
-            what = "never closed" if never_closed else "stayed as it was after the first time"
-            yield _reason(
-                "never-grasped",
-                f"{name} was commanded {len(own)} times and {what}, so nothing was grasped",
-                function=last.function,
-                object_name=name,
-                time_s=last.issue_s,
-                location=last.location,
-            )
-
-
-def _of_closed_grippers(commands: Sequence[IssuedCommand]) -> Iterator[Reason]:
-    """Yield grippers that took something and never let it go.
-
-    They hold it at the end; or they closed by the call that was followed by a release before.
-    """
-    for name in dict.fromkeys(each.gripper for each in commands if each.gripper):
-        own = [each for each in commands if each.gripper == name]
-        last = own[-1]
-        released = {
-            one.path
-            for one, then in pairwise(own)
-            if one.grip == "closes" and then.grip == "opens"
-        }
-        if last.grip != "opens" and (last.holds or (last.grip and last.path in released)):
-            yield _reason(
-                "never-released",
-                f"{name} closed and was not opened again: what it takes is still held at the end",
-                function=last.function,
-                object_name=name,
-                time_s=last.issue_s,
-                location=last.location,
-            )
+def _of_grippers(run: RecordedRun) -> Iterator[Reason]:
+    for fault in gripper_faults(run):
+        command = fault.command
+        yield _reason(
+            fault.code,
+            fault.words,
+            function=command.function,
+            object_name=command.gripper,
+            time_s=command.issue_s,
+            location=command.location,
+        )
 
 
 def _of_falls(run: RecordedRun) -> Iterator[Reason]:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.pipeline.judge import Fall
+from tracerisk.pipeline.recorded_run import Fall
 from tracerisk.twin.contacts import RunContacts
 from tracerisk.twin.samples import POSE_EVERY, Samples
 

@@ -14,14 +14,14 @@ from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.motion_calls import missed_calls
 from tracerisk.instrument.recording import NEAR, Command, Recording
 from tracerisk.instrument.tracer import Site
-from tracerisk.pipeline.judge import (
+from tracerisk.pipeline.gripper_faults import empty_grasps
+from tracerisk.pipeline.judge import judge
+from tracerisk.pipeline.recorded_run import (
     Grip,
     IssuedCommand,
     MissedCommand,
     RecordedRun,
     UnmetNeed,
-    empty_grasps,
-    judge,
 )
 from tracerisk.pipeline.run_falls import falls
 from tracerisk.pipeline.run_files import GIVEN, UNMET

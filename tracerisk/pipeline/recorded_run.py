@@ -1,0 +1,101 @@
+"""What of a run its verdict rests on: commands, needs, falls, gathered from a recording."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from tracerisk.errors import Location
+from tracerisk.trace import Coverage, Finding, RunEnd
+
+Grip = Literal["closes", "opens"]
+
+
+@dataclass(frozen=True, slots=True)
+class IssuedCommand:
+    """A command as the judge sees it, with its outcome; times in [s]."""
+
+    kind: str
+    function: str
+    """The qualified name of the function that issued it."""
+    location: Location | None
+    elements: tuple[str, ...]
+    issue_s: float
+    end_s: float | None = None
+    outcome: str | None = None
+    """`succeeded`, `aborted`, `preempted`; `None` where the run ended first."""
+    goal: tuple[float, ...] = ()
+    """Where it leads, one value a joint [rad or m]."""
+    callers: tuple[str, ...] = ()
+    """The functions on its stack, the one that issued it among them."""
+    path: tuple[object, ...] = ()
+    """The functions on its stack, each with the place of its call: the same for a loop."""
+    gripper: str = ""
+    """The gripper that it moves, empty for an arm's motion."""
+    grip: Grip | None = None
+    """Whether it closes or opens the gripper."""
+    holds: bool = False
+    """Whether something was held once the gripper had closed, before the arm moved on."""
+    posture: tuple[float, ...] = ()
+    """The positions of the arm's joints when it was issued [rad or m]."""
+    past_limit: str = ""
+    """The joint that its goal takes furthest past the joint's limits; empty for none."""
+    past_words: str = ""
+    """Where to, and what the limits are, in words."""
+
+
+@dataclass(frozen=True, slots=True)
+class UnmetNeed:
+    """Something that the controller asked for in vain and went on without."""
+
+    object: str
+    words: str
+    location: Location | None = None
+    function: str = ""
+    is_frame: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class MissedCommand:
+    """A call that led to no command, although the same call did at another place."""
+
+    function: str
+    """The qualified name of the function in which it stands, which ran."""
+    call: str
+    """As it is written: `self.arm.go`."""
+    location: Location
+
+
+@dataclass(frozen=True, slots=True)
+class Fall:
+    """A thing that fell or tipped while nobody held it."""
+
+    object: str
+    time_s: float
+    """When it was let go, or first touched [s]."""
+    height_m: float
+    """How far it came down [m]."""
+    was_held: bool
+    is_tipped: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedRun:
+    """All that the verdict of a run rests on."""
+
+    end: RunEnd
+    end_function: str = ""
+    """The qualified name of the function in which it ended badly."""
+    findings: tuple[Finding, ...] = ()
+    commands: tuple[IssuedCommand, ...] = ()
+    """In the order of issue."""
+    unmet: tuple[UnmetNeed, ...] = ()
+    coverage: Coverage = field(default_factory=lambda: Coverage(0, 0))
+    missed: tuple[MissedCommand, ...] = ()
+    falls: tuple[Fall, ...] = ()
+    assumed: tuple[tuple[str, str], ...] = ()
+    """What of the robot is assumed (the arm, a group, a gripper), each with the words for it."""
+    has_objects: bool = False
+    """Whether the user gave the run something that can be grasped."""
+    is_duration_given: bool = False
+    """Whether the user said how long the run may last."""
