@@ -10,3 +10,9 @@ keep_code() {
     "$@" || code=$?
     echo "code=$code" >>"$GITHUB_OUTPUT"
 }
+
+# Have the commit before the pull request here: a checkout of depth 1 lacks it.
+fetch_base() {
+    git cat-file -e "$BASE^{commit}" 2>/dev/null ||
+        git fetch --quiet --no-tags --depth=1 origin "$BASE"
+}

@@ -70,14 +70,14 @@ class Runner:
             f"{tools}{os.pathsep}{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
         )
 
-    def run(self, base: str, **inputs: str) -> dict[str, str]:
-        """Run every step; return the exit code of each by its id."""
+    def run(self, base: str, *, prefix: Path = Path(sys.prefix), **inputs: str) -> dict[str, str]:
+        """Run every step with the tool below `prefix`; return the exit code of each by its id."""
         shutil.rmtree(self.temp, ignore_errors=True)
         self.temp.mkdir(parents=True)
         # As install.sh leaves it; building an environment is left to CI's own run of the README.
         folder = self.temp / "tracerisk"
         (folder / "sarif").mkdir(parents=True)
-        (folder / "venv").symlink_to(sys.prefix)
+        (folder / "venv").symlink_to(prefix)
         values = {f"inputs.{name}": value for name, value in {**self.inputs, **inputs}.items()}
         values |= {
             "inputs.token": "secret",
@@ -182,6 +182,27 @@ def test_alerts_and_report_are_there_though_the_verdict_is_bad(runner, steps):
     rules = {each["ruleId"] for each in found["runs"][0]["results"]}
     assert rules == {"unknown-blocks", "single-point-of-failure"}
     assert "cell.py" in (folder / "report" / "cell.html").read_text(encoding="utf-8")
+
+
+def test_the_base_and_the_limits_are_handed_on(runner, steps, tmp_path):
+    base = commit(runner, steps("= 4e-07"))
+    tool, told = tmp_path / "bin" / "tracerisk", tmp_path / "told"
+    tool.parent.mkdir()
+    tool.write_text(f'#!/bin/sh\necho "$@" >>"{told}"\n')
+    (tool.parent / "python").write_text(f'#!/bin/sh\nexec {sys.executable} "$@"\n')
+    for each in tool.parent.iterdir():
+        each.chmod(stat.S_IRWXU)
+    limits = {"min-coverage": "0.8", "no-new-accepts": "false"}
+    for inputs in ({}, limits):
+        runner.run(base, prefix=tmp_path, files="cell.py", comment="false", **inputs)
+    lines = told.read_text().splitlines()
+    checks = [line.partition(" --sarif")[0] for line in lines if line.startswith("check")]
+    diffs = [line for line in lines if line.startswith("diff")]
+    assert checks == [
+        f"check --base {base} cell.py",
+        f"check --base {base} --min-coverage 0.8 cell.py",
+    ]
+    assert ["--no-new-accepts" in line for line in diffs] == [True, False]
 
 
 def test_expressions_stand_only_where_no_shell_reads_them():
