@@ -7,11 +7,12 @@ answered with MoveIt's error code and told as a finding of the run.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from tracerisk.errors import RobotError, one_of
+from tracerisk.ros.path_constraints import PathRule
 from tracerisk.ros.planning_scene import PlanningScene
 from tracerisk.ros.robot_groups import RobotGroups
 from tracerisk.ros.scene_changes import SceneChanges
@@ -383,6 +384,11 @@ class MoveGroupServer(RobotGroups):
     def planning_in(self, scene: PlanningScene) -> AbstractContextManager[None]:
         """Plan and check for collisions in another scene within the block."""
         return self._twin.planning_among(self.bodies(scene), scene.allowed)
+
+    def planning_under(self, constraints: Any) -> AbstractContextManager[None]:
+        """Have plans keep to `moveit_msgs/Constraints` within the block."""
+        rule = PathRule(constraints, self.forward, self.frame)
+        return nullcontext() if rule.is_empty else self._twin.planning_under(rule)
 
     def collisions(self, positions: Mapping[str, float]) -> list[tuple[str, str]]:
         """Return the names of what collides at joint positions, pair by pair."""

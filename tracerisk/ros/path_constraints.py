@@ -1,19 +1,117 @@
-"""Whether a planned path keeps to moveit_msgs/Constraints."""
+"""What moveit_msgs/Constraints allow: whether a state keeps to them, and how far it is off."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from tracerisk.ros.poses import compose, conjugate, multiply, rpy_from_quaternion, unit_quaternion
 from tracerisk.twin.motion import JointTrajectory, Pose
 
 _BOX, _SPHERE, _CYLINDER = 1, 2, 3  # shape_msgs/SolidPrimitive
 _SLACK = 1e-6
+_WITHIN = 0.9  # of a tolerance: what a path is brought to, so that it keeps the whole between
 
+Array = NDArray[np.float64]
 Forward = Callable[[Mapping[str, float], str], Pose]
 Frame = Callable[[str], Pose | None]
+
+
+class PathRule:
+    """The constraints that a path must keep to; those of `moveit_msgs/Constraints`.
+
+    `forward(positions, link)` gives a link's pose, `frame(name)` that of a frame, both in the
+    planning frame. What cannot be checked counts as a breach, with the reason.
+    """
+
+    def __init__(self, constraints: Any, forward: Forward, frame: Frame) -> None:
+        self._constraints = constraints
+        self._forward = forward
+        self._frame = frame
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether it allows everything."""
+        kinds = ("joint", "orientation", "position", "visibility")
+        return not any(len(getattr(self._constraints, f"{kind}_constraints")) for kind in kinds)
+
+    def breach(self, positions: Mapping[str, float]) -> str | None:
+        """Return the first breach at joint positions [rad or m] in words, None for none."""
+        if self._constraints.visibility_constraints:
+            return "visibility constraints cannot be checked: the twin has no cameras"
+        return next((each.words for each in self._parts(positions) if each.is_broken), None)
+
+    def excess(self, positions: Mapping[str, float]) -> Array:
+        """Return how far each part of the rule is beyond nine tenths of what is allowed.
+
+        Returns: (n_parts,) [rad or m], 0 within; NaN for what cannot be checked.
+        """
+        return np.array([each.excess for each in self._parts(positions)])
+
+    def _parts(self, positions: Mapping[str, float]) -> Iterator[_Part]:
+        for one in self._constraints.joint_constraints:
+            value = positions.get(one.joint_name)
+            if value is not None:
+                yield _joint_part(one, value)
+        for one in self._constraints.orientation_constraints:
+            yield from self._orientation_parts(one, positions)
+        for one in self._constraints.position_constraints:
+            yield from self._position_parts(one, positions)
+
+    def _orientation_parts(self, one: Any, positions: Mapping[str, float]) -> Iterator[_Part]:
+        base = self._frame(one.header.frame_id)
+        if base is None:
+            yield _unknown(
+                f"an orientation constraint is in the unknown frame '{one.header.frame_id}'"
+            )
+            return
+        q = one.orientation
+        wanted = multiply(base.orientation, unit_quaternion((q.x, q.y, q.z, q.w)))
+        error = multiply(conjugate(wanted), self._forward(positions, one.link_name).orientation)
+        tolerances = (
+            one.absolute_x_axis_tolerance,
+            one.absolute_y_axis_tolerance,
+            one.absolute_z_axis_tolerance,
+        )
+        for axis, angle, tolerance in zip(
+            "xyz", rpy_from_quaternion(error), tolerances, strict=True
+        ):
+            words = (
+                f"link '{one.link_name}' is turned by {abs(angle):.3f} rad about {axis}, "
+                f"{tolerance:.3f} are allowed"
+            )
+            yield _Part(abs(angle) > tolerance + _SLACK, _beyond(angle, tolerance), words)
+
+    def _position_parts(self, one: Any, positions: Mapping[str, float]) -> Iterator[_Part]:
+        base = self._frame(one.header.frame_id)
+        if base is None:
+            yield _unknown(f"a position constraint is in the unknown frame '{one.header.frame_id}'")
+            return
+        region = one.constraint_region
+        if region.meshes:
+            told = "a position constraint has a mesh as its region, which cannot be checked"
+            yield _unknown(told)
+            return
+        offset = one.target_point_offset
+        point = compose(
+            self._forward(positions, one.link_name),
+            Pose((offset.x, offset.y, offset.z), (0.0, 0.0, 0.0, 1.0)),
+        ).position
+        words = f"link '{one.link_name}' is outside the region of its position constraint"
+        shapes = [
+            (shape, _seen_from(compose(base, message_pose(pose)), point))
+            for shape, pose in zip(region.primitives, region.primitive_poses, strict=False)
+        ]
+        outside = [_outside(shape, seen) for shape, seen in shapes]
+        nearest = min(outside, key=lambda each: sum(map(abs, each)), default=(math.nan,) * 3)
+        is_broken = not any(_is_inside(shape, seen) for shape, seen in shapes)
+        for each in nearest:
+            yield _Part(is_broken, each, words)
 
 
 def violation(
@@ -21,78 +119,60 @@ def violation(
 ) -> str | None:
     """Return the first breach of `constraints` on the points of a trajectory, or None.
 
-    `forward(positions, link)` gives a link's pose, `frame(name)` that of a frame, both in the
-    planning frame. What cannot be checked counts as a breach, with the reason.
+    `forward` and `frame` are those of `PathRule`.
     """
-    if constraints.visibility_constraints:
-        return "visibility constraints cannot be checked: the twin has no cameras"
+    rule = PathRule(constraints, forward, frame)
     for time, row in zip(trajectory.time, trajectory.position, strict=True):
         positions = dict(zip(trajectory.joints, map(float, row), strict=True))
-        for found in _breaches(constraints, positions, forward, frame):
-            return f"after {time:.2f} s {found}"
+        if (told := rule.breach(positions)) is not None:
+            return f"after {time:.2f} s {told}"
     return None
 
 
-def _breaches(
-    constraints: Any, positions: Mapping[str, float], forward: Forward, frame: Frame
-) -> Iterator[str]:
-    for one in constraints.joint_constraints:
-        value = positions.get(one.joint_name)
-        if value is None:
-            continue
-        low, high = one.position - one.tolerance_below, one.position + one.tolerance_above
-        if not low - _SLACK <= value <= high + _SLACK:
-            yield f"joint '{one.joint_name}' at {value:.4f} is outside [{low:.4f}, {high:.4f}]"
-    for one in constraints.orientation_constraints:
-        yield from _orientation_breach(one, positions, forward, frame)
-    for one in constraints.position_constraints:
-        yield from _position_breach(one, positions, forward, frame)
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """One bound: whether it is broken, by how much [rad or m], and in words."""
+
+    is_broken: bool
+    excess: float
+    words: str
 
 
-def _orientation_breach(
-    one: Any, positions: Mapping[str, float], forward: Forward, frame: Frame
-) -> Iterator[str]:
-    base = frame(one.header.frame_id)
-    if base is None:
-        yield f"an orientation constraint is in the unknown frame '{one.header.frame_id}'"
-        return
-    q = one.orientation
-    wanted = multiply(base.orientation, unit_quaternion((q.x, q.y, q.z, q.w)))
-    error = multiply(conjugate(wanted), forward(positions, one.link_name).orientation)
-    tolerances = (
-        one.absolute_x_axis_tolerance,
-        one.absolute_y_axis_tolerance,
-        one.absolute_z_axis_tolerance,
-    )
-    for axis, angle, tolerance in zip("xyz", rpy_from_quaternion(error), tolerances, strict=True):
-        if abs(angle) > tolerance + _SLACK:
-            yield (
-                f"link '{one.link_name}' is turned by {abs(angle):.3f} rad about {axis}, "
-                f"{tolerance:.3f} are allowed"
-            )
+def _unknown(words: str) -> _Part:
+    return _Part(True, math.nan, words)
 
 
-def _position_breach(
-    one: Any, positions: Mapping[str, float], forward: Forward, frame: Frame
-) -> Iterator[str]:
-    base = frame(one.header.frame_id)
-    if base is None:
-        yield f"a position constraint is in the unknown frame '{one.header.frame_id}'"
-        return
-    offset = one.target_point_offset
-    point = compose(
-        forward(positions, one.link_name),
-        Pose((offset.x, offset.y, offset.z), (0.0, 0.0, 0.0, 1.0)),
-    ).position
-    region = one.constraint_region
-    if region.meshes:
-        yield "a position constraint has a mesh as its region, which cannot be checked"
-        return
-    for shape, pose in zip(region.primitives, region.primitive_poses, strict=False):
-        place = compose(base, message_pose(pose))
-        if _is_inside(shape, _seen_from(place, point)):
-            return
-    yield f"link '{one.link_name}' is outside the region of its position constraint"
+def _joint_part(one: Any, value: float) -> _Part:
+    low, high = one.position - one.tolerance_below, one.position + one.tolerance_above
+    words = f"joint '{one.joint_name}' at {value:.4f} is outside [{low:.4f}, {high:.4f}]"
+    is_broken = not low - _SLACK <= value <= high + _SLACK
+    return _Part(is_broken, _beyond(value - (low + high) / 2, (high - low) / 2), words)
+
+
+def _beyond(value: float, tolerance: float) -> float:
+    """Return how far a value is from nine tenths of +-tolerance, with its sign; 0 within."""
+    rest = abs(value) - _WITHIN * tolerance
+    return math.copysign(rest, value) if rest > 0.0 else 0.0
+
+
+def _outside(shape: Any, point: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Return how far a point is outside a shape, along the shape's axes [m]."""
+    x, y, z = point
+    sizes = [float(value) for value in shape.dimensions]
+    if shape.type == _BOX:
+        return _beyond(x, sizes[0] / 2), _beyond(y, sizes[1] / 2), _beyond(z, sizes[2] / 2)
+    if shape.type == _SPHERE:
+        return _shortened((x, y, z), sizes[0])
+    if shape.type == _CYLINDER:
+        across = _shortened((x, y, 0.0), sizes[1])
+        return across[0], across[1], _beyond(z, sizes[0] / 2)
+    return (math.nan,) * 3
+
+
+def _shortened(point: tuple[float, float, float], radius: float) -> tuple[float, float, float]:
+    length = math.hypot(*point)
+    share = _beyond(length, radius) / length if length > 0.0 else 0.0
+    return point[0] * share, point[1] * share, point[2] * share
 
 
 def message_pose(message: Any) -> Pose:

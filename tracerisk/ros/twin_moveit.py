@@ -12,7 +12,7 @@ from tracerisk.ros.graph import Publication
 from tracerisk.ros.message_dialect import set_time
 from tracerisk.ros.move_group import MoveGroupServer, Plan, PoseGoal, Scaling, valid_fraction
 from tracerisk.ros.moveit_messages import set_pose, state_message, trajectory_message
-from tracerisk.ros.path_constraints import message_pose, violation
+from tracerisk.ros.path_constraints import message_pose
 from tracerisk.ros.poses import compose, inverse
 from tracerisk.ros.trajectory_execution import ErrorCode, Execution
 from tracerisk.ros.twin_messages import TwinMessages
@@ -192,13 +192,14 @@ class MoveItInterfaces:
             base = self._goals.frame(request.header.frame_id)
             if request.max_step <= 0.0:
                 raise RequestError(ErrorCode.FAILURE, "max_step must be more than 0")
-            plan, fraction = self._server.plan_cartesian(
-                request.group_name,
-                [compose(base, message_pose(pose)) for pose in request.waypoints],
-                link=request.link_name or self._goals.tip(request.group_name),
-                eef_step=request.max_step,
-                start=self._start(request.start_state) or None,
-            )
+            with self._server.planning_under(request.path_constraints):
+                plan, fraction = self._server.plan_cartesian(
+                    request.group_name,
+                    [compose(base, message_pose(pose)) for pose in request.waypoints],
+                    link=request.link_name or self._goals.tip(request.group_name),
+                    eef_step=request.max_step,
+                    start=self._start(request.start_state) or None,
+                )
         except RequestError as error:
             answer.error_code.val = int(error.code)
             self._server.execution.tell(
@@ -236,22 +237,15 @@ class MoveItInterfaces:
                 valid_fraction(request.max_velocity_scaling_factor),
                 valid_fraction(request.max_acceleration_scaling_factor),
             )
-            plan = self._goals.plan(request.group_name, request.goal_constraints, scaling, start)
+            with self._server.planning_under(request.path_constraints):
+                return self._goals.plan(
+                    request.group_name, request.goal_constraints, scaling, start
+                )
         except RequestError as error:
             self._server.execution.tell(
                 "planning_failure", f"planning failed: {error}", object_name=request.group_name
             )
             return Plan(error.code, None, str(error))
-        if plan.trajectory is None:
-            return plan
-        broken = violation(
-            request.path_constraints, plan.trajectory, self._server.forward, self._server.frame
-        )
-        if broken is not None:
-            told = f"planning for group '{request.group_name}' failed: {broken}"
-            self._server.execution.tell("planning_failure", told, object_name=request.group_name)
-            return Plan(ErrorCode.PLANNING_FAILED, None, broken)
-        return plan
 
     def _start(self, state: Any) -> dict[str, float]:
         known = {joint.name for joint in self._server.robot.joints}

@@ -140,9 +140,13 @@ class Planner:
         search: Callable[[Callable[[Mapping[str, float]], bool]], dict[str, float]],
     ) -> dict[str, float]:
         pair: tuple[str, str] | None = None
+        broken: str | None = None
 
         def is_clear(found: Mapping[str, float]) -> bool:
-            nonlocal pair
+            nonlocal pair, broken
+            if breach := self._clearance.breach({**seed, **found}):
+                broken = broken or breach
+                return False
             touching = self._clearance.collision({**seed, **found})
             pair = pair or touching
             return touching is None
@@ -150,8 +154,13 @@ class Planner:
         try:
             return search(is_clear)
         except PlanningError as error:
-            if pair is None:
+            if pair is None and broken is None:
                 raise
+            if pair is None:
+                raise PlanningError(
+                    "no_plan",
+                    f"the goal breaks the path constraints however it is reached: {broken}",
+                ) from error
             raise PlanningError(
                 "collision",
                 f"the goal is in collision however it is reached: '{pair[0]}' touches '{pair[1]}'",
@@ -172,8 +181,8 @@ class Planner:
         """Return the move of `link` in straight lines through `waypoints`, and how much of it.
 
         The path is followed in steps of `eef_step` [m] until a pose is out of reach, the joints
-        would have to jump or, with `avoid_collisions`, something is touched; the fraction
-        achieved is in [0, 1].
+        would have to jump, the rule of `Clearance.keeping` is broken or, with
+        `avoid_collisions`, something is touched; the fraction achieved is in [0, 1].
         """
         if not math.isfinite(eef_step) or eef_step <= 0.0:
             raise PlanningError("bad_request", f"eef_step {eef_step} m; give a length above 0")
@@ -199,8 +208,11 @@ class Planner:
             if found is None or found[0] > (_LEAVING if len(path) == 1 else _JUMP):
                 break
             path.append(found[1])
-        if avoid_collisions:
-            path = path[: self._clearance.free_share(members, start, path)]
+        if avoid_collisions or self._clearance.has_rule:
+            count = self._clearance.free_share(
+                members, start, path, avoid_collisions=avoid_collisions
+            )
+            path = path[:count]
         fraction = (len(path) - 1) / len(targets) if targets else 1.0
         limits = self._limits(members, velocity_scaling, acceleration_scaling)
         return JointTrajectory(names, *along_path(np.array(path), *limits)), fraction

@@ -3,6 +3,8 @@
 J. Kuffner and S. LaValle, "RRT-Connect: an efficient approach to single-query path planning",
 ICRA 2000: two trees grow towards random samples and greedily towards one another.
 Bounded by a number of iterations, not by time, so that a plan does not depend on the machine.
+Where a rule must be kept to, new points are projected onto it: D. Berenson and others,
+"Manipulation planning on constraint manifolds", ICRA 2009.
 """
 
 from __future__ import annotations
@@ -18,12 +20,17 @@ Array = NDArray[np.float64]
 
 RESOLUTION = 0.04  # between two checked points of a path, in the joint that moves most [rad or m]
 _REACH = 0.4  # by which a tree grows at once [rad or m]
+_RULED_REACH = 0.1  # the same where a rule is to be kept: it bends the way between two points
+_PROGRESS = 0.1  # of its reach, by which a projected step must still come nearer
+_PROJECTIONS = 12  # steps of one projection
+_SLOPE_STEP = 1e-5  # by which a joint is moved to see how a rule changes [rad or m]
 _ITERATIONS = 3000
 _SHORTCUTS = 120
 _SMOOTHINGS = 4
 _FINE = 0.02  # between two points of the path returned [rad or m]
 
 IsFree = Callable[[Array], bool]
+Excess = Callable[[Array], Array]
 
 
 def segment_is_free(a: Array, b: Array, is_free: IsFree) -> bool:
@@ -34,16 +41,23 @@ def segment_is_free(a: Array, b: Array, is_free: IsFree) -> bool:
 
 
 def connect(
-    start: Array, goal: Array, lower: Array, upper: Array, is_free: IsFree
+    start: Array,
+    goal: Array,
+    lower: Array,
+    upper: Array,
+    is_free: IsFree,
+    excess: Excess | None = None,
 ) -> list[Array] | None:
     """Return a free path from `start` to `goal` within limits, None where none was found.
 
     start, goal, lower, upper: (n_joints,) [rad or m]; start and goal are free.
+    `excess` tells by how much a position breaks a rule, each part with its sign: (n_parts,).
     The path is dense: its points are near one another, and its corners are rounded where there
     is room. The same arguments give the same path.
     """
     generator = np.random.default_rng(0)
-    ours, others = _Tree(start), _Tree(goal)
+    project = None if excess is None else _Projection(excess, lower, upper)
+    ours, others = _Tree(start, project), _Tree(goal, project)
     forward = True
     for _ in range(_ITERATIONS):
         sample = generator.uniform(lower, upper)
@@ -59,11 +73,47 @@ def connect(
     return None
 
 
+def _far(a: Array, b: Array) -> float:
+    return float(np.abs(a - b).max())
+
+
+class _Projection:
+    """Brings a position to where a rule is kept, by steps of Gauss and Newton."""
+
+    def __init__(self, excess: Excess, lower: Array, upper: Array) -> None:
+        self._excess = excess
+        self._lower = lower
+        self._upper = upper
+
+    def __call__(self, position: Array) -> Array | None:
+        """Return a position near by that keeps the rule, None where none was found."""
+        here = position
+        for _ in range(_PROJECTIONS):
+            error = self._excess(here)
+            if not np.isfinite(error).all():
+                return None
+            if not error.any():
+                return here
+            slope = np.empty((len(error), len(here)))
+            for joint in range(len(here)):
+                moved = here.copy()
+                moved[joint] += _SLOPE_STEP
+                slope[:, joint] = (self._excess(moved) - error) / _SLOPE_STEP
+            step = np.linalg.lstsq(slope, error, rcond=1e-6)[0]
+            longest = float(np.abs(step).max())
+            if not longest > 0.0:
+                return None
+            here = np.clip(here - step * min(1.0, _REACH / longest), self._lower, self._upper)
+        return None
+
+
 class _Tree:
     """A tree of free positions, each joined to its parent by a free straight line."""
 
-    def __init__(self, root: Array) -> None:
+    def __init__(self, root: Array, project: _Projection | None = None) -> None:
         self.points = [root]
+        self._project = project
+        self._reach = _REACH if project is None else _RULED_REACH
         self._parents = [-1]
         self._table = np.empty((64, len(root)))
         self._table[0] = root
@@ -74,7 +124,13 @@ class _Tree:
         here = self.points[nearest]
         delta = target - here
         far = float(np.abs(delta).max())
-        there = target if far <= _REACH else here + delta * (_REACH / far)
+        there = target if far <= self._reach else here + delta * (self._reach / far)
+        if self._project is not None and not is_free(there):
+            projected = self._project(there)
+            # What leads back, or no nearer, would go on for ever.
+            if projected is None or _far(projected, target) > far - _PROGRESS * self._reach:
+                return None
+            there = projected
         if not segment_is_free(here, there, is_free):
             return None
         return self._add(there, nearest)

@@ -10,7 +10,7 @@ from contextlib import AbstractContextManager
 
 from tracerisk.trace import Element, ObjectOffset
 from tracerisk.twin.builder import STEP_NS
-from tracerisk.twin.clearance import Clearance
+from tracerisk.twin.clearance import Clearance, PathRule
 from tracerisk.twin.execution import GoalTolerance, Motion
 from tracerisk.twin.kinematics import Kinematics
 from tracerisk.twin.motion import JointState, JointTrajectory, LinkTarget, Pose
@@ -198,6 +198,10 @@ class Twin:
         Raises RobotError as `declare`.
         """
         return self._clearance.among(bodies, allowed)
+
+    def planning_under(self, rule: PathRule) -> AbstractContextManager[None]:
+        """Have every plan keep to a rule within the block."""
+        return self._clearance.keeping(rule)
 
     def declare(self, bodies: Sequence[SceneBody], allowed: Iterable[frozenset[str]] = ()) -> None:
         """Take `bodies` for all that the controller has declared, in planning and in simulation.

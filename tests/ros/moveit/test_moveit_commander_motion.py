@@ -6,6 +6,9 @@ import math
 
 import pytest
 
+from tracerisk.twin.kinematics import Kinematics
+from tracerisk.twin.robot import load_robot
+
 ARM = [f"panda_joint{number}" for number in range(1, 8)]
 FAST = """\
 arm = MoveGroupCommander("panda_arm")
@@ -436,6 +439,74 @@ results = arm.go(turned), arm.go(tilted)
     )
     assert ran["results"] == (True, False)
     assert "link 'panda_link8' is turned by" in ran.findings[0]
+
+
+UPRIGHT = (
+    FAST
+    + """
+arm.set_named_target("ready"); arm.go()
+start = arm.get_current_joint_values()
+upright = moveit_msgs.msg.OrientationConstraint(
+    link_name="panda_link8", orientation=arm.get_current_pose().pose.orientation,
+    absolute_x_axis_tolerance=WITHIN, absolute_y_axis_tolerance=WITHIN,
+    absolute_z_axis_tolerance=4, weight=1.0)
+upright.header.frame_id = "panda_link0"
+goal = arm.get_current_pose().pose
+goal.position.x, goal.position.y, goal.position.z = -0.1, 0.45, 0.65
+arm.set_pose_target(goal)
+free = arm.plan()[1].joint_trajectory
+arm.set_path_constraints(moveit_msgs.msg.Constraints(orientation_constraints=[upright]))
+arm.set_joint_value_target(list(free.points[-1].positions))
+found, ruled = arm.plan()[:2]
+straight = [point.positions for point in free.points]
+level = [point.positions for point in ruled.joint_trajectory.points]
+"""
+)
+
+
+def _greatest_tilt(positions):
+    """Return how far panda_link8 leans from pointing down at most [rad]."""
+    robot = load_robot("panda")
+    kinematics = Kinematics(robot)
+    rest = {joint.name: 0.0 for joint in robot.joints}
+    names = [joint.name for joint in robot.arm_joints]
+    turns = [
+        kinematics.forward({**rest, **dict(zip(names, each, strict=True))}, "panda_link8")
+        for each in positions
+    ]
+    # The z axis of the link, seen from the base: the last column of its rotation.
+    down = [2 * (x * x + y * y) - 1 for x, y, z, w in (each.orientation for each in turns)]
+    return max(math.acos(min(1.0, each)) for each in down)
+
+
+@pytest.mark.parametrize("within", [0.15, 0.05])
+def test_a_way_that_keeps_the_hand_upright_is_found_where_the_straight_one_does_not(run, within):
+    ran = run(UPRIGHT.replace("WITHIN", str(within)))
+    assert _greatest_tilt(ran["straight"]) > within
+    assert ran["found"]
+    # Turned about both axes at once it may lean by the hypotenuse.
+    assert 0.0 < _greatest_tilt(ran["level"]) < 1.45 * within
+    assert not ran.findings
+
+
+def test_a_cartesian_path_ends_where_its_constraints_do(run):
+    ran = run(
+        FAST
+        + """
+arm.set_named_target("ready"); arm.go()
+here = arm.get_current_pose().pose
+there = copy.deepcopy(here); there.position.z -= 0.2
+keep = moveit_msgs.msg.JointConstraint(
+    joint_name="panda_joint4", position=arm.get_current_joint_values()[3],
+    tolerance_above=0.1, tolerance_below=0.1)
+rule = moveit_msgs.msg.Constraints(joint_constraints=[keep])
+path, fraction = arm.compute_cartesian_path([there], 0.01, True, rule)
+whole = arm.compute_cartesian_path([there], 0.01, True)[1]
+""".replace("copy.", "__import__('copy').")
+    )
+    assert ran["whole"] == 1.0
+    assert 0.1 < ran["fraction"] < 0.95
+    assert "a Cartesian path of group 'panda_arm' was cut" in ran.findings[0]
 
 
 @pytest.mark.parametrize("link", ["panda_link8", "panda_hand_tcp"])

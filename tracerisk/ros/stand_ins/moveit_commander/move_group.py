@@ -20,7 +20,6 @@ from shape_msgs.msg import SolidPrimitive
 
 from tracerisk.errors import one_of
 from tracerisk.ros.move_group import Plan, PoseGoal, Scaling
-from tracerisk.ros.path_constraints import violation
 from tracerisk.ros.trajectory_execution import ErrorCode
 from tracerisk.twin.motion import JointTrajectory, PlanningError
 
@@ -145,20 +144,17 @@ class MoveGroupCommander(GroupPickPlace):
             if goal is None:
                 return RobotTrajectory(), -1.0
             poses.append(goal.pose)
-        plan, fraction = self._server.plan_cartesian(
-            self._name,
-            poses,
-            link=link,
-            eef_step=float(eef_step),
-            avoid_collisions=bool(avoid_collisions),
-            start=self._start(),
-        )
+        with self._server.planning_under(path_constraints or Constraints()):
+            plan, fraction = self._server.plan_cartesian(
+                self._name,
+                poses,
+                link=link,
+                eef_step=float(eef_step),
+                avoid_collisions=bool(avoid_collisions),
+                start=self._start(),
+            )
         if plan.trajectory is None:
             return RobotTrajectory(), fraction
-        if path_constraints and (reason := self._breach(path_constraints, plan.trajectory)):
-            text = f"the Cartesian path fails: {reason}"
-            self._server.execution.tell("planning_failure", text, object_name=self._name)
-            return RobotTrajectory(), 0.0
         trajectory = self._within_speed(plan.trajectory)
         return conversions._trajectory_message(trajectory, self.get_planning_frame()), fraction
 
@@ -255,23 +251,20 @@ class MoveGroupCommander(GroupPickPlace):
     def _plan(self) -> Plan:
         try:
             start = self._start()
-            if self._target_kind == "joint":
-                plan = self._server.plan_joints(
-                    self._name, self._joint_target, self._scaling, start
-                )
-            else:
-                goals = self._pose_goals(self._target_kind)
-                plan = self._server.plan_pose(self._name, goals, self._scaling, start)
+            with self._server.planning_under(self._path_constraints):
+                if self._target_kind == "joint":
+                    plan = self._server.plan_joints(
+                        self._name, self._joint_target, self._scaling, start
+                    )
+                else:
+                    goals = self._pose_goals(self._target_kind)
+                    plan = self._server.plan_pose(self._name, goals, self._scaling, start)
         except PlanningError as error:
             text = f"planning for group '{self._name}' failed: {error.message}"
             self._server.execution.tell("planning_failure", text, object_name=self._name)
             return Plan(ErrorCode.FRAME_TRANSFORM_FAILURE, None, error.message)
         if plan.trajectory is None:
             return plan
-        if reason := self._breach(self._path_constraints, plan.trajectory):
-            text = f"planning for group '{self._name}' failed: the path constraints: {reason}"
-            self._server.execution.tell("planning_failure", text, object_name=self._name)
-            return Plan(ErrorCode.PLANNING_FAILED, None, reason)
         return Plan(plan.code, self._within_speed(plan.trajectory), plan.message)
 
     def _execute(self, trajectory: JointTrajectory, wait: bool) -> bool:
@@ -279,9 +272,6 @@ class MoveGroupCommander(GroupPickPlace):
         if isinstance(execution, ErrorCode) or not wait:
             return not wait
         return self._server.execution.wait(execution) is ErrorCode.SUCCESS
-
-    def _breach(self, constraints: Any, trajectory: JointTrajectory) -> str | None:
-        return violation(constraints, trajectory, self._server.forward, self._server.frame)
 
     def _within_speed(self, trajectory: JointTrajectory) -> JointTrajectory:
         """Return the trajectory, slowed down as a whole until the limited link keeps its limit."""

@@ -13,7 +13,6 @@ from moveit_msgs.msg import Constraints
 from tracerisk.errors import one_of
 from tracerisk.ros.goal_constraints import GoalReader, RequestError
 from tracerisk.ros.move_group import Plan, Scaling
-from tracerisk.ros.path_constraints import violation
 from tracerisk.ros.trajectory_execution import ErrorCode
 from tracerisk.twin.motion import Pose
 
@@ -250,22 +249,13 @@ class PlanningComponent:
                     ErrorCode.PLANNING_FAILED,
                     "the planner CIRC is not provided; plan arcs as short lines by LIN",
                 )
-            if parameters.planner_id == "LIN":
-                plan = self._line(scaling, start)
-            else:
-                plan = self._reader.plan(self._name, self._goals, scaling, start)
+            with self._server.planning_under(self._path_constraints):
+                if parameters.planner_id == "LIN":
+                    return self._line(scaling, start)
+                return self._reader.plan(self._name, self._goals, scaling, start)
         except RequestError as error:
             self._tell(str(error))
             return Plan(error.code, None, str(error))
-        if plan.trajectory is None:
-            return plan
-        reason = violation(
-            self._path_constraints, plan.trajectory, self._server.forward, self._server.frame
-        )
-        if reason is not None:
-            self._tell(f"the path constraints: {reason}")
-            return Plan(ErrorCode.PLANNING_FAILED, None, reason)
-        return plan
 
     def _line(self, scaling: Scaling, start: Mapping[str, float] | None) -> Plan:
         """Plan a straight line of the goal's link, as the planner LIN of pilz does."""
