@@ -67,6 +67,7 @@ from tracerisk.twin.robot_file import read_dumped_robot
 from tracerisk.twin.samples import SampleWriter
 from tracerisk.twin.scene import load_scene
 from tracerisk.twin.twin import Twin
+from tracerisk.vendors.serving import serve_vendors
 
 _MB = 1024 * 1024
 
@@ -173,7 +174,7 @@ def _run_recorded(
     own = workspace.interfaces
     interfaces = Interfaces2(workspace=own) if is_ros2 else Interfaces(workspace=own)
     TwinTopics(runtime, interfaces)
-    TwinInterfaces(runtime, interfaces)
+    serve_vendors(runtime, TwinInterfaces(runtime, interfaces))
     TwinFrames(runtime, interfaces)
     scenario_world = ScenarioWorld(runtime, interfaces, scenario)
     schedule = watch.schedule = scenario_world.schedule

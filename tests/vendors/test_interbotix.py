@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from tracerisk.ros import screw_kinematics
-from tracerisk.ros.dynamixel import linkage_of
 from tracerisk.twin.kinematics import Kinematics
 from tracerisk.twin.robot import load_robot
+from tracerisk.vendors.interbotix.dynamixel import linkage_of
 
 HEADS = {
     1: "from interbotix_xs_modules.arm import InterbotixManipulatorXS\n",

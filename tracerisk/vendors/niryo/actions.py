@@ -11,11 +11,11 @@ from typing import Any
 
 from tracerisk.ros.action_graph import ActionGoal
 from tracerisk.ros.arm_motion import ArmMotion
-from tracerisk.ros.niryo_motion import NiryoMotion
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.twin.execution import Motion
 from tracerisk.twin.motion import PlanningError
+from tracerisk.vendors.niryo.motion import NiryoMotion
 
 ROBOT_MOVE = "niryo_robot_arm_commander/RobotMove"
 TOOL = "niryo_robot_tools_commander/Tool"

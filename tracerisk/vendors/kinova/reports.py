@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.graph import Change, Publication, ServiceFailedError
-from tracerisk.ros.kortex_actions import KortexArm, write_pose
 from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.twin_messages import TwinMessages
+from tracerisk.vendors.kinova.actions import KortexArm, write_pose
 
 if TYPE_CHECKING:
     from tracerisk.ros.runtime import Runtime

@@ -25,6 +25,7 @@ from tracerisk.ros.virtual_time import RunOver, Scheduler
 from tracerisk.twin.robot import load_robot
 from tracerisk.twin.scene import load_scene
 from tracerisk.twin.twin import Twin
+from tracerisk.vendors.serving import serve_vendors
 
 SECOND = 1_000_000_000
 
@@ -83,7 +84,7 @@ def run_on(tmp_path: Path) -> Callable[..., Ran]:
             runtime = Runtime(scheduler, graph, twin, tracer, recorder, argv=(str(script),))
             interfaces = Interfaces2() if ros == 2 else Interfaces()
             TwinTopics(runtime, interfaces)
-            TwinInterfaces(runtime, interfaces)
+            serve_vendors(runtime, TwinInterfaces(runtime, interfaces))
             with (
                 activate(runtime),
                 StandInFinder(interfaces),

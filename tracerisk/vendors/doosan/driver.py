@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.arm_motion import ArmMotion
 from tracerisk.ros.command_streams import CommandStreams
-from tracerisk.ros.doosan_motion import DoosanMotion, pose_of
-from tracerisk.ros.doosan_reports import DoosanReports
 from tracerisk.ros.graph import Change, Publication
 from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.twin.execution import Motion
 from tracerisk.twin.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.vendors.doosan.motion import DoosanMotion, pose_of
+from tracerisk.vendors.doosan.reports import DoosanReports
 
 if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame

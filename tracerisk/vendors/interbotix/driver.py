@@ -14,15 +14,15 @@ import numpy as np
 
 from tracerisk.errors import one_of
 from tracerisk.ros.command_streams import CommandStreams
-from tracerisk.ros.dynamixel import LARGEST, MODES, SETTINGS, Servo, linkage_of
 from tracerisk.ros.graph import Change, Publication, ServiceFailedError
-from tracerisk.ros.interbotix_motion import InterbotixMotion
 from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.ros.twin_set_points import JOINT_STATE_TYPE
 from tracerisk.ros.velocity_motion import at_velocities
 from tracerisk.twin.motion import PlanningError
+from tracerisk.vendors.interbotix.dynamixel import LARGEST, MODES, SETTINGS, Servo, linkage_of
+from tracerisk.vendors.interbotix.motion import InterbotixMotion
 
 if TYPE_CHECKING:
     from tracerisk.ros.runtime import Runtime

@@ -9,12 +9,12 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.graph import ServiceFailedError
-from tracerisk.ros.kortex_actions import POSITION, SPEED, KortexArm
-from tracerisk.ros.kortex_reports import joint_angles
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.twin.execution import Motion
 from tracerisk.twin.motion import JointTrajectory, PlanningError
+from tracerisk.vendors.kinova.actions import POSITION, SPEED, KortexArm
+from tracerisk.vendors.kinova.reports import joint_angles
 
 if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame

@@ -14,7 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.arm_motion import ArmMotion
 from tracerisk.ros.command_streams import CommandStreams
-from tracerisk.ros.dobot_queue import (
+from tracerisk.ros.poses import compose, multiply
+from tracerisk.ros.twin_commands import TwinCommands
+from tracerisk.ros.twin_messages import TwinMessages
+from tracerisk.twin.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.vendors.dobot.queue import (
     IN_ERROR,
     NOT_EXECUTED,
     OK,
@@ -24,12 +28,8 @@ from tracerisk.ros.dobot_queue import (
     pose_of,
     words_of,
 )
-from tracerisk.ros.dobot_reports import DobotReports
-from tracerisk.ros.doosan_motion import DoosanMotion
-from tracerisk.ros.poses import compose, multiply
-from tracerisk.ros.twin_commands import TwinCommands
-from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.twin.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.vendors.dobot.reports import DobotReports
+from tracerisk.vendors.doosan.motion import DoosanMotion
 
 if TYPE_CHECKING:
     from tracerisk.ros.runtime import Runtime

@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.ros.action_graph import ActionGoal
 from tracerisk.ros.arm_motion import ArmMotion
 from tracerisk.ros.graph import Change, Publication, ServiceFailedError
-from tracerisk.ros.kortex_actions import KortexArm, pose_of
-from tracerisk.ros.kortex_player import DEFAULTS, REACH_ANGLES, REACH_POSE, KortexPlayer
-from tracerisk.ros.kortex_reports import KortexReports, joint_angles
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.twin.execution import Motion
 from tracerisk.twin.motion import PlanningError
+from tracerisk.vendors.kinova.actions import KortexArm, pose_of
+from tracerisk.vendors.kinova.player import DEFAULTS, REACH_ANGLES, REACH_POSE, KortexPlayer
+from tracerisk.vendors.kinova.reports import KortexReports, joint_angles
 
 if TYPE_CHECKING:
     from tracerisk.ros.runtime import Runtime

@@ -14,8 +14,15 @@ from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_grippers import gripper_ends
 from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.ros.xarm_motion import READY, STOPPED, PoseError, Waiting, XarmMotion, pose_of
 from tracerisk.twin.motion import PlanningError
+from tracerisk.vendors.ufactory.motion import (
+    READY,
+    STOPPED,
+    PoseError,
+    Waiting,
+    XarmMotion,
+    pose_of,
+)
 
 if TYPE_CHECKING:
     from tracerisk.ros.runtime import Runtime

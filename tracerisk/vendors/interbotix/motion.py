@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tracerisk.ros.dynamixel import Servo
 from tracerisk.ros.message_dialect import nanoseconds
 from tracerisk.ros.motion_profiles import ramped
 from tracerisk.twin.motion import JointTrajectory
+from tracerisk.vendors.interbotix.dynamixel import Servo
 
 if TYPE_CHECKING:
     from tracerisk.twin.twin import Twin

@@ -7,12 +7,12 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from tracerisk.ros.doosan_motion import DoosanMotion, pose_of, rows_of, values_of
 from tracerisk.ros.poses import ORIGIN, compose
 from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.twin.motion import PlanningError, Pose
+from tracerisk.vendors.doosan.motion import DoosanMotion, pose_of, rows_of, values_of
 
 _STANDBY, _MOVING = 1, 2
 _IDLE, _BUSY = 0, 2

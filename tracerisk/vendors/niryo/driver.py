@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.arm_motion import ArmMotion
 from tracerisk.ros.graph import Change, Publication
-from tracerisk.ros.niryo_actions import STATUS_OF, NiryoActions
-from tracerisk.ros.niryo_motion import NiryoMotion
-from tracerisk.ros.niryo_places import Handler, NiryoPlaces
 from tracerisk.ros.poses import quaternion_from_rpy, rpy_from_quaternion
 from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.twin.motion import PlanningError, Pose
+from tracerisk.vendors.niryo.actions import STATUS_OF, NiryoActions
+from tracerisk.vendors.niryo.motion import NiryoMotion
+from tracerisk.vendors.niryo.places import Handler, NiryoPlaces
 
 if TYPE_CHECKING:
     from tracerisk.ros.runtime import Runtime
