@@ -28,5 +28,5 @@ publisher.publish(ErrorRecoveryActionGoal())
     assert ran["answer"].success
     assert ran["state"] == 3
     assert ran.findings == [
-        "set_EE_frame was taken and changes nothing: the twin's joints keep their own servos"
+        "set_EE_frame: taken, and changes nothing: the twin's joints keep their own servos"
     ]

@@ -43,7 +43,7 @@ state = call(GetInt16, 'get_state').data
     assert ran["took"] > 3.0
     assert list(ran["angles"])[:6] == pytest.approx([0.0, 0.0, 1.0, 0.0, 1.0, 0.0], abs=0.02)
     assert ran["state"] == 2
-    assert ran.commands == ["xarm_move_joint", "xarm_move_joint"]
+    assert ran.commands == ["set_servo_angle", "set_servo_angle"]
     assert ran.owners[0] == "call"
 
 
@@ -147,4 +147,4 @@ error = rospy.ServiceProxy('/xarm/get_err', GetErr)().err
     )
     assert ran["blocked"].ret == 1
     assert ran["error"] == 31
-    assert any("xarm_move_joint was aborted" in each for each in ran.findings)
+    assert any("move_joint was aborted" in each for each in ran.findings)
