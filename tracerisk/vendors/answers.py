@@ -186,7 +186,6 @@ class Answers:
         return self._queue.is_busy
 
     def _queued(self, result: Result) -> int:
-        self._queue.is_busy  # noqa: B018 - it looks at what is over
         return self._queue.waiting
 
     def _status(self, result: Result) -> str:

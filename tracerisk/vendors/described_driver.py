@@ -65,7 +65,9 @@ class DescribedDriver:
         self._velocities = VelocityStream(self._commands.twin)
         self._taken: set[tuple[str, str]] = set()
         known = [each for each in driver.interfaces if self._types(each)]
-        if not driver.is_shipped:
+        if driver.origin == "user" and driver.interfaces and not known:
+            self._raise_unknown(driver.interfaces[0])
+        if driver.origin != "shipped":
             for each in known:
                 for type_name in self._types(each):
                     check_interface(each, type_name, messages, self._arm(each).answers)
@@ -84,7 +86,7 @@ class DescribedDriver:
             "actions": self._messages.has_action,
         }.get(interface.kind, self._messages.has_message)
         found = tuple(name for name in interface.types if has(name))
-        if not found and not self._driver.is_shipped:
+        if not found and self._driver.origin != "shipped":
             for name in interface.types:
                 package = name.partition("/")[0]
                 if self._messages.has_package(package):
@@ -98,6 +100,14 @@ class DescribedDriver:
                         interface.location,
                     )
         return found
+
+    def _raise_unknown(self, interface: Interface) -> None:
+        package = interface.types[0].partition("/")[0]
+        raise DriverError(
+            f"{interface.kind}.{interface.name}: no message package '{package}'; put its "
+            "definitions into the workspace, in a folder with a package.xml, or into 'definitions'",
+            interface.location,
+        )
 
     def _arm(self, interface: Interface) -> _Arm:
         key = interface.group or self._driver.group, interface.gripper or self._driver.gripper
@@ -119,7 +129,7 @@ class DescribedDriver:
     def _offer(self, interface: Interface) -> None:
         for type_name in self._types(interface):
             answer = partial(self._answer, interface, type_name)
-            if interface.name.startswith("/") and not self._driver.is_shipped:
+            if interface.name.startswith("/") and self._driver.origin != "shipped":
                 self._graph.serve(
                     interface.name, type_name, answer, node=self._driver.node, is_callback=False
                 )

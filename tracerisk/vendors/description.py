@@ -14,6 +14,7 @@ from tracerisk.errors import Location
 
 InterfaceKind = Literal["services", "actions", "subscribed_topics", "published_topics"]
 Rotation = Literal["rpy", "quaternion", "rotation_vector", "euler_zyz"]
+Origin = Literal["shipped", "installed", "user"]
 WhileMoving = Literal["replace", "queue", "wait", "reject"]
 
 EFFECTS: Mapping[str, tuple[str, ...]] = {
@@ -188,7 +189,8 @@ class Driver:
     `closed` and `opened` are the gripper's numbers at its ends. `codes` are the numbers of
     outcomes; `errors` those of outcomes after which nothing moves until the error is cleared, and
     which also set `enabled` to false with `error_disables`. `definitions` are texts of messages
-    that the workspace lacks, by `package/srv/Name`.
+    that the workspace lacks, by `package/srv/Name`. One of whose messages a user's workspace has
+    none is a mistake; a shipped or an installed one is not meant then.
     """
 
     name: str
@@ -211,7 +213,7 @@ class Driver:
     parameters: Mapping[str, Output] = field(default_factory=dict)
     interfaces: tuple[Interface, ...] = ()
     definitions: Mapping[str, str] = field(default_factory=dict)
-    is_shipped: bool = False
+    origin: Origin = "user"
 
 
 def is_share(unit: str) -> bool:

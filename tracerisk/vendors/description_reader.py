@@ -20,6 +20,7 @@ from tracerisk.vendors.description import (
     Driver,
     Interface,
     InterfaceKind,
+    Origin,
     Rotation,
     Units,
     Value,
@@ -58,13 +59,13 @@ _DEFINITION = re.compile(r"[a-z]\w*/(?:msg|srv|action)/[A-Z]\w*")
 _GREATEST_RATE = 1000.0
 
 
-def read_driver(path: Path, *, shown: str | None = None, is_shipped: bool = False) -> Driver:
+def read_driver(path: Path, *, shown: str | None = None, origin: Origin = "user") -> Driver:
     """Read the description of a driver; `shown` is the file's name for messages.
 
     Raises DriverError with file and line for all that is not allowed.
     """
     top = read_large_yaml(path, DriverError, shown=shown)
-    return _Reader(top, shown or str(path)).driver(is_shipped)
+    return _Reader(top, shown or str(path)).driver(origin)
 
 
 class _Reader:
@@ -76,10 +77,11 @@ class _Reader:
         self._known = (*(self._state or ()), *(parameters or ()), *OF_ALL)
         self._values = ValueReader(self._known)
 
-    def driver(self, is_shipped: bool) -> Driver:
+    def driver(self, origin: Origin) -> Driver:
         top = self._top
         top.forbid_unknown(TOP)
         name = top.string("driver")
+        top.optional_string("source")
         packages = _strings(top, "packages")
         state = self._state
         for key in state or ():
@@ -115,7 +117,7 @@ class _Reader:
             parameters=self._values.outputs(top, "parameters") or {},
             interfaces=tuple(interfaces),
             definitions=_definitions(top),
-            is_shipped=is_shipped,
+            origin=origin,
         )
 
     def _interface(
@@ -236,7 +238,10 @@ def _strings(entry: YamlMap, key: str) -> tuple[str, ...]:
     """Return a string or a list of strings."""
     if isinstance(entry.get(key), str):
         return (entry.string(key),)
-    return tuple(entry.strings(key))
+    found = tuple(entry.strings(key))
+    if key in entry and not found:
+        entry.fail(key, "is empty; give one")
+    return found
 
 
 def _full(entry: YamlMap, name: str, packages: tuple[str, ...]) -> tuple[str, ...]:

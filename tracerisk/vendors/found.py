@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterable
 from functools import cache
 from importlib.metadata import entry_points
 from importlib.util import find_spec
@@ -15,6 +17,8 @@ ENDING = ".driver.yaml"
 """How the names of files end that describe a driver: `acme.driver.yaml`."""
 ENTRY_POINTS = "tracerisk.drivers"
 """The entry points of installed packages; each names a package that holds descriptions."""
+DEFINITIONS = "definitions"
+"""The folder of a recording with the messages that descriptions define."""
 
 _HERE = Path(__file__).parent
 
@@ -23,8 +27,24 @@ _HERE = Path(__file__).parent
 def shipped_drivers() -> tuple[Driver, ...]:
     """Return the drivers that tracerisk describes, sorted by their files."""
     return tuple(
-        read_driver(path, shown=path.relative_to(_HERE).as_posix(), is_shipped=True)
+        read_driver(path, shown=path.relative_to(_HERE).as_posix(), origin="shipped")
         for path in sorted(_HERE.glob(f"*/*{ENDING}"))
+    )
+
+
+def read_drivers(files: Iterable[Path], root: Path) -> tuple[Driver, ...]:
+    """Read the descriptions in files, whose names are told from a controller's root.
+
+    Raises DriverError as `read_driver`.
+    """
+    installed = set(installed_files())
+    return tuple(
+        read_driver(
+            file,
+            shown=os.path.relpath(file, root),
+            origin="installed" if file in installed else "user",
+        )
+        for file in files
     )
 
 
@@ -49,3 +69,16 @@ def installed_files() -> tuple[Path, ...]:
             )
         found += files
     return tuple(found)
+
+
+def write_definitions(drivers: Iterable[Driver], folder: Path) -> dict[str, Path]:
+    """Write the messages that descriptions define, and return the folder of each package."""
+    found: dict[str, Path] = {}
+    for driver in drivers:
+        for name, text in driver.definitions.items():
+            package, kind, short = name.split("/")
+            found[package] = folder / package
+            path = folder / package / kind / f"{short}.{kind}"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+    return found

@@ -60,14 +60,14 @@ class MotionQueue:
 
     @property
     def is_busy(self) -> bool:
-        """Whether a motion goes on or waits."""
-        self._commands.poll()
-        return bool(self._waiting or self._live)
+        """Whether a motion goes on or waits; it may be asked in a condition that is waited for."""
+        return self.waiting > 0
 
     @property
     def waiting(self) -> int:
         """How many motions go on or wait."""
-        return len(self._waiting) + len(self._live)
+        live = [job for job in self._live if job.motion and job.motion.outcome == "active"]
+        return len(self._waiting) + len(live)
 
     def __contains__(self, job: Job) -> bool:
         return job in self._waiting or job in self._live

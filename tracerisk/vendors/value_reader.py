@@ -59,6 +59,8 @@ class ValueReader:
     def _given(self, entry: YamlMap, key: str, name: str, is_word: bool) -> Value:
         place = entry.key_location(key)
         given = plain_value(entry, key)
+        if is_word and not isinstance(given, str):
+            entry.fail(key, "expected a word, or {field: NAME}")
         if isinstance(given, str) and not is_word:
             self._check_source(entry, key, given)
             return Value(name, place, paths=(given,))
@@ -66,6 +68,8 @@ class ValueReader:
             for each in given:
                 self._check_source(entry, key, str(each))
             return Value(name, place, paths=tuple(given), is_list=True)
+        if isinstance(given, list) and any(isinstance(each, str) for each in given):
+            entry.fail(key, "expected numbers or fields in a list, found both")
         return Value(name, place, constant=given)
 
     def _check_source(self, entry: YamlMap, key: str, path: str) -> None:
