@@ -58,6 +58,17 @@ class TwinMessages:
         """Tell whether the controller's ROS has a package of messages."""
         return package in self._interfaces.packages
 
+    def names(self, package: str, kind: str) -> tuple[str, ...]:
+        """Return the names of a package's services, actions or messages, as `kind` says."""
+        if kind == "service":
+            return self._service_names(package)
+        if kind == "message":
+            return self._message_names(package)
+        if self.is_ros2:
+            return self._action_names(package)
+        goals = (name for name in self._message_names(package) if name.endswith("ActionGoal"))
+        return tuple(name.removesuffix("ActionGoal") for name in goals)
+
     def request(self, service: str) -> Any:
         """Return an empty request of the service `package/Name`."""
         found = self._interfaces.service(service)

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tracerisk.errors import DriverError, one_of
+from tracerisk.errors import one_of
 from tracerisk.ros.action_graph import ActionChange, ActionGoal, Actions
 from tracerisk.ros.arm_motion import ArmMotion
 from tracerisk.ros.command_streams import CommandStreams
+from tracerisk.ros.controller_thread import undisturbed
 from tracerisk.ros.graph import Change, Publication
 from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.twin_commands import TwinCommands
@@ -23,7 +24,7 @@ from tracerisk.vendors.answers import Answers, Result
 from tracerisk.vendors.conventions import Conventions
 from tracerisk.vendors.described_motions import DescribedMotions
 from tracerisk.vendors.description import Case, Driver, Interface, Output
-from tracerisk.vendors.interface_checks import check_interface
+from tracerisk.vendors.interface_checks import check_interface, types_in_use, unknown_package
 from tracerisk.vendors.motion_queue import Job, MotionQueue
 from tracerisk.vendors.requests import Request
 
@@ -66,7 +67,7 @@ class DescribedDriver:
         self._taken: set[tuple[str, str]] = set()
         known = [each for each in driver.interfaces if self._types(each)]
         if driver.origin == "user" and driver.interfaces and not known:
-            self._raise_unknown(driver.interfaces[0])
+            raise unknown_package(driver.interfaces[0])
         if driver.origin != "shipped":
             for each in known:
                 for type_name in self._types(each):
@@ -81,33 +82,7 @@ class DescribedDriver:
         runtime.client(Actions).watch(self._on_action)
 
     def _types(self, interface: Interface) -> tuple[str, ...]:
-        has = {
-            "services": self._messages.has_service,
-            "actions": self._messages.has_action,
-        }.get(interface.kind, self._messages.has_message)
-        found = tuple(name for name in interface.types if has(name))
-        if not found and self._driver.origin != "shipped":
-            for name in interface.types:
-                package = name.partition("/")[0]
-                if self._messages.has_package(package):
-                    kind = {"services": "service", "actions": "action"}.get(
-                        interface.kind, "message"
-                    )
-                    raise DriverError(
-                        f"{interface.kind}.{interface.name}: {package} has no {kind} "
-                        f"'{name.partition('/')[2]}'; put its definition into the package, or into "
-                        "'definitions'",
-                        interface.location,
-                    )
-        return found
-
-    def _raise_unknown(self, interface: Interface) -> None:
-        package = interface.types[0].partition("/")[0]
-        raise DriverError(
-            f"{interface.kind}.{interface.name}: no message package '{package}'; put its "
-            "definitions into the workspace, in a folder with a package.xml, or into 'definitions'",
-            interface.location,
-        )
+        return types_in_use(self._driver, interface, self._messages)
 
     def _arm(self, interface: Interface) -> _Arm:
         key = interface.group or self._driver.group, interface.gripper or self._driver.gripper
@@ -225,7 +200,8 @@ class DescribedDriver:
             return Result(), []
         arm = self._arm(interface)
         if case.effect == "solve":
-            return arm.motions.solve(case, request), []
+            with undisturbed(self._scheduler.current):
+                return arm.motions.solve(case, request), []
         kind = _short(interface)
         if case.effect == "grip":
             job = Job(kind, stack, arm.motions.grip(case, request), on_end, is_goal)
@@ -349,7 +325,8 @@ class DescribedDriver:
                 return
             request = Request(message, self._state, self._conventions)
             try:
-                self._take(interface, name, request)
+                with undisturbed(self._scheduler.current):
+                    self._take(interface, name, request)
             except PlanningError as error:
                 self._streams.refuse(name, error.message)
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from tracerisk.ros.controller_thread import undisturbed
 from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.twin.execution import Motion
 from tracerisk.twin.motion import PlanningError
@@ -114,7 +115,9 @@ class MotionQueue:
 
     def _begin(self, job: Job) -> None:
         try:
-            motion = job.start()
+            # The solver of a plan reads the clock, which would let another plan come between.
+            with undisturbed(self._commands.scheduler.current):
+                motion = job.start()
         except PlanningError as error:
             self._fail(job, error.failure, error.message)
             return
