@@ -25,6 +25,7 @@ from tracerisk.ros.virtual_time import RunOver, Scheduler
 from tracerisk.twin.robot import load_robot
 from tracerisk.twin.scene import load_scene
 from tracerisk.twin.twin import Twin
+from tracerisk.vendors.found import shipped_drivers, write_definitions
 from tracerisk.vendors.serving import serve_vendors
 
 SECOND = 1_000_000_000
@@ -82,7 +83,8 @@ def run_on(tmp_path: Path) -> Callable[..., Ran]:
             scheduler = Scheduler(twin, duration_ns=round(duration_s * SECOND), tracer=tracer)
             graph = Graph(scheduler, tracer)
             runtime = Runtime(scheduler, graph, twin, tracer, recorder, argv=(str(script),))
-            interfaces = Interfaces2() if ros == 2 else Interfaces()
+            more = write_definitions(shipped_drivers(), tmp_path / "definitions")
+            interfaces = Interfaces2(more=more) if ros == 2 else Interfaces(more=more)
             TwinTopics(runtime, interfaces)
             serve_vendors(runtime, TwinInterfaces(runtime, interfaces))
             with (

@@ -67,7 +67,7 @@ from tracerisk.twin.robot_file import read_dumped_robot
 from tracerisk.twin.samples import SampleWriter
 from tracerisk.twin.scene import load_scene
 from tracerisk.twin.twin import Twin
-from tracerisk.vendors.found import DEFINITIONS, read_drivers, write_definitions
+from tracerisk.vendors.found import DEFINITIONS, read_drivers, shipped_drivers, write_definitions
 from tracerisk.vendors.serving import serve_vendors
 
 _MB = 1024 * 1024
@@ -174,7 +174,7 @@ def _run_recorded(
     is_ros2 = ros_version(script, root) == 2
     own = workspace.interfaces
     drivers = read_drivers(map(Path, request.drivers), root)
-    more = write_definitions(drivers, folder / DEFINITIONS)
+    more = write_definitions((*shipped_drivers(), *drivers), folder / DEFINITIONS)
     interfaces = (
         Interfaces2(workspace=own, more=more) if is_ros2 else Interfaces(workspace=own, more=more)
     )

@@ -15,7 +15,7 @@ from tracerisk.ros.messages2 import Interfaces2
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.vendors.description import Driver
 from tracerisk.vendors.description_reader import read_driver
-from tracerisk.vendors.found import ENDING, installed_files, write_definitions
+from tracerisk.vendors.found import ENDING, installed_files, shipped_drivers, write_definitions
 from tracerisk.vendors.interface_checks import check_interface, types_in_use, unknown_package
 
 _MOST_FOLDERS = 5000
@@ -42,7 +42,7 @@ def check_driver(path: Path) -> Driver:
     driver = read_driver(path)
     own = find_workspace(controller_root(path)).interfaces
     with tempfile.TemporaryDirectory() as folder:
-        more = write_definitions([driver], Path(folder))
+        more = write_definitions((*shipped_drivers(), driver), Path(folder))
         failures = []
         for make in (Interfaces2, Interfaces):
             try:

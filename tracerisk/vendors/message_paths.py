@@ -82,6 +82,8 @@ def read(message: Any, path: str) -> Any:
 
 def _read(value: Any, steps: Sequence[tuple[str, int | None]]) -> Any:
     for number, (name, index) in enumerate(steps):
+        if not hasattr(value, name):
+            raise FieldError(f"{type_of(type(value))} has no field '{name}'")
         value = getattr(value, name)
         if index == EACH:
             return [_read(each, steps[number + 1 :]) for each in value]

@@ -1,7 +1,7 @@
 """The driver of a Baxter on the graph: joint commands, states, grippers, head and IK services.
 
 Source: RethinkRobotics/baxter_common (baxter_core_msgs), baxter_interface (limb.py, gripper.py)
-and the SDK's wiki, "Arm Control Modes". Sawyer takes the same joint commands.
+and the SDK's wiki, "Arm Control Modes".
 """
 
 # ruff: noqa: ARG002 - what tells a state is told its topic
@@ -72,7 +72,6 @@ class BaxterDriver:
         self._subscribed: set[str] = set()
         self._takers: dict[str, Callable[[str, Any], None]] = {
             f"{_CORE}/JointCommand": self._take_joints,
-            "intera_core_msgs/JointCommand": self._take_joints,
             f"{_CORE}/EndEffectorCommand": self._take_gripper,
             f"{_CORE}/HeadPanCommand": self._take_head,
             "std_msgs/Float64": self._take_number,
