@@ -153,3 +153,68 @@ far = solve(asked)
     assert list(ran["found"].result_type) == [1]
     assert ran["after"].pose.position.z == pytest.approx(ran["height"] - 0.05, abs=5e-3)
     assert list(ran["far"].result_type) == [-1]
+
+
+def test_a_ned_of_ros_2_moves_by_its_commands(run_on):
+    ran = run_on(
+        "niryo_ned2",
+        """
+import rclpy
+from niryo_ned_ros2_interfaces.action import RobotMove, Tool
+from niryo_ned_ros2_interfaces.msg import ArmMoveCommand, ToolCommand
+from niryo_ned_ros2_interfaces.srv import SetInt
+from rclpy.action import ActionClient
+rclpy.init()
+node = rclpy.create_node('ned')
+def ask(kind, name, **fields):
+    client = ActionClient(node, kind, name)
+    client.wait_for_server()
+    command = (ArmMoveCommand if kind is RobotMove else ToolCommand)(**fields)
+    sent = client.send_goal_async(kind.Goal(cmd=command))
+    rclpy.spin_until_future_complete(node, sent)
+    ended = sent.result().get_result_async()
+    rclpy.spin_until_future_complete(node, ended)
+    return ended.result().result
+slow = node.create_client(SetInt, '/niryo_robot_arm_commander/set_max_velocity_scaling_factor')
+slow.wait_for_service()
+rclpy.spin_until_future_complete(node, slow.call_async(SetInt.Request(value=20)))
+begun = node.get_clock().now().nanoseconds
+joints = ask(RobotMove, '/niryo_robot_arm_commander/robot_action',
+             cmd_type=0, joints=[0.5, 0.2, -0.5, 0.0, 0.0, 0.0])
+took = (node.get_clock().now().nanoseconds - begun) * 1e-9
+shift = ask(RobotMove, '/niryo_robot_arm_commander/robot_action', cmd_type=6)
+grip = ask(Tool, '/niryo_robot_tools_commander/action_server/tool_action', cmd_type=2)
+other = ask(Tool, '/tools/tool_action', cmd_type=10)
+""",
+        ros=2,
+    )
+    assert [ran[name].status for name in ("joints", "shift", "grip", "other")] == [1, -52, 1, -52]
+    assert ran["took"] > 1.5
+    assert ran.position("joint_1") == pytest.approx(0.5, abs=0.01)
+
+
+def test_play_motion_plays_what_the_parameters_hold(run_on):
+    ran = run_on(
+        "tiago",
+        """
+import actionlib, rospy
+from play_motion_msgs.msg import PlayMotionAction, PlayMotionGoal
+rospy.init_node('player')
+names = ['arm_%d_joint' % i for i in range(1, 8)]
+rospy.set_param('/play_motion/motions/reach', {
+    'joints': ['head_1_joint'] + names,
+    'points': [
+        {'positions': [0.1, 0.3, -0.5, -1.0, 1.5, -1.5, 0.1, 0.0], 'time_from_start': 2.0},
+        {'positions': [0.1, 0.6, -0.4, -1.0, 1.2, -1.5, 0.1, 0.0], 'time_from_start': 4.0},
+    ],
+})
+client = actionlib.SimpleActionClient('/play_motion', PlayMotionAction)
+client.wait_for_server()
+done = client.send_goal_and_wait(PlayMotionGoal(motion_name='reach'))
+unknown = client.send_goal_and_wait(PlayMotionGoal(motion_name='rech'))
+told = client.get_result().error_string
+""",
+    )
+    assert (ran["done"], ran["unknown"]) == (3, 4)
+    assert ran.position("arm_1_joint") == pytest.approx(0.6, abs=0.01)
+    assert "no named state or motion 'rech'; did you mean 'reach'?" in ran["told"]

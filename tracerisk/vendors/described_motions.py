@@ -21,6 +21,8 @@ from tracerisk.vendors.requests import Goal, Request
 if TYPE_CHECKING:
     from tracerisk.ros.runtime import Runtime
 
+_MOTIONS = "motions"  # the parameters of play_motion: motions/NAME/{joints, points}
+
 Make = Callable[[], JointTrajectory | None]
 
 
@@ -190,19 +192,38 @@ class DescribedMotions:
 
     def _joint_goals(self, roles: Mapping[str, Value], request: Request) -> list[Goal]:
         if "named" in roles:
-            return [self._named(str(request.word(roles["named"])))]
+            return self._named(str(request.word(roles["named"])))
         value = roles["joints"]
         constant = value.constant
         if isinstance(constant, int | float) and not isinstance(constant, bool):
             value = replace(value, constant=[constant] * len(self._arm.joints))
         return request.goals(value, roles.get("joint_names"), "angle")
 
-    def _named(self, name: str) -> Goal:
+    def _named(self, name: str) -> list[Goal]:
+        """Return a named state of the robot, or the points of a motion in the parameters."""
         robot = self._arm.twin.robot
         states = robot.named_states.get(self._arm.group or "", {})
-        if name not in states:
-            raise PlanningError("bad_request", f"no named state '{name}'; {one_of(states, name)}")
-        return {key: value for key, value in states[name].items() if key in self._arm.joints}
+        if name in states:
+            state = states[name].items()
+            return [{key: value for key, value in state if key in self._arm.joints}]
+        tree = self._runtime.graph.parameters
+        ending = f"/{_MOTIONS}/{name}/joints"
+        found = [each for each in tree.names() if each.endswith(ending)]
+        if not found:
+            known = {each.split("/")[-2] for each in tree.names() if f"/{_MOTIONS}/" in each}
+            raise PlanningError(
+                "bad_request",
+                f"no named state or motion '{name}'; {one_of({*states, *known}, name)}",
+            )
+        motion = tree.get(found[0].removesuffix("/joints"))
+        try:
+            rows = [list(map(float, each["positions"])) for each in motion["points"]]
+            named = [dict(zip(motion["joints"], row, strict=True)) for row in rows]
+        except (KeyError, TypeError, ValueError) as error:
+            raise PlanningError("invalid_goal", f"motion '{name}' is malformed: {error}") from error
+        # A motion may move other joints too: those of a head, of a gripper.
+        arm = set(self._arm.joints)
+        return [{key: value for key, value in row.items() if key in arm} for row in named]
 
     def _full(self, goal: Goal, *, is_relative: bool) -> list[float]:
         """Return a goal of all joints: those that are not named stay where they are."""
