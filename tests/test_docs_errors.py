@@ -74,6 +74,13 @@ STATIC: dict[str, tuple[dict[str, str], str]] = {
         {"cell.py": CELL, "cell.yaml": "servces: []\n"},
         "run cell.py --robot panda --scenario cell.yaml",
     ),
+    "driver": (
+        {
+            "cell.driver.yaml": "driver: cell\nservices:\n  go:\n"
+            "    {type: std_srvs/Trigger, moves: {}}\n"
+        },
+        "drivers check cell.driver.yaml",
+    ),
     "log": (
         {"cell.py": CELL, **DATA, "run.log": "Function home()\n"},
         ANNOTATE,

@@ -9,7 +9,18 @@ import pytest
 
 PACKAGE = Path(__file__).parents[1] / "tracerisk"
 
-ROOMS = ("cli", "pipeline", "report", "prm", "adder", "ros", "twin", "instrument", "hardware")
+ROOMS = (
+    "cli",
+    "pipeline",
+    "report",
+    "prm",
+    "adder",
+    "vendors",
+    "ros",
+    "twin",
+    "instrument",
+    "hardware",
+)
 """From the top down."""
 BELOW = (
     *("trace", "trace_display", "trace_json", "trace_log"),

@@ -49,7 +49,8 @@ class Settings:
     else.
     `mission_cycles` is how many cycles a mission has whose loop has no end of its own.
     `robot`, `scene` and `hardware` are names or paths, `None` for the default of the robot.
-    `scenario` is the file of what the controller's world gives it, `params` files of parameters.
+    `scenario` is the file of what the controller's world gives it, `params` files of parameters,
+    `drivers` files that describe drivers.
     `launch` is the launch file that starts the controller, `True` for that of its workspace,
     `False` for none. `companions`: whether nodes of its workspace are started beside it that
     provide what it waits for.
@@ -75,6 +76,7 @@ class Settings:
     seed: int = 0
     mission_cycles: int = 10
     params: tuple[str, ...] = ()
+    drivers: tuple[str, ...] = ()
     launch: str | bool = True
     companions: bool = True
     states: tuple[str, ...] = ()
@@ -131,8 +133,8 @@ def read_settings(root: Path, file: str | None = None) -> Settings:
 
     `file` is a controller, from the root: its table `[tool.tracerisk.controllers."FILE"]` goes
     before the settings of all, and the settings in the file itself go before both.
-    `robot`, `scene`, `scenario`, `hardware`, `params` and `launch` that name a file are returned
-    as its path from the root; those in the controller start from the controller's folder.
+    `robot`, `scene`, `scenario`, `hardware`, `params`, `drivers` and `launch` that name a file are
+    returned as its path from the root; those in the controller start from the controller's folder.
     Raises SettingsError with file and line at an unknown key or a bad value.
     """
     values: dict[str, Any] = {}
@@ -284,7 +286,7 @@ class _Reader:
 
     def _placed(self, key: str, value: Any) -> Any:
         """Return a setting with the names of files as paths."""
-        if key == "params":
+        if key in ("params", "drivers"):
             return tuple(str(self._folder / name) for name in value)
         is_name = key in ("robot", "scene", "scenario", "hardware", "launch")
         if not is_name or not isinstance(value, str):
@@ -318,9 +320,9 @@ class _Reader:
             if not isinstance(value, bool):
                 self.fail(key, f"expected true or false, found {value!r}")
             return value
-        if key in ("params", "states", "helpers"):
+        if key in ("params", "drivers", "states", "helpers"):
             if not isinstance(value, list) or not all(isinstance(each, str) for each in value):
-                what = "file names" if key == "params" else "qualified names"
+                what = "file names" if key in ("params", "drivers") else "qualified names"
                 self.fail(key, f"expected a list of {what}")
             return tuple(value)
         if key == "launch":

@@ -110,6 +110,12 @@ class ScenarioError(InputError):
     code = "scenario"
 
 
+class DriverError(InputError):
+    """The description of a driver is malformed, or does not fit the messages it speaks of."""
+
+    code = "driver"
+
+
 class LogError(InputError):
     """A trace or a log file is malformed."""
 

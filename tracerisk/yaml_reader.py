@@ -74,6 +74,9 @@ class YamlMap:
         """Return the keys in the order of the file."""
         return tuple(self._node)
 
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.keys())
+
     def __contains__(self, key: str) -> bool:
         return key in self._node
 

@@ -118,6 +118,7 @@ def run_on_twin(tmp_path: Path) -> Callable[..., Ran]:
     from tracerisk.twin.robot import load_robot
     from tracerisk.twin.scene import load_scene
     from tracerisk.twin.twin import Twin
+    from tracerisk.vendors.serving import serve_vendors
 
     def run_program(program: str, *, duration_s: float = 60.0) -> Ran:
         script = tmp_path / "program.py"
@@ -140,7 +141,7 @@ def run_on_twin(tmp_path: Path) -> Callable[..., Ran]:
             )
             interfaces = Interfaces()
             TwinTopics(runtime, interfaces)
-            TwinInterfaces(runtime, interfaces)
+            serve_vendors(runtime, TwinInterfaces(runtime, interfaces))
             with (
                 activate(runtime),
                 StandInFinder(interfaces),

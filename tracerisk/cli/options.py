@@ -51,6 +51,13 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         action="append",
         help="parameters as YAML, of ROS 1 or ROS 2; may be given again",
     )
+    group.add_argument(
+        "--driver",
+        dest="drivers",
+        metavar="FILE",
+        action="append",
+        help="a description of what the robot's driver serves; may be given again",
+    )
     launch = group.add_mutually_exclusive_group()
     launch.add_argument(
         "--launch", metavar="FILE", help="the launch file that starts it; else looked for"
@@ -225,10 +232,10 @@ def run_settings(options: argparse.Namespace) -> dict[str, Any]:
         "seed",
         "mission_cycles",
     )
-    params = getattr(options, "params", None)
+    lists = {name: getattr(options, name, None) for name in ("params", "drivers")}
     return {
         **{name: getattr(options, name, None) for name in names},
-        "params": None if params is None else tuple(params),
+        **{name: None if given is None else tuple(given) for name, given in lists.items()},
         "args": tuple(getattr(options, "argv", ())) or None,
         "answers": tuple(getattr(options, "answers", ())) or None,
     }

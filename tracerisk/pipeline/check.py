@@ -291,7 +291,7 @@ def given_options(recorded: RunInputs, controller: Controller) -> dict[str, obje
     for name, value in recorded.given.items():
         if name not in known:
             continue
-        if name == "params":
+        if name in ("params", "drivers"):
             options[name] = tuple(str(root / file) for file in value)
         elif isinstance(value, list):
             options[name] = tuple(value)

@@ -67,6 +67,8 @@ from tracerisk.twin.robot_file import read_dumped_robot
 from tracerisk.twin.samples import SampleWriter
 from tracerisk.twin.scene import load_scene
 from tracerisk.twin.twin import Twin
+from tracerisk.vendors.found import DEFINITIONS, read_drivers, shipped_drivers, write_definitions
+from tracerisk.vendors.serving import serve_vendors
 
 _MB = 1024 * 1024
 
@@ -171,9 +173,13 @@ def _run_recorded(
     recorder.watch, tracer.on_iteration = watch, watch.looped
     is_ros2 = ros_version(script, root) == 2
     own = workspace.interfaces
-    interfaces = Interfaces2(workspace=own) if is_ros2 else Interfaces(workspace=own)
+    drivers = read_drivers(map(Path, request.drivers), root)
+    more = write_definitions((*shipped_drivers(), *drivers), folder / DEFINITIONS)
+    interfaces = (
+        Interfaces2(workspace=own, more=more) if is_ros2 else Interfaces(workspace=own, more=more)
+    )
     TwinTopics(runtime, interfaces)
-    TwinInterfaces(runtime, interfaces)
+    serve_vendors(runtime, TwinInterfaces(runtime, interfaces), drivers)
     TwinFrames(runtime, interfaces)
     scenario_world = ScenarioWorld(runtime, interfaces, scenario)
     schedule = watch.schedule = scenario_world.schedule

@@ -76,6 +76,7 @@ def run_controller(
     taken hold, and else to the standard error of this process.
     Raises SourceError, RobotError or another error of the input when nothing could run.
     """
+    from tracerisk.pipeline.driver_files import driver_files
     from tracerisk.twin.robot_file import dump_robot
 
     scene = settings.scene or robot.default_scene
@@ -92,6 +93,7 @@ def run_controller(
             scene=scene,
             scenario=settings.scenario,
             params=settings.params,
+            drivers=tuple(map(str, driver_files(controller.root.resolve(), settings))),
             launch=launch,
             launch_notes=choice.notes,
             companions=companions,

@@ -99,12 +99,14 @@ def run_inputs(
     Raises InputError for a file that cannot be read.
     """
     # Not needed to tell whether a trace is fresh, which must be quick.
+    from tracerisk.pipeline.driver_files import driver_files
     from tracerisk.pipeline.robot_choice import robot_files
 
     root = controller.root.resolve()
     scene = settings.scene if settings.scene is not None and Path(settings.scene).suffix else None
     robot = map(str, robot_files(controller, settings))
-    named = (settings.scenario, scene, *settings.params, *robot)
+    drivers = map(str, driver_files(root, settings))
+    named = (settings.scenario, scene, *settings.params, *drivers, *robot)
     listed = {*trace.inputs, *(_from(root, Path(file)) for file in named if file is not None)}
     sources = {controller.file, *trace.files}
     return RunInputs(
@@ -213,7 +215,7 @@ def _given_data(given: Mapping[str, Any], root: Path) -> dict[str, Any]:
 
 def _plain(name: str, value: Any, root: Path) -> Any:
     """Return a setting as JSON; a file that it names is told from the root."""
-    if name == "params":
+    if name in ("params", "drivers"):
         return [_from(root, Path(file)) for file in value]
     if name in _NAMES_OF_FILES and isinstance(value, str) and Path(value).suffix:
         return _from(root, Path(value))

@@ -74,7 +74,7 @@ class RunRequest:
     """What the child is asked to run; `folder` is that of the recording, `parent` who asks.
 
     `argv` holds what `launch` adds to it; `launch_notes` are the lines that tell of `launch`.
-    `companions` are started beside the controller.
+    `companions` are started beside the controller. `drivers` are files that describe drivers.
     """
 
     controller: str
@@ -85,6 +85,7 @@ class RunRequest:
     scene: str
     scenario: str | None
     params: tuple[str, ...]
+    drivers: tuple[str, ...]
     launch: LaunchSetup | None
     launch_notes: tuple[str, ...]
     companions: tuple[Companion, ...]
@@ -101,7 +102,7 @@ class RunRequest:
     def loads(cls, text: str) -> RunRequest:
         """Read what `dumps` wrote."""
         data = json.loads(text)
-        names = ("argv", "answers", "params", "launch_notes")
+        names = ("argv", "answers", "params", "drivers", "launch_notes")
         lists = {name: tuple(data[name]) for name in names}
         launch = None if data["launch"] is None else LaunchSetup.from_json(data["launch"])
         companions = tuple(Companion.from_json(each) for each in data["companions"])

@@ -31,11 +31,19 @@ class ArmMotion:
     """Moves the arm of the twin for a driver.
 
     `tools` are links that the driver speaks of, the first one there is taken; else it is the tip
-    of the group of all joints.
+    of the group of all joints. `group` and `gripper` are names of the robot's, for one of several.
     """
 
-    def __init__(self, commands: TwinCommands, tools: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        commands: TwinCommands,
+        tools: Sequence[str] = (),
+        *,
+        group: str | None = None,
+        gripper: str | None = None,
+    ) -> None:
         self._commands = commands
+        self.scheduler = commands.scheduler
         self.twin = commands.twin
         robot = self.twin.robot
         held = {name for gripper in robot.grippers for name in gripper.joints}
@@ -45,13 +53,15 @@ class ArmMotion:
             if group.tip_link is not None and not held & set(group.joints)
         }
         # Of several groups the largest, as a description has groups of parts of its arm too.
-        self.group = max(groups, key=lambda name: len(groups[name].joints), default=None)
+        largest = max(groups, key=lambda name: len(groups[name].joints), default=None)
+        self.group = group if group in groups else largest
         known = [robot.joint(name) for name in groups[self.group].joints] if self.group else ()
         self.arm: tuple[Joint, ...] = tuple(known) or robot.arm_joints
         self.joints = tuple(joint.name for joint in self.arm)
         named = (link for tool in tools for link in robot.link_names if link.endswith(tool))
         self.tool = next(named, groups[self.group].tip_link if self.group else None)
-        self.gripper = next(iter(robot.grippers), None)
+        named_grippers = (each for each in robot.grippers if gripper in (None, each.name))
+        self.gripper = next(named_grippers, None)
 
     # Where it is
 
@@ -101,6 +111,16 @@ class ArmMotion:
         at = dict(zip(state.names, state.position, strict=True))
         closed, opened = gripper_ends(self.twin.robot, self.gripper)
         return (self.gripper.position(at) - closed) / (opened - closed)
+
+    def grip_width(self) -> float:
+        """Return how far the fingers are apart, or at which angle the gripper is [m or rad]."""
+        if self.gripper is None:
+            return 0.0
+        state = self.twin.joint_state()
+        at = dict(zip(state.names, state.position, strict=True))
+        position = self.gripper.position(at)
+        is_sliding = self.twin.robot.joint(self.gripper.joints[0]).type == "prismatic"
+        return position * len(self.gripper.joints) if is_sliding else position
 
     # What it can do
 
@@ -282,6 +302,12 @@ class ArmMotion:
         Raises:
             PlanningError: the robot has no gripper with joints.
         """
+        motion = self.grip_motion(opened, max_effort=max_effort)
+        self._commands.begin("gripper_command", motion, stack)
+        return motion
+
+    def grip_motion(self, opened: float, *, max_effort: float | None = None) -> Motion:
+        """Start the motion of `move_gripper` without recording whose it is."""
         if self.gripper is None:
             raise PlanningError(
                 "bad_request", f"robot '{self.twin.robot.name}' has no gripper with joints"
@@ -289,9 +315,16 @@ class ArmMotion:
         closed, wide = gripper_ends(self.twin.robot, self.gripper)
         goal = closed + min(max(opened, 0.0), 1.0) * (wide - closed)
         goal = min(max(goal, self.gripper.least), self.gripper.opening)
-        motion = self.twin.move_gripper(self.gripper.name, goal, max_effort=max_effort)
-        self._commands.begin("gripper_command", motion, stack)
-        return motion
+        return self.twin.move_gripper(self.gripper.name, goal, max_effort=max_effort)
+
+    def share_of_width(self, width: float) -> float:
+        """Return at which share of their opening the fingers are a width apart [m]."""
+        if self.gripper is None:
+            return 0.0
+        closed, wide = gripper_ends(self.twin.robot, self.gripper)
+        is_sliding = self.twin.robot.joint(self.gripper.joints[0]).type == "prismatic"
+        position = width / len(self.gripper.joints) if is_sliding else width
+        return (position - closed) / (wide - closed)
 
     def stop(self, *, fingers: bool = False) -> None:
         """Bring the arm to rest, and the fingers where told."""

@@ -88,7 +88,10 @@ class Wait:
 
 @dataclass(slots=True, eq=False)
 class ControllerThread:
-    """A thread under the baton; `process` is the companion whose code it runs, None for none."""
+    """A thread under the baton; `process` is the companion whose code it runs, None for none.
+
+    `is_undisturbed`: it reads the clock, and nobody else has a turn meanwhile.
+    """
 
     name: str
     number: int
@@ -101,12 +104,26 @@ class ControllerThread:
     ident: int | None = None
     spins_since_ns: int | None = None
     read_ns: int = -1
+    is_undisturbed: bool = False
     calls: int = 0
     calls_ns: int = -1
     raises: int = 0
     interrupt: BaseException | None = None
     process: NodeProcess | None = None
     at_finish: list[Callable[[], None]] = field(default_factory=list)
+
+
+@contextmanager
+def undisturbed(thread: ControllerThread | None) -> Iterator[None]:
+    """Keep the clock, while it lasts, from moving because the thread reads it."""
+    if thread is None or thread.is_undisturbed:
+        yield
+        return
+    thread.is_undisturbed = True
+    try:
+        yield
+    finally:
+        thread.is_undisturbed = False
 
 
 @contextmanager

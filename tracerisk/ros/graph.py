@@ -355,9 +355,10 @@ class Graph:
 
         A name that many use comes with the part before it: `motion/move_stop`.
         It begins when it is first asked for by name, and where nobody else serves that name.
-        Where several types are offered under one name, whoever asks says which is meant.
+        Who offers a name and type first serves it. Where several types are offered under one name,
+        whoever asks says which is meant.
         """
-        self._offers.setdefault(base_name, {})[type_name] = (handle, node)
+        self._offers.setdefault(base_name, {}).setdefault(type_name, (handle, node))
 
     def service(self, name: str, type_name: str | None = None) -> ServiceServer | None:
         """Return who serves a name, if anybody; a service of the twin's begins with that."""

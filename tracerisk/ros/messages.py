@@ -75,13 +75,19 @@ class _OfDefinition:
 class Interfaces:
     """The message packages that are known, and the classes made of them so far.
 
-    `workspace` maps a package's name to the folder that holds its `msg`, `srv` and `action`.
+    `workspace` maps a package's name to the folder that holds its `msg`, `srv` and `action`;
+    `more` to one that holds those which are found nowhere else.
     """
 
     kinds = ("msg", "srv")
 
-    def __init__(self, workspace: Mapping[str, Path] | None = None) -> None:
+    def __init__(
+        self,
+        workspace: Mapping[str, Path] | None = None,
+        more: Mapping[str, Path] | None = None,
+    ) -> None:
         self._workspace = dict(workspace or {})
+        self._more = dict(more or {})
         self._definitions: Typesdict = {}
         self._classes: dict[str, type[Message]] = {}
         self._services: dict[str, type[Service]] = {}
@@ -99,7 +105,8 @@ class Interfaces:
         """The names of all packages that are known, sorted."""
         own = (folder.name for folder in INTERFACES.iterdir() if folder.is_dir())
         stored = (name.split("/")[0] for name in self._store)
-        return tuple(sorted({*self._workspace, *own, *stored} - {"builtin_interfaces"}))
+        known = {*self._workspace, *self._more, *own, *stored}
+        return tuple(sorted(known - {"builtin_interfaces"}))
 
     def message_names(self, package: str) -> tuple[str, ...]:
         """Return the names of a package's messages, those of its actions included, sorted."""
@@ -201,7 +208,12 @@ class Interfaces:
         key = package, kind
         if key not in self._listed:
             # Asked for at each name of a package, of which some have hundreds.
-            self._listed[key] = tuple(sorted((self._folder(package) / kind).rglob(f"*.{kind}")))
+            listed = sorted((self._folder(package) / kind).rglob(f"*.{kind}"))
+            if package in self._more:
+                names = {path.name for path in listed}
+                more = sorted((self._more[package] / kind).glob(f"*.{kind}"))
+                listed += [path for path in more if path.name not in names]
+            self._listed[key] = tuple(listed)
         return self._listed[key]
 
     def _file(self, package: str, kind: str, short: str) -> Path | None:

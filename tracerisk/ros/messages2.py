@@ -48,13 +48,19 @@ _DEFAULT = re.compile(r"\s*[\w/]+(?:<=\d+)?(?:\[[<=\d]*\])?\s+(\w+)\s+([^=\s#].*
 class Interfaces2:
     """The message packages of ROS 2 that are known, and the classes made of them so far.
 
-    `workspace` maps a package's name to the folder that holds its `msg`, `srv` and `action`.
+    `workspace` maps a package's name to the folder that holds its `msg`, `srv` and `action`;
+    `more` to one that holds those which are found nowhere else.
     """
 
     kinds = ("msg", "srv", "action")
 
-    def __init__(self, workspace: Mapping[str, Path] | None = None) -> None:
+    def __init__(
+        self,
+        workspace: Mapping[str, Path] | None = None,
+        more: Mapping[str, Path] | None = None,
+    ) -> None:
         self._workspace = dict(workspace or {})
+        self._more = dict(more or {})
         self._definitions: Typesdict = {}
         self._defaults: dict[str, dict[str, Any]] = {}
         self._classes: dict[str, type[Message2]] = {}
@@ -67,7 +73,7 @@ class Interfaces2:
         """The names of all packages that are known, sorted."""
         own = (folder.name for folder in INTERFACES.iterdir() if folder.is_dir())
         stored = {name.split("/")[0] for name in self._store} - _NOT_SERVED
-        return tuple(sorted({*self._workspace, *own, *stored, *_UNCHANGED}))
+        return tuple(sorted({*self._workspace, *self._more, *own, *stored, *_UNCHANGED}))
 
     def message_names(self, package: str) -> tuple[str, ...]:
         """Return the names of a package's messages, sorted."""
@@ -178,6 +184,8 @@ class Interfaces2:
         else:
             folders = [_ROS1_INTERFACES / package] if package in _UNCHANGED else []
             folders.append(INTERFACES / package)
+        if package in self._more:
+            folders.insert(0, self._more[package])
         return {
             path.stem: path
             for folder in folders

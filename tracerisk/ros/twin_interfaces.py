@@ -6,7 +6,7 @@ served under the name that they chose, unless the controller serves it itself.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from tracerisk.ros.action_graph import ActionChange, ActionGoal, Actions
@@ -16,12 +16,12 @@ from tracerisk.ros.twin_commands import TwinCommands
 from tracerisk.ros.twin_controllers import ControllerManager
 from tracerisk.ros.twin_follow import TYPE as FOLLOW
 from tracerisk.ros.twin_follow import FollowServer
+from tracerisk.ros.twin_gazebo import GazeboServices
 from tracerisk.ros.twin_grippers import GripperServer
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.ros.twin_moveit import EXECUTE_TRAJECTORY, MOVE_GROUP, MoveItInterfaces
 from tracerisk.ros.twin_moveit_scene import SceneInterfaces
 from tracerisk.ros.twin_set_points import SetPoints
-from tracerisk.ros.twin_vendors import serve_vendors
 from tracerisk.ros.twin_wrench import WrenchTopics
 
 _NODE = "/robot_driver"
@@ -31,13 +31,14 @@ Handler = Callable[[ActionGoal], None]
 class TwinInterfaces:
     """Serves actions, command topics and services of the robot's driver to one run.
 
-    `interfaces` makes the message classes of the ROS that the controller speaks.
+    `interfaces` makes the message classes of the ROS that the controller speaks. The drivers of
+    makers, who stand above this room, share `messages` and `set_points`.
     """
 
     def __init__(self, runtime: Runtime, interfaces: Any) -> None:
         self._actions = runtime.client(Actions)
         commands = runtime.client(TwinCommands)
-        messages = TwinMessages(interfaces)
+        messages = self.messages = TwinMessages(interfaces)
         follow = FollowServer(commands, messages)
         self._types: dict[str, tuple[Handler, Handler]] = {
             FOLLOW: (follow.on_goal, follow.on_cancel)
@@ -51,14 +52,18 @@ class TwinInterfaces:
             SceneInterfaces(runtime, messages)
             self._types[MOVE_GROUP] = (moveit.move_group, moveit.on_cancel)
             self._types[EXECUTE_TRAJECTORY] = (moveit.execute_trajectory, moveit.on_cancel)
-        set_points = SetPoints(runtime, commands)
-        self._types |= serve_vendors(runtime, messages, commands, set_points)
+            GazeboServices(runtime, messages, commands)
+        self.set_points = SetPoints(runtime, commands)
         self._served: set[tuple[str, str]] = set()
         self._actions.watch(self._on_action)
         if not hasattr(interfaces, "action"):
             ActionTopics(runtime, messages)
         ControllerManager(runtime, messages)
         WrenchTopics(runtime, messages)
+
+    def take(self, types: Mapping[str, tuple[Handler, Handler]]) -> None:
+        """Serve more types of actions: what takes a goal of each, and what cancels one."""
+        self._types.update(types)
 
     def _on_action(self, change: ActionChange, name: str, type_name: str) -> None:
         if change != "client" or type_name not in self._types or (name, type_name) in self._served:

@@ -204,7 +204,7 @@ class Scheduler:
             RunOver: the run is over.
         """
         thread = self.current
-        if thread is None or self._kernel_depth:
+        if thread is None or self._kernel_depth or thread.is_undisturbed:
             return
         self._raise_if_over(thread)
         if thread.read_ns == self._now_ns:

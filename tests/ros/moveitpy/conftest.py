@@ -24,6 +24,7 @@ from tracerisk.ros.virtual_time import RunOver, Scheduler
 from tracerisk.twin.robot import load_robot
 from tracerisk.twin.scene import load_scene
 from tracerisk.twin.twin import Twin
+from tracerisk.vendors.serving import serve_vendors
 
 SECOND = 1_000_000_000
 PREAMBLE = """\
@@ -96,7 +97,7 @@ def run(tmp_path: Path) -> Callable[..., Ran]:
                 scheduler, graph, twin, tracer, recorder, argv=(str(script),), packages=packages
             )
             interfaces = Interfaces2()
-            TwinInterfaces(runtime, interfaces)
+            serve_vendors(runtime, TwinInterfaces(runtime, interfaces))
             with (
                 activate(runtime),
                 StandInFinder(interfaces),

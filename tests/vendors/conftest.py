@@ -1,0 +1,104 @@
+from __future__ import annotations
+
+import sys
+import textwrap
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tracerisk.instrument.loader import prepared_controller
+from tracerisk.instrument.ownership import attribute
+from tracerisk.instrument.recording import Recorder, Recording, read_recording
+from tracerisk.instrument.tracer import Tracer
+from tracerisk.ros.finder import StandInFinder
+from tracerisk.ros.graph import Graph
+from tracerisk.ros.messages import Interfaces
+from tracerisk.ros.messages2 import Interfaces2
+from tracerisk.ros.patches import virtual_time
+from tracerisk.ros.runtime import Runtime, activate
+from tracerisk.ros.twin_interfaces import TwinInterfaces
+from tracerisk.ros.twin_topics import TwinTopics
+from tracerisk.ros.virtual_time import RunOver, Scheduler
+from tracerisk.twin.robot import load_robot
+from tracerisk.twin.scene import load_scene
+from tracerisk.twin.twin import Twin
+from tracerisk.vendors.found import shipped_drivers, write_definitions
+from tracerisk.vendors.serving import serve_vendors
+
+SECOND = 1_000_000_000
+
+
+@dataclass
+class Ran:
+    """What a program on the twin left: its global names, the recording and the twin."""
+
+    names: dict[str, Any]
+    recording: Recording
+    twin: Any
+
+    def __getitem__(self, name: str) -> Any:
+        return self.names[name]
+
+    @property
+    def findings(self) -> list[str]:
+        return [finding.message for finding in self.recording.findings]
+
+    @property
+    def owners(self) -> list[str]:
+        attribution = attribute(self.recording, end_ns=self.twin.time_ns)
+        return [visit.function.name for visit in attribution.visits]
+
+    @property
+    def commands(self) -> list[str]:
+        return [command.kind for command in self.recording.commands]
+
+    def position(self, joint: str) -> float:
+        state = self.twin.joint_state()
+        return state.position[state.names.index(joint)]
+
+
+@pytest.fixture
+def run_on(tmp_path: Path) -> Callable[..., Ran]:
+    """Run a program of either ROS on a robot, traced and in virtual time, as the command does."""
+
+    def run_program(
+        robot_name: str,
+        program: str,
+        *,
+        ros: int = 1,
+        scene: str | None = None,
+        duration_s: float = 120.0,
+    ) -> Ran:
+        script = tmp_path / "program.py"
+        script.write_text(textwrap.dedent(program))
+        robot = load_robot(robot_name)
+        twin = Twin.build(robot, load_scene(scene or robot.default_scene))
+        events = tmp_path / "events.jsonl"
+        with events.open("wb", buffering=0) as stream:
+            recorder = Recorder(stream, clock=lambda: scheduler.now_ns)
+            tracer = Tracer(recorder.function_ran)
+            scheduler = Scheduler(twin, duration_ns=round(duration_s * SECOND), tracer=tracer)
+            graph = Graph(scheduler, tracer)
+            runtime = Runtime(scheduler, graph, twin, tracer, recorder, argv=(str(script),))
+            more = write_definitions(shipped_drivers(), tmp_path / "definitions")
+            interfaces = Interfaces2(more=more) if ros == 2 else Interfaces(more=more)
+            TwinTopics(runtime, interfaces)
+            serve_vendors(runtime, TwinInterfaces(runtime, interfaces))
+            with (
+                activate(runtime),
+                StandInFinder(interfaces),
+                virtual_time(scheduler),
+                prepared_controller(script, tracer, (), root=tmp_path) as run,
+            ):
+                namespace = sys.modules["__main__"].__dict__
+                try:
+                    scheduler.run_main(run)
+                except RunOver as over:
+                    if over.cause not in ("quiescent", "duration"):
+                        raise
+            return Ran(dict(namespace), read_recording(events), twin)
+
+    return run_program

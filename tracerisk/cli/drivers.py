@@ -1,0 +1,97 @@
+"""`tracerisk drivers`: list what is described, check a description, or print its schema."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.cli import options as shared
+from tracerisk.cli.output import note, print_json
+
+if TYPE_CHECKING:
+    from tracerisk.vendors.description import Driver
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add what can be done with descriptions, each with its options."""
+    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
+    for name, summary in (
+        ("list", "list the drivers that are shipped or installed"),
+        ("check", "check a description, and its fields against the messages of its workspace"),
+        ("schema", "print the JSON Schema by which editors complete descriptions"),
+    ):
+        action = actions.add_parser(
+            name, help=summary, description=f"{summary[0].upper()}{summary[1:]}."
+        )
+        action.verb = getattr(parser, "verb", None)  # type: ignore[attr-defined]
+        if name == "check":
+            action.add_argument("files", metavar="FILE", nargs="+", help="the description, YAML")
+        if name == "schema":
+            action.add_argument(
+                "-o", "--output", metavar="FILE", help="the file to write; else it is printed"
+            )
+        shared.add_json(action)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    if options.action == "schema":
+        return _schema(options)
+    from tracerisk.vendors.found import installed_files, read_drivers, shipped_drivers
+
+    if options.action == "list":
+        drivers = (*shipped_drivers(), *read_drivers(installed_files(), Path.cwd()))
+    else:
+        from tracerisk.pipeline.driver_files import check_driver
+
+        drivers = tuple(check_driver(Path(name)) for name in options.files)
+    if options.json:
+        print_json("drivers", action=options.action, drivers=[_as_json(each) for each in drivers])
+        return 0
+    for driver in drivers:
+        print(f"{driver.name} ({driver.file}): {_counted(driver)}")
+        if options.action == "check":
+            for each in driver.interfaces:
+                print(f"  {each.kind.rstrip('s').replace('_', ' ')} {each.name} ({each.types[0]})")
+    return 0
+
+
+def _schema(options: argparse.Namespace) -> int:
+    from importlib.resources import files
+
+    from tracerisk.adder.write import FileWrite, write_all
+
+    text = files("tracerisk.vendors").joinpath("driver.schema.json").read_text(encoding="utf-8")
+    if options.output is not None:
+        write_all([FileWrite(Path(options.output), text.encode())])
+        note(f"{options.output}: written", quiet=options.quiet)
+    if options.json:
+        print_json("drivers", action="schema", file=options.output, text=text)
+    elif options.output is None:
+        print(text, end="")
+    return 0
+
+
+def _counted(driver: Driver) -> str:
+    kinds = ("services", "actions", "subscribed_topics", "published_topics")
+    counts = {kind: sum(each.kind == kind for each in driver.interfaces) for kind in kinds}
+    told = [
+        f"{count} {kind.replace('_', ' ') if count != 1 else kind[:-1].replace('_', ' ')}"
+        for kind, count in counts.items()
+        if count
+    ]
+    return ", ".join(told) or "parameters alone"
+
+
+def _as_json(driver: Driver) -> dict[str, Any]:
+    return {
+        "name": driver.name,
+        "file": driver.file,
+        "origin": driver.origin,
+        "interfaces": [
+            {"kind": each.kind, "name": each.name, "types": list(each.types)}
+            for each in driver.interfaces
+        ],
+        "parameters": sorted(driver.parameters),
+    }

@@ -1,0 +1,463 @@
+"""A driver that is described, on the graph: its services, actions, topics and parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tracerisk.errors import one_of
+from tracerisk.ros.action_graph import ActionChange, ActionGoal, Actions
+from tracerisk.ros.arm_motion import ArmMotion
+from tracerisk.ros.command_streams import CommandStreams
+from tracerisk.ros.controller_thread import undisturbed
+from tracerisk.ros.graph import Change, Publication
+from tracerisk.ros.sensor_reading import SensorReading
+from tracerisk.ros.twin_commands import TwinCommands
+from tracerisk.ros.twin_messages import TwinMessages
+from tracerisk.ros.twin_set_points import SetPoints
+from tracerisk.ros.velocity_motion import VelocityStream
+from tracerisk.twin.motion import PlanningError
+from tracerisk.vendors.answers import Answers, Result
+from tracerisk.vendors.conventions import Conventions
+from tracerisk.vendors.described_motions import DescribedMotions
+from tracerisk.vendors.description import Case, Driver, Interface, Output
+from tracerisk.vendors.interface_checks import check_interface, types_in_use, unknown_package
+from tracerisk.vendors.motion_queue import Job, MotionQueue
+from tracerisk.vendors.requests import Request
+
+if TYPE_CHECKING:
+    from tracerisk.instrument.tracer import Frame
+    from tracerisk.ros.runtime import Runtime
+
+_FOREVER_S = 1000.0
+
+
+class DescribedDriver:
+    """Serves what one description says, under its names in whatever namespace they are asked for.
+
+    Raises:
+        DriverError: the description does not fit the messages that it speaks of.
+    """
+
+    def __init__(
+        self,
+        driver: Driver,
+        runtime: Runtime,
+        messages: TwinMessages,
+        set_points: SetPoints,
+    ) -> None:
+        self._driver = driver
+        self._runtime = runtime
+        self._graph, self._scheduler = runtime.graph, runtime.scheduler
+        self._messages = messages
+        self._set_points = set_points
+        self._commands = runtime.client(TwinCommands)
+        self._reading = runtime.client(SensorReading)
+        self._conventions = Conventions(driver.units, driver.rotation)
+        disables = driver.error_disables
+        self._queue = MotionQueue(self._commands, driver.errors, disables=disables)
+        self._grips = MotionQueue(self._commands, {}, disables=False)
+        self._state = _State(driver, self._queue, runtime)
+        self._arms: dict[tuple[str | None, str | None], _Arm] = {}
+        self._streams = CommandStreams(self._commands)
+        self._velocities = VelocityStream(self._commands.twin)
+        self._taken: set[tuple[str, str]] = set()
+        known = [each for each in driver.interfaces if self._types(each)]
+        if driver.origin == "user" and driver.interfaces and not known:
+            raise unknown_package(driver.interfaces[0])
+        if driver.origin != "shipped":
+            for each in known:
+                for type_name in self._types(each):
+                    check_interface(each, type_name, messages, self._arm(each).answers)
+        self._interfaces = known
+        for each in known:
+            if each.kind == "services":
+                self._offer(each)
+        for name, output in driver.parameters.items():
+            self._graph.parameters.offer(name, partial(self._parameter, output))
+        self._graph.watch(self._on_change)
+        runtime.client(Actions).watch(self._on_action)
+
+    def _types(self, interface: Interface) -> tuple[str, ...]:
+        return types_in_use(self._driver, interface, self._messages)
+
+    def _arm(self, interface: Interface) -> _Arm:
+        key = interface.group or self._driver.group, interface.gripper or self._driver.gripper
+        if key not in self._arms:
+            self._arms[key] = _Arm(self, key[0], key[1])
+        return self._arms[key]
+
+    def _parameter(self, output: Output) -> Any:
+        if self._driver.packages and not any(map(self._messages.is_used, self._driver.packages)):
+            return None
+        return self._first_arm.answers.plain(output)
+
+    @property
+    def _first_arm(self) -> _Arm:
+        return self._arms[min(self._arms, key=str)] if self._arms else _Arm(self, None, None)
+
+    # Services
+
+    def _offer(self, interface: Interface) -> None:
+        for type_name in self._types(interface):
+            answer = partial(self._answer, interface, type_name)
+            if interface.name.startswith("/") and self._driver.origin != "shipped":
+                self._graph.serve(
+                    interface.name, type_name, answer, node=self._driver.node, is_callback=False
+                )
+            else:
+                name = interface.name.strip("/")
+                base = "/".join(name.split("/")[-2:])
+                self._graph.offer(base, type_name, answer, node=self._driver.node)
+
+    def _answer(self, interface: Interface, type_name: str, message: Any) -> Any:
+        arm, stack = self._arm(interface), self._commands.stack()
+        self._scheduler.touch()
+        case, jobs, result = None, [], Result()
+        request = Request(message, self._state, self._conventions)
+        try:
+            case = _case_of(interface, request)
+            self._set(case, request)
+            result, jobs = self._do(interface, case, request, stack)
+            if request.flag(case.wait, default=bool(jobs) or case.wait is not None):
+                timeout_s = request.seconds(case.timeout)
+                result = self._wait(jobs, timeout_s)
+            elif jobs and jobs[0].outcome:
+                result = Result(jobs[0].outcome, jobs[0].message)
+        except PlanningError as error:
+            result = self._refused(interface, error, stack)
+        outputs = interface.response if case is None or case.response is None else case.response
+        arm.answers.note_reading(outputs, result)
+        return arm.answers.fill(self._messages.response(type_name), outputs, result, message)
+
+    def _wait(self, jobs: list[Job], timeout_s: float | None) -> Result:
+        """Wait for motions, or without any for all that go on."""
+
+        def is_over() -> bool:
+            if jobs:
+                return all(job.outcome for job in jobs)
+            return not (self._queue.is_busy or self._grips.is_busy)
+
+        self._scheduler.wait_until(
+            is_over,
+            timeout_ns=None if timeout_s is None else round(timeout_s * 1e9),
+            reason="the arm to finish",
+        )
+        if not is_over():
+            return Result("timeout", f"the motion takes longer than {timeout_s:g} s")
+        return Result(jobs[0].outcome, jobs[0].message) if jobs else Result()
+
+    def _refused(
+        self, interface: Interface, error: PlanningError, stack: tuple[Frame, ...]
+    ) -> Result:
+        self._commands.tell(
+            "command_ignored", f"{_short(interface)} moved nothing: {error.message}", stack
+        )
+        return Result(error.failure, error.message)
+
+    # What is done
+
+    def _set(self, case: Case, request: Request) -> None:
+        for name, value in case.set.items():
+            if name == "enabled":
+                enabled = request.flag(value, default=True)
+                self._queue.is_enabled = enabled
+                if not enabled:
+                    self._queue.stop()
+            elif value.unit or name.endswith("_scaling"):
+                self._state[name] = request.number(value, "plain", value.unit or "fraction")
+            else:
+                found = request.raw(value)
+                self._state[name] = found.decode() if isinstance(found, bytes) else found
+
+    def _do(
+        self,
+        interface: Interface,
+        case: Case,
+        request: Request,
+        stack: tuple[Frame, ...],
+        on_end: Callable[[Job], None] = lambda job: None,  # noqa: ARG005
+        *,
+        is_goal: bool = False,
+    ) -> tuple[Result, list[Job]]:
+        """Do what a case says; a motion is returned as a job, over or not."""
+        for told in (case.note, case.refuse):
+            if told:
+                self._commands.tell("not_simulated", f"{_short(interface)}: {told}", stack)
+        if case.refuse:
+            return Result("not_simulated", case.refuse), []
+        if case.clear:
+            self._queue.clear()
+        if case.stop:
+            self._queue.stop()
+            self._grips.stop()
+            self._commands.twin.stop(self._arm(interface).motion.joints)
+            self._commands.poll()
+        if not case.effect:
+            return Result(), []
+        arm = self._arm(interface)
+        if case.effect == "solve":
+            with undisturbed(self._scheduler.current):
+                return arm.motions.solve(case, request), []
+        kind = _short(interface)
+        if case.effect == "grip":
+            job = Job(kind, stack, arm.motions.grip(case, request), on_end, is_goal)
+            self._grips.ask(job, "replace")
+            return Result(), [job]
+        rule = interface.while_moving or self._driver.while_moving
+        make = arm.motions.move if case.effect == "move" else arm.motions.velocity
+        made = make(case, request)
+        if rule == "wait" and interface.kind == "services":
+            self._wait([], None)
+            rule = "replace"
+        if case.effect == "velocity":
+            rule = "replace"
+
+        def start() -> Any:
+            trajectory = made()
+            if trajectory is None:
+                self._commands.twin.stop(arm.motion.joints)
+                return None
+            return self._commands.twin.follow(trajectory)
+
+        job = Job(kind, stack, start, on_end, is_goal)
+        self._queue.ask(job, "queue" if rule == "wait" else rule)
+        return Result(), [job]
+
+    # Actions
+
+    def _on_action(self, change: ActionChange, name: str, type_name: str) -> None:
+        if change != "client" or (name, type_name) in self._taken:
+            return
+        for each in self._interfaces:
+            if each.kind == "actions" and type_name in each.types and _names(each.name, name):
+                self._taken.add((name, type_name))
+                self._runtime.client(Actions).serve(
+                    name,
+                    type_name,
+                    node=self._driver.node,
+                    on_goal=partial(self._on_goal, each),
+                    on_cancel=self._on_cancel,
+                    by_controller=False,
+                )
+                return
+
+    def _on_goal(self, interface: Interface, goal: ActionGoal) -> None:
+        goal.accept()
+        request = Request(goal.message, self._state, self._conventions)
+        try:
+            case = _case_of(interface, request)
+            self._set(case, request)
+            ended = partial(self._end_goal, interface, case, goal)
+            goal.data = []
+            result, jobs = self._do(
+                interface,
+                case,
+                request,
+                goal.stack,
+                lambda job: ended(Result(job.outcome, job.message)),
+                is_goal=True,
+            )
+            goal.data = jobs
+            if not jobs or not request.flag(case.wait, default=True):
+                ended(result)
+            elif interface.feedback and not goal.state.is_terminal:
+                self._feed_back(interface, goal)
+        except PlanningError as error:
+            result = self._refused(interface, error, goal.stack)
+            self._end_goal(interface, None, goal, result)
+
+    def _end_goal(
+        self, interface: Interface, case: Case | None, goal: ActionGoal, result: Result
+    ) -> None:
+        if goal.state.is_terminal:
+            return
+        outputs = interface.response if case is None or case.response is None else case.response
+        made = self._messages.part(goal.client.type_name, "Result")
+        filled = self._arm(interface).answers.fill(made, outputs, result, goal.message)
+        if result.outcome == "succeeded":
+            goal.succeed(filled, result.message)
+        elif result.outcome == "preempted":
+            goal.cancel(filled, result.message)
+        else:
+            goal.abort(filled, result.message)
+
+    def _on_cancel(self, goal: ActionGoal) -> None:
+        goal.accept_cancel()
+        for job in goal.data or ():
+            queue = self._grips if job in self._grips else self._queue
+            queue.drop(job)
+
+    def _feed_back(self, interface: Interface, goal: ActionGoal) -> None:
+        period_ns = round(1e9 / interface.rate)
+
+        def tell() -> None:
+            if goal.state.is_terminal:
+                return
+            made = self._messages.part(goal.client.type_name, "Feedback")
+            answers = self._arm(interface).answers
+            goal.publish_feedback(answers.fill(made, interface.feedback, Result(), goal.message))
+            self._scheduler.call_at(self._scheduler.now_ns + period_ns, tell, background=True)
+
+        self._scheduler.call_at(self._scheduler.now_ns + period_ns, tell, background=True)
+
+    # Topics
+
+    def _on_change(self, change: Change, name: str, type_name: str) -> None:
+        kind = {"advertised": "subscribed_topics", "subscribed": "published_topics"}.get(change)
+        if kind is None or (f"{kind} {name}", type_name) in self._taken:
+            return
+        for each in self._interfaces:
+            if each.kind == kind and type_name in each.types and _names(each.name, name):
+                self._taken.add((f"{kind} {name}", type_name))
+                if kind == "subscribed_topics":
+                    self._listen(each, name, type_name)
+                else:
+                    self._publish(each, name, type_name)
+                return
+
+    def _listen(self, interface: Interface, name: str, type_name: str) -> None:
+        def deliver(message: Any, publication: Publication) -> None:
+            if not publication.by_controller:
+                return
+            request = Request(message, self._state, self._conventions)
+            try:
+                with undisturbed(self._scheduler.current):
+                    self._take(interface, name, request)
+            except PlanningError as error:
+                self._streams.refuse(name, error.message)
+
+        self._graph.subscribe(name, type_name, deliver, node=self._driver.node, by_controller=False)
+
+    def _take(self, interface: Interface, topic: str, request: Request) -> None:
+        case, stack = _case_of(interface, request), self._commands.stack()
+        self._set(case, request)
+        arm, kind = self._arm(interface), _short(interface)
+        is_motion = case.effect in ("move", "velocity")
+        queued = (interface.while_moving or self._driver.while_moving) == "queue"
+        if not is_motion or (queued and case.effect == "move"):
+            self._do(interface, case, request, stack)
+            return
+        refused = self._queue.refused()
+        if refused:
+            self._streams.refuse(topic, f"the driver is {refused}")
+            return
+        target = arm.motions.set_point(case, request) if case.effect == "move" else None
+        if target is not None:
+            share = arm.motions.share(case, request)
+            places = np.array(list(target.values()))
+            self._set_points.set_point(topic, tuple(target), places, kind, speed=share)
+            return
+        if case.effect == "velocity" and "joints" in case.roles:
+            asked = arm.motions.speeds(case, request)
+            for_s = request.seconds(case.roles.get("duration")) or _FOREVER_S
+            if any(asked.values()):
+                moving = self._velocities.next(asked, self._scheduler.now_ns, for_s)
+                if moving is not None:
+                    self._streams.follow(topic, kind, moving, is_set_point=True)
+                return
+            trajectory = None
+        else:
+            make = arm.motions.move if case.effect == "move" else arm.motions.velocity
+            trajectory = make(case, request)()
+        if trajectory is None:
+            arm.motion.stop()
+        else:
+            is_set_point = case.effect == "velocity"
+            self._streams.follow(topic, kind, trajectory, is_set_point=is_set_point)
+
+    def _publish(self, interface: Interface, name: str, type_name: str) -> None:
+        publication = self._graph.advertise(
+            name,
+            type_name,
+            node=self._driver.node,
+            latch=interface.latch,
+            by_controller=False,
+        )
+        if self._arm(interface).answers.asks_sensors(interface.response):
+            self._reading.tells_joints(publication, interface.rate)
+        self._schedule(interface, publication)
+
+    def _schedule(self, interface: Interface, publication: Publication) -> None:
+        period_ns = round(1e9 / interface.rate)
+        due_ns = (self._scheduler.now_ns // period_ns + 1) * period_ns
+        self._scheduler.call_at(due_ns, lambda: self._tick(interface, publication), background=True)
+
+    def _tick(self, interface: Interface, publication: Publication) -> None:
+        if not publication.subscriptions:
+            self._taken.discard((f"published_topics {publication.topic}", publication.type_name))
+            publication.close()
+            return
+        message = self._messages.new(publication.type_name)
+        answers = self._arm(interface).answers
+        publication.publish(answers.fill(message, interface.response or {}, Result()))
+        self._schedule(interface, publication)
+
+
+class _State(dict[str, Any]):
+    """The driver's own state by name; with it that of its motions, and parameters."""
+
+    def __init__(self, driver: Driver, queue: MotionQueue, runtime: Runtime) -> None:
+        super().__init__(driver.state)
+        self._parameters = driver.parameters
+        self._queue = queue
+        self._tree = runtime.graph.parameters
+
+    def __missing__(self, name: str) -> Any:
+        if name in self._parameters:
+            set_ = [each for each in self._tree.names() if each.rsplit("/", 1)[-1] == name]
+            return self._tree.get(set_[0]) if set_ else self._parameters[name].constant
+        of_all = {
+            "enabled": self._queue.is_enabled,
+            "error": self._queue.error,
+            "moving": self._queue.is_busy,
+        }
+        return of_all[name]
+
+
+class _Arm:
+    """One arm of the robot, with its gripper, as a description speaks of it."""
+
+    def __init__(self, owner: DescribedDriver, group: str | None, gripper: str | None) -> None:
+        driver = owner._driver
+        self.motion = ArmMotion(owner._commands, driver.tool, group=group, gripper=gripper)
+        self.motions = DescribedMotions(driver, self.motion, owner._state, owner._runtime)
+        self.answers = Answers(
+            driver,
+            self.motion,
+            owner._queue,
+            owner._grips,
+            owner._state,
+            owner._messages,
+            owner._reading,
+        )
+
+
+def _case_of(interface: Interface, request: Request) -> Case:
+    """Return the first case that a message meets.
+
+    Raises:
+        PlanningError: none does.
+    """
+    found = next((case for case in interface.cases if request.meets(case)), None)
+    if found is not None:
+        return found
+    allowed: Mapping[str, str] = {
+        text: "" for case in interface.cases for one in case.when for text in map(str, one.values)
+    }
+    (one, *_) = interface.cases[0].when
+    raise PlanningError(
+        "bad_request", f"{one.path} {request.of(one)} is not simulated; {one_of(allowed)}"
+    )
+
+
+def _names(described: str, name: str) -> bool:
+    """Tell whether a full name is that of the description, in any namespace."""
+    return described == "*" or f"/{name.strip('/')}".endswith(f"/{described.strip('/')}")
+
+
+def _short(interface: Interface) -> str:
+    return interface.name.strip("/").rsplit("/", 1)[-1]

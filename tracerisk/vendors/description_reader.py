@@ -1,0 +1,327 @@
+"""Read the description of a driver from YAML; each mistake is told with its file and line."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import Any, get_args
+
+from tracerisk.errors import DriverError, one_of
+from tracerisk.vendors.description import (
+    EFFECTS,
+    OF_ALL,
+    OUTCOMES,
+    REFERENCES,
+    TARGETS,
+    WORDS,
+    Case,
+    Condition,
+    Driver,
+    Interface,
+    InterfaceKind,
+    Origin,
+    Rotation,
+    Units,
+    Value,
+    WhileMoving,
+)
+from tracerisk.vendors.value_reader import ValueReader, check_path, plain_value
+from tracerisk.yaml_reader import YamlMap, read_large_yaml
+
+TOP = (
+    *("driver", "source", "packages", "node", "group", "tool", "frame", "gripper", "units"),
+    *("rotation", "while_moving", "codes", "errors", "error_disables", "state", "parameters"),
+    *("services", "actions", "subscribed_topics", "published_topics", "definitions", "common"),
+)
+"""The keys of a description; `common` holds what its parts share by YAML's anchors."""
+GRIPPER = ("name", "closed", "open")
+CASE = (*EFFECTS, "when", "stop", "clear", "set", "note", "refuse", "wait", "timeout")
+OF_KIND: Mapping[InterfaceKind, tuple[str, ...]] = {
+    "services": ("type", "name", "cases", "response", "while_moving", "group", "gripper"),
+    "actions": (
+        *("type", "name", "cases", "result", "feedback", "rate", "while_moving"),
+        *("group", "gripper"),
+    ),
+    "subscribed_topics": ("type", "name", "cases", "while_moving", "group", "gripper"),
+    "published_topics": ("type", "name", "message", "rate", "latch", "group", "gripper"),
+}
+"""The keys of an interface of each kind, beside those of its only case."""
+ANSWER: Mapping[InterfaceKind, str] = {
+    "services": "response",
+    "actions": "result",
+    "published_topics": "message",
+}
+"""Where an interface of each kind says what it answers."""
+
+_TYPE = re.compile(r"(?:[a-z]\w*/)?[A-Z]\w*")
+_DEFINITION = re.compile(r"[a-z]\w*/(?:msg|srv|action)/[A-Z]\w*")
+_GREATEST_RATE = 1000.0
+
+
+def read_driver(path: Path, *, shown: str | None = None, origin: Origin = "user") -> Driver:
+    """Read the description of a driver; `shown` is the file's name for messages.
+
+    Raises DriverError with file and line for all that is not allowed.
+    """
+    top = read_large_yaml(path, DriverError, shown=shown)
+    return _Reader(top, shown or str(path)).driver(origin)
+
+
+class _Reader:
+    def __init__(self, top: YamlMap, file: str) -> None:
+        self._top = top
+        self._file = file
+        self._state = top.optional_map("state")
+        parameters = top.optional_map("parameters")
+        self._known = (*(self._state or ()), *(parameters or ()), *OF_ALL)
+        self._values = ValueReader(self._known)
+
+    def driver(self, origin: Origin) -> Driver:
+        top = self._top
+        top.forbid_unknown(TOP)
+        name = top.string("driver")
+        top.optional_string("source")
+        packages = _strings(top, "packages")
+        state = self._state
+        for key in state or ():
+            if key in (*REFERENCES, *OF_ALL, "request"):
+                assert state is not None
+                state.fail(key, "is a name that answers have already; give another")
+        interfaces = [
+            self._interface(kind, name, entry, packages)
+            for kind in OF_KIND
+            for name, entry in _entries(top, kind)
+        ]
+        if not interfaces and "parameters" not in top:
+            top.fail("driver", f"it serves nothing; describe some: {', '.join(OF_KIND)}")
+        closed, opened, gripper = _gripper(top)
+        return Driver(
+            name=name,
+            file=self._file,
+            packages=packages,
+            node=_node(top),
+            group=top.optional_string("group"),
+            tool=_strings(top, "tool"),
+            frame=top.optional_string("frame"),
+            gripper=gripper,
+            closed=closed,
+            opened=opened,
+            units=_units(top),
+            rotation=_choice(top, "rotation", get_args(Rotation), "rpy"),
+            while_moving=_choice(top, "while_moving", get_args(WhileMoving), "replace"),
+            codes=_codes(top, "codes"),
+            errors=_codes(top, "errors"),
+            error_disables=top.boolean("error_disables", default=False),
+            state={} if state is None else {key: plain_value(state, key) for key in state},
+            parameters=self._values.outputs(top, "parameters") or {},
+            interfaces=tuple(interfaces),
+            definitions=_definitions(top),
+            origin=origin,
+        )
+
+    def _interface(
+        self, kind: InterfaceKind, name: str, entry: YamlMap, packages: tuple[str, ...]
+    ) -> Interface:
+        is_published = kind == "published_topics"
+        own = OF_KIND[kind]
+        entry.forbid_unknown(own if is_published else (*own, *CASE))
+        types = tuple(
+            full for each in _strings(entry, "type") for full in _full(entry, each, packages)
+        )
+        if not types:
+            entry.require("type")
+        cases: tuple[Case, ...] = ()
+        if not is_published:
+            if "cases" in entry:
+                both = next((key for key in entry if key in CASE), None)
+                if both is not None:
+                    entry.fail(both, "stands beside 'cases'; put it into one of them")
+                cases = tuple(self._case(kind, each) for each in entry.maps("cases"))
+                if not cases:
+                    entry.fail("cases", "is empty; describe one")
+            else:
+                cases = (self._case(kind, entry, own),)
+        answer = ANSWER.get(kind)
+        rate = entry.number("rate", default=10.0, minimum=0.01, maximum=_GREATEST_RATE)
+        while_moving = _choice(entry, "while_moving", get_args(WhileMoving), None)
+        if while_moving == "wait" and kind != "services":
+            entry.fail("while_moving", "only the call of a service can wait; use 'queue'")
+        return Interface(
+            kind=kind,
+            name=entry.string("name", default=name),
+            types=types,
+            location=entry.location,
+            cases=cases,
+            response=self._values.outputs(entry, answer) if answer else None,
+            feedback=(self._values.outputs(entry, "feedback") or {}) if kind == "actions" else {},
+            rate=rate,
+            latch=entry.boolean("latch", default=False),
+            while_moving=while_moving,
+            group=entry.optional_string("group"),
+            gripper=entry.optional_string("gripper"),
+        )
+
+    def _case(self, kind: InterfaceKind, entry: YamlMap, beside: Collection[str] = ()) -> Case:
+        answer = ANSWER.get(kind)
+        if not beside:
+            entry.forbid_unknown((*CASE, answer) if answer else CASE)
+        elif "when" in entry:
+            entry.fail("when", "stands in an entry of 'cases'; write 'cases: [{when: ...}]'")
+        effects = [name for name in EFFECTS if name in entry]
+        if len(effects) > 1:
+            entry.fail(effects[1], f"stands beside '{effects[0]}'; make it a case of its own")
+        effect = effects[0] if effects else ""
+        if kind == "subscribed_topics":
+            for key in ("wait", "timeout", "solve"):
+                if key in entry:
+                    entry.fail(key, "a message on a topic gets no answer; leave it out")
+        if kind == "actions" and "timeout" in entry:
+            entry.fail("timeout", "the goal of an action ends with its motion; leave it out")
+        set_ = entry.optional_map("set")
+        if set_ is not None:
+            for key in set_:
+                allowed = (*(self._state or ()), "enabled")
+                if key not in allowed:
+                    set_.fail(key, f"is not in 'state'; {one_of(allowed, key)}")
+        when = entry.optional_map("when")
+        return Case(
+            location=entry.location,
+            when=() if when is None else self._conditions(when),
+            effect=effect,
+            roles=self._roles(entry.map(effect), effect) if effect else {},
+            stop=entry.boolean("stop", default=False),
+            clear=entry.boolean("clear", default=False),
+            set={} if set_ is None else {key: self._values.value(set_, key) for key in set_},
+            note=entry.string("note", default=""),
+            refuse=entry.string("refuse", default=""),
+            wait=self._values.value(entry, "wait") if "wait" in entry else None,
+            timeout=self._values.value(entry, "timeout") if "timeout" in entry else None,
+            response=self._values.outputs(entry, answer) if answer and not beside else None,
+        )
+
+    def _conditions(self, when: YamlMap) -> tuple[Condition, ...]:
+        found = []
+        for key in when:
+            if key.startswith("$"):
+                allowed = [f"${name}" for name in self._known]
+                if key not in allowed:
+                    when.fail(key, f"no such state; {one_of(allowed, key)}")
+            else:
+                check_path(when, key, key)
+            value = plain_value(when, key)
+            values = tuple(value) if isinstance(value, list) else (value,)
+            place = when.key_location(key)
+            found.append(Condition(when.name_of(key), place, key, values))
+        return tuple(found)
+
+    def _roles(self, entry: YamlMap, effect: str) -> dict[str, Value]:
+        entry.forbid_unknown(EFFECTS[effect])
+        targets = [name for name in TARGETS[effect] if name in entry]
+        if not targets:
+            raise DriverError(
+                f"{entry.name_of('')[:-1]}: it has no target; give one of: "
+                f"{', '.join(TARGETS[effect])}",
+                entry.location,
+            )
+        if len(targets) > 1 and targets != ["position", "orientation"]:
+            entry.fail(targets[1], f"stands beside '{targets[0]}'; one target is allowed")
+        return {key: self._values.value(entry, key, is_word=key in WORDS) for key in entry}
+
+
+def _entries(top: YamlMap, kind: str) -> list[tuple[str, YamlMap]]:
+    entries = top.optional_map(kind)
+    return [] if entries is None else list(entries.items_as_maps())
+
+
+def _strings(entry: YamlMap, key: str) -> tuple[str, ...]:
+    """Return a string or a list of strings."""
+    if isinstance(entry.get(key), str):
+        return (entry.string(key),)
+    found = tuple(entry.strings(key))
+    if key in entry and not found:
+        entry.fail(key, "is empty; give one")
+    return found
+
+
+def _full(entry: YamlMap, name: str, packages: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the full names of a type: `package/Name`."""
+    parts = name.split("/")
+    if len(parts) == 3 and parts[1] in ("msg", "srv", "action"):
+        name = f"{parts[0]}/{parts[2]}"
+    if not _TYPE.fullmatch(name):
+        entry.fail("type", f"'{name}' is no type; write 'package/Name'")
+    if "/" in name:
+        return (name,)
+    if not packages:
+        entry.fail("type", f"'{name}' has no package; write 'package/{name}', or give 'packages'")
+    return tuple(f"{package}/{name}" for package in packages)
+
+
+def _choice(entry: YamlMap, key: str, allowed: tuple[Any, ...], default: Any) -> Any:
+    if key not in entry:
+        return default
+    value = entry.string(key)
+    if value not in allowed:
+        entry.fail(key, f"'{value}' is not known; {one_of(allowed, value)}")
+    return value
+
+
+def _units(top: YamlMap) -> Units:
+    units = top.optional_map("units")
+    if units is None:
+        return Units()
+    allowed = {
+        "angle": ("rad", "deg"),
+        "length": ("m", "cm", "mm"),
+        "time": ("s", "ms", "us", "ns"),
+    }
+    units.forbid_unknown(allowed)
+    default = Units()
+    return Units(
+        **{
+            name: _choice(units, name, known, getattr(default, name))
+            for name, known in allowed.items()
+        }
+    )
+
+
+def _gripper(top: YamlMap) -> tuple[float, float, str | None]:
+    gripper = top.optional_map("gripper")
+    if gripper is None:
+        return 0.0, 1.0, None
+    gripper.forbid_unknown(GRIPPER)
+    closed = gripper.number("closed", default=0.0)
+    opened = gripper.number("open", default=1.0)
+    if closed == opened:
+        gripper.fail("open", f"is {opened:g} as 'closed'; give the number of the open gripper")
+    return closed, opened, gripper.optional_string("name")
+
+
+def _codes(top: YamlMap, key: str) -> dict[str, Any]:
+    codes = top.optional_map(key)
+    if codes is None:
+        return {}
+    codes.forbid_unknown(OUTCOMES)
+    if key == "errors":
+        return {name: codes.integer(name) for name in codes}
+    found = {name: plain_value(codes, name) for name in codes}
+    for name, value in found.items():
+        if isinstance(value, list):
+            codes.fail(name, "expected a number, a string, true or false")
+    return found
+
+
+def _node(top: YamlMap) -> str:
+    node = top.string("node", default="/robot_driver")
+    return node if node.startswith("/") else f"/{node}"
+
+
+def _definitions(top: YamlMap) -> dict[str, str]:
+    given = top.optional_map("definitions")
+    if given is None:
+        return {}
+    for name in given:
+        if not _DEFINITION.fullmatch(name):
+            given.fail(name, "is no interface; write 'package/srv/Name' (or msg, action)")
+    return {name: given.string(name) for name in given}

@@ -1,0 +1,273 @@
+"""What the controller of a Doosan arm tells and keeps: modes, states, tools, pins."""
+
+# ruff: noqa: ARG001, ARG002, ARG005 - every handler takes a request and an answer
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from tracerisk.ros.poses import ORIGIN, compose
+from tracerisk.ros.sensor_reading import SensorReading
+from tracerisk.ros.twin_commands import TwinCommands
+from tracerisk.ros.twin_messages import TwinMessages
+from tracerisk.twin.motion import PlanningError, Pose
+from tracerisk.vendors.doosan.motion import DoosanMotion, pose_of, rows_of, values_of
+
+_STANDBY, _MOVING = 1, 2
+_IDLE, _BUSY = 0, 2
+_AUTONOMOUS, _VIRTUAL = 1, 1
+_POSITION_CONTROL = 0
+
+Handler = Callable[[Any, Any], bool]
+
+
+class DoosanReports:
+    """Answers what moves nothing."""
+
+    def __init__(
+        self,
+        motion: DoosanMotion,
+        messages: TwinMessages,
+        commands: TwinCommands,
+        is_busy: Callable[[], bool],
+        reading: SensorReading,
+    ) -> None:
+        self._motion = motion
+        self._messages = messages
+        self._commands = commands
+        self._is_busy = is_busy
+        self._reading = reading
+        self._kept = {"robot_mode": _AUTONOMOUS, "robot_system": _VIRTUAL, "speed_mode": 0}
+        self._tcps: dict[str, Pose] = {"": ORIGIN}
+        self._tools: set[str] = {""}
+        self._current = {"tcp": "", "tool": ""}
+        self._pins: dict[tuple[str, int], float] = {}
+
+    def services(self) -> Mapping[str, Mapping[str, Handler]]:
+        """Return the handlers by folder and name."""
+        return {
+            "system": {
+                **{f"set_{name}": self._setter(name) for name in self._kept},
+                **{f"get_{name}": self._getter(name) for name in self._kept},
+                "set_robot_speed_mode": self._setter("speed_mode"),
+                "get_robot_speed_mode": self._getter("speed_mode"),
+                "get_robot_state": self._state,
+                "set_robot_control": lambda asked, _: True,
+                "set_safe_stop_reset_type": lambda asked, _: True,
+                "change_collision_sensitivity": self._unmoved("collision sensitivity"),
+                "set_safety_mode": self._unmoved("the safety mode"),
+                "get_last_alarm": lambda asked, _: True,
+                "get_current_pose": self._pose,
+            },
+            "motion": {
+                "check_motion": self._check,
+                "change_operation_speed": self._share,
+                "fkin": self._forward,
+                "ikin": self._inverse,
+                "trans": self._trans,
+                "set_singularity_handling": self._unmoved("singularity handling"),
+            },
+            "aux_control": {
+                "get_control_mode": lambda asked, answer: _told(
+                    answer, control_mode=_POSITION_CONTROL
+                ),
+                "get_current_posj": self._joints,
+                "get_desired_posj": self._joints,
+                "get_current_posx": self._posx,
+                "get_desired_posx": lambda asked, answer: _told(
+                    answer, pos=values_of(self._motion.here())
+                ),
+                "get_current_tool_flange_posx": self._flange,
+                "get_current_velj": self._speeds,
+                "get_joint_torque": self._torques,
+                "get_current_rotm": self._rotation,
+                "get_current_solution_space": lambda asked, answer: _told(
+                    answer, sol_space=self._motion.solution_space()
+                ),
+            },
+            "tcp": {
+                "config_create_tcp": self._create_tcp,
+                "config_delete_tcp": self._delete_tcp,
+                "set_current_tcp": self._set_tcp,
+                "get_current_tcp": lambda asked, answer: _told(answer, info=self._current["tcp"]),
+            },
+            "tool": {
+                "config_create_tool": self._create_tool,
+                "config_delete_tool": self._delete_tool,
+                "set_current_tool": self._set_tool,
+                "get_current_tool": lambda asked, answer: _told(answer, info=self._current["tool"]),
+                "set_tool_shape": lambda asked, _: True,
+            },
+            "io": {
+                f"{verb}_{place}": (self._set_pin if verb == "set" else self._get_pin)(place)
+                for verb, places in (
+                    ("set", ("ctrl_box_digital_output", "tool_digital_output")),
+                    ("set", ("ctrl_box_analog_output",)),
+                    ("get", ("ctrl_box_digital_output", "tool_digital_output")),
+                    ("get", ("ctrl_box_digital_input", "tool_digital_input")),
+                    ("get", ("ctrl_box_analog_input",)),
+                )
+                for place in places
+            },
+        }
+
+    # Modes and states
+
+    def _setter(self, name: str) -> Handler:
+        def take(request: Any, answer: Any) -> bool:
+            self._kept[name] = getattr(request, name)
+            return True
+
+        return take
+
+    def _getter(self, name: str) -> Handler:
+        return lambda request, answer: _told(answer, **{name: self._kept[name]})
+
+    def _unmoved(self, what: str) -> Handler:
+        def take(request: Any, answer: Any) -> bool:
+            self._commands.tell(
+                "not_simulated", f"{what} was taken and changes nothing", self._commands.stack()
+            )
+            return True
+
+        return take
+
+    def _state(self, request: Any, answer: Any) -> bool:
+        self._commands.scheduler.touch()
+        return _told(answer, robot_state=_MOVING if self._is_busy() else _STANDBY)
+
+    def _check(self, request: Any, answer: Any) -> bool:
+        self._commands.scheduler.touch()
+        return _told(answer, status=_BUSY if self._is_busy() else _IDLE)
+
+    def _share(self, request: Any, answer: Any) -> bool:
+        if not 1 <= request.speed <= 100:
+            return False
+        self._motion.share = request.speed / 100.0
+        return True
+
+    # Where it is
+
+    def _joints(self, request: Any, answer: Any) -> bool:
+        self._commands.scheduler.touch()
+        self._reading.asked("encoder")
+        return _told(answer, pos=self._motion.positions())
+
+    def _pose(self, request: Any, answer: Any) -> bool:
+        self._commands.scheduler.touch()
+        self._reading.asked("encoder")
+        is_joint = request.space_type == 0
+        found = self._motion.positions() if is_joint else values_of(self._motion.here())
+        return _told(answer, pos=found)
+
+    def _posx(self, request: Any, answer: Any) -> bool:
+        self._commands.scheduler.touch()
+        self._reading.asked("encoder")
+        row = self._messages.new("std_msgs/Float64MultiArray")
+        row.data = [*values_of(self._motion.here()), float(self._motion.solution_space())]
+        return _told(answer, task_pos_info=[row])
+
+    def _flange(self, request: Any, answer: Any) -> bool:
+        self._reading.asked("encoder")
+        return _told(answer, pos=values_of(self._motion.arm.tool_pose()))
+
+    def _speeds(self, request: Any, answer: Any) -> bool:
+        self._reading.asked("encoder")
+        found = [math.degrees(each) for each in self._motion.arm.velocities()]
+        return _told(answer, joint_speed=found)
+
+    def _torques(self, request: Any, answer: Any) -> bool:
+        self._reading.asked("torque")
+        return _told(answer, jts=self._motion.arm.efforts())
+
+    def _rotation(self, request: Any, answer: Any) -> bool:
+        self._reading.asked("encoder")
+        rows = []
+        for values in rows_of(self._motion.here()):
+            row = self._messages.new("std_msgs/Float64MultiArray")
+            row.data = list(values)
+            rows.append(row)
+        return _told(answer, rot_matrix=rows)
+
+    def _forward(self, request: Any, answer: Any) -> bool:
+        return _told(answer, conv_posx=values_of(self._motion.of_joints(list(request.pos))))
+
+    def _inverse(self, request: Any, answer: Any) -> bool:
+        try:
+            return _told(answer, conv_posj=self._motion.to_joints_of(pose_of(request.pos)))
+        except PlanningError:
+            return False
+
+    def _trans(self, request: Any, answer: Any) -> bool:
+        try:
+            moved = self._motion.pose(request.delta, request.ref, 1, pose_of(request.pos))
+        except PlanningError:
+            return False
+        return _told(answer, trans_pos=values_of(moved))
+
+    # Tools and pins
+
+    def _create_tcp(self, request: Any, answer: Any) -> bool:
+        self._tcps[request.name] = pose_of(request.pos)
+        return True
+
+    def _delete_tcp(self, request: Any, answer: Any) -> bool:
+        return bool(request.name) and self._tcps.pop(request.name, None) is not None
+
+    def _set_tcp(self, request: Any, answer: Any) -> bool:
+        if request.name not in self._tcps:
+            return self._unknown("tool centre point", request.name, self._tcps)
+        self._current["tcp"] = request.name
+        self._motion.tcp = compose(ORIGIN, self._tcps[request.name])
+        return True
+
+    def _create_tool(self, request: Any, answer: Any) -> bool:
+        self._tools.add(request.name)
+        return True
+
+    def _delete_tool(self, request: Any, answer: Any) -> bool:
+        is_known = bool(request.name) and request.name in self._tools
+        self._tools.discard(request.name or "-")
+        return is_known
+
+    def _set_tool(self, request: Any, answer: Any) -> bool:
+        if request.name not in self._tools:
+            return self._unknown("tool", request.name, self._tools)
+        self._current["tool"] = request.name
+        return True
+
+    def _unknown(self, kind: str, name: str, known: Any) -> bool:
+        names = ", ".join(sorted(each for each in known if each)) or "none"
+        self._commands.tell(
+            "command_ignored",
+            f"no {kind} '{name}' was created by the controller; known: {names}",
+            self._commands.stack(),
+        )
+        return False
+
+    def _set_pin(self, place: str) -> Handler:
+        def take(request: Any, answer: Any) -> bool:
+            number = request.index if hasattr(request, "index") else request.channel
+            self._pins[place, number] = float(request.value)
+            self._commands.tell(
+                "not_simulated",
+                f"{place} {number} was set: nothing hangs on it",
+                self._commands.stack(),
+            )
+            return True
+
+        return take
+
+    def _get_pin(self, place: str) -> Handler:
+        def tell(request: Any, answer: Any) -> bool:
+            number = request.index if hasattr(request, "index") else request.channel
+            return _told(answer, value=type(answer.value)(self._pins.get((place, number), 0.0)))
+
+        return tell
+
+
+def _told(answer: Any, **values: Any) -> bool:
+    for name, value in values.items():
+        setattr(answer, name, value)
+    return True

@@ -1,0 +1,84 @@
+"""Where descriptions of drivers are: with tracerisk, in installed packages, in the workspace."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from functools import cache
+from importlib.metadata import entry_points
+from importlib.util import find_spec
+from pathlib import Path
+
+from tracerisk.errors import DriverError
+from tracerisk.vendors.description import Driver
+from tracerisk.vendors.description_reader import read_driver
+
+ENDING = ".driver.yaml"
+"""How the names of files end that describe a driver: `acme.driver.yaml`."""
+ENTRY_POINTS = "tracerisk.drivers"
+"""The entry points of installed packages; each names a package that holds descriptions."""
+DEFINITIONS = "definitions"
+"""The folder of a recording with the messages that descriptions define."""
+
+_HERE = Path(__file__).parent
+
+
+@cache
+def shipped_drivers() -> tuple[Driver, ...]:
+    """Return the drivers that tracerisk describes, sorted by their files."""
+    return tuple(
+        read_driver(path, shown=path.relative_to(_HERE).as_posix(), origin="shipped")
+        for path in sorted(_HERE.glob(f"*/*{ENDING}"))
+    )
+
+
+def read_drivers(files: Iterable[Path], root: Path) -> tuple[Driver, ...]:
+    """Read the descriptions in files, whose names are told from a controller's root.
+
+    Raises DriverError as `read_driver`.
+    """
+    installed = set(installed_files())
+    return tuple(
+        read_driver(
+            file,
+            shown=os.path.relpath(file, root),
+            origin="installed" if file in installed else "user",
+        )
+        for file in files
+    )
+
+
+def installed_files() -> tuple[Path, ...]:
+    """Return the descriptions that installed packages bring, in the order of their names.
+
+    Raises:
+        DriverError: an entry point names a package that is not there or that holds none.
+    """
+    found: list[Path] = []
+    for point in sorted(entry_points(group=ENTRY_POINTS), key=lambda each: each.name):
+        try:
+            spec = find_spec(point.value)
+        except (ImportError, ValueError, AttributeError):
+            spec = None
+        folders = [] if spec is None else list(spec.submodule_search_locations or ())
+        files = [path for folder in folders for path in sorted(Path(folder).glob(f"*{ENDING}"))]
+        if not files:
+            raise DriverError(
+                f"entry point '{point.name}' of {ENTRY_POINTS} names '{point.value}', which is no "
+                f"package with a file *{ENDING}"
+            )
+        found += files
+    return tuple(found)
+
+
+def write_definitions(drivers: Iterable[Driver], folder: Path) -> dict[str, Path]:
+    """Write the messages that descriptions define, and return the folder of each package."""
+    found: dict[str, Path] = {}
+    for driver in drivers:
+        for name, text in driver.definitions.items():
+            package, kind, short = name.split("/")
+            found[package] = folder / package
+            path = folder / package / kind / f"{short}.{kind}"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+    return found

@@ -1,0 +1,131 @@
+"""The actions of a Niryo arm: moves, and its tool.
+
+Source: NiryoRobotics/ned_ros, niryo_robot_arm_commander/action, niryo_robot_tools_commander/action
+and the numbers of niryo_robot_msgs/CommandStatus.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+from tracerisk.ros.action_graph import ActionGoal
+from tracerisk.ros.arm_motion import ArmMotion
+from tracerisk.ros.twin_commands import TwinCommands
+from tracerisk.ros.twin_messages import TwinMessages
+from tracerisk.twin.execution import Motion
+from tracerisk.twin.motion import PlanningError
+from tracerisk.vendors.niryo.motion import NiryoMotion
+
+ROBOT_MOVE = "niryo_robot_arm_commander/RobotMove"
+TOOL = "niryo_robot_tools_commander/Tool"
+
+_SUCCESS, _PREEMPTED, _STOPPED, _CONTROLLER_PROBLEMS = 1, 3, -4, -223
+_TOOL_FAILURE, _INVALID = -251, -52
+STATUS_OF = {
+    "invalid_goal": _INVALID,
+    "bad_request": _INVALID,
+    "no_ik_solution": -232,
+    "no_plan": -230,
+    "collision": -226,
+    "start_in_collision": -226,
+}
+"""The status of each way in which planning fails."""
+
+_OPEN, _CLOSE = 1, 2
+_DONE = "Command has been successfully processed"
+
+
+class NiryoActions:
+    """Carries out goals; a new one of the arm takes the place of the one before."""
+
+    def __init__(
+        self, arm: ArmMotion, motion: NiryoMotion, messages: TwinMessages, commands: TwinCommands
+    ) -> None:
+        self._arm = arm
+        self._motion = motion
+        self._messages = messages
+        self._commands = commands
+        self._scheduler = commands.scheduler
+        self._is_stopped = False
+
+    def stop(self) -> None:
+        """Stop the arm; its goal ends as stopped."""
+        self._is_stopped = True
+        self._arm.stop()
+        self._is_stopped = False
+
+    def move(self, goal: ActionGoal) -> None:
+        """Take a goal of RobotMove."""
+        goal.accept()
+        try:
+            trajectory = self._motion.trajectory(goal.message.cmd, self._scheduler.now_ns)
+            if trajectory is None:
+                goal.succeed(self._result(ROBOT_MOVE, _SUCCESS, "Command was already satisfied"))
+                return
+            motion = self._arm.start("niryo_move", trajectory, goal.stack, partial(self._end, goal))
+        except PlanningError as error:
+            self._commands.tell(
+                "goal_rejected", f"a move of the arm was aborted: {error.message}", goal.stack
+            )
+            status = STATUS_OF[error.failure]
+            goal.abort(self._result(ROBOT_MOVE, status, error.message), error.message)
+            return
+        goal.data = motion
+
+    def _end(self, goal: ActionGoal, motion: Motion) -> None:
+        if goal.state.is_terminal:
+            return
+        if motion.outcome == "succeeded":
+            goal.succeed(self._result(ROBOT_MOVE, _SUCCESS, _DONE))
+        elif motion.outcome == "aborted":
+            self._commands.tell(
+                "execution_failure", f"a move of the arm was aborted: {motion.message}", goal.stack
+            )
+            goal.abort(self._result(ROBOT_MOVE, _CONTROLLER_PROBLEMS, motion.message))
+        else:
+            status = _STOPPED if self._is_stopped else _PREEMPTED
+            goal.cancel(self._result(ROBOT_MOVE, status, "Command has been stopped"))
+
+    def use_tool(self, goal: ActionGoal) -> None:
+        """Take a goal of Tool: grippers open and close; what the twin has not is aborted."""
+        goal.accept()
+        asked = goal.message.cmd
+        try:
+            if asked.cmd_type not in (_OPEN, _CLOSE):
+                raise PlanningError(
+                    "bad_request",
+                    f"cmd_type {asked.cmd_type} is not simulated; allowed: 1 (open), 2 (close)",
+                )
+            motion = self._arm.move_gripper(float(asked.cmd_type == _OPEN), goal.stack)
+        except PlanningError as error:
+            self._commands.tell(
+                "goal_rejected", f"a command of the tool was aborted: {error.message}", goal.stack
+            )
+            goal.abort(self._result(TOOL, _TOOL_FAILURE, error.message), error.message)
+            return
+        goal.data = motion
+        self._scheduler.spawn(
+            lambda: self._end_tool(goal, motion), "niryo tool", inherit=False, is_controllers=False
+        )
+
+    def _end_tool(self, goal: ActionGoal, motion: Motion) -> None:
+        self._arm.wait(motion)
+        if goal.state.is_terminal:
+            return
+        if motion.outcome == "succeeded":
+            goal.succeed(self._result(TOOL, _SUCCESS, _DONE))
+        else:
+            goal.cancel(self._result(TOOL, _PREEMPTED, motion.message))
+
+    def on_cancel(self, goal: ActionGoal) -> None:
+        """Bring what moves to rest; the goal ends with its motion."""
+        goal.accept_cancel()
+        if isinstance(goal.data, Motion) and goal.data.outcome == "active":
+            self._arm.twin.stop(goal.data.joints)
+            self._commands.poll()
+
+    def _result(self, action: str, status: int, message: str) -> Any:
+        result = self._messages.part(action, "Result")
+        result.status, result.message = status, message
+        return result

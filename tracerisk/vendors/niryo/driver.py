@@ -1,0 +1,347 @@
+"""The nodes of a Niryo arm on the graph: commander, tools, joints, poses and pins.
+
+Source of names and behaviour: NiryoRobotics/ned_ros; the names are fixed there. Timeouts of the
+Python wrapper are assumed.
+"""
+
+# ruff: noqa: ARG001, ARG002, ARG005 - every handler takes a request and an answer
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.ros.arm_motion import ArmMotion
+from tracerisk.ros.graph import Change, Publication
+from tracerisk.ros.poses import quaternion_from_rpy, rpy_from_quaternion
+from tracerisk.ros.sensor_reading import SensorReading
+from tracerisk.ros.twin_commands import TwinCommands
+from tracerisk.ros.twin_messages import TwinMessages
+from tracerisk.twin.motion import PlanningError, Pose
+from tracerisk.vendors.niryo.actions import STATUS_OF, NiryoActions
+from tracerisk.vendors.niryo.motion import NiryoMotion
+from tracerisk.vendors.niryo.places import Handler, NiryoPlaces
+
+if TYPE_CHECKING:
+    from tracerisk.ros.runtime import Runtime
+
+_NODE = "/niryo_robot_arm_commander"
+_MESSAGES = "niryo_robot_msgs"
+_STATE = f"{_MESSAGES}/RobotState"  # the pose of the tool
+_HZ = 10.0
+_SUCCESS, _NOT_IMPLEMENTED, _INVALID = 1, -51, -52
+_PIN_ERROR, _NO_INVERSE, _NO_FORWARD = -114, -232, -233
+_GRIPPER_1 = 11
+
+
+class NiryoRobot:
+    """Answers as the nodes of a Niryo arm."""
+
+    def __init__(self, runtime: Runtime, messages: TwinMessages, commands: TwinCommands) -> None:
+        self._graph, self._scheduler = runtime.graph, runtime.scheduler
+        self._reading = runtime.client(SensorReading)
+        self._messages = messages
+        self._commands = commands
+        self._arm = ArmMotion(commands, ("tool_link",))
+        self._motion = NiryoMotion(self._arm)
+        self._places = NiryoPlaces(runtime, messages)
+        self.actions = NiryoActions(self._arm, self._motion, messages, commands)
+        self._is_learning = False
+        self._home: list[float] | None = None
+        self._pins: dict[str, float] = {}
+        self._published: set[str] = set()
+        if not messages.has_service(f"{_MESSAGES}/Trigger"):
+            return
+        for space, services in self._services().items():
+            for name, (kind, handle) in services.items():
+                if messages.has_service(kind):
+                    answer = self._answering(kind, handle)
+                    self._graph.offer(f"{space}/{name}", kind, answer, node=_NODE)
+        for name, value in self._parameters().items():
+            self._graph.parameters.offer(name, partial(self._parameter, value))
+        self._topics: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
+            "/niryo_robot/robot_state": (_STATE, self._state),
+            "/niryo_robot/learning_mode/state": (
+                "std_msgs/Bool",
+                lambda message: _with(message, data=self._is_learning),
+            ),
+            "/niryo_robot/max_velocity_scaling_factor": (
+                "std_msgs/Int32",
+                lambda message: _with(message, data=round(100 * self._motion.velocity)),
+            ),
+            "/niryo_robot_hardware_interface/hardware_status": (
+                f"{_MESSAGES}/HardwareStatus",
+                self._hardware,
+            ),
+            "/niryo_robot_tools_commander/current_id": (
+                "std_msgs/Int32",
+                lambda message: _with(message, data=self._tool_id),
+            ),
+            "/niryo_robot_tools_commander/tcp": ("niryo_robot_tools_commander/TCP", self._tcp),
+            "/niryo_robot_poses_handlers/pose_list": (
+                f"{_MESSAGES}/BasicObjectArray",
+                lambda message: self._places.pose_list(),
+            ),
+            "/niryo_robot_poses_handlers/dynamic_frame_list": (
+                f"{_MESSAGES}/BasicObjectArray",
+                lambda message: self._places.frame_list(),
+            ),
+        }
+        self._graph.watch(self._on_change)
+
+    def _services(self) -> Mapping[str, Mapping[str, tuple[str, Handler]]]:
+        trigger, flag, number = (f"{_MESSAGES}/{kind}" for kind in ("Trigger", "SetBool", "SetInt"))
+        commander = "niryo_robot_arm_commander"
+        pins = "niryo_robot_rpi"
+        return {
+            "niryo_robot_status": {"ping_ros_wrapper": (f"{_MESSAGES}/Ping", _nothing)},
+            "joints_interface": {
+                "request_new_calibration": (trigger, _nothing),
+                "calibrate_motors": (number, _nothing),
+            },
+            "learning_mode": {"activate": (flag, self._learn)},
+            commander: {
+                "set_max_velocity_scaling_factor": (number, partial(self._scale, "velocity")),
+                "set_acceleration_factor": (number, partial(self._scale, "acceleration")),
+                "stop_command": (trigger, self._stop),
+                "compute_waypointed_trajectory": (f"{commander}/ComputeTrajectory", self._refuse),
+                "manage_trajectory": (f"{commander}/ManageTrajectory", self._refuse),
+            },
+            "niryo_robot_joints_interface": {
+                "get_home_position": (f"{_MESSAGES}/GetFloatList", self._get_home),
+                "set_home_position": (f"{_MESSAGES}/SetFloatList", self._set_home),
+                "reset_home_position": (trigger, self._reset_home),
+            },
+            "jog_interface": {
+                "enable": (flag, _nothing),
+                "jog_shift_commander": (f"{commander}/JogShift", self._jog),
+            },
+            "kinematics": {
+                "forward": (f"{commander}/GetFK", self._forward),
+                "inverse": (f"{commander}/GetIK", self._inverse),
+            },
+            "niryo_robot_tools_commander": {
+                "update_tool": (trigger, _nothing),
+                "enable_tcp": (flag, self._enable_tcp),
+                "set_tcp": ("niryo_robot_tools_commander/SetTCP", self._set_tcp),
+                "reset_tcp": (trigger, self._reset_tcp),
+            },
+            "tools": {"reboot": (trigger, _nothing)},
+            "niryo_robot_hardware_interface": {"reboot_motors": (trigger, _nothing)},
+            "niryo_robot_poses_handlers": self._places.services,
+            pins: {
+                "set_digital_io_mode": (f"{pins}/SetIOMode", _nothing),
+                "set_digital_io": (f"{pins}/SetDigitalIO", self._set_pin),
+                "set_analog_io": (f"{pins}/SetAnalogIO", self._set_pin),
+                "get_digital_io": (f"{pins}/GetDigitalIO", self._get_pin),
+                "get_analog_io": (f"{pins}/GetAnalogIO", self._get_pin),
+            },
+            "niryo_robot_led_ring": {
+                "set_user_animation": ("niryo_robot_led_ring/LedUser", self._shown),
+                "set_led_color": ("niryo_robot_led_ring/SetLedColor", self._shown),
+            },
+            "niryo_robot_sound": {
+                "play": ("niryo_robot_sound/PlaySound", self._shown),
+                "set_volume": (number, self._shown),
+                "stop": (trigger, self._shown),
+            },
+        }
+
+    def _parameters(self) -> Mapping[str, Any]:
+        wrapper = "/niryo_robot/python_ros_wrapper"
+        name = self._arm.twin.robot.name
+        known = next((each for each in ("ned3pro", "ned2", "ned", "one") if each in name), "ned2")
+        nodes = ("poses_handlers", "arm_commander", "rpi", "tools_commander")
+        controllers = self._arm.twin.robot.controllers
+        follow = next((c.name for c in controllers if c.type == "follow_joint_trajectory"), "")
+        return {
+            f"{wrapper}/service_timeout": 2,
+            f"{wrapper}/action_connection_timeout": 20,
+            f"{wrapper}/action_execute_timeout": 3600,
+            f"{wrapper}/action_preempt_timeout": 10,
+            "/niryo_robot/simulation_mode": True,
+            "/niryo_robot/hardware_version": known,
+            "/niryo_robot_arm_commander/joint_controller_name": f"/{follow or 'controller'}",
+            **{f"/niryo_robot_{node}/initialized": True for node in nodes},
+        }
+
+    def _parameter(self, value: Any) -> Any:
+        return value if self._messages.is_used(_MESSAGES) else None
+
+    def _answering(self, kind: str, handle: Handler) -> Callable[[Any], Any]:
+        def answer(request: Any) -> Any:
+            response = self._messages.response(kind)
+            status, message = handle(request, response)
+            for name, value in (("status", status), ("message", message)):
+                if name in response.__slots__:
+                    setattr(response, name, value)
+            return response
+
+        return answer
+
+    # Topics
+
+    def _on_change(self, change: Change, name: str, type_name: str) -> None:
+        is_one = change == "subscribed" and self._topics.get(name, ("",))[0] == type_name
+        if is_one and name not in self._published:
+            self._published.add(name)
+            publication = self._graph.advertise(name, type_name, node=_NODE, by_controller=False)
+            if type_name == _STATE:
+                self._reading.tells(publication, self._reading.named("encoder"), _HZ)
+            soon_ns = self._scheduler.now_ns + 1_000_000
+            self._scheduler.call_at(soon_ns, lambda: self._publish(publication), background=True)
+
+    def _publish(self, publication: Publication) -> None:
+        if not publication.subscriptions:
+            self._published.discard(publication.topic)
+            publication.close()
+            return
+        type_name, make = self._topics[publication.topic]
+        publication.publish(make(self._messages.new(type_name)))
+        due_ns = self._scheduler.now_ns + round(1e9 / _HZ)
+        self._scheduler.call_at(due_ns, lambda: self._publish(publication), background=True)
+
+    def _state(self, message: Any) -> Any:
+        return _filled(message, self._motion.here())
+
+    def _hardware(self, message: Any) -> Any:
+        message.hardware_version = str(self._parameters()["/niryo_robot/hardware_version"])
+        message.connection_up = True
+        message.motor_names = list(self._arm.joints)
+        return message
+
+    def _tcp(self, message: Any) -> Any:
+        message.enabled = self._motion.is_tcp_on
+        return _filled(message, self._motion.tcp)
+
+    @property
+    def _tool_id(self) -> int:
+        return _GRIPPER_1 if self._arm.gripper is not None else 0
+
+    # Services
+
+    def _learn(self, request: Any, answer: Any) -> tuple[int, str]:
+        self._is_learning = bool(request.value)
+        return _SUCCESS, "Success"
+
+    def _scale(self, kind: str, request: Any, answer: Any) -> tuple[int, str]:
+        if request.value < 1:
+            return _INVALID, f"{kind} scaling factor {request.value} %; give 1 or more"
+        setattr(self._motion, kind, min(request.value, 100) / 100.0)
+        return _SUCCESS, "Success"
+
+    def _stop(self, request: Any, answer: Any) -> tuple[int, str]:
+        self.actions.stop()
+        return _SUCCESS, "Command stopped"
+
+    def _get_home(self, request: Any, answer: Any) -> tuple[int, str]:
+        home = self._home
+        if home is None:
+            states = self._arm.twin.robot.named_states.get(self._arm.group or "", {})
+            resting = states.get("resting", {})
+            home = [resting.get(name, 0.0) for name in self._arm.joints]
+        answer.values = home
+        return _SUCCESS, "Success"
+
+    def _set_home(self, request: Any, answer: Any) -> tuple[int, str]:
+        try:
+            self._arm.check(list(request.values))
+        except PlanningError as error:
+            return _INVALID, error.message
+        self._home = list(request.values)
+        return _SUCCESS, "Success"
+
+    def _reset_home(self, request: Any, answer: Any) -> tuple[int, str]:
+        self._home = None
+        return _SUCCESS, "Success"
+
+    def _jog(self, request: Any, answer: Any) -> tuple[int, str]:
+        stack, values = self._commands.stack(), list(request.shift_values)
+        try:
+            if request.cmd == 1:
+                here = self._arm.positions()
+                goal = [a + b for a, b in zip(here, values, strict=False)]
+            elif len(values) == 6:
+                pose = self._motion.here()
+                rpy = rpy_from_quaternion(pose.orientation)
+                x, y, z = (a + b for a, b in zip(pose.position, values[:3], strict=True))
+                turned = [a + b for a, b in zip(rpy, values[3:], strict=True)]
+                goal = self._motion.to_joints_of(Pose((x, y, z), quaternion_from_rpy(*turned)))
+            else:
+                raise PlanningError("invalid_goal", f"{len(values)} shift values, 6 expected")
+            self._arm.start("niryo_jog", self._arm.to_joints(goal), stack)
+        except PlanningError as error:
+            self._commands.tell("command_ignored", f"jog moved nothing: {error.message}", stack)
+            return STATUS_OF[error.failure], error.message
+        return _SUCCESS, "Success"
+
+    def _forward(self, request: Any, answer: Any) -> tuple[int, str]:
+        try:
+            self._arm.check(list(request.joints))
+        except PlanningError as error:
+            return _NO_FORWARD, error.message
+        _filled(answer.pose, self._motion.of_joints(list(request.joints)))
+        return _SUCCESS, "Success"
+
+    def _inverse(self, request: Any, answer: Any) -> tuple[int, str]:
+        at, rpy = request.pose.position, request.pose.rpy
+        turned = quaternion_from_rpy(rpy.roll, rpy.pitch, rpy.yaw)
+        try:
+            answer.joints = self._motion.to_joints_of(Pose((at.x, at.y, at.z), turned))
+        except PlanningError as error:
+            return _NO_INVERSE, error.message
+        return _SUCCESS, "Success"
+
+    def _enable_tcp(self, request: Any, answer: Any) -> tuple[int, str]:
+        self._motion.is_tcp_on = bool(request.value)
+        return _SUCCESS, "Success"
+
+    def _set_tcp(self, request: Any, answer: Any) -> tuple[int, str]:
+        at, rpy = request.position, request.rpy
+        turned = quaternion_from_rpy(rpy.roll, rpy.pitch, rpy.yaw)
+        self._motion.tcp, self._motion.is_tcp_on = Pose((at.x, at.y, at.z), turned), True
+        return _SUCCESS, "Success"
+
+    def _reset_tcp(self, request: Any, answer: Any) -> tuple[int, str]:
+        self._motion.tcp = self._motion.tcp_of_tool()
+        return _SUCCESS, "Success"
+
+    def _set_pin(self, request: Any, answer: Any) -> tuple[int, str]:
+        self._pins[request.name] = float(request.value)
+        return _SUCCESS, "Success"
+
+    def _get_pin(self, request: Any, answer: Any) -> tuple[int, str]:
+        if not request.name:
+            return _PIN_ERROR, "give the name of a pin"
+        answer.value = type(answer.value)(self._pins.get(request.name, 0.0))
+        return _SUCCESS, "Success"
+
+    def _shown(self, request: Any, answer: Any) -> tuple[int, str]:
+        self._commands.tell(
+            "not_simulated", "lights and sounds change nothing on the twin", self._commands.stack()
+        )
+        return _SUCCESS, "Success"
+
+    def _refuse(self, request: Any, answer: Any) -> tuple[int, str]:
+        message = "stored and computed trajectories are not simulated: nothing moved"
+        self._commands.tell("not_simulated", message, self._commands.stack())
+        return _NOT_IMPLEMENTED, message
+
+
+def _nothing(request: Any, answer: Any) -> tuple[int, str]:
+    """Answer what asks for nothing that the twin lacks: it is calibrated, and always on."""
+    return _SUCCESS, "Success"
+
+
+def _with(message: Any, **values: Any) -> Any:
+    for name, value in values.items():
+        setattr(message, name, value)
+    return message
+
+
+def _filled(message: Any, pose: Pose) -> Any:
+    message.position.x, message.position.y, message.position.z = pose.position
+    turn, rpy = message.orientation, message.rpy
+    turn.x, turn.y, turn.z, turn.w = pose.orientation
+    rpy.roll, rpy.pitch, rpy.yaw = rpy_from_quaternion(pose.orientation)
+    return message

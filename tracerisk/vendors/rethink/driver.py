@@ -1,0 +1,362 @@
+"""The driver of a Baxter on the graph: joint commands, states, grippers, head and IK services.
+
+Source: RethinkRobotics/baxter_common (baxter_core_msgs), baxter_interface (limb.py, gripper.py)
+and the SDK's wiki, "Arm Control Modes".
+"""
+
+# ruff: noqa: ARG002 - what tells a state is told its topic
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tracerisk.errors import RobotError, one_of
+from tracerisk.ros.command_streams import CommandStreams
+from tracerisk.ros.graph import Change, Publication
+from tracerisk.ros.message_dialect import set_time
+from tracerisk.ros.path_constraints import message_pose
+from tracerisk.ros.sensor_reading import SensorReading
+from tracerisk.ros.twin_commands import TwinCommands
+from tracerisk.ros.twin_messages import TwinMessages
+from tracerisk.ros.twin_set_points import SetPoints
+from tracerisk.ros.velocity_motion import VelocityStream
+from tracerisk.ros.virtual_clock import EPOCH_NS
+from tracerisk.twin.motion import PlanningError
+from tracerisk.twin.robot import Gripper
+
+if TYPE_CHECKING:
+    from tracerisk.ros.runtime import Runtime
+
+_CORE = "baxter_core_msgs"
+_NODE = "/realtime_loop"
+_POSITION, _VELOCITY, _TORQUE, _RAW = 1, 2, 3, 4  # JointCommand.mode
+_HZ = 100.0
+_SPEED = 0.3  # the fraction of the rated speed, before set_speed_ratio
+_TIMEOUT_S = 0.2  # of velocities, before joint_command_timeout
+_ELECTRIC = 2
+_SIDE = re.compile(r"/(left|right)(?:_gripper)?/")
+_LOOK_S = 1e-3
+_NUMBERS = ("position", "moving_force")
+_OF_JOINTS = ("sensor_msgs/JointState", f"{_CORE}/EndpointState", f"{_CORE}/HeadState")
+
+
+class BaxterDriver:
+    """Takes a Baxter's commands and tells its state; the robot is enabled when the run begins."""
+
+    def __init__(
+        self,
+        runtime: Runtime,
+        messages: TwinMessages,
+        commands: TwinCommands,
+        set_points: SetPoints,
+    ) -> None:
+        self._graph, self._scheduler = runtime.graph, runtime.scheduler
+        self._reading = runtime.client(SensorReading)
+        self._messages, self._commands = messages, commands
+        self._twin = commands.twin
+        self._set_points = set_points
+        self._streams = CommandStreams(commands)
+        self._velocities = VelocityStream(self._twin)
+        self._enabled, self._stopped = True, False
+        self._speed: dict[str, float] = {}
+        self._timeout_s: dict[str, float] = {}
+        self._grips: dict[str, tuple[str, str, int]] = {}
+        self._calibrated: dict[str, bool] = {}
+        self._forces: dict[str, float] = {}
+        self._ticking: set[str] = set()
+        self._subscribed: set[str] = set()
+        self._takers: dict[str, Callable[[str, Any], None]] = {
+            f"{_CORE}/JointCommand": self._take_joints,
+            f"{_CORE}/EndEffectorCommand": self._take_gripper,
+            f"{_CORE}/HeadPanCommand": self._take_head,
+            "std_msgs/Float64": self._take_number,
+            "std_msgs/Bool": self._take_enable,
+            "std_msgs/Empty": self._take_empty,
+        }
+        self._tellers: dict[str, Callable[[str], Any]] = {
+            f"{_CORE}/AssemblyState": self._assembly,
+            f"{_CORE}/EndpointState": self._endpoint,
+            f"{_CORE}/EndEffectorState": self._gripper_state,
+            f"{_CORE}/EndEffectorProperties": self._gripper_properties,
+            f"{_CORE}/HeadState": self._head,
+            "sensor_msgs/JointState": self._joint_states,
+        }
+        for side in ("left", "right"):
+            if f"{side}_s0" in {joint.name for joint in self._twin.robot.joints}:
+                self._graph.serve(
+                    f"/ExternalTools/{side}/PositionKinematicsNode/IKService",
+                    f"{_CORE}/SolvePositionIK",
+                    partial(self._solve, f"{side}_arm"),
+                    node=_NODE,
+                    is_callback=False,
+                )
+        self._graph.watch(self._on_change)
+
+    def _on_change(self, change: Change, name: str, type_name: str) -> None:
+        if not name.startswith("/robot/"):
+            return
+        if change == "advertised" and type_name in self._takers and name not in self._subscribed:
+            self._subscribed.add(name)
+            take = self._takers[type_name]
+            self._graph.subscribe(
+                name,
+                type_name,
+                lambda message, _: take(name, message),
+                node=_NODE,
+                by_controller=False,
+            )
+        elif change == "subscribed" and type_name in self._tellers and name not in self._ticking:
+            self._ticking.add(name)
+            publication = self._graph.advertise(name, type_name, node=_NODE, by_controller=False)
+            if type_name in _OF_JOINTS:
+                self._reading.tells_joints(publication, _HZ)
+            self._schedule(publication, self._tellers[type_name])
+
+    def _schedule(self, publication: Publication, make: Callable[[str], Any]) -> None:
+        period_ns = round(1e9 / _HZ)
+        due_ns = (self._scheduler.now_ns // period_ns + 1) * period_ns
+        self._scheduler.call_at(due_ns, lambda: self._tick(publication, make), background=True)
+
+    def _tick(self, publication: Publication, make: Callable[[str], Any]) -> None:
+        message = make(publication.topic) if publication.subscriptions else None
+        if message is None:
+            self._ticking.discard(publication.topic)
+            publication.close()
+            return
+        publication.publish(message)
+        self._schedule(publication, make)
+
+    # Commands
+
+    def _take_number(self, topic: str, message: Any) -> None:
+        side = _side(topic)
+        if topic.endswith("/set_speed_ratio"):
+            self._speed[side] = min(max(float(message.data), 1e-3), 1.0)
+        elif topic.endswith("/joint_command_timeout"):
+            self._timeout_s[side] = float(message.data)
+
+    def _take_enable(self, topic: str, message: Any) -> None:
+        if not topic.endswith("/set_super_enable"):
+            return
+        self._enabled = bool(message.data) and not self._stopped
+        if not self._enabled:
+            self._twin.stop()
+            self._commands.poll()
+
+    def _take_empty(self, topic: str, message: Any) -> None:
+        del message
+        if topic.endswith("/set_super_stop"):
+            self._stopped, self._enabled = True, False
+            self._twin.stop()
+            self._commands.poll()
+        elif topic.endswith("/set_super_reset"):
+            self._stopped = self._enabled = False
+
+    def _take_joints(self, topic: str, message: Any) -> None:
+        asked = dict(zip(message.names, map(float, message.command), strict=False))
+        known = {joint.name: joint for joint in self._twin.robot.joints}
+        unknown = [name for name in asked if name not in known]
+        told = ""
+        if not self._enabled:
+            told = "the robot is not enabled"
+        elif unknown or not asked:
+            told = f"no joint '{next(iter(unknown), '')}'; {one_of(known)}"
+        elif not np.isfinite(list(asked.values())).all():
+            told = "a command is not finite"
+        elif message.mode == _TORQUE:
+            told = "commands of torque are not simulated, only positions and velocities"
+        if told:
+            self._streams.refuse(topic, told)
+        elif message.mode == _VELOCITY:
+            moving = self._velocities.next(
+                asked, self._scheduler.now_ns, self._timeout_s.get(_side(topic), _TIMEOUT_S)
+            )
+            if not any(asked.values()):
+                self._twin.stop(list(asked))
+                self._commands.poll()
+            elif moving is not None:
+                kind = "joint_velocity_command"
+                self._streams.follow(topic, kind, moving, is_set_point=True)
+        else:
+            joints = tuple(asked)
+            target = np.array([min(max(asked[n], known[n].lower), known[n].upper) for n in joints])
+            speed = self._speed.get(_side(topic), _SPEED)
+            self._set_points.set_point(topic, joints, target, "joint_command", speed=speed)
+
+    def _take_head(self, topic: str, message: Any) -> None:
+        name = next((j.name for j in self._twin.robot.joints if j.name == "head_pan"), None)
+        if name is None or not self._enabled:
+            self._streams.refuse(topic, "the robot has no head that pans, or is not enabled")
+            return
+        joint = self._twin.robot.joint(name)
+        target = np.array([min(max(float(message.target), joint.lower), joint.upper)])
+        speed = min(max(float(message.speed_ratio), 0.05), 1.0)
+        self._set_points.set_point(topic, (name,), target, "head_pan", speed=speed)
+
+    def _take_gripper(self, topic: str, message: Any) -> None:
+        side, gripper = _side(topic), self._gripper(topic)
+        acknowledged = self._grips.get(side, ("", "", 0))
+        received = (message.command, message.sender, message.sequence)
+        if gripper is None or received == acknowledged:
+            return
+        self._grips[side] = received
+        try:
+            asked = _numbers(message.args)
+        except (TypeError, ValueError):
+            self._streams.refuse(topic, f"args '{message.args}' are no numbers by name, as JSON")
+            return
+        if message.command == "configure":
+            self._forces[side] = asked.get("moving_force", 40.0)
+        elif message.command in ("calibrate", "clear_calibration", "reboot", "reset"):
+            self._calibrated[side] = message.command in ("calibrate", "reset")
+        elif message.command == "stop":
+            self._twin.stop(gripper.joints)
+            self._commands.poll()
+        elif message.command in ("go", "grip", "release"):
+            by_name = 0.0 if message.command == "grip" else 100.0
+            self._grip(topic, gripper, asked.get("position", by_name))
+
+    def _grip(self, topic: str, gripper: Gripper, percent: float) -> None:
+        part = min(max(percent, 0.0), 100.0) / 100
+        goal = gripper.least + part * (gripper.opening - gripper.least)
+        effort = gripper.effort * max(self._forces.get(_side(topic), 40.0), 1.0) / 100
+        try:
+            motion = self._twin.move_gripper(gripper.name, goal, max_effort=effort)
+        except PlanningError as error:
+            self._streams.refuse(topic, error.message)
+            return
+        self._commands.begin("gripper_command", motion, self._commands.stack())
+
+    def _gripper(self, topic: str) -> Gripper | None:
+        side = _side(topic)
+        return next((g for g in self._twin.robot.grippers if g.name.startswith(side)), None)
+
+    # States
+
+    def _assembly(self, topic: str) -> Any:
+        message = self._messages.new(f"{_CORE}/AssemblyState")
+        message.ready, message.enabled, message.stopped = True, self._enabled, self._stopped
+        return message
+
+    def _joint_states(self, topic: str) -> Any:
+        message = self._messages.new("sensor_msgs/JointState")
+        self._messages.stamp(message.header, self._scheduler.now_ns)
+        state = self._twin.joint_state()
+        message.name, message.position = list(state.names), list(state.position)
+        message.velocity, message.effort = list(state.velocity), list(state.effort)
+        return message
+
+    def _endpoint(self, topic: str) -> Any:
+        robot, side = self._twin.robot, _side(topic)
+        group = robot.groups.get(f"{side}_arm")
+        link = f"{side}_gripper" if f"{side}_gripper" in robot.link_names else None
+        link = link or (group.tip_link if group is not None else None)
+        if link is None:
+            return None
+        state = self._twin.joint_state()
+        here = self._twin.link_pose(link)
+        soon = self._twin.forward_kinematics(
+            {
+                name: at + _LOOK_S * rate
+                for name, at, rate in zip(state.names, state.position, state.velocity, strict=True)
+            },
+            link,
+        )
+        message = self._messages.new(f"{_CORE}/EndpointState")
+        self._messages.stamp(message.header, self._scheduler.now_ns)
+        place, turn = message.pose.position, message.pose.orientation
+        place.x, place.y, place.z = here.position
+        turn.x, turn.y, turn.z, turn.w = here.orientation
+        linear = message.twist.linear
+        linear.x, linear.y, linear.z = (
+            (b - a) / _LOOK_S for a, b in zip(here.position, soon.position, strict=True)
+        )
+        return message
+
+    def _gripper_properties(self, topic: str) -> Any:
+        message = self._messages.new(f"{_CORE}/EndEffectorProperties")
+        if self._gripper(topic) is not None:
+            message.id, message.ui_type = 65538, _ELECTRIC
+            message.manufacturer, message.product = "Rethink Research Robot", "Electric Gripper"
+            for field in ("has_calibration", "controls_grip", "senses_grip", "controls_force",
+                          "controls_position", "senses_position"):  # fmt: skip
+                setattr(message, field, True)
+        return message
+
+    def _gripper_state(self, topic: str) -> Any:
+        gripper, side = self._gripper(topic), _side(topic)
+        message = self._messages.new(f"{_CORE}/EndEffectorState")
+        set_time(message.timestamp, EPOCH_NS + self._scheduler.now_ns)
+        if gripper is None:
+            return message
+        state = self._twin.joint_state()
+        at = [state.names.index(name) for name in gripper.joints]
+        position = gripper.position({state.names[i]: state.position[i] for i in at})
+        speed = max(abs(state.velocity[i]) for i in at)
+        effort = max(abs(state.effort[i]) for i in at)
+        message.id, message.enabled, message.ready = 65538, int(self._enabled), 1
+        message.calibrated = int(self._calibrated.get(side, True))
+        message.moving = int(speed > 1e-3)
+        span = gripper.opening - gripper.least
+        message.position = 100.0 * (position - gripper.least) / span
+        command, sender, sequence = self._grips.get(side, ("", "", 0))
+        # Fingers that press and stand still between their ends hold something.
+        holds = effort > 0.1 * gripper.effort and 2.0 < message.position < 98.0
+        message.gripping = int(holds and not message.moving)
+        message.missed = int(command == "grip" and not holds and not message.moving)
+        message.force = min(100.0, 100.0 * effort / gripper.effort)
+        message.command, message.command_sender = command, sender
+        message.command_sequence = sequence
+        return message
+
+    def _head(self, topic: str) -> Any:
+        state = self._twin.joint_state()
+        if "head_pan" not in state.names:
+            return None
+        index = state.names.index("head_pan")
+        message = self._messages.new(f"{_CORE}/HeadState")
+        message.pan, message.isTurning = state.position[index], abs(state.velocity[index]) > 0.01
+        message.isPanEnabled = True
+        return message
+
+    # Kinematics
+
+    def _solve(self, group: str, request: Any) -> Any:
+        answer = self._messages.response(f"{_CORE}/SolvePositionIK")
+        joints, valid = [], []
+        for index, stamped in enumerate(request.pose_stamp):
+            message = self._messages.new("sensor_msgs/JointState")
+            seeds = request.seed_angles
+            seed = seeds[index] if index < len(seeds) and seeds[index].name else None
+            try:
+                found = self._twin.inverse_kinematics(
+                    group,
+                    message_pose(stamped.pose),
+                    seed=None if seed is None else dict(zip(seed.name, seed.position, strict=True)),
+                )
+                message.name, message.position = list(found), list(found.values())
+                valid.append(True)
+            except (PlanningError, RobotError):
+                valid.append(False)
+            joints.append(message)
+        answer.joints, answer.isValid = joints, valid
+        answer.result_type = bytes(int(each) for each in valid)
+        return answer
+
+
+def _numbers(text: str) -> dict[str, float]:
+    """Return the numbers in the arguments of a gripper's command; raise ValueError or TypeError."""
+    asked = json.loads(text) if text else {}
+    if not isinstance(asked, dict):
+        raise ValueError("no mapping")
+    return {name: float(value) for name, value in asked.items() if name in _NUMBERS}
+
+
+def _side(topic: str) -> str:
+    found = _SIDE.search(topic)
+    return found.group(1) if found else ""

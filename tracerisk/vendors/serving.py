@@ -1,0 +1,48 @@
+"""The drivers of robot makers on the graph, for what their own libraries and controllers ask."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from tracerisk.ros.twin_commands import TwinCommands
+from tracerisk.ros.twin_interfaces import TwinInterfaces
+from tracerisk.vendors.described_driver import DescribedDriver
+from tracerisk.vendors.description import Driver
+from tracerisk.vendors.dobot.driver import DobotDriver
+from tracerisk.vendors.doosan.driver import DoosanController
+from tracerisk.vendors.found import shipped_drivers
+from tracerisk.vendors.interbotix.driver import InterbotixDriver
+from tracerisk.vendors.kinova.driver import FOLLOW_CARTESIAN, KortexDriver
+from tracerisk.vendors.niryo.actions import ROBOT_MOVE, TOOL
+from tracerisk.vendors.niryo.driver import NiryoRobot
+from tracerisk.vendors.rethink.driver import BaxterDriver
+
+if TYPE_CHECKING:
+    from tracerisk.ros.runtime import Runtime
+
+
+def serve_vendors(runtime: Runtime, twin: TwinInterfaces, drivers: Sequence[Driver] = ()) -> None:
+    """Offer each maker's services and actions, and listen to its command topics.
+
+    `drivers` are those that users describe; they go before the shipped ones.
+
+    Raises:
+        DriverError: one of them does not fit the messages that it speaks of.
+    """
+    messages, commands = twin.messages, runtime.client(TwinCommands)
+    for driver in (*drivers, *shipped_drivers()):
+        DescribedDriver(driver, runtime, messages, twin.set_points)
+    InterbotixDriver(runtime, messages, commands)
+    BaxterDriver(runtime, messages, commands, twin.set_points)
+    kortex = KortexDriver(runtime, messages, commands)
+    DobotDriver(runtime, messages, commands)
+    DoosanController(runtime, messages, commands)
+    niryo = NiryoRobot(runtime, messages, commands).actions
+    twin.take(
+        {
+            FOLLOW_CARTESIAN: (kortex.follow_cartesian, kortex.on_cancel),
+            ROBOT_MOVE: (niryo.move, niryo.on_cancel),
+            TOOL: (niryo.use_tool, niryo.on_cancel),
+        }
+    )
