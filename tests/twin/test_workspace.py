@@ -14,7 +14,7 @@ from tracerisk.hardware.shipped import hardware_of
 from tracerisk.pipeline.robot_choice import choose_robot
 from tracerisk.twin.builder import compile_model
 from tracerisk.twin.generic import generic_arm, names_asked, with_assumed_names
-from tracerisk.twin.joint_limits import scaling_beside
+from tracerisk.twin.joint_limits import limited_as_beside
 from tracerisk.twin.known_arms import completed_as_ours
 from tracerisk.twin.robot import Scaling, load_robot
 from tracerisk.twin.xacro_files import expand_xacro
@@ -74,7 +74,7 @@ def test_a_scaling_factor_that_is_none_is_told_and_not_taken(tmp_path):
     srdf.write_text(texts.SRDF)
     (folder / "joint_limits.yaml").write_text("a: 1\ndefault_velocity_scaling_factor: 0.0\n")
     with pytest.raises(RobotError, match="above 0, at most 1") as caught:
-        scaling_beside(srdf, Scaling(0.1, 0.1), shown="tiny/tiny.srdf")
+        limited_as_beside(texts.robot(), srdf, shown="tiny/tiny.srdf")
     assert str(caught.value.location).startswith("tiny/joint_limits.yaml:2")
     assert chosen(script).robot.default_scaling == Scaling(0.1, 0.1)
 
@@ -337,12 +337,11 @@ def test_of_known_robots_with_the_joints_of_an_srdf_the_one_that_it_names_gives_
     assert "lifter" in choice.robot.groups
 
 
-def test_an_srdf_that_fits_several_known_robots_and_names_none_gives_no_arm(tmp_path):
+def test_an_srdf_that_fits_several_known_robots_and_names_none_is_an_error(tmp_path):
     folder, script = workspace(tmp_path, 'group = "lifter"\n')
     (folder / "cell.srdf").write_text(UR_SRDF.format(name="cell"))
-    choice = chosen(script)
-    assert choice.robot.name == "generic"
-    assert any(
-        "several known robots have its joints: ur10, ur10e, ur3, ur3e, ur5, ur5e" in told
-        for told in choice.skipped
-    )
+    with pytest.raises(
+        RobotError,
+        match="cell.srdf: several known robots have its joints: ur10, ur10e, ur3, ur3e, ur5, ur5e",
+    ):
+        chosen(script)
