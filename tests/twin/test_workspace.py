@@ -342,6 +342,6 @@ def test_an_srdf_that_fits_several_known_robots_and_names_none_is_an_error(tmp_p
     (folder / "cell.srdf").write_text(UR_SRDF.format(name="cell"))
     with pytest.raises(
         RobotError,
-        match="cell.srdf: several known robots have its joints: ur10, ur10e, ur3, ur3e, ur5, ur5e",
+        match=r"cell\.srdf: several known robots have its joints: ur10, ur10e, ur3, ur3e, ur5, ur5e",
     ):
         chosen(script)

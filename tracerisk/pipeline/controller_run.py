@@ -94,6 +94,7 @@ def run_controller(
             params=settings.params,
             launch=launch,
             launch_notes=choice.notes,
+            reads_around=settings.launch is not False,
             companions=companions,
             duration_s=settings.run_duration_s,
             memory_limit_mb=settings.memory_limit_mb,

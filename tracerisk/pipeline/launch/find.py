@@ -56,8 +56,8 @@ def find_launch_files(
             break
         rest += more
         reached = {path.name for path in more}
-    found = [LaunchFile(path, ros, True, _is_test(path, tops)) for path in direct]
-    found += [LaunchFile(path, ros, False, _is_test(path, tops)) for path in rest]
+    found = [LaunchFile(path, ros, True, is_test(path, *tops)) for path in direct]
+    found += [LaunchFile(path, ros, False, is_test(path, *tops)) for path in rest]
     return tuple(sorted(found, key=lambda each: (not each.is_direct, each.is_test, each.path)))
 
 
@@ -82,9 +82,9 @@ def ros_of(path: Path, text: str) -> Literal[1, 2] | None:
     return 1 if _ROS1_XML.search(text) or path.suffix == ".launch" else 2
 
 
-def _is_test(path: Path, tops: Sequence[Path]) -> bool:
+def is_test(path: Path, *tops: Path) -> bool:
     """Tell whether a file is one of a test, wherever the workspace itself stands."""
-    within = next(path.relative_to(top) for top in tops if path.is_relative_to(top))
+    within = next((path.relative_to(top) for top in tops if path.is_relative_to(top)), path)
     return bool(_TESTS.intersection(within.parts)) or path.name.startswith("test_")
 
 

@@ -31,7 +31,7 @@ def setup_of_parameter_file(
     """
     folder = workspace.packages.get(program.package, root)
     found = []
-    for path in _files(folder):
+    for path in parameter_files(folder):
         mine = [each for each in _parameters(path) if _is_for_any(each, asked.nodes)]
         if mine:
             given = len(asked.names & {each.name for each in mine})
@@ -63,7 +63,8 @@ def _is_for_any(parameter: LaunchParameter, nodes: tuple[str, ...]) -> bool:
     return parameter.node is not None and parameter.node.rpartition("/")[2] in nodes
 
 
-def _files(folder: Path) -> Iterator[Path]:
+def parameter_files(folder: Path) -> Iterator[Path]:
+    """Yield the YAML files of a package that may hold parameters, at most 200."""
     count = 0
     for name in _FOLDERS:
         for path in sorted((folder / name).rglob("*.yaml")) if (folder / name).is_dir() else ():
