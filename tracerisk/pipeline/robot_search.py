@@ -144,16 +144,20 @@ class _Search:
             taken = self._of_workspace(theirs)
             told = f"{taken.robot.chosen_by}, as programs beside it do"
             return replace(taken, robot=replace(taken.robot, chosen_by=told))
-        robots: dict[str, tuple[Robot, str]] = {}
+        found: dict[str, tuple[Robot, str]] = {}
+        others: set[str] = set()
         for each in siblings:
             try:
                 robot = detect_robot(string_literals(each), by_parts=True)
+            except SeveralRobotsError as error:
+                others |= set(error.names)
             except RobotError:
                 continue
-            robots.setdefault(robot.name, (robot, each.path.name))
-        if len(robots) != 1:
+            else:
+                found.setdefault(robot.name, (robot, each.path.name))
+        if len(found) != 1 or (others and not others & found.keys()):
             return None
-        robot, file = next(iter(robots.values()))
+        robot, file = next(iter(found.values()))
         if self._names_another(robot) or not set(self._asked.names.joints) <= {
             joint.name for joint in robot.joints
         }:

@@ -9,6 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from tracerisk.twin.model_file_frames import rotation
+from tracerisk.twin.prefix import prefix_in, with_prefix
 from tracerisk.twin.robot import Joint, Robot, load_robot
 from tracerisk.twin.robot_index import shipped_names
 from tracerisk.twin.sensors import sensors_like
@@ -34,10 +35,18 @@ def _shares(names: Iterable[str]) -> dict[str, float]:
 
 
 def _all_shipped_like(names: Iterable[str]) -> Iterator[Robot]:
-    """Yield the shipped robots with most of their joints among the names, the best ones first."""
-    shares = _shares(names)
+    """Yield the shipped robots with most of their joints among the names, the best ones first.
+
+    Where that is none, one whose joints are all there with a prefix is yielded with it.
+    """
+    given = tuple(names)
+    prefix = ""
+    shares = _shares(given)
+    if not shares:
+        prefix = prefix_in(given, shipped_names())
+        shares = _shares(name.removeprefix(prefix) for name in given) if prefix else {}
     for name in sorted(shares, key=lambda each: (-shares[each], each)):
-        yield load_robot(name)
+        yield with_prefix(load_robot(name), prefix) if prefix else load_robot(name)
 
 
 def _ours(robot: Robot) -> Robot | None:

@@ -57,6 +57,11 @@ def _known(source: RobotSource) -> RobotSource:
     return RobotSource("", problem=f"package '{package}' is not here")
 
 
+def source_of_problem(command: str, problem: str) -> RobotSource | None:
+    """Return why the file that a command line names is not known, `None` where it names none."""
+    return RobotSource("", problem=problem) if any(map(command.__contains__, _ENDINGS)) else None
+
+
 def source_of_file(path: str | Path, arguments: Mapping[str, Any] | None = None) -> RobotSource:
     """Return what a file and the arguments of xacro come to, as texts."""
     given = tuple((str(name), str(value)) for name, value in (arguments or {}).items())

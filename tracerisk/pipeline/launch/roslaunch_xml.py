@@ -22,6 +22,7 @@ from tracerisk.pipeline.launch.robot_sources import (
     robots_read,
     source_of_command,
     source_of_file,
+    source_of_problem,
 )
 from tracerisk.pipeline.launch.roslaunch_texts import RoslaunchError, Texts, typed
 from tracerisk.ros import names
@@ -215,16 +216,16 @@ class _Reader:
             elif "command" in attributes:
                 # The program is not needed, and stands in no workspace.
                 command = attributes["command"].replace("$(find xacro)/", "")
-                made = source_of_command(texts.of(command), texts.folder)
+                try:
+                    made = source_of_command(texts.of(command), texts.folder)
+                except RoslaunchError as error:
+                    made = source_of_problem(command, str(error))
                 self.robots += [] if made is None else [made]
                 raise RoslaunchError("the output of a command is not here")
             else:
                 raise RoslaunchError("has no value, textfile or command")
         except (RoslaunchError, ParameterTextError) as error:
             self.left_out[name] = str(error)
-            is_named = any(map(is_robot_file, attributes.get("command", "").split()))
-            if is_named and "is not here" in str(error) and not str(error).startswith("the output"):
-                self.robots.append(RobotSource("", problem=str(error)))
             return
         self._set(name, value)
 
