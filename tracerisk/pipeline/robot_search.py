@@ -29,11 +29,12 @@ from tracerisk.twin.workspace import (
 
 @dataclass(frozen=True, slots=True)
 class _Asked:
-    """What a controller names: `whole` is it with its own modules."""
+    """What a controller names: `whole` is it with its own modules, `listed` its own joints."""
 
     whole: Controller
     strings: tuple[str, ...]
     names: NamesAsked
+    listed: tuple[str, ...]
 
     @classmethod
     def by(cls, controller: Controller, also_named: tuple[str, ...] = ()) -> _Asked:
@@ -42,7 +43,9 @@ class _Asked:
         strings = (*string_literals(controller), *string_literals(whole), *also_named)
         names = names_asked(whole.source)
         joints = tuple(dict.fromkeys((*also_named, *names.joints)))
-        return cls(whole, strings, replace(names, joints=joints))
+        # Modules are written for more than one robot.
+        listed = tuple(dict.fromkeys((*also_named, *names_asked(controller.source).joints)))
+        return cls(whole, strings, replace(names, joints=joints), listed)
 
 
 def searched_robot(
@@ -74,7 +77,7 @@ class _Search:
         self._settings = settings
         self._asked = _Asked.by(controller, also_named)
         self._launched = launched_robots(controller, settings, launch, self._asked.strings)
-        self._found = self._in_workspace(self._asked.strings, self._asked.names.joints)
+        self._found = self._in_workspace(self._asked.strings)
         self._unreadable = self._found.unreadable
 
     def run(self) -> RobotChoice:
@@ -118,11 +121,11 @@ class _Search:
             )
         )
 
-    def _in_workspace(self, strings: tuple[str, ...], joints: tuple[str, ...]) -> WorkspaceRobot:
+    def _in_workspace(self, strings: tuple[str, ...]) -> WorkspaceRobot:
         root = self._controller.root
         packages = find_workspace(root).packages
         named = named_packages(root, packages, strings)
-        spoken = Spoken(strings, named, self._launched, joints)
+        spoken = Spoken(strings, named, self._launched, self._asked.listed)
         roots = (root, *packages.values())
         return find_workspace_robot(
             roots, packages, spoken, self._controller.path, self._settings.limits
@@ -138,7 +141,7 @@ class _Search:
         if not siblings:
             return None
         strings = tuple(text for each in siblings for text in string_literals(each))
-        theirs = self._in_workspace((*self._asked.strings, *strings), self._asked.names.joints)
+        theirs = self._in_workspace((*self._asked.strings, *strings))
         self._unreadable += theirs.unreadable
         if theirs.robot is not None and theirs.is_named and not self._names_another(theirs.robot):
             taken = self._of_workspace(theirs)

@@ -24,11 +24,12 @@ from tracerisk.twin.spoken_names import LaunchedDescription, Spoken
 from tracerisk.twin.srdf import Srdf, read_srdf
 from tracerisk.twin.srdf_pairing import UrdfChoice, has_parts_of, setup_assistant, with_srdf
 from tracerisk.twin.urdf import read_urdf
-from tracerisk.twin.xacro_files import expanded_xacro
+from tracerisk.twin.xacro_files import Expanded, expanded_xacro
 
 _MOST_EXPANDED = 8  # xacro files a controller; each costs up to a second
 _TESTS = frozenset({"test", "tests"})
 _RANKS = {"controller": 0, "package": 1}
+_ROBOTS_NAME = "name"  # the argument of xacro that many files want and give no default
 _UNNAMED = 2  # the rank of a file that no launch file near the controller names
 
 
@@ -361,15 +362,24 @@ class _Search:
         launched: LaunchedDescription | None = self._launched.get(file.path)
         if launched is not None:
             arguments = dict(launched.arguments)
-        expanded = expanded_xacro(
+        try:
+            expanded = self._expand(file, arguments)
+        except RobotError as error:
+            # What the robot is called is no matter of which robot it is.
+            if not error.message.endswith(f" {_ROBOTS_NAME}"):
+                raise
+            expanded = self._expand(file, {**(arguments or {}), _ROBOTS_NAME: file.stem})
+        self._read_for[file.path] = expanded.files
+        return expanded.text
+
+    def _expand(self, file: DescriptionFile, arguments: Mapping[str, str] | None) -> Expanded:
+        return expanded_xacro(
             file.path,
             self._packages,
             arguments=arguments,
             shown=file.shown,
             limits=self._limits,
         )
-        self._read_for[file.path] = expanded.files
-        return expanded.text
 
     def _skip(self, file: DescriptionFile, reason: str, *, is_meant: bool = False) -> None:
         self._skipped.append(f"{file.shown}: {reason}")

@@ -20,15 +20,13 @@ import sys
 import tempfile
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.limited_process import end_with, limit_memory, mark_start
-from tracerisk.pipeline.launch.robot_sources import (
-    RobotSource,
-    is_robot_file,
-    robots_read,
-    source_of_file,
-)
+from tracerisk.pipeline.launch.robot_sources import is_robot_file, robots_read
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline.launch.launch_visit import Described
 
 FILE_BYTES = 16 * 1024**2
 _STAND_INS = ("launch", "launch_ros")
@@ -89,7 +87,7 @@ def main() -> int:
 
         sys.dont_write_bytecode = True
         read: list[Path] = []
-        robots: list[RobotSource] = []
+        robots: list[Described] = []
         _serve(packages, read, robots)
         sys.path += asked["import_paths"]
         sys.argv = ["launch"]
@@ -97,7 +95,7 @@ def main() -> int:
             tempfile.tempdir = folder
             mark_start()
             _forbid(folder, robots)
-            reading = visit(Path(asked["path"]), packages)
+            reading = visit(Path(asked["path"]), packages, robots)
             reading.sources += (path for path in read if path not in reading.sources)
     sys.stdout.write(
         json.dumps(
@@ -105,16 +103,14 @@ def main() -> int:
                 "nodes": [dataclasses.asdict(node) for node in reading.nodes],
                 "sources": [str(path) for path in reading.sources],
                 "problems": reading.problems,
-                "robots": [
-                    dataclasses.asdict(each) for each in robots_read([*reading.robots, *robots])
-                ],
+                "robots": [dataclasses.asdict(each) for each in robots_read(reading.robots)],
             }
         )
     )
     return 0
 
 
-def _serve(packages: dict[str, Path], read: list[Path], robots: list[RobotSource]) -> None:
+def _serve(packages: dict[str, Path], read: list[Path], robots: list[Described]) -> None:
     """Put the stand-ins where launch files import them from.
 
     What they read goes to `read`, what of that describes a robot to `robots`.
@@ -143,7 +139,7 @@ def _serve(packages: dict[str, Path], read: list[Path], robots: list[RobotSource
     sys.meta_path += [_Submodules(), finder]
 
 
-def _xacro(robots: list[RobotSource]) -> ModuleType:
+def _xacro(robots: list[Described]) -> ModuleType:
     """Return a module whose documents are absent; what it is called with goes to `robots`."""
     from tracerisk.pipeline.launch.absent import Absent, AbsentModule
 
@@ -157,7 +153,8 @@ def _xacro(robots: list[RobotSource]) -> ModuleType:
 
     def process_doc(doc: Any, mappings: Any = None, **_: Any) -> None:
         if isinstance(doc, Document) and doc.xacro_path:
-            robots.append(source_of_file(doc.xacro_path, _known(mappings)))
+            given = mappings if isinstance(mappings, dict) else {}
+            robots.append((doc.xacro_path, given))
 
     def process_file(input_file_name: Any, mappings: Any = None, **_: Any) -> Absent:
         if isinstance(input_file_name, Absent):
@@ -165,10 +162,6 @@ def _xacro(robots: list[RobotSource]) -> ModuleType:
         document = Document(os.fspath(input_file_name))
         process_doc(document, mappings)
         return document
-
-    def _known(mappings: Any) -> dict[str, Any]:
-        given = mappings if isinstance(mappings, dict) else {}
-        return {name: each for name, each in given.items() if not isinstance(each, Absent)}
 
     module = AbsentModule("xacro")
     vars(module).update(
@@ -232,7 +225,7 @@ class _Submodules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         """Do nothing: the names are there."""
 
 
-def _forbid(folder: str, robots: list[RobotSource]) -> None:
+def _forbid(folder: str, robots: list[Described]) -> None:
     """Refuse from here on what a file that only describes has no need to do.
 
     Files of robots that it opens go to `robots`.
@@ -248,7 +241,7 @@ def _forbid(folder: str, robots: list[RobotSource]) -> None:
         if event == "open" and isinstance(arguments[0], (str, bytes)):
             path = os.path.realpath(os.fsdecode(arguments[0]))
             if is_robot_file(path):
-                robots.append(source_of_file(path))
+                robots.append((path, {}))
 
     def _is_within(path: Any) -> bool:
         if isinstance(path, int):

@@ -8,14 +8,14 @@ from types import ModuleType
 from typing import Any
 
 from tracerisk.pipeline.launch.absent import ABSENT_FOLDER, Absent, AbsentModule
-from tracerisk.pipeline.launch.robot_sources import RobotSource, is_robot_file, source_of_file
+from tracerisk.pipeline.launch.robot_sources import is_robot_file
 from tracerisk.ros.moveit_configs import ConfigsBuilder, MoveItConfigs
 
 
 def moveit_configs_modules(
     packages: Mapping[str, Path],
     on_read: Callable[[Path], None],
-    on_robot: Callable[[RobotSource], None],
+    on_robot: Callable[[tuple[str, Mapping[str, Any]]], None],
 ) -> dict[str, ModuleType]:
     """Return the modules by their names.
 
@@ -48,7 +48,7 @@ class _Files:
         self,
         packages: Mapping[str, Path],
         on_read: Callable[[Path], None],
-        on_robot: Callable[[RobotSource], None],
+        on_robot: Callable[[tuple[str, Mapping[str, Any]]], None],
     ) -> None:
         self._packages = packages
         self._on_read = on_read
@@ -60,13 +60,12 @@ class _Files:
     def text(self, path: Path) -> str:
         self._on_read(path)
         if is_robot_file(path):
-            self._on_robot(source_of_file(path))
+            self._on_robot((str(path), {}))
         return path.read_text(encoding="utf-8")
 
     def expanded(self, path: Path, arguments: Mapping[str, Any]) -> Absent:
         # A controller needs no URDF: the robot is that of the run.
-        given = {k: v for k, v in arguments.items() if not isinstance(v, Absent)}
-        self._on_robot(source_of_file(path, given))
+        self._on_robot((str(path), arguments))
         return Absent("the output of xacro")
 
     def left_out(self, what: str) -> dict[str, Any]:

@@ -63,9 +63,17 @@ def source_of_problem(command: str, problem: str) -> RobotSource | None:
 
 
 def source_of_file(path: str | Path, arguments: Mapping[str, Any] | None = None) -> RobotSource:
-    """Return what a file and the arguments of xacro come to, as texts."""
-    given = tuple((str(name), str(value)) for name, value in (arguments or {}).items())
+    """Return what a file and the arguments of xacro come to; only those that are known as texts."""
+    given = tuple(
+        (str(name), _text(value))
+        for name, value in (arguments or {}).items()
+        if isinstance(value, str | int | float | Path)
+    )
     return _known(RobotSource(str(path), given))
+
+
+def _text(value: str | float | Path) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def is_robot_file(path: str | Path) -> bool:
