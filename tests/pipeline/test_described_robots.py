@@ -268,6 +268,25 @@ def generate_launch_description():
 </launch>
 """,
 }
+XACRO_LAUNCHES["moveit.launch.py"] = """\
+import os
+from ament_index_python.packages import get_package_share_directory
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+from moveit_configs_utils import MoveItConfigsBuilder
+
+def generate_launch_description():
+    file = os.path.join(
+        get_package_share_directory("feeder_description"), "urdf", "feeder.urdf.xacro")
+    configs = MoveItConfigsBuilder("feeder").robot_description(
+        file, mappings={"prefix": LaunchConfiguration("prefix")})
+    return LaunchDescription([
+        DeclareLaunchArgument("prefix", default_value="west_"),
+        Node(package="cell", executable="feeder.py", parameters=[configs.to_dict()]),
+    ])
+"""
 WITHOUT_NAMES = {
     True: "import rospy\nrospy.init_node('feeder')\n",
     False: "import rclpy\nrclpy.init()\nrclpy.create_node('feeder')\n",
@@ -300,6 +319,16 @@ def test_a_package_that_a_xacro_file_needs_and_is_not_there_is_told(tmp_path):
     script = cell(tmp_path, f"joints = {joints()}\n", "feeder_description")
     with pytest.raises(RobotError, match="package 'common_parts' is not in the workspace"):
         chosen(script)
+
+
+def test_a_robot_whose_macros_want_its_name_is_read(tmp_path):
+    folder = described(tmp_path)
+    text = arm().replace('name="feeder"', 'name="$(arg name)"')
+    (folder / "urdf" / "feeder.urdf.xacro").write_text(text)
+    script = cell(tmp_path, f"joints = {joints()}\n", "feeder_description")
+    robot = chosen(script).robot
+    assert robot.name == "feeder"
+    assert [joint.name for joint in robot.arm_joints] == joints()
 
 
 SRDF = """\
