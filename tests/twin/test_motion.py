@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -252,6 +253,18 @@ def test_a_trajectory_of_the_fingers_moves_the_gripper(free: Twin):
     free.advance(FOREVER)
     assert (motion.outcome, motion.elements) == ("succeeded", ("panda_hand",))
     assert free.joint_state().position[-1] == pytest.approx(0.035, abs=5e-4)
+
+
+def test_a_trajectory_moves_a_gripper_that_is_called_as_its_finger_is(panda: Robot):
+    finger = panda.grippers[0].joints[0]
+    named = replace(panda, grippers=(replace(panda.grippers[0], name=finger),))
+    twin = Twin.build(named, load_scene("empty"))
+    position = np.array([[0.01]])
+    motion = twin.follow(JointTrajectory((finger,), np.array([0.5]), position, np.zeros((1, 1))))
+    twin.advance(FOREVER)
+    assert motion.outcome == "succeeded"
+    state = dict(zip(twin.joint_state().names, twin.joint_state().position, strict=True))
+    assert state[finger] == pytest.approx(0.01, abs=1e-3)
 
 
 def test_planning_moves_nothing(free: Twin):

@@ -1,6 +1,7 @@
 """The robot of a controller's own workspace, and the generic arm where there is none."""
 
 import importlib.util
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,8 +15,9 @@ from tracerisk.hardware.shipped import hardware_of
 from tracerisk.pipeline.robot_choice import choose_robot
 from tracerisk.twin.builder import compile_model
 from tracerisk.twin.generic import generic_arm, names_asked, with_assumed_names
-from tracerisk.twin.joint_limits import scaling_beside
+from tracerisk.twin.joint_limits import limited_as_beside
 from tracerisk.twin.known_arms import completed_as_ours
+from tracerisk.twin.prefix import with_prefix
 from tracerisk.twin.robot import Scaling, load_robot
 from tracerisk.twin.xacro_files import expand_xacro
 
@@ -67,6 +69,91 @@ def test_plans_take_the_default_scaling_of_the_joint_limits_beside_the_srdf(tmp_
     assert limits in choice.files
 
 
+LIMITS = """\
+joint_limits:
+  shoulder: {has_velocity_limits: true, max_velocity: 0.7,
+             has_acceleration_limits: true, max_acceleration: 3.5}
+  elbow: {has_velocity_limits: true, max_velocity: 99, has_acceleration_limits: false,
+          max_acceleration: 0}
+  third: {max_velocity: 1}
+"""
+
+
+@pytest.mark.parametrize("folder", [".", "config"])
+def test_plans_keep_the_limits_of_joints_that_stand_beside_the_srdf(tmp_path, folder):
+    top, script = workspace(tmp_path)
+    (top / "tiny.urdf").write_text(texts.RATED)
+    (top / "srdf").mkdir()
+    (top / "srdf" / "tiny.srdf").write_text(texts.SRDF)
+    rated = chosen(script).robot
+    path = top / ("srdf" if folder == "." else folder) / "joint_limits.yaml"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(LIMITS)
+    choice = chosen(script)
+    shoulder, elbow = choice.robot.joint("shoulder"), choice.robot.joint("elbow")
+    assert (shoulder.planned_velocity, shoulder.planned_acceleration) == (0.7, 3.5)
+    assert shoulder.velocity_limit == rated.joint("shoulder").velocity_limit, "no plan rates it"
+    assert elbow.planned_velocity == rated.joint("elbow").velocity_limit, "not above the rated"
+    assert elbow.planned_acceleration == 1.0, "MoveIt's own where there is no limit"
+    assert path in choice.files
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (
+            "joint_limits:\n  elbow: {max_velocity: fast}\n",
+            r"yaml:2:11: joint_limits\.elbow\.max_velocity: expected a number",
+        ),
+        ("joint_limits:\n  elbow: {max_velocity: -1}\n", r"yaml:2.*outside \[0"),
+        ("joint_limits:\n  elbow: {has_velocity_limits: 1}\n", r"yaml:2.*expected true or false"),
+        ("joint_limits:\n  elbow: [1]\n", r"yaml:2.*expected a mapping"),
+        ("joint_limits: []\n", r"yaml:1.*expected a mapping"),
+        (
+            "joint_limits:\n  elbow: {has_velocity_limits: true, max_velocity: 0}\n",
+            r"yaml:2.*0 is not allowed; give a positive number, or has_velocity_limits: false",
+        ),
+        ("\t- :\n", r"joint_limits\.yaml:1"),
+    ],
+)
+def test_limits_that_are_none_are_told_and_not_taken(tmp_path, text, told):
+    folder, script = workspace(tmp_path)
+    (folder / "tiny.urdf").write_text(texts.RATED)
+    srdf = folder / "tiny.srdf"
+    srdf.write_text(texts.SRDF)
+    rated = chosen(script).robot
+    srdf.with_name("joint_limits.yaml").write_text(text)
+    choice = chosen(script)
+    assert choice.robot == rated
+    assert any(re.search(told, each) for each in choice.skipped), choice.skipped
+
+
+@pytest.mark.parametrize("text", ["", "joint_limits:\n", "joint_limits: {}\r\n", "# nothing\n"])
+def test_a_file_without_limits_changes_nothing(tmp_path, text):
+    folder, script = workspace(tmp_path)
+    (folder / "tiny.urdf").write_text(texts.RATED)
+    (folder / "tiny.srdf").write_text(texts.SRDF)
+    rated = chosen(script)
+    (folder / "joint_limits.yaml").write_text(text)
+    assert chosen(script).robot == rated.robot
+
+
+def test_an_arm_is_completed_as_the_shipped_one_whose_lengths_come_nearest():
+    for name in ("ur3", "ur3e", "ur5", "ur5e", "ur10", "ur10e"):
+        known = load_robot(name)
+        plain = replace(
+            known,
+            name="cell",
+            joints=tuple(replace(joint, acceleration_limit=0.5) for joint in known.joints),
+        )
+        assert [joint.acceleration_limit for joint in completed_as_ours(plain).joints] == [
+            joint.acceleration_limit for joint in known.joints
+        ]
+        turned = completed_as_ours(with_prefix(plain, "left_"))
+        assert turned.joints[0].name == "left_shoulder_pan_joint"
+        assert turned.joints[0].acceleration_limit == known.joints[0].acceleration_limit
+
+
 def test_a_scaling_factor_that_is_none_is_told_and_not_taken(tmp_path):
     folder, script = workspace(tmp_path)
     (folder / "tiny.urdf").write_text(texts.RATED)
@@ -74,7 +161,7 @@ def test_a_scaling_factor_that_is_none_is_told_and_not_taken(tmp_path):
     srdf.write_text(texts.SRDF)
     (folder / "joint_limits.yaml").write_text("a: 1\ndefault_velocity_scaling_factor: 0.0\n")
     with pytest.raises(RobotError, match="above 0, at most 1") as caught:
-        scaling_beside(srdf, Scaling(0.1, 0.1), shown="tiny/tiny.srdf")
+        limited_as_beside(texts.robot(), srdf, shown="tiny/tiny.srdf")
     assert str(caught.value.location).startswith("tiny/joint_limits.yaml:2")
     assert chosen(script).robot.default_scaling == Scaling(0.1, 0.1)
 
@@ -337,12 +424,11 @@ def test_of_known_robots_with_the_joints_of_an_srdf_the_one_that_it_names_gives_
     assert "lifter" in choice.robot.groups
 
 
-def test_an_srdf_that_fits_several_known_robots_and_names_none_gives_no_arm(tmp_path):
+def test_an_srdf_that_fits_several_known_robots_and_names_none_is_an_error(tmp_path):
     folder, script = workspace(tmp_path, 'group = "lifter"\n')
     (folder / "cell.srdf").write_text(UR_SRDF.format(name="cell"))
-    choice = chosen(script)
-    assert choice.robot.name == "generic"
-    assert any(
-        "several known robots have its joints: ur10, ur10e, ur3, ur3e, ur5, ur5e" in told
-        for told in choice.skipped
-    )
+    with pytest.raises(
+        RobotError,
+        match=r"cell\.srdf: several known robots have its joints: ur10, ur10e, ur3, ur3e, ur5, ur5e",
+    ):
+        chosen(script)

@@ -165,7 +165,7 @@ def _of_controller(path: str, robot_name: str | None) -> dict[str, str]:
     except TraceRiskError as error:
         found["launch"] = f"not known: {error}"
     try:
-        choice = choose_launched_robot(controller, settings, launch.setup)
+        choice = choose_launched_robot(controller, settings, launch)
         robot = choice.robot
         doubt = "; some figures are assumed" if robot.approximate else ""
         found["robot"] = f"{robot.name} ({robot.chosen_by}{doubt})"

@@ -146,7 +146,7 @@ def _with_robot(
 ) -> ControllerRun:
     """Run the controller on the robot of its names, then on that of the names its run shows."""
     asked: tuple[str, ...] = ()
-    choice = choose_launched_robot(controller, settings, launch.setup)
+    choice = choose_launched_robot(controller, settings, launch)
     for _ in range(_ROBOTS_TRIED):
         # What the robot has no place for is told before a minute is spent on simulation.
         bind(hardware_of(settings, choice.robot.name), elements_of(choice.robot, settings))
@@ -164,7 +164,7 @@ def _with_robot(
         if settings.robot is not None or not set(done.joints_asked) - set(asked):
             break
         asked = (*asked, *done.joints_asked)
-        other = choose_launched_robot(controller, settings, launch.setup, also_named=asked)
+        other = choose_launched_robot(controller, settings, launch, also_named=asked)
         if other.robot == choice.robot:
             break
         choice = other

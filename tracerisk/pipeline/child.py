@@ -13,7 +13,7 @@ import resource
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -26,6 +26,8 @@ from tracerisk.limited_process import mark_start
 from tracerisk.pipeline.companion_run import Companions
 from tracerisk.pipeline.controller_end import ControllerEnd
 from tracerisk.pipeline.entry_point import find_entry_point
+from tracerisk.pipeline.launch.around import ParametersAround
+from tracerisk.pipeline.launch.program import shown
 from tracerisk.pipeline.launch.records import NOTHING_LAUNCHED
 from tracerisk.pipeline.run_files import (
     ELSEWHERE,
@@ -228,10 +230,32 @@ def _run_recorded(
         # The controller's own modules leave no `__pycache__` in its folder.
         sys.dont_write_bytecode = True
         recorder.note(STARTED)
-        lines = (*request.launch_notes, *(each.line for each in request.companions))
-        if lines:
-            read = (file for each in request.companions for file in each.files)
-            recorder.note(LAUNCH, notes=lines, inputs=(*launch.sources, *read))
+        lines = [*request.launch_notes, *(each.line for each in request.companions)]
+        read = [
+            *launch.sources,
+            *(file for each in request.companions for file in each.files),
+        ]
+
+        def tell(*more: str, files: Sequence[Path] = ()) -> None:
+            lines.extend(each for each in more if each not in lines)
+            read.extend(shown(files, root))
+            if lines:
+                recorder.note(LAUNCH, notes=lines, inputs=list(dict.fromkeys(read)))
+
+        tell()
+        if not is_ros2 and request.reads_around:
+            runtime.graph.parameters.fall_back_on(
+                ParametersAround(
+                    script,
+                    root,
+                    workspace,
+                    lambda name, files: tell(
+                        f"launch: parameter {name} from {shown(files, root)[0]}, which starts "
+                        "other nodes; --no-launch leaves it out",
+                        files=files,
+                    ),
+                )
+            )
         os.environ.update(
             {"ROS_DISTRO": "jazzy", "ROS_VERSION": "2"}
             if is_ros2

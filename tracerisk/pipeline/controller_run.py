@@ -96,6 +96,7 @@ def run_controller(
             drivers=tuple(map(str, driver_files(controller.root.resolve(), settings))),
             launch=launch,
             launch_notes=choice.notes,
+            reads_around=settings.launch is not False,
             companions=companions,
             duration_s=settings.run_duration_s,
             memory_limit_mb=settings.memory_limit_mb,

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import Location, RobotError
 from tracerisk.limited_process import Limits
-from tracerisk.pipeline.controller import Controller, string_literals
-from tracerisk.pipeline.launch.records import LaunchSetup
+from tracerisk.pipeline.controller import Controller
+from tracerisk.pipeline.launch.choose import NOTHING_CHOSEN, LaunchChoice
 from tracerisk.pipeline.launch.spoken import with_parameters
 from tracerisk.pipeline.own_modules import with_own_modules
-from tracerisk.pipeline.workspace import find_workspace, named_packages
+from tracerisk.pipeline.workspace import find_workspace
 from tracerisk.twin.robot import is_model_file
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class RobotChoice:
 def choose_launched_robot(
     controller: Controller,
     settings: Settings,
-    launch: LaunchSetup | None,
+    launch: LaunchChoice,
     *,
     also_named: tuple[str, ...] = (),
 ) -> RobotChoice:
@@ -47,74 +47,50 @@ def choose_launched_robot(
     """
     from tracerisk.twin.workspace import UnreadableRobotError
 
+    launched = with_parameters(controller, launch.setup)
     try:
-        return choose_robot(with_parameters(controller, launch), settings, also_named=also_named)
+        return choose_robot(launched, settings, launch, also_named=also_named)
     except RobotError as error:
-        if isinstance(error, UnreadableRobotError) or launch is None or not launch.own:
+        if isinstance(error, UnreadableRobotError) or launched is controller:
             raise
-        return choose_robot(controller, settings, also_named=also_named)
+        return choose_robot(controller, settings, launch, also_named=also_named)
 
 
 def choose_robot(
-    controller: Controller, settings: Settings, *, also_named: tuple[str, ...] = ()
+    controller: Controller,
+    settings: Settings,
+    launch: LaunchChoice = NOTHING_CHOSEN,
+    *,
+    also_named: tuple[str, ...] = (),
 ) -> RobotChoice:
     """Return the robot that a controller drives; its `chosen_by` says why it is this one.
 
-    `also_named` are joints that it names in its run, and not in its source.
+    It is the one that the settings name, else the one that `searched_robot` finds. `launch` is
+    what was chosen of launch files, `also_named` joints that the controller names in its run, and
+    not in its source.
     Raises RobotError when the settings name none that is known, several fit equally well, or that
     of the workspace cannot be read.
     """
-    from tracerisk.pipeline.robot_hints import robot_hints
-    from tracerisk.twin.detect import NoRobotNamedError, SeveralRobotsError, detect_robot
     from tracerisk.twin.generic import generic_arm, names_asked
     from tracerisk.twin.robot import load_robot
-    from tracerisk.twin.workspace import NamedParts, UnreadableRobotError, find_workspace_robot
 
+    told = "as the settings say"
+    if settings.robot is None:
+        from tracerisk.pipeline.robot_search import searched_robot
+
+        return searched_robot(controller, settings, launch, also_named)
     whole = with_own_modules(controller)
     if settings.robot == "generic":
-        arm = generic_arm(names_asked(whole.source))
-        return RobotChoice(replace(arm, chosen_by="as the settings say"))
-    if settings.robot is not None and is_model_file(settings.robot):
+        return RobotChoice(replace(generic_arm(names_asked(whole.source)), chosen_by=told))
+    if is_model_file(settings.robot):
         read = read_model(controller.root, settings.robot, settings.limits)
-        robot = replace(read.robot, chosen_by="as the settings say")
-        return RobotChoice(robot, files=read.files)
-    if settings.robot is not None:
-        robot = replace(load_robot(settings.robot), chosen_by="as the settings say")
-        return RobotChoice(_equipped(robot, whole))
-    strings = (*string_literals(controller), *string_literals(whole), *also_named)
-    packages = _own_packages(controller.root)
-    roots = (controller.root, *packages.values())
-    named = NamedParts(*named_packages(controller.root, packages, strings))
-    found = find_workspace_robot(roots, packages, strings, controller.path, named, settings.limits)
-    if found.robot is not None and found.is_named:
-        return RobotChoice(replace(found.robot, chosen_by=found.reason), found.skipped, found.files)
-    asked = names_asked(whole.source)
-    asked = replace(asked, joints=tuple(dict.fromkeys((*also_named, *asked.joints))))
-    try:
-        robot = detect_robot(strings, robot_hints(controller), asked.joints)
-    except (NoRobotNamedError, SeveralRobotsError) as error:
-        if found.robot is not None:
-            return RobotChoice(
-                replace(found.robot, chosen_by=found.reason), found.skipped, found.files
-            )
-        if isinstance(error, SeveralRobotsError):
-            raise
-        if found.unreadable:
-            # Another arm in its place would give figures of a robot that is not there.
-            raise UnreadableRobotError(
-                f"the robot of the workspace cannot be read: {'; '.join(found.unreadable)}; mend "
-                "the file, or say with --robot which robot it is: a file, a shipped one, or "
-                "generic for a stand-in"
-            ) from error
-        robot = replace(
-            generic_arm(asked),
-            chosen_by="a stand-in for the robot, which is not known: name it with --robot",
-        )
-    return RobotChoice(_equipped(robot, whole), found.skipped)
+        return RobotChoice(replace(read.robot, chosen_by=told), files=read.files)
+    robot = replace(load_robot(settings.robot), chosen_by=told)
+    return RobotChoice(equipped(robot, whole))
 
 
-def _equipped(robot: Robot, controller: Controller) -> Robot:
-    """Return a shipped robot, with an assumed gripper if it has none and the controller does."""
+def equipped(robot: Robot, controller: Controller) -> Robot:
+    """Return a robot, with an assumed gripper if it has none and the controller commands one."""
     from tracerisk.twin.assumed_gripper import commands_gripper, with_assumed_gripper
     from tracerisk.twin.generic import names_asked
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from tracerisk.pipeline.controller import Controller
 from tracerisk.pipeline.own_modules import own_modules
+from tracerisk.pipeline.sibling_programs import sibling_programs
 from tracerisk.pipeline.workspace import PACKAGE_FILE, project_top
 from tracerisk.twin.mentions import Hint
 
@@ -42,6 +43,8 @@ def robot_hints(controller: Controller) -> Iterator[Hint]:
     yield Hint("its comments", {name: said})
     yield Hint("a module's comments", {file: read[1] for file, read in modules.items()})
     yield from _paths(controller)
+    beside = sibling_programs(controller)
+    yield Hint("a program beside it", {each.path.name: _read(each.source)[0] for each in beside})
     yield from _project(controller)
 
 

@@ -74,6 +74,7 @@ class RunRequest:
     """What the child is asked to run; `folder` is that of the recording, `parent` who asks.
 
     `argv` holds what `launch` adds to it; `launch_notes` are the lines that tell of `launch`.
+    `reads_around` says that other launch files of the workspace may give parameters too.
     `companions` are started beside the controller. `drivers` are files that describe drivers.
     """
 
@@ -88,6 +89,7 @@ class RunRequest:
     drivers: tuple[str, ...]
     launch: LaunchSetup | None
     launch_notes: tuple[str, ...]
+    reads_around: bool
     companions: tuple[Companion, ...]
     duration_s: float
     memory_limit_mb: int

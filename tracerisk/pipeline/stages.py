@@ -121,10 +121,10 @@ def load_robot(controller: Controller, settings: Settings) -> Robot:
     which the controller's strings speak, with those of its launch file, else a generic arm.
     Raises RobotError when it is unknown, or several fit.
     """
-    from tracerisk.pipeline.launch.choose import choose_launch
+    from tracerisk.pipeline.launch.choose import NOTHING_CHOSEN, choose_launch
     from tracerisk.pipeline.robot_choice import choose_launched_robot
 
-    launch = choose_launch(controller, settings).setup if settings.robot is None else None
+    launch = choose_launch(controller, settings) if settings.robot is None else NOTHING_CHOSEN
     return choose_launched_robot(controller, settings, launch).robot
 
 

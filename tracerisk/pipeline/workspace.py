@@ -29,8 +29,6 @@ _BESIDE = 2
 _NEED = re.compile(r"<(?:\w+_)?depend\b[^>]*>\s*([\w.-]+)\s*<")
 _WORD = re.compile(r"[\w.-]+")
 _LAUNCH_ENDINGS = (".launch", ".py", ".xml", ".yaml")
-_XACRO = re.compile(r"([\w.-]+\.xacro)((?:\s+\w+:=[^\s\"'<>$]+(?=[\s\"'<>]))+)")
-_XACRO_ARGUMENT = re.compile(r"(\w+):=(\S+)")
 _NAME = re.compile(r"<name>\s*([\w.-]+)\s*</name>")
 
 
@@ -124,29 +122,20 @@ def _apart(one: Path, other: Path) -> int:
 
 def named_packages(
     root: Path, packages: Mapping[str, Path], strings: Iterable[str]
-) -> tuple[frozenset[str], dict[str, dict[str, str]]]:
+) -> frozenset[str]:
     """Return the packages that a controller's `strings`, launch files or manifest name.
 
-    The package of `root` is one of them. With them come the arguments that a launch file gives
-    a xacro file, by the file's name, as far as they are literal.
+    The package of `root` is one of them.
     """
     words = {word for string in strings for word in _WORD.findall(string)}
-    texts = [
-        file.read_text(encoding="utf-8", errors="replace")
-        for file in itertools.islice(sorted(root.rglob("*launch*")), _MOST_MODULES)
-        if file.is_file() and file.suffix in _LAUNCH_ENDINGS
-    ]
-    arguments: dict[str, dict[str, str]] = {}
-    for text in texts:
-        words.update(_WORD.findall(text))
-        for name, given in _XACRO.findall(text):
-            pairs = dict(_XACRO_ARGUMENT.findall(given))
-            arguments.setdefault(name, {}).update(pairs)
+    for file in itertools.islice(sorted(root.rglob("*launch*")), _MOST_MODULES):
+        if file.is_file() and file.suffix in _LAUNCH_ENDINGS:
+            words.update(_WORD.findall(file.read_text(encoding="utf-8", errors="replace")))
     manifest = root / PACKAGE_FILE
     if manifest.is_file():
         text = manifest.read_text(encoding="utf-8", errors="replace")
         words.update((*_NEED.findall(text), _name_of(root)))
-    return frozenset(words & packages.keys()), arguments
+    return frozenset(words & packages.keys())
 
 
 def project_top(root: Path) -> Path:

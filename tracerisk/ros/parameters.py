@@ -19,6 +19,7 @@ class ParameterTree:
         self._root: dict[str, Any] = {}
         self._offers: dict[str, Callable[[], Any]] = {}
         self._asked: set[tuple[str, ...]] = set()
+        self._beyond: Callable[[str], Any] = lambda _: None
 
     def ask(self, name: str) -> None:
         """Note that a parameter was asked for: `/pick/speed`, or the name that a node declares."""
@@ -37,6 +38,17 @@ class ParameterTree:
             )
             for asked in self._asked
         )
+
+    def fall_back_on(self, beyond: Callable[[str], Any]) -> None:
+        """Have `beyond` answer for names that are not set, where nothing else would do.
+
+        It returns None for what it does not know either.
+        """
+        self._beyond = beyond
+
+    def beyond(self, name: str) -> Any:
+        """Return what stands in for a parameter that is not set, None for nothing."""
+        return self._beyond(name)
 
     def offer(self, base_name: str, value: Callable[[], Any]) -> None:
         """Have `/base_name`, or `/robot/base_name` for any robot, where it is not set.

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from tracerisk.errors import RobotError, one_of
-from tracerisk.twin.mentions import EVERYDAY, Hint, decide
+from tracerisk.twin.mentions import EVERYDAY, Hint, decide, words_in
 from tracerisk.twin.plain_names import is_number, is_plain
 from tracerisk.twin.prefix import prefix_in, with_prefix
 from tracerisk.twin.robot import Robot, load_robot
@@ -24,6 +24,9 @@ class NoRobotNamedError(RobotError):
 
 class SeveralRobotsError(RobotError):
     """The controller's strings fit several robots, and nothing says which one is meant."""
+
+    names: tuple[str, ...] = ()
+    """The robots that they fit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +53,11 @@ class _Fit:
 
 
 def detect_robot(
-    strings: Iterable[str], hints: Iterable[Hint] = (), listed: Collection[str] = ()
+    strings: Iterable[str],
+    hints: Iterable[Hint] = (),
+    listed: Collection[str] = (),
+    *,
+    by_parts: bool = False,
 ) -> Robot:
     """Return the robot whose joints, links or groups the strings name; `chosen_by` says how.
 
@@ -62,7 +69,8 @@ def detect_robot(
     (`joint1`) or plain names fit, or none at all, a robot is taken only if a hint names it and it
     has the joints that are `listed` as such. Where no robot fits, one does whose joints are all
     named with a prefix, and has it before the names of its links and joints. Groups that a robot
-    lacks are assumed where none of its own is named.
+    lacks are assumed where none of its own is named. `by_parts` takes no robot of which nothing
+    but its name is named.
 
     Raises NoRobotNamedError when no robot fits, SeveralRobotsError when several do.
     """
@@ -70,13 +78,14 @@ def detect_robot(
     robots = {each.name: each for each in shipped_names()}
     weighed = _Once(hints)
     try:
-        return _assuming_groups(_detect(given, robots, weighed, listed), given)
+        return _assuming_groups(_detect(given, robots, weighed, listed, by_parts), given)
     except NoRobotNamedError:
-        prefix = prefix_in(_words(given), robots.values())
+        prefix = prefix_in(words_in(given), robots.values())
         if not prefix:
             raise
-    bare = [word.removeprefix(prefix) for word in _words(given)]
-    robot = _detect(bare, robots, weighed, [name.removeprefix(prefix) for name in listed])
+    bare = [word.removeprefix(prefix) for word in words_in(given)]
+    plain = [name.removeprefix(prefix) for name in listed]
+    robot = _detect(bare, robots, weighed, plain, by_parts)
     told = f"{robot.chosen_by}; its links and joints have the prefix '{prefix}'"
     return replace(with_prefix(robot, prefix), chosen_by=told)
 
@@ -86,7 +95,7 @@ def _assuming_groups(robot: Robot, strings: Iterable[str]) -> Robot:
 
     Whoever wrote such a program has a configuration of MoveIt whose groups have other names.
     """
-    if _words(strings).isdisjoint(robot.groups):
+    if words_in(strings).isdisjoint(robot.groups):
         return replace(robot, assumes_names=True)
     return robot
 
@@ -96,8 +105,9 @@ def _detect(
     robots: Mapping[str, RobotNames],
     hints: Iterable[Hint],
     listed: Collection[str],
+    by_parts: bool,
 ) -> Robot:
-    words = _words(given)
+    words = words_in(given)
     fits = {
         name: _fit(robot, words | _built(robot, words), given) for name, robot in robots.items()
     }
@@ -111,6 +121,8 @@ def _detect(
         verdict = decide(fitting, robots, hints)
         if verdict.reason:
             return replace(load_robot(verdict.left[0]), chosen_by=verdict.reason)
+        raise _unknown(robots)
+    if by_parts:
         raise _unknown(robots)
     verdict = decide(robots, robots, (hint for hint in hints if hint.is_telling))
     if verdict.reason and set(listed) <= set(robots[verdict.left[0]].joints):
@@ -138,10 +150,12 @@ def _of_certain(
     if len(whole) == 1:
         reason = f"of {_listed(names)} only {whole[0]} has no joint beside these"
         return _chosen(whole[0], told, reason)
-    raise SeveralRobotsError(
+    error = SeveralRobotsError(
         f"the controller's strings fit several robots: {_listed(verdict.left)}; "
         "say which one it drives with --robot"
     )
+    error.names = verdict.left
+    raise error
 
 
 def _chosen(name: str, told: str, reason: str = "") -> Robot:
@@ -175,7 +189,7 @@ def _fit(robot: RobotNames, words: frozenset[str], strings: Collection[str]) -> 
     }
     tellable = {name for name in joints if not is_number(name)}
     names = {robot.name, *robot.aliases} - EVERYDAY
-    is_named = any(names & _words([string]) for string in strings if not re.search(r"\s", string))
+    is_named = any(names & words_in([string]) for string in strings if not re.search(r"\s", string))
     return _Fit(
         joints=frozenset(joints | stems),
         places=frozenset(places),
@@ -218,12 +232,3 @@ class _Once:
         for hint in self._coming:
             self._read.append(hint)
             yield hint
-
-
-def _words(strings: Iterable[str]) -> frozenset[str]:
-    """Return the strings and their parts."""
-    words: set[str] = set()
-    for string in strings:
-        words.add(string)
-        words.update(part for part in re.split(r"[/\s,;:.]+", string) if part)
-    return frozenset(words)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from types import MappingProxyType
@@ -9,12 +10,14 @@ from types import MappingProxyType
 import numpy as np
 
 from tracerisk.twin.model_file_frames import rotation
+from tracerisk.twin.prefix import prefix_in, with_prefix
 from tracerisk.twin.robot import Joint, Robot, load_robot
 from tracerisk.twin.robot_index import shipped_names
 from tracerisk.twin.sensors import sensors_like
 
 _MATCHES = 0.8  # the share of joint names that two robots of one make have in common
 _SAME_LENGTH = 0.03  # [m]
+_SAME = 1e-6  # lengths of two shipped arms that differ by less are one [m]
 
 
 def shipped_like(names: Iterable[str]) -> tuple[str, ...]:
@@ -34,10 +37,18 @@ def _shares(names: Iterable[str]) -> dict[str, float]:
 
 
 def _all_shipped_like(names: Iterable[str]) -> Iterator[Robot]:
-    """Yield the shipped robots with most of their joints among the names, the best ones first."""
-    shares = _shares(names)
+    """Yield the shipped robots with most of their joints among the names, the best ones first.
+
+    Where that is none, one whose joints are all there with a prefix is yielded with it.
+    """
+    given = tuple(names)
+    prefix = ""
+    shares = _shares(given)
+    if not shares:
+        prefix = prefix_in(given, shipped_names())
+        shares = _shares(name.removeprefix(prefix) for name in given) if prefix else {}
     for name in sorted(shares, key=lambda each: (-shares[each], each)):
-        yield load_robot(name)
+        yield with_prefix(load_robot(name), prefix) if prefix else load_robot(name)
 
 
 def _ours(robot: Robot) -> Robot | None:
@@ -46,14 +57,19 @@ def _ours(robot: Robot) -> Robot | None:
     Names alone say little: many arms call their joints `joint1` and so on.
     """
     own = _distances(robot)
+    best: tuple[float, Robot] | None = None
     for like in _all_shipped_like(joint.name for joint in robot.arm_joints):
         ours = _distances(like)
-        shared = own.keys() & ours.keys()
+        apart = [abs(own[name] - ours[name]) for name in sorted(own.keys() & ours.keys())]
         # The first joint stands on whatever the arm is mounted on.
-        same = [name for name in shared if abs(own[name] - ours[name]) < _SAME_LENGTH]
-        if len(same) >= _MATCHES * len(shared):
-            return like
-    return None
+        same = [each for each in apart if each < _SAME_LENGTH]
+        if len(same) < _MATCHES * len(apart):
+            continue
+        # Of arms that are alike it is the one whose lengths come nearest.
+        off = math.fsum(same) / max(len(same), 1)
+        if best is None or off < best[0] - _SAME:
+            best = off, like
+    return None if best is None else best[1]
 
 
 def _distances(robot: Robot) -> dict[str, float]:

@@ -56,6 +56,15 @@ def mentioned(text: str, robots: Mapping[str, RobotNames]) -> frozenset[str]:
     return frozenset(found)
 
 
+def words_in(strings: Iterable[str]) -> frozenset[str]:
+    """Return the strings, and their parts between slashes, blanks and stops."""
+    words: set[str] = set()
+    for string in strings:
+        words.add(string)
+        words.update(part for part in re.split(r"[/\s,;:.]+", string) if part)
+    return frozenset(words)
+
+
 def decide(
     candidates: Iterable[str], robots: Mapping[str, RobotNames], hints: Iterable[Hint]
 ) -> Verdict:

@@ -88,9 +88,9 @@ class MotionControl:
             trajectory.position[-1].tolist(),
         )
         self._preempt(motion.elements)
-        columns = [
-            i for i, name in enumerate(trajectory.joints) if name in self._simulation.actuator
-        ]
+        # A gripper may be called as its only finger is, which has no servo of its own.
+        arm = {joint.name for joint in self._robot.arm_joints}
+        columns = [i for i, name in enumerate(trajectory.joints) if name in arm]
         if columns:
             names = [trajectory.joints[i] for i in columns]
             track = ArmTrack.along(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -19,15 +19,27 @@ def prefix_in(words: Iterable[str], robots: Iterable[RobotNames]) -> str:
     Of several prefixes none is taken: they are of several arms.
     """
     known = frozenset(words)
-    found = set()
+    found = set[str]()
     for group in {joints for robot in robots for joints in robot.groups.values()}:
-        if len(group) < _FEWEST:
-            continue
-        for word in known:
-            prefix = word.removesuffix(group[0])
-            if prefix.endswith(_ENDS) and all(f"{prefix}{name}" in known for name in group):
-                found.add(prefix)
+        found |= _before(group, known)
     return found.pop() if len(found) == 1 else ""
+
+
+def prefix_before(joints: Sequence[str], words: Iterable[str]) -> str:
+    """Return what stands before all `joints` among the words; empty for nothing, or several."""
+    found = _before(joints, frozenset(words))
+    return found.pop() if len(found) == 1 else ""
+
+
+def _before(joints: Sequence[str], known: frozenset[str]) -> set[str]:
+    if len(joints) < _FEWEST:
+        return set()
+    return {
+        prefix
+        for word in known
+        if (prefix := word.removesuffix(joints[0])).endswith(_ENDS)
+        and all(f"{prefix}{name}" in known for name in joints)
+    }
 
 
 def with_prefix(robot: Robot, prefix: str) -> Robot:

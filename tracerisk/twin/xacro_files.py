@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,7 @@ from tracerisk.limited_process import DEFAULT_LIMITS, Limits, run_limited
 from tracerisk.twin.xacro_child import REFUSED
 
 _LONGEST_REASON = 200
+_ABSENT_PACKAGE = re.compile(r"Package not found: ([\w.-]+)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +79,13 @@ def expanded_xacro(
     if done.returncode != 0:
         lines = done.stderr.decode(errors="replace").strip().splitlines()
         reason = lines[-1].strip() if lines else f"its process ended with {done.returncode}"
+        absent = _ABSENT_PACKAGE.search(reason)
+        if absent is not None:
+            raise RobotError(
+                f"xacro cannot expand it: package '{absent[1]}' is not in the workspace; put it "
+                "there",
+                Location(file),
+            )
         raise RobotError(f"xacro cannot expand it: {reason[:_LONGEST_REASON]}", Location(file))
     answer = json.loads(done.stdout)
     return Expanded(answer["text"].encode(), tuple(Path(each) for each in answer["files"]))

@@ -215,6 +215,33 @@ def test_a_parameter_file_with_the_nodes_name_stands_in_for_a_launch_file(ros2, 
     )
 
 
+def test_a_parameter_file_of_another_package_is_taken_if_it_gives_what_is_asked(ros2, given):
+    ros2.write("package.xml", "<package><name>arm_task</name></package>")
+    for name, text in {
+        "setups/far/b": "pick:\n  ros__parameters: {speed: 1.0}\n",
+        "setups/near/a": "pick:\n  ros__parameters: {colour: red}\n",
+        "setups/near/b": "cell/pick:\n  ros__parameters: {speed: 3.0}\n",
+    }.items():
+        top, _, file = name.rpartition("/")
+        ros2.write(f"../{top}/config/{file}.yaml", text)
+        folder = top.rpartition("/")[2]
+        ros2.write(f"../{top}/package.xml", f"<package><name>{folder}</name></package>")
+    choice = ros2.choose("arm_task/pick.py")
+    assert given(choice) == {"speed": 1.0}
+    assert "../setups/near/config/b.yaml would give others" in choice.notes[1]
+
+
+def test_a_parameter_file_for_every_node_is_taken_if_it_gives_what_is_asked(ros2, given):
+    ros2.write("config/a.yaml", "/**:\n  ros__parameters: {colour: red}\n")
+    assert ros2.choose("arm_task/pick.py").setup is None
+    ros2.write("config/b.yaml", "/**:\n  ros__parameters: {goal: 0.5, colour: red}\n")
+    choice = ros2.choose("arm_task/pick.py")
+    assert given(choice)["goal"] == 0.5
+    assert choice.notes[0].startswith("launch: parameters of every node from config/b.yaml (2)")
+    ros2.write("config/c.yaml", "pick:\n  ros__parameters: {speed: 3.0}\n")
+    assert given(ros2.choose("arm_task/pick.py")) == {"speed": 3.0}
+
+
 def test_a_launch_file_that_is_named_is_taken(workspace, given):
     workspace.write("scripts/pick.py", ROS1)
     workspace.write("launch/a.launch", NODE1.format("p", SPEED1.format(1)))

@@ -11,8 +11,12 @@ import importlib.machinery
 import sys
 import sysconfig
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from types import ModuleType
 from typing import Any
+
+ABSENT_FOLDER = Path("/absent/share")
+"""Where packages that are not here are said to be, by their names."""
 
 
 class AbsentError(RuntimeError):

@@ -23,6 +23,7 @@ from tracerisk.pipeline.launch.records import (
     LaunchParameter,
     LaunchReading,
     LaunchSetup,
+    RobotSource,
     StartedNode,
 )
 from tracerisk.pipeline.launch.roslaunch_xml import read_roslaunch
@@ -39,10 +40,20 @@ _NOT_SET = ("HOME", "LD_", "MUJOCO", "PATH", "PYTHON", "TMP", "TZ")
 
 @dataclass(frozen=True, slots=True)
 class LaunchChoice:
-    """What a controller is given, `None` for nothing; `notes` say so, or why it is not."""
+    """What a controller is given, `None` for nothing; `notes` say so, or why it is not.
+
+    `robots` are the files of robots that the launch file names which starts the controller, and
+    `file` is that launch file, for messages.
+    """
 
     setup: LaunchSetup | None = None
     notes: tuple[str, ...] = ()
+    robots: tuple[RobotSource, ...] = ()
+    file: str = ""
+
+
+NOTHING_CHOSEN = LaunchChoice()
+"""Nothing of a launch file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,15 +151,19 @@ def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
         around = [file for file in files if not file.is_direct][: _MOST_INCLUDERS[ros]]
         candidates += _candidates(around, program, workspace, asked, problems, settings.limits)
         best = _best(candidates, asked)
-    if best is not None and (found := _setup(best, candidates, asked, root)) is not None:
-        return LaunchChoice(found, found.notes)
+    robots, by = (), ""
+    if best is not None:
+        robots, by = best.reading.robots, shown([best.file.path], root)[0]
+        found = _setup(best, candidates, asked, root)
+        if found is not None:
+            return LaunchChoice(found, found.notes, robots, by)
     if ros == 2 and (setup := setup_of_parameter_file(program, workspace, asked, root)) is not None:
-        return LaunchChoice(setup, setup.notes)
+        return LaunchChoice(setup, setup.notes, robots, by)
     if best is None and direct:
         shown_files = ", ".join(shown([file.path for file in direct], root)[:_MOST_TOLD])
         reason = f": {problems[0]}" if problems else " with the defaults of its arguments"
         return LaunchChoice(notes=(f"launch: {shown_files} does not start it{reason}",))
-    return LaunchChoice()
+    return LaunchChoice(robots=robots, file=by)
 
 
 def _named(
@@ -180,7 +195,7 @@ def _named(
     problems: list[str] = []
     candidates = _candidates([file], program, workspace, asked, problems, limits)
     if not candidates:
-        reading = _read(file, workspace, limits)
+        reading = read_launch_file(file, workspace, limits)
         started = sorted({f"{node.package}/{node.executable}" for node in reading.nodes})
         wanted = f"{program.package}/{program.script.name}"
         why = f" ({problems[0]})" if problems else ""
@@ -188,7 +203,8 @@ def _named(
             f"does not start {wanted}{why}; it starts: {one_of(started).partition(': ')[2]}", place
         )
     setup = _setup(candidates[0], candidates, asked, root)
-    return LaunchChoice(setup, () if setup is None else setup.notes)
+    robots = candidates[0].reading.robots
+    return LaunchChoice(setup, () if setup is None else setup.notes, robots, shown([path], root)[0])
 
 
 def _candidates(
@@ -201,7 +217,7 @@ def _candidates(
 ) -> list[_Candidate]:
     found = []
     with ThreadPoolExecutor(_AT_ONCE) as pool:
-        readings = list(pool.map(lambda file: _read(file, workspace, limits), files))
+        readings = list(pool.map(lambda file: read_launch_file(file, workspace, limits), files))
     for file, reading in zip(files, readings, strict=True):
         nodes = [node for each in reading.nodes if (node := program.started_as(each)) is not None]
         made = [
@@ -218,7 +234,11 @@ def _candidates(
     return found
 
 
-def _read(file: LaunchFile, workspace: Workspace, limits: Limits) -> LaunchReading:
+def read_launch_file(file: LaunchFile, workspace: Workspace, limits: Limits) -> LaunchReading:
+    """Return what a launch file of either ROS starts.
+
+    Raises LimitError where reading it takes too long or too much memory.
+    """
     if file.ros == 2:
         return read_launch(file.path, workspace, limits)
     return read_roslaunch(file.path, workspace.packages)

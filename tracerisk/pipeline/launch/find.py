@@ -42,8 +42,7 @@ def find_launch_files(
     tests last, else sorted by their paths.
     """
     tops = _tops([root.resolve(), *workspace.packages.values()])
-    texts = {path: _text(path) for path in _launch_files(tops)}
-    texts = {path: text for path, text in texts.items() if text and ros_of(path, text) == ros}
+    texts = launch_texts(root, workspace, ros)
     direct = [path for path, text in texts.items() if program.is_named_in(text)]
     rest: list[Path] = []
     reached = {path.name for path in direct}
@@ -57,9 +56,16 @@ def find_launch_files(
             break
         rest += more
         reached = {path.name for path in more}
-    found = [LaunchFile(path, ros, True, _is_test(path, tops)) for path in direct]
-    found += [LaunchFile(path, ros, False, _is_test(path, tops)) for path in rest]
+    found = [LaunchFile(path, ros, True, is_test(path, *tops)) for path in direct]
+    found += [LaunchFile(path, ros, False, is_test(path, *tops)) for path in rest]
     return tuple(sorted(found, key=lambda each: (not each.is_direct, each.is_test, each.path)))
+
+
+def launch_texts(root: Path, workspace: Workspace, ros: Literal[1, 2]) -> dict[Path, str]:
+    """Return the launch files of one ROS in a workspace, each with its text."""
+    tops = _tops([root.resolve(), *workspace.packages.values()])
+    texts = {path: _text(path) for path in _launch_files(tops)}
+    return {path: text for path, text in texts.items() if text and ros_of(path, text) == ros}
 
 
 def ros_of(path: Path, text: str) -> Literal[1, 2] | None:
@@ -76,9 +82,9 @@ def ros_of(path: Path, text: str) -> Literal[1, 2] | None:
     return 1 if _ROS1_XML.search(text) or path.suffix == ".launch" else 2
 
 
-def _is_test(path: Path, tops: Sequence[Path]) -> bool:
+def is_test(path: Path, *tops: Path) -> bool:
     """Tell whether a file is one of a test, wherever the workspace itself stands."""
-    within = next(path.relative_to(top) for top in tops if path.is_relative_to(top))
+    within = next((path.relative_to(top) for top in tops if path.is_relative_to(top)), path)
     return bool(_TESTS.intersection(within.parts)) or path.name.startswith("test_")
 
 

@@ -20,9 +20,13 @@ import sys
 import tempfile
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.limited_process import end_with, limit_memory, mark_start
+from tracerisk.pipeline.launch.robot_sources import is_robot_file, robots_read
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline.launch.launch_visit import Described
 
 FILE_BYTES = 16 * 1024**2
 _STAND_INS = ("launch", "launch_ros")
@@ -83,14 +87,15 @@ def main() -> int:
 
         sys.dont_write_bytecode = True
         read: list[Path] = []
-        _serve(packages, read)
+        robots: list[Described] = []
+        _serve(packages, read, robots)
         sys.path += asked["import_paths"]
         sys.argv = ["launch"]
         with tempfile.TemporaryDirectory(prefix="tracerisk-launch-") as folder:
             tempfile.tempdir = folder
             mark_start()
-            _forbid(folder)
-            reading = visit(Path(asked["path"]), packages)
+            _forbid(folder, robots)
+            reading = visit(Path(asked["path"]), packages, robots)
             reading.sources += (path for path in read if path not in reading.sources)
     sys.stdout.write(
         json.dumps(
@@ -98,15 +103,19 @@ def main() -> int:
                 "nodes": [dataclasses.asdict(node) for node in reading.nodes],
                 "sources": [str(path) for path in reading.sources],
                 "problems": reading.problems,
+                "robots": [dataclasses.asdict(each) for each in robots_read(reading.robots)],
             }
         )
     )
     return 0
 
 
-def _serve(packages: dict[str, Path], read: list[Path]) -> None:
-    """Put the stand-ins where launch files import them from; what they read goes to `read`."""
-    from tracerisk.pipeline.launch.absent import AbsentFinder, AbsentModule
+def _serve(packages: dict[str, Path], read: list[Path], robots: list[Described]) -> None:
+    """Put the stand-ins where launch files import them from.
+
+    What they read goes to `read`, what of that describes a robot to `robots`.
+    """
+    from tracerisk.pipeline.launch.absent import AbsentFinder
     from tracerisk.pipeline.launch.moveit_configs import moveit_configs_modules
 
     home = f"{__package__}.stand_ins"
@@ -123,15 +132,49 @@ def _serve(packages: dict[str, Path], read: list[Path]) -> None:
     # What is installed here may differ from what is installed where the file is launched.
     for name in ("ament_index_python", "ament_index_python.packages"):
         sys.modules[name] = _ament_index(packages)
-    sys.modules.update(moveit_configs_modules(packages, read.append))
+    sys.modules.update(moveit_configs_modules(packages, read.append, robots.append))
     finder = AbsentFinder(_STAND_INS)
     # It would look for packages where they are installed, and a controller needs no URDF.
-    sys.modules["xacro"] = AbsentModule("xacro")
+    sys.modules["xacro"] = _xacro(robots)
     sys.meta_path += [_Submodules(), finder]
 
 
+def _xacro(robots: list[Described]) -> ModuleType:
+    """Return a module whose documents are absent; what it is called with goes to `robots`."""
+    from tracerisk.pipeline.launch.absent import Absent, AbsentModule
+
+    class Document(Absent):
+        def __init__(self, path: str) -> None:
+            super().__init__("the output of xacro")
+            self.xacro_path = path
+
+    def parse(inp: Any, filename: str | None = None) -> Document:
+        return Document(filename or getattr(inp, "name", None) or "")
+
+    def process_doc(doc: Any, mappings: Any = None, **_: Any) -> None:
+        if isinstance(doc, Document) and doc.xacro_path:
+            given = mappings if isinstance(mappings, dict) else {}
+            robots.append((doc.xacro_path, given))
+
+    def process_file(input_file_name: Any, mappings: Any = None, **_: Any) -> Absent:
+        if isinstance(input_file_name, Absent):
+            return input_file_name
+        document = Document(os.fspath(input_file_name))
+        process_doc(document, mappings)
+        return document
+
+    module = AbsentModule("xacro")
+    vars(module).update(
+        parse=parse,
+        process=process_file,
+        process_doc=process_doc,
+        process_file=process_file,
+    )
+    return module
+
+
 def _ament_index(packages: dict[str, Path]) -> ModuleType:
-    from tracerisk.pipeline.launch.moveit_configs import ABSENT_FOLDER
+    from tracerisk.pipeline.launch.absent import ABSENT_FOLDER
 
     module = ModuleType("ament_index_python.packages")
 
@@ -182,8 +225,11 @@ class _Submodules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         """Do nothing: the names are there."""
 
 
-def _forbid(folder: str) -> None:
-    """Refuse from here on what a file that only describes has no need to do."""
+def _forbid(folder: str, robots: list[Described]) -> None:
+    """Refuse from here on what a file that only describes has no need to do.
+
+    Files of robots that it opens go to `robots`.
+    """
 
     def check(event: str, arguments: tuple[Any, ...]) -> None:
         if event in _FORBIDDEN:
@@ -192,6 +238,10 @@ def _forbid(folder: str) -> None:
             raise PermissionError(f"a launch file that is read may not do {event}")
         if event == "open" and _is_write(*arguments[:3]) and not _is_within(arguments[0]):
             raise PermissionError(f"a launch file that is read may not write {arguments[0]}")
+        if event == "open" and isinstance(arguments[0], (str, bytes)):
+            path = os.path.realpath(os.fsdecode(arguments[0]))
+            if is_robot_file(path):
+                robots.append((path, {}))
 
     def _is_within(path: Any) -> bool:
         if isinstance(path, int):

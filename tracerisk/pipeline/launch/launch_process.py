@@ -8,7 +8,7 @@ from pathlib import Path
 
 from tracerisk.errors import Location
 from tracerisk.limited_process import DEFAULT_LIMITS, Limits, run_limited
-from tracerisk.pipeline.launch.records import LaunchReading, StartedNode
+from tracerisk.pipeline.launch.records import LaunchReading, RobotSource, StartedNode
 from tracerisk.pipeline.workspace import Workspace
 
 _LONGEST_REASON = 200
@@ -45,6 +45,7 @@ def read_launch(path: Path, workspace: Workspace, limits: Limits = DEFAULT_LIMIT
             nodes=tuple(StartedNode.from_json(each) for each in data["nodes"]),
             sources=tuple(Path(each) for each in data["sources"]),
             problems=tuple(data["problems"]),
+            robots=tuple(RobotSource.from_json(each) for each in data["robots"]),
         )
     except (ValueError, KeyError, TypeError):
         lines = done.stderr.decode(errors="replace").strip().splitlines()

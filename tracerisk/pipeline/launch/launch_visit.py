@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -11,19 +11,44 @@ from typing import Any
 from tracerisk.pipeline.launch.absent import AbsentError
 from tracerisk.pipeline.launch.launch_xml import description_of_xml, description_of_yaml
 from tracerisk.pipeline.launch.parameter_text import read_text
+from tracerisk.pipeline.launch.robot_sources import source_of_file
 from tracerisk.pipeline.launch.stand_ins.launch.actions import IncludeLaunchDescription
 from tracerisk.pipeline.launch.stand_ins.launch.launch_context import LaunchContext, Reading
+from tracerisk.pipeline.launch.stand_ins.launch.substitution import Substitution
+from tracerisk.pipeline.launch.stand_ins.launch.utilities import text_of
+
+Described = tuple[str, Mapping[str, Any]]
+"""A file of a robot by its path, and the arguments for xacro as the launch file has them."""
 
 _FUNCTIONS = ("generate_launch_description", "generate_test_description")
 
 
-def visit(path: Path, packages: Mapping[str, Path]) -> Reading:
-    """Return what a launch file starts with the defaults of its arguments."""
+def visit(path: Path, packages: Mapping[str, Path], described: Sequence[Described]) -> Reading:
+    """Return what a launch file starts with the defaults of its arguments.
+
+    `described` are the files of robots that are met on the way, and what xacro is given for them,
+    to which a launch configuration may belong.
+    """
     context = LaunchContext()
     context.packages = packages
     context.walk(IncludeLaunchDescription(str(path)))
     context.fire_handlers()
+    context.reading.robots += [
+        source_of_file(file, {name: _known(each, context) for name, each in arguments.items()})
+        for file, arguments in described
+    ]
     return context.reading
+
+
+def _known(value: Any, context: LaunchContext) -> Any:
+    """Return the text of a substitution, `None` for one that has none; other values as they are."""
+    if not isinstance(value, Substitution | list | tuple):
+        return value
+    try:
+        return text_of(context, value)
+    # Whatever a substitution of anybody raises, its value is not known.
+    except Exception:  # noqa: BLE001
+        return None
 
 
 def describe(path: Path, context: LaunchContext) -> Any:

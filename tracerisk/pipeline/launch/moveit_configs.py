@@ -7,18 +7,21 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from tracerisk.pipeline.launch.absent import Absent, AbsentModule
+from tracerisk.pipeline.launch.absent import ABSENT_FOLDER, Absent, AbsentModule
+from tracerisk.pipeline.launch.robot_sources import is_robot_file
 from tracerisk.ros.moveit_configs import ConfigsBuilder, MoveItConfigs
-
-ABSENT_FOLDER = Path("/absent/share")
-"""Where packages that are not here are said to be, by their names."""
 
 
 def moveit_configs_modules(
-    packages: Mapping[str, Path], on_read: Callable[[Path], None]
+    packages: Mapping[str, Path],
+    on_read: Callable[[Path], None],
+    on_robot: Callable[[tuple[str, Mapping[str, Any]]], None],
 ) -> dict[str, ModuleType]:
-    """Return the modules by their names; `on_read` is told of each file that is read."""
-    files = _Files(packages, on_read)
+    """Return the modules by their names.
+
+    `on_read` is told of each file that is read, `on_robot` of each that describes a robot.
+    """
+    files = _Files(packages, on_read, on_robot)
 
     class MoveItConfigsBuilder(_LaunchBuilder):
         def __init__(
@@ -41,19 +44,28 @@ def moveit_configs_modules(
 class _Files:
     """The packages of the workspace; what is not there is an absent value."""
 
-    def __init__(self, packages: Mapping[str, Path], on_read: Callable[[Path], None]) -> None:
+    def __init__(
+        self,
+        packages: Mapping[str, Path],
+        on_read: Callable[[Path], None],
+        on_robot: Callable[[tuple[str, Mapping[str, Any]]], None],
+    ) -> None:
         self._packages = packages
         self._on_read = on_read
+        self._on_robot = on_robot
 
     def folder(self, package: str) -> Path | None:
         return self._packages.get(package)
 
     def text(self, path: Path) -> str:
         self._on_read(path)
+        if is_robot_file(path):
+            self._on_robot((str(path), {}))
         return path.read_text(encoding="utf-8")
 
-    def expanded(self, path: Path, arguments: Mapping[str, Any]) -> Absent:  # noqa: ARG002
+    def expanded(self, path: Path, arguments: Mapping[str, Any]) -> Absent:
         # A controller needs no URDF: the robot is that of the run.
+        self._on_robot((str(path), arguments))
         return Absent("the output of xacro")
 
     def left_out(self, what: str) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 from tracerisk.pipeline.launch.asked import Asked
@@ -13,8 +13,9 @@ from tracerisk.pipeline.launch.parameter_text import (
     yaml_value,
 )
 from tracerisk.pipeline.launch.program import Program, shown
-from tracerisk.pipeline.launch.records import LaunchParameter, LaunchSetup
+from tracerisk.pipeline.launch.records import EVERY_NODE, LaunchParameter, LaunchSetup
 from tracerisk.pipeline.workspace import Workspace
+from tracerisk.twin.description_files import distance
 
 _FOLDERS = ("config", "params", "param", "cfg")
 _MOST_FILES = 200
@@ -24,25 +25,29 @@ _MOST_BYTES = 256 * 1024
 def setup_of_parameter_file(
     program: Program, workspace: Workspace, asked: Asked, root: Path
 ) -> LaunchSetup | None:
-    """Return the parameters of a file that has a section for exactly the controller's node.
+    """Return the parameters of a file that is for the controller's node; `None` for none.
 
-    Of several that with most of the parameters which the source asks for, and of equal ones the
-    one sorted first. None where there is none.
+    That is one of its package with a section for exactly this node, else one of another package,
+    the nearest first, else one of its package for every node; the latter two only if they give
+    what the source asks for. Of several that with most of these parameters, and of equal ones the
+    one sorted first.
     """
-    folder = workspace.packages.get(program.package, root)
-    found = []
-    for path in _files(folder):
-        mine = [each for each in _parameters(path) if _is_for_any(each, asked.nodes)]
-        if mine:
-            given = len(asked.names & {each.name for each in mine})
-            found.append((given, path, tuple(mine)))
+    own = workspace.packages.get(program.package, root).resolve()
+    elsewhere = sorted(
+        {each.resolve() for each in workspace.packages.values()} - {own},
+        key=lambda each: (distance(program.script, each), each),
+    )
+    found = _for_node([own], asked, _is_for_any)
+    found = found or [each for each in _for_node(elsewhere, asked, _is_for_any) if each[0]]
+    found = found or [each for each in _for_node([own], asked, _is_for_every) if each[0]]
     if not found:
         return None
     _, path, parameters = max(found, key=lambda each: each[0])
     file = shown([path], root)[0]
-    node = str(parameters[0].node).rpartition("/")[2]
+    whom = str(parameters[0].node)
+    node = "every node" if whom == EVERY_NODE else f"node {whom.rpartition('/')[2]}"
     notes = [
-        f"launch: parameters of node {node} from {file} ({len(parameters)}), for no launch file "
+        f"launch: parameters of {node} from {file} ({len(parameters)}), for no launch file "
         "gives it any; --no-launch leaves them out"
     ]
     others = [each for _, each, _ in found if each != path]
@@ -59,11 +64,34 @@ def setup_of_parameter_file(
     )
 
 
+_Found = tuple[int, Path, tuple[LaunchParameter, ...]]
+
+
+def _for_node(
+    folders: Iterable[Path],
+    asked: Asked,
+    is_meant: Callable[[LaunchParameter, tuple[str, ...]], bool],
+) -> list[_Found]:
+    """Return the files with parameters that are meant, and how many of them are asked for."""
+    found = []
+    for folder in folders:
+        for path in parameter_files(folder):
+            mine = tuple(each for each in _parameters(path) if is_meant(each, asked.nodes))
+            if mine:
+                found.append((len(asked.names & {each.name for each in mine}), path, mine))
+    return found
+
+
+def _is_for_every(parameter: LaunchParameter, _nodes: tuple[str, ...]) -> bool:
+    return parameter.node == EVERY_NODE
+
+
 def _is_for_any(parameter: LaunchParameter, nodes: tuple[str, ...]) -> bool:
     return parameter.node is not None and parameter.node.rpartition("/")[2] in nodes
 
 
-def _files(folder: Path) -> Iterator[Path]:
+def parameter_files(folder: Path) -> Iterator[Path]:
+    """Yield the YAML files of a package that may hold parameters, at most 200."""
     count = 0
     for name in _FOLDERS:
         for path in sorted((folder / name).rglob("*.yaml")) if (folder / name).is_dir() else ():

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from tracerisk.pipeline.launch.robot_sources import RobotSource
 from tracerisk.ros.scenario_parameters import EVERY_NODE, Parameter
 
 __all__ = [
@@ -14,6 +15,7 @@ __all__ = [
     "LaunchParameter",
     "LaunchReading",
     "LaunchSetup",
+    "RobotSource",
     "StartedNode",
 ]
 
@@ -66,7 +68,7 @@ class LaunchReading:
 
     `parameters` are those of ROS 1, for its parameter server knows no owners; `left_out` those of
     them that were not evaluated. `sources` are the files that were read, `problems` what could
-    not be.
+    not be. `robots` are the files of robots that it names.
     """
 
     nodes: tuple[StartedNode, ...] = ()
@@ -74,6 +76,7 @@ class LaunchReading:
     left_out: tuple[tuple[str, str], ...] = ()
     sources: tuple[Path, ...] = ()
     problems: tuple[str, ...] = ()
+    robots: tuple[RobotSource, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

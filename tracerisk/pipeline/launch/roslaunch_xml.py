@@ -16,6 +16,14 @@ from tracerisk.pipeline.launch.parameter_text import (
     yaml_value,
 )
 from tracerisk.pipeline.launch.records import LaunchParameter, LaunchReading, StartedNode
+from tracerisk.pipeline.launch.robot_sources import (
+    RobotSource,
+    is_robot_file,
+    robots_read,
+    source_of_command,
+    source_of_file,
+    source_of_problem,
+)
 from tracerisk.pipeline.launch.roslaunch_texts import RoslaunchError, Texts, typed
 from tracerisk.ros import names
 from tracerisk.twin.xml_reader import XmlElement, read_xml
@@ -60,6 +68,7 @@ def read_roslaunch(path: Path, packages: Mapping[str, Path]) -> LaunchReading:
         tuple(reader.left_out.items()),
         tuple(reader.sources),
         tuple(reader.problems),
+        robots_read(reader.robots),
     )
 
 
@@ -70,6 +79,7 @@ class _Reader:
         self.left_out: dict[str, str] = {}
         self.sources: list[Path] = []
         self.problems: list[str] = []
+        self.robots: list[RobotSource] = []
         self._packages = packages
         self._seen = 0
         self._files = 0
@@ -199,9 +209,18 @@ class _Reader:
                 value = typed(texts.of(attributes["value"]), attributes.get("type", "auto"))
             elif "textfile" in attributes:
                 path = Path(texts.of(attributes["textfile"]))
+                if is_robot_file(path):
+                    self.robots.append(source_of_file(path))
                 value = read_text(path)
                 self.sources.append(path)
             elif "command" in attributes:
+                # The program is not needed, and stands in no workspace.
+                command = attributes["command"].replace("$(find xacro)/", "")
+                try:
+                    made = source_of_command(texts.of(command), texts.folder)
+                except RoslaunchError as error:
+                    made = source_of_problem(command, str(error))
+                self.robots += [] if made is None else [made]
                 raise RoslaunchError("the output of a command is not here")
             else:
                 raise RoslaunchError("has no value, textfile or command")

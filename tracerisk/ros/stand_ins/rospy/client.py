@@ -205,7 +205,11 @@ def get_param(param_name: str, default: Any = _UNSPECIFIED) -> Any:
         return get_master()[param_name]
     except KeyError:
         if default is _UNSPECIFIED:
-            raise
+            value = node().graph.parameters.beyond(names.resolve_name(param_name))
+            if value is None:
+                raise
+            node().scheduler.needs.meet(Need("parameter", names.resolve_name(param_name)))
+            return value
         # It can do without.
         node().scheduler.needs.meet(Need("parameter", names.resolve_name(param_name)))
         return default

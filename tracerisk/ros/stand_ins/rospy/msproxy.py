@@ -42,7 +42,8 @@ class MasterProxy:
         state = node()
         state.scheduler.touch()
         name = resolve_name(key)
-        is_set = state.graph.parameters.has(name)
+        parameters = state.graph.parameters
+        is_set = parameters.has(name) or parameters.beyond(name) is not None
         if not is_set:
             state.scheduler.needs.ask(Need("parameter", name), state.scheduler.now_ns)
         return is_set

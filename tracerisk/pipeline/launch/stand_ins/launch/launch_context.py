@@ -10,7 +10,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from tracerisk.pipeline.launch.absent import AbsentError
-from tracerisk.pipeline.launch.records import StartedNode
+from tracerisk.pipeline.launch.records import RobotSource, StartedNode
 from tracerisk.pipeline.launch.stand_ins.launch.substitution import Substitution
 
 _MOST_ENTITIES = 20_000
@@ -24,6 +24,7 @@ class Reading:
     nodes: list[StartedNode] = field(default_factory=list)
     sources: list[Path] = field(default_factory=list)
     problems: list[str] = field(default_factory=list)
+    robots: list[RobotSource] = field(default_factory=list)
 
 
 class LaunchContext:

@@ -10,6 +10,7 @@ from typing import Any
 
 from tracerisk.pipeline.launch.absent import AbsentError
 from tracerisk.pipeline.launch.expressions import evaluate
+from tracerisk.pipeline.launch.robot_sources import RobotSource, source_of_command
 from tracerisk.pipeline.launch.stand_ins.launch.conditions import evaluate_condition_expression
 from tracerisk.pipeline.launch.stand_ins.launch.substitution import Substitution
 from tracerisk.pipeline.launch.stand_ins.launch.utilities import text_of
@@ -123,7 +124,14 @@ class Command(Substitution):
 
     def perform(self, context: Any) -> str:
         """Raise AbsentError: no program is run."""
-        words = text_of(context, self.command).split()
+        try:
+            command = text_of(context, self.command)
+        except AbsentError as error:
+            context.reading.robots.append(RobotSource("", problem=str(error)))
+            raise
+        made = source_of_command(command, Path.cwd())
+        context.reading.robots += [] if made is None else [made]
+        words = command.split()
         program = os.path.basename(words[0]) if words else "it"  # noqa: PTH119 - may be no path
         raise AbsentError(f"the output of {program} is not here")
 

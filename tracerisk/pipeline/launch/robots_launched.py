@@ -1,0 +1,91 @@
+"""Which robots the launch files around a controller describe, and what they give xacro for them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from tracerisk.config import Settings
+from tracerisk.pipeline.controller import Controller
+from tracerisk.pipeline.launch.choose import LaunchChoice, read_launch_file
+from tracerisk.pipeline.launch.find import LaunchFile, launch_texts
+from tracerisk.pipeline.launch.program import program_of, shown
+from tracerisk.pipeline.launch.records import RobotSource
+from tracerisk.pipeline.workspace import find_workspace, named_packages
+from tracerisk.ros.version_choice import ros_version
+from tracerisk.twin.description_files import distance
+from tracerisk.twin.spoken_names import LaunchedBy, LaunchedDescription
+
+_MOST_READ = {1: 40, 2: 4}  # launch files of ROS 2 cost a process each
+_AT_ONCE = 2
+_DESCRIBES = re.compile(r"\.xacro\b|\.urdf\b|MoveItConfigsBuilder")
+
+
+def launched_robots(
+    controller: Controller, settings: Settings, choice: LaunchChoice, strings: Iterable[str]
+) -> tuple[LaunchedDescription, ...]:
+    """Return the files of robots that launch files name, those of the controller's own first.
+
+    Own are those of the launch file that starts it. Where that names none, the launch files of
+    its package and of those that the controller's `strings` or its manifest name come next, then
+    those of the rest of the workspace, as far as they give one file the same arguments.
+    Nothing where the settings want no launch file.
+    Raises LimitError where reading a launch file takes too long or too much memory.
+    """
+    if settings.launch is False:
+        return ()
+    own = [_described(each, choice.file, "controller") for each in choice.robots]
+    if any(each.path is not None for each in own):
+        return tuple(own)
+    root = controller.root.resolve()
+    script = controller.path.resolve()
+    workspace = find_workspace(controller.root)
+    ros = ros_version(script, root)
+    program = program_of(script, root, workspace)
+    texts = launch_texts(root, workspace, ros)
+    named = named_packages(root, workspace.packages, strings)
+    folders = [root, *(workspace.packages[name].resolve() for name in sorted(named))]
+
+    def is_near(path: Path) -> bool:
+        return any(path.is_relative_to(folder) for folder in folders)
+
+    paths = sorted(
+        (path.resolve() for path, text in texts.items() if _DESCRIBES.search(text)),
+        key=lambda path: (not is_near(path), distance(script, path), path),
+    )[: _MOST_READ[ros]]
+    files = [LaunchFile(path, ros, False) for path in paths]
+    with ThreadPoolExecutor(_AT_ONCE) as pool:
+        readings = list(
+            pool.map(lambda file: read_launch_file(file, workspace, settings.limits), files)
+        )
+    found = list(own)
+    for file, reading in zip(files, readings, strict=True):
+        by: LaunchedBy = "package" if is_near(file.path) else "workspace"
+        if any(program.started_as(node) is not None for node in reading.nodes):
+            by = "controller"
+        found += [_described(each, shown([file.path], root)[0], by) for each in reading.robots]
+    return _agreed(found)
+
+
+def _described(source: RobotSource, file: str, by: LaunchedBy) -> LaunchedDescription:
+    path = Path(source.path).resolve() if source.path else None
+    if path is not None and not path.is_file():
+        return LaunchedDescription(None, (), f"'{path.name}' is not here", file, by)
+    return LaunchedDescription(path, source.arguments, source.problem, file, by)
+
+
+def _agreed(found: Iterable[LaunchedDescription]) -> tuple[LaunchedDescription, ...]:
+    """Return the descriptions, the nearest first; far ones that contradict each other are none."""
+    order: tuple[LaunchedBy, ...] = ("controller", "package", "workspace")
+    kept: dict[tuple[Path | None, str], LaunchedDescription] = {}
+    contradicted: set[Path | None] = set()
+    for each in sorted(found, key=lambda one: order.index(one.by)):
+        key = (each.path, each.problem)
+        known = kept.setdefault(key, each)
+        if known.by == "workspace" and known.arguments != each.arguments:
+            contradicted.add(each.path)
+    return tuple(
+        each for each in kept.values() if each.path not in contradicted or each.path is None
+    )
