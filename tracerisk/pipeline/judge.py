@@ -47,6 +47,7 @@ CODES: dict[str, VerdictKind] = {
     "unmet-need": "partial",
     "companion-failed": "partial",
     "robot-assumed": "partial",
+    "input-assumed": "partial",
     "duration-cut": "partial",
     "run-deadlock": "stuck",
     "run-no-motion": "stuck",
@@ -147,6 +148,8 @@ class RecordedRun:
     falls: tuple[Fall, ...] = ()
     assumed: tuple[tuple[str, str], ...] = ()
     """What of the robot is assumed (the arm, a group, a gripper), each with the words for it."""
+    unconfirmed: tuple[tuple[str, str, Location], ...] = ()
+    """Entries of the scenario that nobody confirmed: name, words and place."""
     has_objects: bool = False
     """Whether the user gave the run something that can be grasped."""
     is_duration_given: bool = False
@@ -476,6 +479,8 @@ def _of_needs(run: RecordedRun) -> Iterator[Reason]:
 def _of_assumptions(run: RecordedRun) -> Iterator[Reason]:
     for name, words in run.assumed:
         yield _reason("robot-assumed", words, object_name=name)
+    for name, words, place in run.unconfirmed:
+        yield _reason("input-assumed", words, object_name=name, location=place)
 
 
 def _of_coverage(coverage: Coverage) -> Iterator[Reason]:

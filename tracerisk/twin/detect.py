@@ -25,6 +25,9 @@ class NoRobotNamedError(RobotError):
 class SeveralRobotsError(RobotError):
     """The controller's strings fit several robots, and nothing says which one is meant."""
 
+    names: tuple[str, ...] = ()
+    """The robots that fit."""
+
 
 @dataclass(frozen=True, slots=True)
 class _Fit:
@@ -138,10 +141,12 @@ def _of_certain(
     if len(whole) == 1:
         reason = f"of {_listed(names)} only {whole[0]} has no joint beside these"
         return _chosen(whole[0], told, reason)
-    raise SeveralRobotsError(
+    several = SeveralRobotsError(
         f"the controller's strings fit several robots: {_listed(verdict.left)}; "
         "say which one it drives with --robot"
     )
+    several.names = tuple(verdict.left)
+    raise several
 
 
 def _chosen(name: str, told: str, reason: str = "") -> Robot:
