@@ -63,9 +63,8 @@ def run(options: argparse.Namespace) -> int:
             Location(str(output)),
         )
     draft, asked = _drafted(options, controller, settings, base)
-    if options.write:
-        if base is None or draft.text.encode() != base.read_bytes():
-            write_file(str(output), draft.text)
+    if options.write and (base is None or draft.text.encode() != base.read_bytes()):
+        write_file(str(output), draft.text)
     is_traced = _is_traced(draft)
     code = 0 if is_traced else 4 if draft.error is None else int(draft.error.exit_code)
     if options.json:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -58,26 +58,41 @@ def asked_in_source(controller: Controller) -> tuple[Missed, ...]:
     found: dict[tuple[str, str, str], Missed] = {}
     for path in (controller.path.resolve(), *own_modules(controller)):
         file = Path(os.path.relpath(path, root)).as_posix()
-        for each in _asked(path, file, ros):
-            need = each.need
-            place = each.location
+        for each in asked_in_file(path, ros):
+            need, place = each.need, each.location
+            if place is not None:
+                place = Location(file, place.line)
             line = str(place) if need.name.startswith("(") else ""
-            found.setdefault((need.kind, need.name, line), each)
+            found.setdefault((need.kind, need.name, line), replace(each, location=place))
     return tuple(found.values())
 
 
-def _asked(path: Path, file: str, ros: Literal[1, 2]) -> Iterator[Missed]:
+def asked_in_file(path: Path, ros: Literal[1, 2]) -> Iterator[Missed]:
+    """Yield what one source asks for, in the order of its lines, as `asked_in_source` does."""
     tree = _parsed(path)
     if tree is None:
         return
+    types = dict(_types(tree))
     signatures = {**_SIGNATURES[ros], **_BOTH}
     calls = sorted(named_calls(tree, signatures), key=lambda each: each[3].lineno)
     for kind, name, type_name, call in calls:
         if kind == "parameter" and _has_default(call):
             continue
-        place = Location(file, call.lineno)
-        shown = name or _expression(call, signatures)
-        yield Missed(Need(kind, shown, type_name.removesuffix("Action")), 0, 0, place)
+        shown = repr(name) if kind == "input" and name else name or _expression(call, signatures)
+        kept = types.get(type_name, type_name)
+        if ros == 1 and kind in ("action", "goal"):
+            kept = kept.removesuffix("Action")
+        yield Missed(Need(kind, shown, kept), 0, 0, Location(str(path), call.lineno))
+
+
+def _types(tree: ast.Module) -> Iterator[tuple[str, str]]:
+    """Yield the names under which interfaces are imported, each with its type: `pkg/Name`."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            package, _, kind = node.module.partition(".")
+            if kind.split(".")[0] in ("msg", "srv", "action"):
+                for alias in node.names:
+                    yield alias.asname or alias.name, f"{package}/{alias.name}"
 
 
 def _expression(call: ast.Call, signatures: Mapping[str, Signature]) -> str:

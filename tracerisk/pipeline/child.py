@@ -23,6 +23,7 @@ from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.limited_process import mark_start
+from tracerisk.pipeline.asked_in_source import asked_in_file
 from tracerisk.pipeline.companion_run import Companions
 from tracerisk.pipeline.controller_end import ControllerEnd
 from tracerisk.pipeline.entry_point import find_entry_point
@@ -191,6 +192,7 @@ def _run_recorded(
         lambda: watch.has_commanded,
         scenario_world.unused,
         values,
+        in_source=lambda: asked_in_file(script, 2 if is_ros2 else 1),
         drafts_all=request.drafts_all,
     )
     stall = StallWatch(scheduler, watch, needs, lambda: schedule.is_pending)

@@ -22,7 +22,6 @@ from tracerisk.pipeline.launch.program import program_of
 from tracerisk.pipeline.scenario_text import with_entries
 from tracerisk.pipeline.workspace import find_workspace, project_top
 from tracerisk.pipeline.written_values import WrittenValues
-
 from tracerisk.ros.scenario import Scenario, read_scenario
 from tracerisk.ros.scenario_draft import Draft
 from tracerisk.ros.scenario_lines import entry_lines, word_lines

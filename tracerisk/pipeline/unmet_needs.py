@@ -24,6 +24,10 @@ _ASKED_AGAIN_NS = 10_000_000_000
 _TOLD = 3
 _DONE = frozenset({"no_motion", "ended", "duration"})
 _OF_ENTER = re.compile(r"""(''|"")(?![\w])|could not convert string|EOF""")
+# What the twin publishes once somebody listens.
+_OF_THE_TWIN = re.compile(
+    r"sensor_msgs/|geometry_msgs/Wrench|control_msgs/|tf2_msgs/|rosgraph_msgs/"
+)
 _LISTENING = frozenset({"quiescent", "idle"})
 # An answer that never comes: the call of a service that nobody serves, a goal for nobody.
 _LASTING: frozenset[NeedKind] = frozenset({"topic", "service", "action"})
@@ -43,6 +47,7 @@ class JudgedEnd:
 class UnmetNeeds:
     """The needs of one run; `has_commanded` tells whether anything was commanded.
 
+    `in_source` is what the source asks for, whether or not the run came so far.
     With `drafts_all` the end notes what a scenario could say for every need, however it came.
 
     `unused` tells what of the scenario nobody made use of, which becomes a finding at the end.
@@ -60,8 +65,10 @@ class UnmetNeeds:
         unused: Callable[[], Iterable[tuple[str, Location]]],
         values: UsableValues,
         *,
+        in_source: Callable[[], Iterable[Missed]] = tuple,
         drafts_all: bool = False,
     ) -> None:
+        self._in_source = in_source
         self._values = values
         self._drafts_all = drafts_all
         self._unused = unused
@@ -115,7 +122,9 @@ class UnmetNeeds:
         # What it would wait for next is reported now, not after another run.
         names = {(each.need.kind, each.need.name) for each in unmet}
         more = tuple(
-            each for each in self._unserved() if (each.need.kind, each.need.name) not in names
+            each
+            for each in (*self._unserved(), *self._further())
+            if (each.need.kind, each.need.name) not in names
         )
         lines = scenario_lines(drafts((*unmet, *more), self._interfaces, self._values))
         also = f"; nor does anything provide {self.told(more, len(more))}" if more else ""
@@ -127,6 +136,47 @@ class UnmetNeeds:
             told = f"{message}; nothing provides {self.told(unmet)}{also}"
             return replace(plain, message=told, scenario=lines)
         return replace(plain, message=f"{message}{also}", scenario=lines)
+
+    def _further(self) -> tuple[Missed, ...]:
+        """Return what the source asks for by name further on, and nothing would give it."""
+        waits = {(each.need.kind, each.need.name) for each in self._unserved()}
+        waits |= {("parameter", _plain(each.need.name)) for each in self._missed()}
+        found: dict[tuple[NeedKind, str], Missed] = {}
+        for each in self._in_source():
+            need = each.need
+            if need.name.startswith("("):
+                continue
+            name = _plain(need.name) if need.kind == "parameter" else need.name
+            if need.kind != "parameter" and not name.startswith(("/", "~")):
+                name = f"/{name}"
+            need = replace(need, name=name)
+            if (need.kind, name) in waits or self._is_given(need):
+                continue
+            kept = replace(each.need, name=each.need.name if need.kind == "parameter" else name)
+            found.setdefault((need.kind, name), replace(each, need=kept))
+        return tuple(found.values())
+
+    def _is_given(self, need: Need) -> bool:
+        """Tell whether somebody gives what a source asks for, or it cannot be known yet."""
+        graph, actions = self._runtime.graph, self._runtime.client(Actions)
+        if need.kind == "parameter":
+            given = {_plain(each.name) for each in self._runtime.parameters}
+            is_given = any(f"/{each}".endswith(f"/{need.name}") for each in given)
+            return is_given or graph.parameters.has(f"/{need.name}")
+        if need.name.startswith("~") or "/" not in need.type_name:
+            return True
+        if need.kind == "service":
+            return graph.service(need.name) is not None
+        if need.kind == "action":
+            return actions.server(need.name, need.type_name) is not None or self._is_arms(need)
+        if need.kind == "topic":
+            is_twins = _OF_THE_TWIN.match(need.type_name) is not None
+            return is_twins or bool(graph.publications(need.name))
+        return True
+
+    def _is_arms(self, need: Need) -> bool:
+        (draft,) = drafts([Missed(need, 0, 0, None)], self._interfaces, self._values)
+        return draft.value is None
 
     def _note_drafts(self) -> None:
         """Note what a scenario could say for all that nothing has given the controller."""
@@ -251,6 +301,10 @@ class UnmetNeeds:
             for each in self._runtime.scheduler.needs.missed
             if not (each.need.kind in given and given[each.need.kind](each))
         )
+
+
+def _plain(name: str) -> str:
+    return name.strip("~/").replace(".", "/")
 
 
 def _typed(missed: Missed) -> Missed:

@@ -10,7 +10,7 @@ import ast
 import os
 import re
 import shlex
-import xml.etree.ElementTree as ElementTree
+import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -164,8 +164,8 @@ class WrittenValues:
         self, path: Path, text: str, wanted: tuple[str, ...], kind: str
     ) -> Iterator[tuple[int, Written]]:
         try:
-            tree = ElementTree.fromstring(text)
-        except (ElementTree.ParseError, ValueError):
+            tree = ET.fromstring(text)
+        except (ET.ParseError, ValueError):
             return
         for node in tree.iter():
             name = node.get("name", "").strip("/~").split("/")
@@ -201,9 +201,9 @@ class WrittenValues:
         last = topic.strip("/")
         for path, text in self._texts:
             is_launch = path.suffix in (".launch", ".xml") or path.name.endswith("launch.py")
-            if is_launch and last in text:
-                if found := next((each for each in programs if each in text), None):
-                    return f"{found} in {self._place(path, _line_of(text, found))}"
+            found = next((each for each in programs if each in text), None)
+            if is_launch and last in text and found is not None:
+                return f"{found} in {self._place(path, _line_of(text, found))}"
         return None
 
     # Files

@@ -76,7 +76,8 @@ def compared_in_callback(place: Location | None, argument: int = 0) -> Compared:
         for value in (*call.args, *(each.value for each in call.keywords)):
             # The callback itself, or within `partial(self.on, ...)`.
             for node in ast.walk(value):
-                function = functions.get(_last_name(node))
+                is_lambda = isinstance(node, ast.Lambda)
+                function = node if is_lambda else functions.get(_last_name(node))
                 name = None if function is None else _parameter(function, argument)
                 if function is not None and name is not None:
                     return Compared(_frozen(_flow(function, {name: ()}, functions, tree)))
@@ -116,7 +117,7 @@ def compared_results(place: Location | None, call: str) -> tuple[Any, ...]:
 
 
 def used_as(place: Location | None, call: str) -> str:
-    """Return as what the result of the `call` at `place` is used: `int`, `float`, `str` or empty.
+    """Return as what the result of the `call` at `place` is used: `int`, `bool`, ..., or empty.
 
     By the conversions around it, and by what it is joined, reckoned or counted with.
     """
@@ -139,6 +140,8 @@ def used_as(place: Location | None, call: str) -> str:
 
 
 def _use(node: ast.AST, is_it: Callable[[ast.AST], bool]) -> str:
+    if isinstance(node, ast.If | ast.While | ast.IfExp) and is_it(_asserted(node.test)):
+        return "bool"
     if isinstance(node, ast.BinOp) and (is_it(node.left) or is_it(node.right)):
         other = node.right if is_it(node.left) else node.left
         if isinstance(other, ast.JoinedStr) or (
@@ -157,6 +160,10 @@ def _use(node: ast.AST, is_it: Callable[[ast.AST], bool]) -> str:
         if name in _NAMED:
             return "str"
     return ""
+
+
+def _asserted(test: ast.expr) -> ast.expr:
+    return test.operand if isinstance(test, ast.UnaryOp) else test
 
 
 def written_name(place: Location | None, call: str) -> str:
@@ -179,7 +186,7 @@ _Found = dict[tuple[str, ...], list[Any]]
 
 
 def _tree(place: Location | None) -> ast.Module | None:
-    if place is None or not place.file.endswith(".py") and not Path(place.file).is_file():
+    if place is None or (not place.file.endswith(".py") and not Path(place.file).is_file()):
         return None
     try:
         return ast.parse(Path(place.file).read_bytes())
@@ -192,10 +199,10 @@ def _frozen(found: _Found) -> dict[tuple[str, ...], tuple[Any, ...]]:
 
 
 def _calls_at(tree: ast.AST, line: int | None) -> Iterator[ast.Call]:
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Call) and line is not None:
-            if node.lineno <= line <= (node.end_lineno or node.lineno):
-                yield node
+    calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
+    for call in calls if line is not None else ():
+        if call.lineno <= (line or 0) <= (call.end_lineno or call.lineno):
+            yield call
 
 
 _Function = ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
@@ -285,9 +292,10 @@ def _comparisons(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
         for key in node.value.keys:
             if isinstance(key, ast.Constant):
                 yield node.slice, key.value
-    if isinstance(node, ast.Call) and _last_name(node.func) in ("startswith", "endswith"):
-        if isinstance(node.func, ast.Attribute) and node.args:
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args:
+        if node.func.attr in ("startswith", "endswith"):
             yield from ((node.func.value, each) for each in _literals(node.args[0]))
+        return
     if not isinstance(node, ast.Compare) or len(node.ops) != 1:
         return
     left, operator, right = node.left, node.ops[0], node.comparators[0]
@@ -374,11 +382,12 @@ def _holders(tree: ast.AST, call: ast.Call) -> tuple[set[str], set[str]]:
     names: set[str] = set()
     casts: set[str] = set()
     for node in ast.walk(tree):
-        value = getattr(node, "value", None)
-        if isinstance(node, ast.Assign | ast.AnnAssign | ast.NamedExpr) and value is not None:
-            if any(each is call for each in ast.walk(value)):
-                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-                names |= {_dotted(each) for each in targets if _dotted(each)}
+        if isinstance(node, ast.Assign | ast.AnnAssign | ast.NamedExpr):
+            value = node.value
+            if value is None or all(each is not call for each in ast.walk(value)):
+                continue
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            names |= {_dotted(each) for each in targets if _dotted(each)}
         if isinstance(node, ast.Call) and _last_name(node.func) in _CASTS and node.args:
             inner = node.args[0]
             if any(each is call for each in ast.walk(inner)) or _dotted(inner) in names:

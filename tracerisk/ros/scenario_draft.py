@@ -34,7 +34,6 @@ SECTIONS: Mapping[NeedKind, str] = {
 """Where a scenario gives what is needed."""
 
 _TYPED: Mapping[str, Any] = {
-    "bool": False,
     "integer": 1,
     "double": 0.1,
     "string": "",
@@ -53,6 +52,7 @@ _MOVES = re.compile(r"(^|[/_])(arm|gripper|fingers?|hand|joints?|tool|trajectory
 _JOINTS = re.compile(
     r"^(j|joint_?)\d$|^(joint_)?trajectory$|^joint_(names|values|angles|positions)$"
 )
+_NOT_REAL = re.compile(r"sim|dry|debug|fake|mock|test|verbose|(^|_)(e?stop|abort)", re.IGNORECASE)
 _LAST_NAMES = re.compile(r"(^|[/_])(e?stop|shutdown|exit|quit|kill|cancel|abort)", re.IGNORECASE)
 _NUMBERS: tuple[tuple[str, Any], ...] = (
     (r"(^|_)(rate|hz|freq(uency)?)$", 10.0),
@@ -258,6 +258,8 @@ def _parameter_value(need: Need, place: Location | None, values: UsableValues) -
         for pattern, number in _NUMBERS:
             if re.search(pattern, last):
                 return int(number) or 1 if kind in ("int", "integer") else number, "a usual value"
+    if kind == "bool":
+        return not _NOT_REAL.search(last), "a value of its type"
     plain = {"int": 1, "float": 0.1, "str": last}.get(kind)
     if plain is not None:
         return plain, "as the code uses it"

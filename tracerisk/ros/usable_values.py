@@ -196,6 +196,9 @@ class UsableValues:
             return {"linear": {"x": 0.05, "y": 0.0, "z": 0.0}}
         if kind == "sensor_msgs/JointState":
             header = {"stamp": "now", "frame_id": ""}
+            # Those of the gripper too, as the robot itself tells them.
+            names = [joint.name for joint in self.robot.joints]
+            posture = [self._moved(joint) for joint in self.robot.joints]
             zeros = [0.0 for _ in names]
             return {
                 "header": header, "name": names, "position": posture, "velocity": zeros,
