@@ -25,6 +25,7 @@ _MOST_BYTES = 512 * 1024
 _MOST_LINES = 60  # of one command, with the message that it holds
 _NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
 _TEXTS = (".md", ".rst", ".txt", ".sh", ".bash", ".py", ".yml", ".yaml", ".launch", ".xml")
+_NAMED = 1  # words before those that may be numbers: the verb and the name
 _PUBLISHES = re.compile(
     r"(?:rostopic|ros2\s+topic)\s+pub\b|(?:rosservice|ros2\s+service)\s+call\b|"
     r"ros2\s+action\s+send_goal\b|rosparam\s+set\b|ros2\s+param\s+set\b"
@@ -286,7 +287,8 @@ def _positional(words: Sequence[str]) -> tuple[str, ...]:
     for word in rest:
         if word in _TAKES and len(found) < 4:
             next(rest, None)
-        elif not (word.startswith("-") and not re.match(r"-[\d.]", word)) or word == "---":
+        elif not word.startswith("-") or (len(found) > _NAMED and re.match(r"-[\d.]", word)):
+            # `-1` before the name is an option, behind it a number.
             found.append(word)
     return tuple(found)
 
@@ -315,9 +317,8 @@ def _yaml(text: str) -> Any:
     from ruamel.yaml.error import YAMLError
 
     try:
-        yaml = YAML(typ="safe", pure=True)
-        yaml.version = (1, 1)
-        return _plain(yaml.load(text))
+        # Of YAML 1.2, for the key `y` of a point is true in that of 1.1.
+        return _plain(YAML(typ="safe", pure=True).load(text))
     except (YAMLError, ValueError, TypeError, RecursionError, AttributeError):
         return None
 
