@@ -254,6 +254,7 @@ def _rank(path: Path) -> int:
 def _words(lines: Sequence[str], number: int, start: int) -> tuple[str, ...]:
     """Return the words of a command that begins on a line, and may go on over the next ones."""
     text = lines[number][start:].rstrip()
+    indent = len(lines[number]) - len(lines[number].lstrip())
     # The quote or tick in which a text holds the command ends it too.
     before = lines[number][start - 1 : start] if start else ""
     if before in ("`", '"', "'") and before in text:
@@ -270,9 +271,13 @@ def _words(lines: Sequence[str], number: int, start: int) -> tuple[str, ...]:
             return tuple(words[:end])
         if more >= len(lines):
             break
-        text = f"{text[:-1].rstrip()} {lines[more].strip()}" if text.endswith("\\") else (
-            f"{text}\n{lines[more].rstrip()}"
-        )  # fmt: skip
+        # A message that goes on over lines is as far in as the command itself.
+        following = lines[more].rstrip()
+        following = following[min(indent, len(following) - len(following.lstrip())) :]
+        if text.endswith("\\"):
+            text = f"{text[:-1].rstrip()} {following.strip()}"
+        else:
+            text = f"{text}\n{following}"
     return ()
 
 
