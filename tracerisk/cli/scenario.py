@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_json, progress_bar, write_file
+from tracerisk.cli.output import note, print_json, progress_bar
+from tracerisk.cli.run_report import failure_code, print_failure
 from tracerisk.cli.verdict import verdict_json
-from tracerisk.errors import ControllerFailedError, InputError, Location
+from tracerisk.errors import ControllerFailedError, ExitCode, InputError, Location
 
 if TYPE_CHECKING:
     from tracerisk.pipeline import Controller
@@ -63,25 +64,44 @@ def run(options: argparse.Namespace) -> int:
             Location(str(output)),
         )
     draft, asked = _drafted(options, controller, settings, base)
-    if options.write and (base is None or draft.text.encode() != base.read_bytes()):
-        write_file(str(output), draft.text)
-    is_traced = _is_traced(draft)
-    code = 0 if is_traced else 4 if draft.error is None else int(draft.error.exit_code)
+    if options.write:
+        _write(output, draft.text)
+    code = _exit_code(draft)
     if options.json:
         _print_json(options, output, draft, asked, code)
         return code
     _print_draft(options, output, draft, asked)
     if draft.error is not None:
         raise draft.error
-    if not is_traced and draft.trace is not None:
-        end = draft.trace.end
+    if code and draft.trace is not None:
         note("With it the run still shows no risk:", quiet=options.quiet)
-        raise ControllerFailedError(f"{end.message} [{end.code}]", end.location)
+        if not draft.trace.is_usable:
+            return print_failure(draft.trace)
+        raise ControllerFailedError("nothing was commanded", draft.trace.end.location)
     return code
 
 
-def _is_traced(draft: ScenarioDraft) -> bool:
-    return draft.trace is not None and draft.trace.is_usable and bool(draft.trace.functions)
+def _exit_code(draft: ScenarioDraft) -> int:
+    trace = draft.trace
+    if draft.error is not None:
+        return int(draft.error.exit_code)
+    if trace is not None and trace.is_usable:
+        return 0 if trace.functions else int(ExitCode.CONTROLLER_FAILED)
+    return int(ExitCode.CONTROLLER_FAILED if trace is None else failure_code(trace))
+
+
+def _write(output: Path, text: str) -> None:
+    """Write the scenario, unless the file holds just that."""
+    try:
+        is_same = output.read_bytes() == text.encode()
+    except OSError:
+        is_same = False
+    if not is_same:
+        try:
+            output.write_bytes(text.encode())
+        except OSError as error:
+            told = f"cannot be written: {error.strerror}"
+            raise InputError(told, Location(str(output))) from error
 
 
 def _output(options: argparse.Namespace, controller: Controller) -> Path:

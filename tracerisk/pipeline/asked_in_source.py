@@ -63,7 +63,10 @@ def asked_in_source(controller: Controller) -> tuple[Missed, ...]:
             if place is not None:
                 place = Location(file, place.line)
             line = str(place) if need.name.startswith("(") else ""
-            found.setdefault((need.kind, need.name, line), replace(each, location=place))
+            first = found.setdefault((need.kind, need.name, line), replace(each, location=place))
+            if not first.need.type_name and need.type_name:
+                # Waited for by its name alone, before a client of a type is made.
+                found[need.kind, need.name, line] = replace(first, need=need)
     return tuple(found.values())
 
 
