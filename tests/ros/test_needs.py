@@ -195,3 +195,19 @@ def test_what_is_called_comes_in_turn_and_what_stops_last(values):
     found = drafts([Missed(need, 0, 0, None) for need in needs], Interfaces2(), values)
     assert [each.value["service"] for each in found] == ["/pick", "/place", "/stop"]
     assert all(each.value["wait"] for each in found)
+
+
+def test_a_call_for_which_the_code_knows_several_values_is_sent_with_each(tmp_path, values):
+    path = tmp_path / "c.py"
+    path.write_text(
+        "import actionlib\n"
+        "server = actionlib.SimpleActionServer('/look', PointHeadAction, execute_cb=on_goal)\n"
+        "def on_goal(goal):\n"
+        "    if goal.pointing_frame == 'left': pass\n"
+        "    elif goal.pointing_frame == 'right': pass\n"
+    )
+    place = Location(str(path), 2)
+    need = Need("goal", "/look", "control_msgs/PointHead")
+    found = drafts([Missed(need, 0, 0, place)], Interfaces(), values)
+    assert [each.value["goal"]["pointing_frame"] for each in found] == ["left", "right"]
+    assert len({each.key for each in found}) == 2

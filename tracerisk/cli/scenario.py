@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.scenario_rounds import ScenarioDraft
     from tracerisk.ros.needs import Missed, Need
 
+_LINES = 3
 _ENDING = ".scenario.yaml"
 
 
@@ -123,18 +124,30 @@ def _drafted(
         draft = draft_scenario(
             controller, settings, base, hardware_of=pipeline.load_hardware, progress=progress
         )
-    given = {(each.need.kind, _plain(each.need.name)) for each in (*draft.given, *draft.missing)}
+    found = (*draft.given, *draft.missing)
     asked = tuple(
         each
         for each in asked_in_source(controller)
-        if (each.need.kind, _plain(each.need.name)) not in given
+        if not any(_is_same(each, other.need, other.location) for other in found)
     )
     return draft, asked
 
 
+def _is_same(asked: Missed, need: Need, place: Location | None) -> bool:
+    """Tell whether what a source asks for is what a run has asked for, by name or place."""
+    if asked.need.kind != need.kind:
+        return False
+    if not asked.need.name.startswith("("):
+        return _plain(asked.need.name) == _plain(need.name)
+    # A name that is put together: the call goes over a few lines at most.
+    if place is None or asked.location is None or place.file != asked.location.file:
+        return False
+    return abs((place.line or 0) - (asked.location.line or 0)) <= _LINES
+
+
 def _plain(name: str) -> str:
     """Return the last part of a name, by which what a source writes is known in a run."""
-    return name.strip("/~'").rpartition("/")[2]
+    return name.strip("/~' ").rpartition("/")[2]
 
 
 def _print_draft(

@@ -38,7 +38,7 @@ from tracerisk.pipeline.run_files import (
 from tracerisk.pipeline.run_trace import make_trace
 from tracerisk.pipeline.run_watch import MISSION_END
 from tracerisk.ros.needs import Need
-from tracerisk.ros.scenario_draft import Draft
+from tracerisk.ros.scenario_draft import Draft, drafts_of
 from tracerisk.trace import RunEnd, Trace
 
 if TYPE_CHECKING:
@@ -128,14 +128,8 @@ def run_controller(
         ]
         told = recording.note(NEEDS) or {"needs": ()}
         needs = tuple(Need(kind, name, type_name) for kind, name, type_name in told["needs"])
-        drafts = tuple(_drafts(recording))
+        drafts = tuple(drafts_of((recording.note(DRAFTS) or {"drafts": ()})["drafts"]))
         return ControllerRun(trace, tuple(dict.fromkeys(asked)), needs, drafts)
-
-
-def _drafts(recording: Recording) -> Iterator[Draft]:
-    for each in (recording.note(DRAFTS) or {"drafts": ()})["drafts"]:
-        place = None if each["location"] is None else Location(**each["location"])
-        yield Draft(**{**each, "need": Need(**each["need"]), "location": place})
 
 
 @dataclass(frozen=True, slots=True)

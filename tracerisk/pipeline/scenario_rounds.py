@@ -299,7 +299,8 @@ class _Rounds:
     def _from_repository(self, draft: Draft) -> Draft:
         """Return the draft with the value that the repository writes, if it does."""
         need = replace(draft.need, name=draft.key) if draft.need.kind == "parameter" else draft.need
-        written = self._written.of(need)
+        is_one_of_several = draft.key.endswith("]")
+        written = None if is_one_of_several else self._written.of(need)
         if written is None:
             return self._as_published(draft)
         value = written.value

@@ -6,7 +6,6 @@ of its configuration, what a test or another program publishes on the same topic
 
 from __future__ import annotations
 
-import ast
 import os
 import re
 import shlex
@@ -17,6 +16,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from tracerisk.pipeline.filled_messages import filled_fields, plain_value
 from tracerisk.pipeline.launch.program import Program
 from tracerisk.ros.needs import Need
 
@@ -188,11 +188,7 @@ class WrittenValues:
                 continue
             if not re.search(rf"[\"']{_NAME_START}{re.escape(need.name.strip('/'))}[\"']", text):
                 continue
-            try:
-                tree = ast.parse(text)
-            except (SyntaxError, ValueError, RecursionError):
-                continue
-            fields, line = _filled(tree, kind, need.kind)
+            fields, line = filled_fields(text, kind, need.kind)
             if fields:
                 return Written(fields, self._place(path, line))
         return None
@@ -323,17 +319,9 @@ def _yaml(text: str) -> Any:
 
     try:
         # Of YAML 1.2, for the key `y` of a point is true in that of 1.1.
-        return _plain(YAML(typ="safe", pure=True).load(text))
+        return plain_value(YAML(typ="safe", pure=True).load(text))
     except (YAMLError, ValueError, TypeError, RecursionError, AttributeError):
         return None
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {str(key): _plain(inner) for key, inner in value.items()}
-    if isinstance(value, list):
-        return [_plain(inner) for inner in value]
-    return value if isinstance(value, bool | int | float | str) else None
 
 
 def _leaves(tree: Any, keys: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Any]]:
@@ -355,53 +343,3 @@ def _common_end(one: Sequence[str], two: Sequence[str]) -> int:
 def _line_of(text: str, word: str) -> int:
     at = text.find(word)
     return text.count("\n", 0, max(at, 0)) + 1
-
-
-def _filled(tree: ast.AST, kind: str, need: str) -> tuple[dict[str, Any], int]:
-    """Return the literals that a source sets in a message of a type, and the first one's line."""
-    part = {"call": "Request", "goal": "Goal"}.get(need)
-    classes = {kind, f"{kind}Request", f"{kind}Goal"}
-    fields: dict[str, Any] = {}
-    first = 0
-
-    def is_made(node: ast.AST) -> bool:
-        if not isinstance(node, ast.Call):
-            return False
-        name = ast.unparse(node.func).split(".")
-        return name[-1] in classes if name[-1] != part else name[-2:-1] == [kind]
-
-    names: set[str] = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Assign) and is_made(node.value):
-            names |= {ast.unparse(each) for each in node.targets}
-        if isinstance(node, ast.Call) and is_made(node):
-            for keyword in node.keywords:
-                if keyword.arg and (value := _literal(keyword.value)) is not None:
-                    fields.setdefault(keyword.arg, value)
-                    first = first or node.lineno
-    for node in ast.walk(tree):
-        if not isinstance(node, ast.Assign) or (value := _literal(node.value)) is None:
-            continue
-        for target in node.targets:
-            owner = next((n for n in sorted(names) if ast.unparse(target).startswith(f"{n}.")), "")
-            path = ast.unparse(target)[len(owner) + 1 :].split(".")
-            if owner and all(each.isidentifier() for each in path):
-                _put(fields, path, value)
-                first = first or node.lineno
-    return fields, first
-
-
-def _literal(node: ast.expr) -> Any:
-    try:
-        return _plain(ast.literal_eval(node))
-    except (ValueError, TypeError, SyntaxError, RecursionError):
-        return None
-
-
-def _put(fields: dict[str, Any], path: Sequence[str], value: Any) -> None:
-    for key in path[:-1]:
-        inner = fields.setdefault(key, {})
-        if not isinstance(inner, dict):
-            return
-        fields = inner
-    fields.setdefault(path[-1], value)

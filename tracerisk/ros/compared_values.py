@@ -76,8 +76,9 @@ def compared_in_callback(place: Location | None, argument: int = 0) -> Compared:
         for value in (*call.args, *(each.value for each in call.keywords)):
             # The callback itself, or within `partial(self.on, ...)`.
             for node in ast.walk(value):
-                is_lambda = isinstance(node, ast.Lambda)
-                function = node if is_lambda else functions.get(_last_name(node))
+                function: _Function | None = functions.get(_last_name(node))
+                if isinstance(node, ast.Lambda):
+                    function = node
                 name = None if function is None else _parameter(function, argument)
                 if function is not None and name is not None:
                     return Compared(_frozen(_flow(function, {name: ()}, functions, tree)))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 from tracerisk.errors import InputError, Location
@@ -47,6 +47,7 @@ _READS = ("get_param", "get_param_cached", "get_parameter", "declare_parameter",
 _ANONYMOUS = re.compile(r"^/(?:[\w/]*/)?\w+_\d+_\d{9,}/")
 _YES_OR_NO = re.compile(r"y/n|\byes\b", re.IGNORECASE)
 _SENSOR = re.compile(r"^(sensor_msgs/(?!JointState|Joy)|nav_msgs/Odometry|geometry_msgs/Wrench)")
+_MOST_IN_TURN = 6  # calls of one service, each with another value
 _EACH_S = 10.0  # between two commands of which a controller knows several
 _MOVES = re.compile(r"(^|[/_])(arm|gripper|fingers?|hand|joints?|tool|trajectory|motion)([/_\d]|$)")
 _JOINTS = re.compile(
@@ -86,8 +87,38 @@ def drafts(missed: Iterable[Missed], interfaces: Any, values: UsableValues) -> t
 
     `interfaces` makes the message classes; a type it does not know is written without fields.
     """
-    found = [_draft(each, interfaces, values) for each in missed]
+    found = [
+        draft
+        for each in missed
+        for draft in _in_turn(_draft(each, interfaces, values), each.location)
+    ]
     return tuple(sorted(found, key=lambda each: _is_last(each.need)))
+
+
+def drafts_of(data: Iterable[Mapping[str, Any]]) -> Iterator[Draft]:
+    """Yield the drafts of which `data` are the fields, through JSON."""
+    for each in data:
+        place = None if each["location"] is None else Location(**each["location"])
+        yield Draft(**{**each, "need": Need(**each["need"]), "location": place})
+
+
+def _in_turn(draft: Draft, place: Location | None) -> Iterator[Draft]:
+    """Yield a draft; of a call with a field for which the code knows several values, each."""
+    yield draft
+    content = {"call": "request", "goal": "goal"}.get(draft.need.kind)
+    sent = {} if content is None or draft.value is None else draft.value.get(content, {})
+    for (name, *deeper), literals in compared_in_callback(place).values.items() if sent else ():
+        now = sent.get(name)
+        if deeper or isinstance(now, bool | list | dict) or now is None:
+            continue
+        others = [each for each in literals if type(each) is type(now) and each != now]
+        for number, value in enumerate(others[: _MOST_IN_TURN - 1], 2):
+            more = {**draft.value, content: {**sent, name: value}}
+            yield replace(
+                draft, key=f"{draft.key}[{number}]", value=more, words="as the code compares it"
+            )
+        if others:
+            return
 
 
 def _is_last(need: Need) -> bool:
@@ -111,12 +142,12 @@ _Made = tuple[str, Any, str]
 def _topic(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
     need = missed.need
     if need.type_name == "*":
-        entry = {"topic": need.name, "type": "std_msgs/String", "message": {"data": ""}}
-        return need.name, entry, "its type is not known"
+        unknown = {"topic": need.name, "type": "std_msgs/String", "message": {"data": ""}}
+        return need.name, unknown, "its type is not known"
     made = interfaces.message(need.type_name)
     compared = compared_in_callback(missed.location)
     message = values.fields(made, compared, need.name)
-    entry = {"topic": need.name, "type": need.type_name}
+    entry: dict[str, Any] = {"topic": need.name, "type": need.type_name}
     several = compared.texts(("data",)) if need.type_name == "std_msgs/String" else ()
     if len(several) > 1:
         commands = [{"data": each} for each in ordered_answers(several)]
