@@ -32,6 +32,7 @@ ACCEPTABLE: tuple[str, ...] = (
     "path-cut",
     "planning-failed",
     "robot-assumed",
+    "input-assumed",
     "run-exited",
     "run-raised",
     "service-refused",

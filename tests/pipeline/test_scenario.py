@@ -140,24 +140,16 @@ def lines_of(source: str, *parts: str) -> list[int]:
 
 @pytest.mark.slow
 def test_pasting_what_is_told_gives_a_controller_of_ros_1_all_it_waits_for(example):
-    """Slow: eight runs, one for each thing that is lacking and two of the whole."""
+    """Slow: five runs, though it asks for six things one after another."""
     example.write("c.py", ROS1)
     lacked, errors, outcome = pasted_until_it_runs(example)
     assert outcome.code == 1, outcome.err  # --check: blocks would be written
-    assert lacked == [
-        ["parameters"],
-        ["frames"],
-        ["services"],
-        ["actions"],
-        ["publish"],
-        ["answers"],
-    ]
-    assert [error["line"] for error in errors] == lines_of(
-        ROS1, "get_param", "lookup_tr", "wait_for_service", "wait_for_server", "wait_for_m", "input"
-    )
-    assert "service /detect (std_srvs/Trigger)" in errors[2]["message"]
-    assert "action server /move_base (move_base_msgs/MoveBase)" in errors[3]["message"]
-    assert "a message on /object (geometry_msgs/PoseStamped)" in errors[4]["message"]
+    # What the source asks for by name is told with the first thing that is lacking.
+    assert lacked == [["actions", "parameters", "publish", "services"], ["frames"], ["answers"]]
+    assert [error["line"] for error in errors] == lines_of(ROS1, "get_param", "lookup_tr", "input")
+    assert "service /detect (std_srvs/Trigger)" in errors[0]["message"]
+    assert "action server /move_base (move_base_msgs/MoveBase)" in errors[0]["message"]
+    assert "messages on /object (geometry_msgs/PoseStamped)" in errors[0]["message"]
     again = example.run("run", "c.py", "--json", "--check", "--scenario", "s.yaml")
     assert again.code == 1, again.err
     assert again.out == outcome.out
@@ -165,19 +157,17 @@ def test_pasting_what_is_told_gives_a_controller_of_ros_1_all_it_waits_for(examp
 
 @pytest.mark.slow
 def test_pasting_what_is_told_gives_a_controller_of_ros_2_all_it_waits_for(example):
-    """Slow: five runs, one of which waits 60 s of simulated time."""
+    """Slow: four runs."""
     example.write("c.py", ROS2)
     lacked, errors, outcome = pasted_until_it_runs(example)
     assert outcome.code == 1, outcome.err
-    # Its clients are made before it first waits: what none of them has is told together.
-    assert lacked == [["parameters"], ["actions", "publish", "services"], ["answers"]]
-    assert "service /detect (std_srvs/Trigger)" in errors[1]["message"]
-    look, pose = lines_of(ROS2, "PointHead, ", "PoseStamped, ")
-    assert errors[1]["message"].endswith(
-        "; nor does anything provide action server /look (control_msgs/PointHead), asked for at "
-        f"c.py:{look}; messages on /object (geometry_msgs/PoseStamped), asked for at c.py:{pose}"
+    assert lacked == [["actions", "parameters", "publish", "services"], ["answers"]]
+    detect, look, pose = lines_of(ROS2, "Trigger, ", "PointHead, ", "PoseStamped, ")
+    assert errors[0]["message"].endswith(
+        "; nor does anything provide messages on /object (geometry_msgs/PoseStamped), asked for at "
+        f"c.py:{pose}; service /detect (std_srvs/Trigger), asked for at c.py:{detect}; action "
+        f"server /look (control_msgs/PointHead), asked for at c.py:{look}"
     )
-    assert errors[1]["line"] == lines_of(ROS2, "wait_for_service")[0]
     again = example.run("run", "c.py", "--json", "--check", "--scenario", "s.yaml")
     assert again.code == 1, again.err
     assert again.out == outcome.out
@@ -250,7 +240,8 @@ def test_a_topic_on_which_nobody_publishes_is_told_when_a_node_only_spins(exampl
     )
     assert error["line"] == 10
     assert error["scenario"] == (
-        "publish:\n  - topic: /angle\n    type: std_msgs/Float64\n    message: {data: 0.0}\n"
+        "publish:\n  - topic: /angle  # assumed: a value of its type\n"
+        "    type: std_msgs/Float64\n    after: 1.0\n    message: {data: 0.1}\n"
     )
     assert outcome.json["trace"]["end"]["cause"] == "no_motion"
 
@@ -363,7 +354,10 @@ def test_a_question_that_is_asked_again_and_again_ends_the_run(example, quick):
     assert outcome.code == 4
     error = outcome.json["error"]
     assert "the answer to 'Which arm?' was asked for 200 times" in error["message"]
-    assert error["scenario"] == "answers: ['1']\n"
+    assert (
+        error["scenario"]
+        == "answers:\n  - left  # assumed: as the code compares the answer to 'Which arm?'\n"
+    )
     example.write("s.yaml", "answers: [right, left]\n")
     assert example.run("trace", "c.py", "--scenario", "s.yaml").code == 0
 
@@ -376,7 +370,7 @@ def test_a_loop_that_waits_for_a_parameter_is_told_of_it(example):
     )
     error = example.run("run", "c.py", "--json", "--robot", "panda").json["error"]
     assert "nothing provides parameter /calibrated, asked for at c.py:3" in error["message"]
-    assert error["scenario"] == "parameters:\n  /calibrated: 0.0\n"
+    assert error["scenario"] == "parameters:\n  /calibrated: true  # assumed: a value of its type\n"
 
 
 def test_parameters_come_from_the_settings_and_the_command_line(example):
@@ -440,7 +434,8 @@ def test_a_controller_that_waits_to_be_called_is_told_how(example):
     error = outcome.json["error"]
     assert "nothing provides calls of service /turn (std_srvs/Trigger)" in error["message"]
     assert error["scenario"] == (
-        "calls:\n  - service: /turn\n    type: std_srvs/Trigger\n    request: {}\n"
+        "calls:\n  - service: /turn  # assumed: one call, in its turn\n"
+        "    type: std_srvs/Trigger\n    request: {}\n    wait: true\n"
     )
     example.write("s.yaml", error["scenario"])
     trace = example.run("trace", "c.py", "--json", "--scenario", "s.yaml").json["trace"]

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from tracerisk.errors import Location
 from tracerisk.ros.messages import Interfaces
 from tracerisk.ros.messages2 import Interfaces2
-from tracerisk.ros.needs import Need, NeedLedger
+from tracerisk.ros.needs import Missed, Need, NeedLedger
 from tracerisk.ros.scenario import read_scenario
+from tracerisk.ros.scenario_draft import drafts
 from tracerisk.ros.scenario_lines import scenario_lines
+from tracerisk.ros.usable_values import UsableValues
+from tracerisk.twin.kinematics import Kinematics
+from tracerisk.twin.motion import Pose
+from tracerisk.twin.robot import load_robot
 
 PLACE = Location("c.py", 3)
 DETECT = Need("service", "/detect")
@@ -59,10 +66,22 @@ NEEDS = [
 ]
 
 
+@pytest.fixture(scope="module")
+def values():
+    robot = load_robot("panda")
+    kinematics = Kinematics(robot)
+    return UsableValues(robot, kinematics.forward, kinematics.inverse)
+
+
+def lines_for(needs, interfaces, values, place=None):
+    missed = [Missed(need, 0, 0, place) for need in needs]
+    return scenario_lines(drafts(missed, interfaces, values))
+
+
 @pytest.mark.parametrize("interfaces", [Interfaces(), Interfaces2()], ids=["ros1", "ros2"])
-def test_the_lines_are_a_scenario_that_gives_all_that_lacked(tmp_path, interfaces):
+def test_the_lines_are_a_scenario_that_gives_all_that_lacked(tmp_path, interfaces, values):
     path = tmp_path / "s.yaml"
-    path.write_text(scenario_lines(NEEDS, interfaces))
+    path.write_text(lines_for(NEEDS, interfaces, values))
     scenario = read_scenario(path)
     assert [each.topic for each in scenario.published] == ["/object", "/scan"]
     assert [each.name for each in scenario.services] == ["/detect", "/untyped"]
@@ -70,14 +89,125 @@ def test_the_lines_are_a_scenario_that_gives_all_that_lacked(tmp_path, interface
     assert [each.frame for each in scenario.frames] == ["marker"]
     assert [each.value for each in scenario.parameters] == [[""]]
     assert scenario.answers == ("y",)
+    # Every entry is one that nobody has confirmed.
+    assert [each.name for each in scenario.unconfirmed] == [
+        "/pick/names", "/object", "/scan", "/detect", "/untyped", "/look", "marker", "answers[1]"
+    ]  # fmt: skip
 
 
-def test_stamps_are_now_and_a_quaternion_turns_nothing():
-    lines = scenario_lines(NEEDS[:1], Interfaces())
-    assert "header: {stamp: now, frame_id: ''}" in lines
-    assert "orientation: {x: 0.0, y: 0.0, z: 0.0, w: 1.0}" in lines
+def test_a_pose_is_one_that_the_tool_reaches_and_from_above_too(values):
+    message = values.fields(Interfaces().message("geometry_msgs/PoseStamped"))
+    assert message["header"] == {"stamp": "now", "frame_id": "panda_link0"}
+    place, turn = message["pose"]["position"], message["pose"]["orientation"]
+    assert place["z"] > 0.0
+    assert math.fsum(each**2 for each in turn.values()) == pytest.approx(1.0, abs=1e-4)
+    kinematics = Kinematics(values.robot)
+    for above in (0.0, 0.1):
+        position = place["x"], place["y"], place["z"] + above
+        pose = Pose(position, tuple(turn[each] for each in "xyzw"))
+        kinematics.inverse(values.group[0], pose)  # raises where it is out of reach
 
 
-def test_a_type_that_is_not_known_is_written_without_fields():
+def test_joints_are_the_robots_own_and_away_from_where_it_begins(values):
+    message = values.fields(Interfaces2().message("sensor_msgs/JointState"))
+    assert message["name"] == [joint.name for joint in values.robot.joints]
+    begin = [values.robot.initial_state[name] for name in message["name"]]
+    assert all(
+        joint.lower <= now <= joint.upper and now != before
+        for joint, now, before in zip(values.robot.joints, message["position"], begin, strict=True)
+    )
+    plan = values.fields(Interfaces2().message("trajectory_msgs/JointTrajectory"))
+    assert plan["joint_names"] == [f"panda_joint{number}" for number in range(1, 8)]
+    assert len(plan["points"][0]["positions"]) == 7
+
+
+def test_a_type_that_is_not_known_is_written_without_fields(values):
     need = Need("service", "/detect", "my_msgs/Detect")
-    assert scenario_lines([need], Interfaces()) == "services:\n  - name: /detect\n"
+    assert lines_for([need], Interfaces(), values) == (
+        "services:\n  - name: /detect  # assumed: its type is not known\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "type_name"),
+    [
+        ("/arm/follow_joint_trajectory", "control_msgs/FollowJointTrajectory"),
+        ("/gripper/command", "control_msgs/GripperCommand"),
+    ],
+)
+def test_an_action_of_the_arm_is_not_played(name, type_name, values):
+    lines = lines_for([Need("action", name, type_name)], Interfaces(), values)
+    assert lines.startswith(f"# action server {name} ({type_name}): moves the robot")
+    assert "actions:" not in lines
+
+
+COMPARES = """\
+import rospy
+from std_msgs.msg import Bool, Int32, String
+
+class Node:
+    def __init__(self):
+        rospy.Subscriber("/task", String, self.on_task)
+        rospy.Subscriber("/mode", Int32, lambda message: self.handle(message.data))
+        rospy.Subscriber("/emergency_stop", Bool, self.on_stop)
+        rospy.Subscriber("/ready", Bool, self.on_stop)
+        self.name = rospy.get_param("~robot_name")
+        self.parts = rospy.get_param("/cell/parts")
+        for _ in range(self.parts): pass
+        if rospy.get_param("/cell/side") == "left": pass
+
+    def on_task(self, message):
+        task = message.data.lower()
+        if task == "pick": pass
+        elif task in ("place", "home"): pass
+
+    def handle(self, mode):
+        if mode > 3: pass
+"""
+
+
+def test_values_are_those_with_which_the_code_compares(tmp_path, values):
+    path = tmp_path / "c.py"
+    path.write_text(COMPARES)
+
+    def drafted(kind, name, type_name=""):
+        part = name.rpartition("/")[2]
+        line = next(i for i, text in enumerate(COMPARES.splitlines(), 1) if f'{part}"' in text)
+        missed = Missed(Need(kind, name, type_name), 0, 0, Location(str(path), line))
+        (draft,) = drafts([missed], Interfaces(), values)
+        return draft
+
+    task = drafted("topic", "/task", "std_msgs/String").value
+    assert [each["data"] for each in task["messages"]] == ["pick", "place", "home"]
+    assert (task["rate"], task["count"]) == (0.1, 3)
+    assert drafted("topic", "/mode", "std_msgs/Int32").value["message"] == {"data": 4}
+    assert drafted("topic", "/emergency_stop", "std_msgs/Bool").value["message"] == {"data": False}
+    assert drafted("topic", "/ready", "std_msgs/Bool").value["message"] == {"data": True}
+    # A node whose name holds a time has its parameters under another name each time.
+    private = drafted("parameter", "/node_1234_1767225600000/robot_name")
+    assert (private.key, private.value) == ("~robot_name", "panda")
+    assert drafted("parameter", "/cell/parts").value == 1
+    assert drafted("parameter", "/cell/side").value == "left"
+
+
+def test_what_is_called_comes_in_turn_and_what_stops_last(values):
+    needs = [Need("call", f"/{name}", "std_srvs/Trigger") for name in ("stop", "pick", "place")]
+    found = drafts([Missed(need, 0, 0, None) for need in needs], Interfaces2(), values)
+    assert [each.value["service"] for each in found] == ["/pick", "/place", "/stop"]
+    assert all(each.value["wait"] for each in found)
+
+
+def test_a_call_for_which_the_code_knows_several_values_is_sent_with_each(tmp_path, values):
+    path = tmp_path / "c.py"
+    path.write_text(
+        "import actionlib\n"
+        "server = actionlib.SimpleActionServer('/look', PointHeadAction, execute_cb=on_goal)\n"
+        "def on_goal(goal):\n"
+        "    if goal.pointing_frame == 'left': pass\n"
+        "    elif goal.pointing_frame == 'right': pass\n"
+    )
+    place = Location(str(path), 2)
+    need = Need("goal", "/look", "control_msgs/PointHead")
+    found = drafts([Missed(need, 0, 0, place)], Interfaces(), values)
+    assert [each.value["goal"]["pointing_frame"] for each in found] == ["left", "right"]
+    assert len({each.key for each in found}) == 2

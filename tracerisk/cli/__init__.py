@@ -15,6 +15,7 @@ from typing import Any, NoReturn
 VERBS = {
     "run": "run a controller on the twin, annotate it, solve its risk model",
     "trace": "run a controller and tell which hardware each function used",
+    "scenario": "list what a controller needs of its world; write a scenario for it",
     "check": "tell, without a simulation, whether blocks can be trusted",
     "refresh": "bring blocks up to date, simulating only what is stale",
     "annotate": "write risk blocks into a controller from a trace or a log",
@@ -34,7 +35,15 @@ VERBS = {
 }
 
 GROUPS = {
-    "for authors of controllers": ("run", "trace", "check", "refresh", "annotate", "strip"),
+    "for authors of controllers": (
+        "run",
+        "trace",
+        "scenario",
+        "check",
+        "refresh",
+        "annotate",
+        "strip",
+    ),
     "for reviewers of changes": ("diff", "report", "overrides"),
     "for safety engineers": ("hardware", "build", "solve", "cut-sets", "convert"),
     "to set up": ("robots", "drivers", "doctor", "completion"),

@@ -16,6 +16,7 @@ from tracerisk.pipeline.controller_run import ControllerRun, run_controller
 from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
 from tracerisk.pipeline.robot_choice import choose_launched_robot
 from tracerisk.pipeline.run_files import Companion
+from tracerisk.pipeline.scenario_settings import with_scenario
 from tracerisk.pipeline.sensors import elements_of
 from tracerisk.trace import EndCause, Trace
 
@@ -37,6 +38,7 @@ def trace_attempts(
     hardware_of: Callable[[Settings, str], Hardware],
     keep: Path | None = None,
     progress: Progress | None = None,
+    on_run: Callable[[ControllerRun], None] | None = None,
 ) -> Trace:
     """Return what the run showed whose launch file and robot fit the controller.
 
@@ -48,7 +50,9 @@ def trace_attempts(
     done again with these beside it.
     Simulated time and the number of runs bound the attempts. A run that a limit of the machine
     ended is the last: nothing is concluded from it.
+    `on_run` is told of each run, with what a scenario could say for its needs.
     """
+    settings = with_scenario(settings)
     simulated_s = 0.0
 
     def may_go_on() -> bool:
@@ -58,8 +62,19 @@ def trace_attempts(
         choice: LaunchChoice, keep: Path | None, companions: tuple[Companion, ...] = ()
     ) -> ControllerRun:
         nonlocal simulated_s
-        done = _with_robot(controller, settings, choice, hardware_of, companions, keep, progress)
+        done = _with_robot(
+            controller,
+            settings,
+            choice,
+            hardware_of,
+            companions,
+            keep,
+            progress,
+            drafts_all=on_run is not None,
+        )
         simulated_s += done.trace.end.simulated_s or 0.0
+        if on_run is not None:
+            on_run(done)
         return done
 
     def attempt(choice: LaunchChoice, keep: Path | None) -> Trace:
@@ -143,6 +158,8 @@ def _with_robot(
     companions: tuple[Companion, ...],
     keep: Path | None,
     progress: Progress | None,
+    *,
+    drafts_all: bool,
 ) -> ControllerRun:
     """Run the controller on the robot of its names, then on that of the names its run shows."""
     asked: tuple[str, ...] = ()
@@ -158,6 +175,7 @@ def _with_robot(
             companions=companions,
             keep=keep,
             progress=progress,
+            drafts_all=drafts_all,
         )
         if _is_cut_short(done.trace):
             break

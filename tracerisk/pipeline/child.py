@@ -23,6 +23,7 @@ from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.limited_process import mark_start
+from tracerisk.pipeline.asked_in_source import asked_in_file
 from tracerisk.pipeline.companion_run import Companions
 from tracerisk.pipeline.controller_end import ControllerEnd
 from tracerisk.pipeline.entry_point import find_entry_point
@@ -61,6 +62,7 @@ from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.twin_frames import TwinFrames
 from tracerisk.ros.twin_interfaces import TwinInterfaces
 from tracerisk.ros.twin_topics import TwinTopics
+from tracerisk.ros.usable_values import UsableValues
 from tracerisk.ros.vendor_libraries import VENDOR_LIBRARIES
 from tracerisk.ros.version_choice import ros_version
 from tracerisk.ros.virtual_time import Scheduler
@@ -171,6 +173,7 @@ def _run_recorded(
             if each.boolean("graspable", default="mass" in each)
         ],
         accept=[asdict(each) for each in scenario.accept],
+        unconfirmed=[asdict(each) for each in scenario.unconfirmed],
     )
     recorder.watch, tracer.on_iteration = watch, watch.looped
     is_ros2 = ros_version(script, root) == 2
@@ -185,8 +188,20 @@ def _run_recorded(
     TwinFrames(runtime, interfaces)
     scenario_world = ScenarioWorld(runtime, interfaces, scenario)
     schedule = watch.schedule = scenario_world.schedule
+    values = UsableValues(
+        robot,
+        twin.forward_kinematics,
+        lambda group, pose: twin.inverse_kinematics(group, pose, avoid_collisions=True),
+    )
     needs = UnmetNeeds(
-        runtime, interfaces, root, lambda: watch.has_commanded, scenario_world.unused
+        runtime,
+        interfaces,
+        root,
+        lambda: watch.has_commanded,
+        scenario_world.unused,
+        values,
+        in_source=lambda: asked_in_file(script, 2 if is_ros2 else 1),
+        drafts_all=request.drafts_all,
     )
     stall = StallWatch(scheduler, watch, needs, lambda: schedule.is_pending)
     world.time_passed = [watch.time_passed, stall.time_passed]

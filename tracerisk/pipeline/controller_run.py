@@ -23,6 +23,7 @@ from tracerisk.instrument.recording import Recording, read_recording
 from tracerisk.limited_process import POLL_S, Limit, OwnTime, StartMark
 from tracerisk.pipeline.left_running import RUN_MARK, end_left_running
 from tracerisk.pipeline.run_files import (
+    DRAFTS,
     EVENTS,
     JOINTS_ASKED,
     NEEDS,
@@ -37,6 +38,7 @@ from tracerisk.pipeline.run_files import (
 from tracerisk.pipeline.run_trace import make_trace
 from tracerisk.pipeline.run_watch import MISSION_END
 from tracerisk.ros.needs import Need
+from tracerisk.ros.scenario_draft import Draft, drafts_of
 from tracerisk.trace import RunEnd, Trace
 
 if TYPE_CHECKING:
@@ -52,11 +54,15 @@ _STACK_LINE = re.compile(r'  File "(?P<file>.*)", line (?P<line>\d+) in ')
 
 @dataclass(frozen=True, slots=True)
 class ControllerRun:
-    """What one run showed: its trace, joints that it moved and the robot lacks, unmet `needs`."""
+    """What one run showed: its trace, joints that it moved and the robot lacks, unmet `needs`.
+
+    `drafts` are what a scenario could say for each need, where that was asked for.
+    """
 
     trace: Trace
     joints_asked: tuple[str, ...] = ()
     needs: tuple[Need, ...] = ()
+    drafts: tuple[Draft, ...] = ()
 
 
 def run_controller(
@@ -68,10 +74,12 @@ def run_controller(
     companions: tuple[Companion, ...] = (),
     keep: Path | None = None,
     progress: Progress | None = None,
+    drafts_all: bool = False,
 ) -> ControllerRun:
     """Run the controller on the twin of `robot`, and return what the run showed.
 
-    `choice` is what a launch file gives it, `companions` are started beside it.
+    `choice` is what a launch file gives it, `companions` are started beside it. `drafts_all` asks
+    for the drafts.
     Where `progress` is told, what they print goes through `sys.stderr`, of which that may have
     taken hold, and else to the standard error of this process.
     Raises SourceError, RobotError or another error of the input when nothing could run.
@@ -102,6 +110,7 @@ def run_controller(
             memory_limit_mb=settings.memory_limit_mb,
             seed=settings.seed,
             parent=os.getpid(),
+            drafts_all=drafts_all,
         )
         (folder / ROBOT).write_text(dump_robot(robot), encoding="utf-8")
         if progress is not None:
@@ -122,7 +131,8 @@ def run_controller(
         ]
         told = recording.note(NEEDS) or {"needs": ()}
         needs = tuple(Need(kind, name, type_name) for kind, name, type_name in told["needs"])
-        return ControllerRun(trace, tuple(dict.fromkeys(asked)), needs)
+        drafts = tuple(drafts_of((recording.note(DRAFTS) or {"drafts": ()})["drafts"]))
+        return ControllerRun(trace, tuple(dict.fromkeys(asked)), needs, drafts)
 
 
 @dataclass(frozen=True, slots=True)

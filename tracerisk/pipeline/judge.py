@@ -54,6 +54,7 @@ CODES: dict[str, VerdictKind] = {
     "unmet-need": "partial",
     "companion-failed": "partial",
     "robot-assumed": "partial",
+    "input-assumed": "partial",
     "duration-cut": "partial",
     "run-deadlock": "stuck",
     "run-no-motion": "stuck",
@@ -352,6 +353,8 @@ def _of_needs(run: RecordedRun) -> Iterator[Reason]:
 def _of_assumptions(run: RecordedRun) -> Iterator[Reason]:
     for name, words in run.assumed:
         yield _reason("robot-assumed", words, object_name=name)
+    for name, words, place in run.unconfirmed:
+        yield _reason("input-assumed", words, object_name=name, location=place)
 
 
 def _of_coverage(coverage: Coverage) -> Iterator[Reason]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -11,8 +11,8 @@ from tracerisk.ros.needs import Need, NeedKind
 
 
 @dataclass(frozen=True, slots=True)
-class _Signature:
-    """Of a call that provides something: where its name and its type stand, and their keywords."""
+class Signature:
+    """Of a call about a thing: where its name and its type stand, and their keywords."""
 
     kind: NeedKind
     name: int
@@ -21,25 +21,25 @@ class _Signature:
     types: tuple[str, ...] = ()
 
 
-_OF_ACTION = ("ActionSpec", "action_type")
-_NAMES_OF_ACTION = ("name", "ns", "action_name")
-_SIGNATURES: dict[int, dict[str, _Signature]] = {
+OF_ACTION = ("ActionSpec", "action_type")
+NAMES_OF_ACTION = ("name", "ns", "action_name")
+_SIGNATURES: dict[int, dict[str, Signature]] = {
     1: {
-        "Service": _Signature("service", 0, 1, types=("service_class",)),
-        "ServiceProxy": _Signature("call", 0, 1, types=("service_class",)),
-        "Publisher": _Signature("topic", 0, 1, types=("data_class",)),
-        "SimpleActionServer": _Signature("action", 0, 1, _NAMES_OF_ACTION, _OF_ACTION),
-        "ActionServer": _Signature("action", 0, 1, _NAMES_OF_ACTION, _OF_ACTION),
-        "SimpleActionClient": _Signature("goal", 0, 1, _NAMES_OF_ACTION, _OF_ACTION),
-        "ActionClient": _Signature("goal", 0, 1, _NAMES_OF_ACTION, _OF_ACTION),
-        "set_param": _Signature("parameter", 0, None, ("param_name",)),
+        "Service": Signature("service", 0, 1, types=("service_class",)),
+        "ServiceProxy": Signature("call", 0, 1, types=("service_class",)),
+        "Publisher": Signature("topic", 0, 1, types=("data_class",)),
+        "SimpleActionServer": Signature("action", 0, 1, NAMES_OF_ACTION, OF_ACTION),
+        "ActionServer": Signature("action", 0, 1, NAMES_OF_ACTION, OF_ACTION),
+        "SimpleActionClient": Signature("goal", 0, 1, NAMES_OF_ACTION, OF_ACTION),
+        "ActionClient": Signature("goal", 0, 1, NAMES_OF_ACTION, OF_ACTION),
+        "set_param": Signature("parameter", 0, None, ("param_name",)),
     },
     2: {
-        "create_service": _Signature("service", 1, 0, ("srv_name",), ("srv_type",)),
-        "create_client": _Signature("call", 1, 0, ("srv_name",), ("srv_type",)),
-        "create_publisher": _Signature("topic", 1, 0, ("topic",), ("msg_type",)),
-        "ActionServer": _Signature("action", 2, 1, _NAMES_OF_ACTION, _OF_ACTION),
-        "ActionClient": _Signature("goal", 2, 1, _NAMES_OF_ACTION, _OF_ACTION),
+        "create_service": Signature("service", 1, 0, ("srv_name",), ("srv_type",)),
+        "create_client": Signature("call", 1, 0, ("srv_name",), ("srv_type",)),
+        "create_publisher": Signature("topic", 1, 0, ("topic",), ("msg_type",)),
+        "ActionServer": Signature("action", 2, 1, NAMES_OF_ACTION, OF_ACTION),
+        "ActionClient": Signature("goal", 2, 1, NAMES_OF_ACTION, OF_ACTION),
     },
 }
 _VALUES = frozenset({"value", "string_value"})
@@ -70,16 +70,13 @@ class Provided:
 
 def provided_by(tree: ast.Module, ros: Literal[1, 2]) -> Provided:
     """Return what a source of one ROS provides; names that it puts together are not known."""
-    texts, declared = _constants(tree), _declared(tree)
-    calls = [(_called(node), node) for node in ast.walk(tree) if isinstance(node, ast.Call)]
     offers = {
-        offer
-        for name, call in calls
-        if (signature := _SIGNATURES[ros].get(name)) is not None
-        for offer in _offers(call, signature, texts, declared)
+        (kind, name, type_name)
+        for kind, name, type_name, _ in named_calls(tree, _SIGNATURES[ros])
+        if name
     }
     frames: set[str] = set()
-    if any(name in _BROADCASTS for name, _ in calls):
+    if any(isinstance(node, ast.Call) and _called(node) in _BROADCASTS for node in ast.walk(tree)):
         frames = {
             node.value.strip("/")
             for node in ast.walk(tree)
@@ -88,15 +85,22 @@ def provided_by(tree: ast.Module, ros: Literal[1, 2]) -> Provided:
     return Provided(frozenset(offers), frozenset(frames - {""}))
 
 
-def _offers(
-    call: ast.Call, signature: _Signature, texts: dict[str, str], declared: dict[str, str]
-) -> Iterator[tuple[NeedKind, str, str]]:
-    name = _argument(call, signature.name, signature.names)
-    text = _text(name, texts, declared)
-    if not text:
-        return
-    kind = None if signature.type is None else _argument(call, signature.type, signature.types)
-    yield signature.kind, text, "" if kind is None else _last_name(kind)
+def named_calls(
+    tree: ast.Module, signatures: Mapping[str, Signature]
+) -> Iterator[tuple[NeedKind, str, str, ast.Call]]:
+    """Yield what calls of these functions are about: kind, name, last name of the type, the call.
+
+    A name that the source puts together is empty.
+    """
+    texts, declared = _constants(tree), _declared(tree)
+    for node in ast.walk(tree):
+        signature = signatures.get(_called(node)) if isinstance(node, ast.Call) else None
+        if signature is None or not isinstance(node, ast.Call):
+            continue
+        name = _text(_argument(node, signature.name, signature.names), texts, declared)
+        position = signature.type
+        kind = None if position is None else _argument(node, position, signature.types)
+        yield signature.kind, name, "" if kind is None else _last_name(kind), node
 
 
 def _called(call: ast.Call) -> str:

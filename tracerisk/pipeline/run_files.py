@@ -31,13 +31,18 @@ JOINTS_ASKED = "joints_asked"
 """The note of a motion of joints that the robot has not: `names`, all of them."""
 NEEDS = "needs"
 """The note of what a run lacked: `needs`, the kind, name and type of each."""
+DRAFTS = "drafts"
+"""The note of what a scenario could say for each need: `drafts`."""
 COMPANION = "companion"
 """The note of a companion that `ended` before its time: how it is `told`, and how it ended."""
 _WALL_TIME = "wall_time.json"
 UNMET = "unmet"
 """The note of what the controller asked for in vain and went on without."""
 GIVEN = "given"
-"""The note of what the scenario gives it: `objects` to grasp, reasons that it may `accept`."""
+"""The note of what the scenario gives it: `objects` to grasp, reasons that it may `accept`.
+
+`unconfirmed` are the entries that nobody has confirmed.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +81,7 @@ class RunRequest:
     `argv` holds what `launch` adds to it; `launch_notes` are the lines that tell of `launch`.
     `reads_around` says that other launch files of the workspace may give parameters too.
     `companions` are started beside the controller. `drivers` are files that describe drivers.
+    `drafts_all`: what a scenario could say for every need is noted.
     """
 
     controller: str
@@ -95,6 +101,7 @@ class RunRequest:
     memory_limit_mb: int
     seed: int
     parent: int
+    drafts_all: bool = False
 
     def dumps(self) -> str:
         """Return the request as JSON."""

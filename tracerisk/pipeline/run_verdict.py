@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.definitions import function_at, parse_python
 from tracerisk.config import Settings
@@ -91,7 +92,7 @@ def run_verdict(
 
     `findings` have their functions: `placed_findings`.
     """
-    given = recording.note(GIVEN) or {"objects": (), "accept": ()}
+    given = recording.note(GIVEN) or {"objects": (), "accept": (), "unconfirmed": ()}
     commands = tuple(_commands(recording, robot, samples, contacts))
     bodies = samples.header.free_bodies if samples is not None else ()
     named = given["objects"] if settings.scene is None else (*given["objects"], *bodies)
@@ -105,6 +106,7 @@ def run_verdict(
         missed=tuple(_missed(recording, controller)),
         falls=falls(samples, contacts) if samples is not None else (),
         assumed=tuple(_assumed(robot, recording)),
+        unconfirmed=tuple(_unconfirmed(given["unconfirmed"], controller)),
         has_objects=bool(named),
         is_duration_given=settings.duration_s is not None,
     )
@@ -137,6 +139,22 @@ def _assumed(robot: Robot, recording: Recording) -> Iterator[tuple[str, str]]:
     if ASSUMED_GRIPPER in commanded and has_assumed_gripper(robot):
         words = f"the gripper of {robot.name} is assumed with all its figures"
         yield ASSUMED_GRIPPER, words
+
+
+def _unconfirmed(
+    entries: Sequence[Mapping[str, Any]], controller: Controller
+) -> Iterator[tuple[str, str, Location]]:
+    root = controller.root.resolve()
+    for each in entries:
+        file, line, _ = each["location"].values()
+        told = f": {each['words']}" if each["words"] else ""
+        place = Location(Path(os.path.relpath(Path(file).resolve(), root)).as_posix(), line)
+        yield (
+            each["name"],
+            f"{each['section']} {each['name']} of the scenario is assumed{told}; delete its mark "
+            "to confirm it",
+            place,
+        )
 
 
 def _unmet(recording: Recording, controller: Controller) -> Iterator[UnmetNeed]:

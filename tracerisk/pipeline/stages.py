@@ -123,7 +123,9 @@ def load_robot(controller: Controller, settings: Settings) -> Robot:
     """
     from tracerisk.pipeline.launch.choose import NOTHING_CHOSEN, choose_launch
     from tracerisk.pipeline.robot_choice import choose_launched_robot
+    from tracerisk.pipeline.scenario_settings import with_scenario
 
+    settings = with_scenario(settings)
     launch = choose_launch(controller, settings) if settings.robot is None else NOTHING_CHOSEN
     return choose_launched_robot(controller, settings, launch).robot
 

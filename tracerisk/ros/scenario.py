@@ -14,6 +14,7 @@ from typing import Any, Literal, get_args
 
 from tracerisk.acceptances import read_acceptances
 from tracerisk.errors import Location, ScenarioError, one_of
+from tracerisk.ros.scenario_marks import Unconfirmed, unconfirmed
 from tracerisk.ros.scenario_message import Written
 from tracerisk.ros.scenario_parameters import Parameter, parameters_of
 from tracerisk.trace import Acceptance
@@ -116,6 +117,11 @@ class Scenario:
     objects: tuple[YamlMap, ...] = ()
     answers: tuple[str, ...] = ()
     accept: tuple[Acceptance, ...] = ()
+    robot: str | None = None
+    """Which robot the controller drives, where nobody else says so: a name or a file."""
+    arguments: tuple[str, ...] = ()
+    """The controller's command line, where nobody gives another."""
+    unconfirmed: tuple[Unconfirmed, ...] = ()
 
 
 def read_scenario(path: Path) -> Scenario:
@@ -124,11 +130,13 @@ def read_scenario(path: Path) -> Scenario:
     Raises:
         ScenarioError: it cannot be read, or something in it is not allowed, with its place.
     """
+    if _holds_comments_alone(path):
+        return Scenario(str(path))
     top = read_yaml(path, ScenarioError)
     top.forbid_unknown(
         {
             *("parameters", "publish", "services", "actions"),
-            *("calls", "frames", "objects", "answers", "accept"),
+            *("calls", "frames", "objects", "answers", "accept", "arguments", "robot"),
         }
     )
     parameters = top.optional_map("parameters") if top.get("parameters") is not None else None
@@ -141,13 +149,25 @@ def read_scenario(path: Path) -> Scenario:
         frames=_entries(top, "frames", _frame),
         calls=tuple(top.maps("calls")) if top.get("calls") is not None else (),
         objects=tuple(top.maps("objects")) if top.get("objects") is not None else (),
-        answers=_answers(top),
+        answers=_texts(top, "answers", "one answer for each input()"),
         accept=_accept(top),
+        robot=_robot(top, path),
+        arguments=_texts(top, "arguments", "one word of the command line each"),
+        unconfirmed=unconfirmed(path, top),
     )
     _forbid_twice(top, "services", "name")
     _forbid_twice(top, "actions", "name")
     _forbid_twice(top, "frames", "frame")
     return scenario
+
+
+def _holds_comments_alone(path: Path) -> bool:
+    try:
+        text = path.read_text("utf-8-sig")
+    except (OSError, UnicodeDecodeError):
+        return False
+    lines = [line.strip() for line in text.splitlines()]
+    return any(lines) and all(not line or line.startswith("#") for line in lines)
 
 
 def _entries(top: YamlMap, key: str, read: Callable[[YamlMap], Any]) -> tuple[Any, ...]:
@@ -343,13 +363,21 @@ def _accept(top: YamlMap) -> tuple[Acceptance, ...]:
     return () if value is None else read_acceptances(value, lambda text: top.fail("accept", text))
 
 
-def _answers(top: YamlMap) -> tuple[str, ...]:
-    value = top.get("answers")
+def _texts(top: YamlMap, key: str, told: str) -> tuple[str, ...]:
+    value = top.get(key)
     if value is None:
         return ()
     if not isinstance(value, list):
-        top.fail("answers", "expected a list, one answer for each input()")
-    for answer in value:
-        if isinstance(answer, bool | dict | list) or answer is None:
-            top.fail("answers", f"expected strings or numbers, found {answer!r}; put it in quotes")
-    return tuple(str(answer) for answer in value)
+        top.fail(key, f"expected a list, {told}")
+    for each in value:
+        if isinstance(each, bool | dict | list) or each is None:
+            top.fail(key, f"expected strings or numbers, found {each!r}; put it in quotes")
+    return tuple(str(each) for each in value)
+
+
+def _robot(top: YamlMap, path: Path) -> str | None:
+    if top.get("robot") is None:
+        return None
+    name = top.string("robot")
+    # A file is named from the scenario's folder.
+    return str(path.parent / name) if Path(name).suffix else name

@@ -10,7 +10,7 @@ from tracerisk.errors import InputError, Location, ScenarioError
 from tracerisk.ros.action_graph import ActionGoal, Actions
 from tracerisk.ros.runtime import Runtime
 from tracerisk.ros.scenario import GoalScript, ServedAction
-from tracerisk.ros.scenario_lines import action_parts
+from tracerisk.ros.scenario_draft import action_parts
 from tracerisk.ros.scenario_message import MessageTemplate
 from tracerisk.ros.scenario_schedule import Schedule
 from tracerisk.ros.scenario_topics import NODE

@@ -9,8 +9,8 @@ from tracerisk.ros.graph import ServiceFailedError
 from tracerisk.ros.names import ANY_TYPE
 from tracerisk.ros.runtime import Runtime
 from tracerisk.ros.scenario import Served
+from tracerisk.ros.scenario_draft import service_parts
 from tracerisk.ros.scenario_fields import type_of
-from tracerisk.ros.scenario_lines import service_parts
 from tracerisk.ros.scenario_message import MessageTemplate
 from tracerisk.ros.scenario_topics import NODE
 

@@ -39,9 +39,10 @@ class ScenarioWorld:
             ScenarioAction(runtime, interfaces, self.schedule, each) for each in scenario.actions
         ]
         ScenarioFrames(runtime, interfaces, self.schedule, scenario.frames)
-        self._calls = [
-            ScenarioCall(runtime, interfaces, self.schedule, each) for each in scenario.calls
-        ]
+        self._calls: list[ScenarioCall] = []
+        for each in scenario.calls:
+            before = self._calls[-1] if self._calls else None
+            self._calls.append(ScenarioCall(runtime, interfaces, self.schedule, each, before))
         self._topics = [
             ScenarioTopic(runtime, interfaces, self.schedule, each) for each in scenario.published
         ]

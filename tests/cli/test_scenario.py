@@ -1,0 +1,278 @@
+"""`tracerisk scenario`: what it lists, and that what it writes runs as it stands."""
+
+from __future__ import annotations
+
+import pytest
+
+HEAD = """\
+import sys
+import actionlib, moveit_commander, rospy, tf2_ros
+from geometry_msgs.msg import PoseStamped
+from std_msgs.msg import String
+from std_srvs.srv import Trigger, TriggerResponse
+
+rospy.init_node("picker")
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+arm.set_max_velocity_scaling_factor(1.0)
+arm.set_max_acceleration_scaling_factor(1.0)
+
+
+def turn(angle):
+    joints = arm.get_current_joint_values()
+    joints[0] += angle
+    arm.go(joints, wait=True)
+"""
+ALL = (
+    HEAD
+    + """
+
+def reach(pose):
+    arm.set_pose_target(pose)
+    if not arm.go(wait=True):
+        rospy.logerr("out of reach")
+
+
+def main():
+    angle = rospy.get_param("~angle") * 0.2
+    buffer = tf2_ros.Buffer()
+    listener = tf2_ros.TransformListener(buffer)
+    buffer.lookup_transform("world", "marker", rospy.Time(0), rospy.Duration(2.0))
+    rospy.wait_for_service("detect")
+    if not rospy.ServiceProxy("detect", Trigger)().success:
+        return
+    reach(rospy.wait_for_message("/object", PoseStamped))
+    if input("Side? ") == "left":
+        turn(angle)
+
+
+main()
+"""
+)
+
+
+def reasons(outcome) -> list[tuple[str, str]]:
+    return [(each["code"], each["object"]) for each in outcome.json["verdict"]["reasons"]]
+
+
+def test_what_is_written_runs_as_it_stands_and_is_partial_until_the_marks_are_gone(example):
+    example.write("c.py", ALL)
+    outcome = example.run("scenario", "c.py", "--write")
+    assert outcome.code == 0, outcome.err
+    assert (
+        "messages on /object (geometry_msgs/PoseStamped), c.py:33: a pose that panda" in outcome.out
+    )
+    assert "an answer to 'Side?', c.py:34: as the code compares the answer" in outcome.out
+    assert b"RiskAnnotation" not in example.read("c.py")
+    given = ("run", "c.py", "--json", "--check", "--scenario", "c.scenario.yaml")
+    ran = example.run(*given)
+    assert ran.json["verdict"]["kind"] == "partial", ran.err
+    assert reasons(ran) == [
+        ("input-assumed", name) for name in ("~angle", "/object", "/detect", "marker", "answers[1]")
+    ]
+    place = ran.json["verdict"]["reasons"][1]["location"]
+    assert (place["file"], place["line"]) == ("c.scenario.yaml", 4)
+    text = example.read("c.scenario.yaml").decode()
+    example.write(
+        "c.scenario.yaml",
+        "".join(f"{line.partition('  # assumed')[0]}\n" for line in text.splitlines()),
+    )
+    assert example.run(*given).json["verdict"]["kind"] == "complete"
+
+
+def test_the_same_file_twice_and_a_file_that_lacks_nothing_stays_as_it_is(example):
+    example.write("c.py", HEAD + "turn(rospy.wait_for_message('/a', String) and 0.1)\n")
+    texts = []
+    for name in ("one.yaml", "two.yaml", "one.yaml"):
+        assert example.run("scenario", "c.py", "--write", "-o", name).code == 0
+        texts.append(example.read(name))
+    assert texts[0] == texts[1] == texts[2]
+    assert b"- topic: /a  # assumed" in texts[0]
+
+
+BASE = """\
+# The cell of line 4.
+
+answers: ["left"]   # as the operator does
+publish:
+    # of the camera
+    -   {topic: /seen, type: std_msgs/String, message: part}
+
+frames: []
+"""
+
+
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+def test_what_is_there_is_kept_and_what_lacks_is_added(example, newline):
+    example.write(
+        "c.py",
+        HEAD + "rospy.wait_for_message('/seen', String)\n"
+        "rospy.wait_for_message('/more', String)\nrospy.wait_for_service('/ready')\n"
+        "rospy.ServiceProxy('/ready', Trigger)()\nprint(input('Side? '))\nturn(0.1)\n",
+    )
+    example.write("cell.yaml", BASE.replace("\n", newline))
+    outcome = example.run(
+        "scenario", "c.py", "--scenario", "cell.yaml", "--write", "-o", "cell.yaml"
+    )
+    assert outcome.code == 0, outcome.err
+    text = example.read("cell.yaml").decode()
+    kept = BASE.replace("\n", newline).split(f"{newline}frames")[0].rstrip()
+    assert text.startswith(kept)
+    assert f"{newline}    - topic: /more  # assumed" in text
+    assert "services:" in text
+    assert text.count("/seen") == 1
+    again = example.run("run", "c.py", "--check", "--json", "--scenario", "cell.yaml")
+    assert [name for _, name in reasons(again)] == ["/more", "/ready"]
+
+
+def test_what_makes_the_run_worse_is_left_out(example):
+    example.write(
+        "c.py",
+        HEAD + "def on_call(request):\n    turn(0.1)\n    return TriggerResponse(True, '')\n"
+        "def on_bad(request):\n    rospy.logerr('never do this')\n    raise RuntimeError('no')\n"
+        "turn(0.05)\nrospy.Service('/bad', Trigger, on_bad)\n"
+        "rospy.Service('/good', Trigger, on_call)\nrospy.spin()\n",
+    )
+    outcome = example.run("scenario", "c.py", "--write", "--json")
+    assert outcome.code == 0, outcome.err
+    assert [each["name"] for each in outcome.json["given"]] == ["/good"]
+    assert outcome.json["verdict"]["kind"] == "partial"
+    assert b"/bad" not in example.read("c.scenario.yaml")
+
+
+def test_values_of_the_repository_come_first_unless_they_do_not_fit(example):
+    example.write("c.py", HEAD + "rospy.wait_for_message('/a', String)\n"
+                  "rospy.wait_for_message('/b', String)\nturn(0.1)\n")  # fmt: skip
+    example.write(
+        "README.md",
+        "rostopic pub /a std_msgs/String \"data: 'of the readme'\"\n"
+        'rostopic pub /b std_msgs/String "words: 3"\n',
+    )
+    outcome = example.run("scenario", "c.py", "--json")
+    assert outcome.code == 0, outcome.err
+    found = {
+        each["name"]: (each["value"]["message"], each["words"]) for each in outcome.json["given"]
+    }
+    assert found["/a"] == ({"data": "of the readme"}, "as in README.md:1")
+    assert found["/b"] == ({"data": ""}, "a value of its type")
+    assert not (example.folder / "c.scenario.yaml").exists()
+
+
+def test_arguments_that_argparse_demands(example):
+    example.write(
+        "c.py",
+        HEAD + "import argparse\nparser = argparse.ArgumentParser()\n"
+        "parser.add_argument('side', choices=['left', 'right'])\n"
+        "parser.add_argument('--turns', type=int, required=True)\n"
+        "given = parser.parse_args()\nfor _ in range(given.turns):\n    turn(0.1)\n",
+    )
+    outcome = example.run("scenario", "c.py", "--write")
+    assert outcome.code == 0, outcome.err
+    assert "arguments left --turns 1: what argparse demands" in outcome.out
+    given = ("run", "c.py", "--check", "--json", "--scenario", "c.scenario.yaml")
+    assert reasons(example.run(*given)) == [
+        ("input-assumed", f"arguments[{number}]") for number in (1, 2, 3)
+    ]
+    # Those of the command line take their place.
+    two = example.run(*given, "--", "right", "--turns", "2").json["trace"]
+    assert len(two["visits"]) == 2
+
+
+def test_one_of_several_robots_that_fit(example):
+    example.write(
+        "c.py",
+        "import rclpy\nfrom trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint\n"
+        "NAMES = ['shoulder_pan_joint', 'shoulder_lift_joint', 'elbow_joint', 'wrist_1_joint',\n"
+        "         'wrist_2_joint', 'wrist_3_joint']\n"
+        "rclpy.init()\nnode = rclpy.create_node('n')\n"
+        "pub = node.create_publisher(JointTrajectory, '/arm_controller/joint_trajectory', 1)\n"
+        "def move():\n    point = JointTrajectoryPoint(positions=[0.1] * 6)\n"
+        "    point.time_from_start.sec = 1\n"
+        "    pub.publish(JointTrajectory(joint_names=NAMES, points=[point]))\n"
+        "move()\nrclpy.spin_once(node, timeout_sec=3.0)\n",
+    )
+    assert example.run("run", "c.py", "--check").code == 2
+    outcome = example.run("scenario", "c.py", "--write", "--json")
+    assert outcome.code == 0, outcome.err
+    robot = outcome.json["robot"]
+    assert example.read("c.scenario.yaml").startswith(f"robot: {robot}  # assumed".encode())
+    ran = example.run("trace", "c.py", "--json", "--scenario", "c.scenario.yaml")
+    assert ran.json["trace"]["robot"] == robot
+    other = example.run(
+        "trace", "c.py", "--json", "--scenario", "c.scenario.yaml", "--robot", "ur5e"
+    )
+    assert other.json["trace"]["robot"] == "ur5e"
+
+
+def test_calls_that_wait_come_one_after_the_other(example):
+    example.write(
+        "c.py",
+        HEAD + "def answer(request):\n    turn(0.2)\n    return TriggerResponse(True, '')\n"
+        "for name in ('/one', '/two'):\n    rospy.Service(name, Trigger, answer)\nrospy.spin()\n",
+    )
+    entry = "  - {service: %s, type: std_srvs/Trigger, wait: true}\n"
+    example.write("s.yaml", "calls:\n" + entry % "/two" + entry % "/one")
+    trace = example.run("trace", "c.py", "--json", "--scenario", "s.yaml").json["trace"]
+    one, two = (each for each in trace["visits"] if each["function"]["name"] == "turn")
+    # The motion takes half a second, and the robot has rested for another half then.
+    assert two["start_s"] >= one["start_s"] + 0.9
+    example.write(
+        "s.yaml", "calls:\n  - {service: /one, type: std_srvs/Trigger, wait: true, at: 1}\n"
+    )
+    bad = example.run("trace", "c.py", "--scenario", "s.yaml")
+    assert bad.code == 2
+    assert "s.yaml:2:" in bad.err
+    assert "keep one of at and wait" in bad.err
+
+
+def test_what_nothing_helps_is_told_with_what_was_found(example):
+    example.write("c.py", HEAD + "import not_there_at_all\n")
+    outcome = example.run("scenario", "c.py", "--write")
+    assert outcome.code == 2
+    assert "No module named 'not_there_at_all'" in outcome.err
+    assert outcome.err.count("tracerisk:") == 1
+
+
+def test_the_source_alone_is_listed_without_a_run(example):
+    example.write("c.py", ALL)
+    outcome = example.run("scenario", "c.py", "--no-run")
+    assert outcome.code == 0
+    assert outcome.out == (
+        "Asked for in the source:\n"
+        "  parameter ~angle, c.py:26\n"
+        "  frame marker, c.py:29\n"
+        "  service detect (std_srvs/Trigger), c.py:30\n"
+        "  messages on /object (geometry_msgs/PoseStamped), c.py:33\n"
+        "  an answer to 'Side? ', c.py:34\n"
+    )
+    data = example.run("scenario", "c.py", "--no-run", "--json").json
+    assert data["source"][0] == {
+        "kind": "parameter", "name": "~angle", "type": "", "file": "c.py", "line": 26
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--no-run", "--write"), "--no-run writes nothing"),
+        (("-o", "x.yaml"), "--output says where --write writes"),
+        (
+            ("--write", "--scenario", "s.yaml"),
+            "c.scenario.yaml: is there already and would be lost",
+        ),
+        (
+            ("--write", "--scenario", "bad.yaml", "-o", "n.yaml"),
+            "bad.yaml:1:1: unknown key 'publsh'",
+        ),
+        (("--write", "-o", "gone/n.yaml", "--scenario", "s.yaml"), "gone/n.yaml: "),
+    ],
+)
+def test_what_is_not_allowed_loses_nothing(example, quick, options, told):
+    example.write("c.py", quick())
+    example.write("c.scenario.yaml", "answers: [kept]\n")
+    example.write("s.yaml", "answers: [other]\n")
+    example.write("bad.yaml", "publsh: []\n")
+    before = example.files()
+    outcome = example.run("scenario", "c.py", *options)
+    assert outcome.code == 2, outcome.out
+    assert told in outcome.err
+    assert example.files() == before

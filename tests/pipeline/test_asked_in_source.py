@@ -1,0 +1,123 @@
+"""What a source asks for, read without running it, and the command lines that it takes."""
+
+from __future__ import annotations
+
+import pytest
+
+from tracerisk.pipeline.asked_in_source import asked_in_source, command_lines
+from tracerisk.pipeline.controller import load_controller
+
+ROS1 = """\
+import actionlib, rospy
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+from move_base_msgs.msg import MoveBaseAction
+import helper
+
+TOPIC = "/task"
+rospy.init_node("n")
+rospy.Subscriber(TOPIC, String, print)
+rospy.get_param("~speed")
+rospy.get_param("~given", 1.0)
+rospy.ServiceProxy("detect", Trigger)
+rospy.wait_for_service(rospy.get_namespace() + "x")
+actionlib.SimpleActionClient("move_base", MoveBaseAction)
+rospy.Service("serve", Trigger, print)
+input("Go? ")
+"""
+ROS2 = """\
+import rclpy
+from rclpy.action import ActionServer
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from geometry_msgs.msg import PoseStamped
+from my_msgs.action import Sort
+from std_srvs.srv import Trigger
+
+class N(Node):
+    def __init__(self):
+        super().__init__("n")
+        self.declare_parameter("speed", Parameter.Type.DOUBLE)
+        self.declare_parameter("given", 0.5)
+        self.create_subscription(PoseStamped, "/part", print, 1)
+        self.create_client(Trigger, "/detect")
+        ActionServer(self, Sort, "/sort", print)
+        self.buffer.lookup_transform("base", "part", 0)
+"""
+
+
+def asked(tmp_path, source: str, **files: str):
+    for name, text in {"c.py": source, **files}.items():
+        (tmp_path / name).write_text(text)
+    found = asked_in_source(load_controller(tmp_path / "c.py"))
+    return [
+        (each.need.kind, each.need.name, each.need.type_name, str(each.location)) for each in found
+    ]
+
+
+def test_of_ros_1_with_the_modules_of_its_own(tmp_path):
+    helper = "import rospy\ndef more():\n    rospy.wait_for_message('/late', int)\n"
+    assert asked(tmp_path, ROS1, **{"helper.py": helper}) == [
+        ("topic", "/task", "std_msgs/String", "c.py:9"),
+        ("parameter", "~speed", "", "c.py:10"),
+        ("service", "detect", "std_srvs/Trigger", "c.py:12"),
+        ("service", "(rospy.get_namespace() + 'x')", "", "c.py:13"),
+        ("action", "move_base", "move_base_msgs/MoveBase", "c.py:14"),
+        ("call", "serve", "std_srvs/Trigger", "c.py:15"),
+        ("input", "'Go? '", "", "c.py:16"),
+        ("topic", "/late", "int", "helper.py:3"),
+    ]
+
+
+def test_of_ros_2(tmp_path):
+    assert asked(tmp_path, ROS2) == [
+        ("parameter", "speed", "", "c.py:12"),
+        ("topic", "/part", "geometry_msgs/PoseStamped", "c.py:14"),
+        ("service", "/detect", "std_srvs/Trigger", "c.py:15"),
+        ("goal", "/sort", "my_msgs/Sort", "c.py:16"),
+        ("frame", "part", "", "c.py:17"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        ("p.add_argument('side', choices=['left', 'right'])\n", [("left",)]),
+        (
+            "p.add_argument('--count', type=int, required=True)\np.add_argument('file')\n",
+            [("--count", "1", "file")],
+        ),
+        ("p.add_argument('xyz', type=float, nargs=3)\n", [("0.1", "0.1", "0.1")]),
+        ("p.add_argument('--speed', type=float, default=0.5)\n", []),
+        ("p.add_argument('side', nargs='?')\n", []),
+        (
+            "p.add_argument('-m', '--move', action='store_true')\n"
+            "p.add_argument('--turn', action='store_true')\n",
+            [("--move",), ("--turn",)],
+        ),
+        (
+            "g = p.add_mutually_exclusive_group(required=True)\n"
+            "g.add_argument('--a', action='store_true')\ng.add_argument('--b', action='store_true')\n",
+            [("--a",), ("--a", "--b")],
+        ),
+        (
+            "if sys.argv[1] == 'open': pass\nelif sys.argv[1] == 'close': pass\n",
+            [("open",), ("close",)],
+        ),
+        ("x = float(sys.argv[1])\ny = float(sys.argv[2])\n", [("1", "1")]),
+        ("print('no arguments')\n", []),
+    ],
+)
+def test_command_lines(tmp_path, source, words):
+    (tmp_path / "c.py").write_text(f"import rospy, sys, argparse\n{source}")
+    found = command_lines(load_controller(tmp_path / "c.py"))
+    assert [each.words for each in found] == words
+
+
+def test_command_lines_that_the_repository_writes_come_first(tmp_path):
+    (tmp_path / "c.py").write_text("import rospy\np.add_argument('side')\n")
+    found = command_lines(load_controller(tmp_path / "c.py"), [(("left",), "README.md:3")])
+    assert [(each.words, each.told) for each in found] == [
+        (("left",), "as in README.md:3"),
+        (("side",), "what argparse demands"),
+    ]

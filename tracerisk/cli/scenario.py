@@ -1,0 +1,232 @@
+"""`tracerisk scenario`: what a controller needs of its world, and a scenario that gives it."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.cli import options as shared
+from tracerisk.cli.output import note, print_json, progress_bar
+from tracerisk.cli.run_report import failure_code, print_failure
+from tracerisk.cli.verdict import verdict_json
+from tracerisk.errors import ControllerFailedError, ExitCode, InputError, Location
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline import Controller
+    from tracerisk.pipeline.scenario_rounds import ScenarioDraft
+    from tracerisk.ros.needs import Missed, Need
+
+_LINES = 3
+_ENDING = ".scenario.yaml"
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    parser.add_argument(
+        "--write",
+        action="store_true",
+        help=f"write a scenario with which it runs: FILE without .py and with {_ENDING}",
+    )
+    parser.add_argument(
+        "-o", "--output", metavar="OUT.yaml", help="where --write writes; what is there is kept"
+    )
+    parser.add_argument(
+        "--no-run", dest="is_run", action="store_false", help="list what the source asks for alone"
+    )
+    shared.add_run_options(parser)
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    from tracerisk import pipeline
+    from tracerisk.pipeline.asked_in_source import asked_in_source
+
+    controller = pipeline.load_controller(options.controller)
+    settings = pipeline.load_settings(controller, shared.run_settings(options))
+    if not options.is_run:
+        if options.write or options.output is not None:
+            raise InputError("--no-run writes nothing: leave out --write and --output")
+        asked = asked_in_source(controller)
+        if options.json:
+            print_json("scenario", source=[_data(each.need, each.location) for each in asked])
+        else:
+            _print_asked(asked, "in the source")
+        return 0
+    output = _output(options, controller)
+    base = Path(settings.scenario) if settings.scenario is not None else None
+    if base is None and options.write and output.exists():
+        base = output
+    if base is not None and options.write and output.exists() and not output.samefile(base):
+        raise InputError(
+            f"is there already and would be lost; name it with --scenario, or another with -o "
+            f"(the scenario is {base})",
+            Location(str(output)),
+        )
+    draft, asked = _drafted(options, controller, settings, base)
+    if options.write:
+        _write(output, draft.text)
+    code = _exit_code(draft)
+    if options.json:
+        _print_json(options, output, draft, asked, code)
+        return code
+    _print_draft(options, output, draft, asked)
+    if draft.error is not None:
+        raise draft.error
+    if code and draft.trace is not None:
+        note("With it the run still shows no risk:", quiet=options.quiet)
+        if not draft.trace.is_usable:
+            return print_failure(draft.trace)
+        raise ControllerFailedError("nothing was commanded", draft.trace.end.location)
+    return code
+
+
+def _exit_code(draft: ScenarioDraft) -> int:
+    trace = draft.trace
+    if draft.error is not None:
+        return int(draft.error.exit_code)
+    if trace is not None and trace.is_usable:
+        return 0 if trace.functions else int(ExitCode.CONTROLLER_FAILED)
+    return int(ExitCode.CONTROLLER_FAILED if trace is None else failure_code(trace))
+
+
+def _write(output: Path, text: str) -> None:
+    """Write the scenario, unless the file holds just that."""
+    try:
+        is_same = output.read_bytes() == text.encode()
+    except OSError:
+        is_same = False
+    if not is_same:
+        try:
+            output.write_bytes(text.encode())
+        except OSError as error:
+            told = f"cannot be written: {error.strerror}"
+            raise InputError(told, Location(str(output))) from error
+
+
+def _output(options: argparse.Namespace, controller: Controller) -> Path:
+    if options.output is not None and not options.write:
+        raise InputError("--output says where --write writes; give both, or neither")
+    if options.output is not None:
+        return Path(options.output)
+    return controller.path.with_name(controller.path.stem + _ENDING)
+
+
+def _drafted(
+    options: argparse.Namespace, controller: Controller, settings: Any, base: Path | None
+) -> tuple[ScenarioDraft, tuple[Missed, ...]]:
+    from tracerisk import pipeline
+    from tracerisk.pipeline.asked_in_source import asked_in_source
+    from tracerisk.pipeline.scenario_rounds import draft_scenario
+
+    with progress_bar(quiet=options.quiet) as progress:
+        draft = draft_scenario(
+            controller, settings, base, hardware_of=pipeline.load_hardware, progress=progress
+        )
+    found = (*draft.given, *draft.missing)
+    asked = tuple(
+        each
+        for each in asked_in_source(controller)
+        if not any(_is_same(each, other.need, other.location) for other in found)
+    )
+    return draft, asked
+
+
+def _is_same(asked: Missed, need: Need, place: Location | None) -> bool:
+    """Tell whether what a source asks for is what a run has asked for, by name or place."""
+    if asked.need.kind != need.kind:
+        return False
+    if not asked.need.name.startswith("("):
+        return _plain(asked.need.name) == _plain(need.name)
+    # A name that is put together: the call goes over a few lines at most.
+    if place is None or asked.location is None or place.file != asked.location.file:
+        return False
+    return abs((place.line or 0) - (asked.location.line or 0)) <= _LINES
+
+
+def _plain(name: str) -> str:
+    """Return the last part of a name, by which what a source writes is known in a run."""
+    return name.strip("/~' ").rpartition("/")[2]
+
+
+def _print_draft(
+    options: argparse.Namespace, output: Path, draft: ScenarioDraft, asked: tuple[Missed, ...]
+) -> None:
+    rows = [(each.need.told, each.location, each.words) for each in draft.given]
+    if draft.robot is not None:
+        rows.insert(0, (f"robot {draft.robot}", None, "one of several that fit"))
+    if draft.arguments is not None:
+        told = f"arguments {' '.join(draft.arguments.words)}"
+        rows.insert(0, (told, None, draft.arguments.told))
+    if rows:
+        print("Asked for, and given by the scenario as assumed:")
+    for told, place, words in rows:
+        print(f"  {told}{_at(place)}: {words}")
+    if draft.missing:
+        print("Asked for, and given by no scenario:")
+    for each in draft.missing:
+        print(f"  {each.need.told}{_at(each.location)}: {each.words}")
+    _print_asked(asked, "in the source beside, and had in the run or not reached")
+    if not rows and not draft.missing and not asked:
+        print("It asks its world for nothing.")
+    if options.write:
+        note(
+            f"written: {output}; run it with --scenario, and delete the mark `# assumed` of what "
+            "is so in your cell",
+            quiet=options.quiet,
+        )
+    elif draft.text:
+        note(f"--write would write:\n\n{draft.text}", quiet=options.quiet)
+    if draft.trace is not None and draft.trace.verdict is not None and draft.trace.is_usable:
+        note(f"with it: {draft.trace.verdict.kind}", quiet=options.quiet)
+
+
+def _print_asked(asked: tuple[Missed, ...], where: str) -> None:
+    if asked:
+        print(f"Asked for {where}:")
+    for each in asked:
+        print(f"  {each.need.told}{_at(each.location)}")
+
+
+def _at(place: Location | None) -> str:
+    return "" if place is None else f", {place.file}:{place.line}"
+
+
+def _print_json(
+    options: argparse.Namespace,
+    output: Path,
+    draft: ScenarioDraft,
+    asked: tuple[Missed, ...],
+    code: int,
+) -> None:
+    def drafted(each: Any) -> dict[str, Any]:
+        return {**_data(each.need, each.location), "value": each.value, "words": each.words}
+
+    trace = draft.trace
+    end = None if trace is None else {"cause": trace.end.cause, "message": trace.end.message}
+    verdict = None if trace is None else trace.verdict
+    print_json(
+        "scenario",
+        exit_code=code,
+        **verdict_json(verdict),
+        error=None if draft.error is None else draft.error.message,
+        end=end,
+        robot=draft.robot,
+        arguments=None if draft.arguments is None else list(draft.arguments.words),
+        given=[drafted(each) for each in draft.given],
+        missing=[drafted(each) for each in draft.missing],
+        source=[_data(each.need, each.location) for each in asked],
+        written=str(output) if options.write else None,
+        scenario=draft.text,
+    )
+
+
+def _data(need: Need, place: Location | None) -> dict[str, Any]:
+    return {
+        "kind": need.kind,
+        "name": need.name,
+        "type": need.type_name,
+        "file": None if place is None else place.file,
+        "line": None if place is None else place.line,
+    }

@@ -1,0 +1,339 @@
+"""Find what a controller needs by running it again and again, each time with what it lacked before.
+
+A scenario grows from run to run until nothing is asked for in vain. Where more makes a run worse,
+it is left out.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.config import Settings
+from tracerisk.errors import ScenarioError, TraceRiskError
+from tracerisk.pipeline.asked_in_source import CommandLine, command_lines
+from tracerisk.pipeline.attempts import trace_attempts
+from tracerisk.pipeline.controller import Controller
+from tracerisk.pipeline.controller_run import ControllerRun
+from tracerisk.pipeline.launch.program import program_of
+from tracerisk.pipeline.scenario_text import with_entries
+from tracerisk.pipeline.workspace import find_workspace, project_top
+from tracerisk.pipeline.written_values import WrittenValues
+from tracerisk.ros.scenario import Scenario, read_scenario
+from tracerisk.ros.scenario_draft import Draft
+from tracerisk.ros.scenario_lines import entry_lines, word_lines
+from tracerisk.ros.scenario_marks import MARK
+from tracerisk.ros.version_choice import ros_version
+from tracerisk.trace import Trace
+from tracerisk.twin.detect import SeveralRobotsError
+
+if TYPE_CHECKING:
+    from tracerisk.hardware.model import Hardware
+    from tracerisk.pipeline.stages import Progress
+
+_MOST_RUNS = 12
+_ASKED_AGAIN = 3  # rounds of answers for a question that comes again
+_PUBLISHERS = ("joint_state_publisher_gui", "joint_state_publisher", "joint_state_slider")
+_CONTENT = {"topic": "message", "call": "request", "goal": "goal"}
+_Key = tuple[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioDraft:
+    """A scenario that a controller runs with, as far as one was found.
+
+    `given` are its new entries, `missing` what no scenario can give. `trace` is the run with it,
+    `error` what kept it from running.
+    """
+
+    text: str
+    given: tuple[Draft, ...]
+    missing: tuple[Draft, ...]
+    robot: str | None = None
+    arguments: CommandLine | None = None
+    trace: Trace | None = None
+    error: TraceRiskError | None = None
+
+
+@dataclass(slots=True)
+class _Entries:
+    """What a scenario holds beside its base; `repeats` are how often answers are given anew."""
+
+    drafts: dict[_Key, Draft] = field(default_factory=dict)
+    repeats: dict[_Key, int] = field(default_factory=dict)
+    robot: str | None = None
+    arguments: CommandLine | None = None
+
+    def copy(self) -> _Entries:
+        return _Entries(dict(self.drafts), dict(self.repeats), self.robot, self.arguments)
+
+    @property
+    def sections(self) -> Mapping[str, list[str]]:
+        sections: dict[str, list[str]] = {}
+        if self.robot is not None:
+            sections["robot"] = [f"{self.robot}  {MARK}: one of several that fit"]
+        if self.arguments is not None:
+            sections["arguments"] = word_lines(self.arguments.words, self.arguments.told)
+        for key, draft in self.drafts.items():
+            for _ in range(self.repeats.get(key, 1)):
+                sections.setdefault(draft.section, []).extend(entry_lines(draft))
+        return sections
+
+
+@dataclass(frozen=True, slots=True)
+class _Attempt:
+    entries: _Entries
+    trace: Trace | None = None
+    wanted: tuple[Draft, ...] = ()
+    error: TraceRiskError | None = None
+
+    @property
+    def is_traced(self) -> bool:
+        return self.trace is not None and self.trace.is_usable and bool(self.trace.functions)
+
+    @property
+    def score(self) -> tuple[bool, bool, int]:
+        """Rank runs: one that shows risk, one that did not go wrong, one that shows most."""
+        trace = self.trace
+        if trace is None or not self.is_traced:
+            return False, False, 0
+        is_well = trace.verdict is not None and trace.verdict.kind != "faulted"
+        return True, is_well, len(trace.functions)
+
+
+def draft_scenario(
+    controller: Controller,
+    settings: Settings,
+    base: Path | None,
+    *,
+    hardware_of: Callable[[Settings, str], Hardware],
+    progress: Progress | None = None,
+) -> ScenarioDraft:
+    """Return a scenario with which the controller runs: `base`, and what that does not give.
+
+    Raises ScenarioError where the base is malformed. What else keeps the controller from running
+    is in the result.
+    """
+    rounds = _Rounds(controller, settings, base, hardware_of, progress)
+    return rounds.result()
+
+
+class _Rounds:
+    def __init__(
+        self,
+        controller: Controller,
+        settings: Settings,
+        base: Path | None,
+        hardware_of: Callable[[Settings, str], Hardware],
+        progress: Progress | None,
+    ) -> None:
+        self._controller = controller
+        self._settings = settings
+        self._base = base
+        self._known = Scenario() if base is None else read_scenario(base)
+        self._hardware_of = hardware_of
+        self._progress = progress
+        root = controller.root.resolve()
+        script = controller.path.resolve()
+        program = program_of(script, root, find_workspace(root))
+        ros = ros_version(script, root)
+        self._written = WrittenValues(project_top(controller.root), program, ros)
+        self._usable: dict[_Key, Draft] = {}
+        self._cannot: dict[_Key, Draft] = {}
+        self._robots: list[str] = []
+
+    def result(self) -> ScenarioDraft:
+        """Run until nothing is lacking, or nothing helps."""
+        entries, best = _Entries(), _Attempt(_Entries())
+        singles: list[_Entries] = []
+        lines: list[CommandLine] | None = None
+        seen: set[str] = set()
+        for _ in range(_MOST_RUNS):
+            attempt = self._run(entries)
+            seen.add(self._text(entries))
+            more = self._mended(attempt)
+            if more is None:
+                if attempt.score >= best.score:
+                    best = attempt
+                    more = self._with_wanted(attempt)
+                elif best.is_traced and not singles:
+                    # Of what was given together, what does no harm alone.
+                    singles = self._one_by_one(best.entries, attempt.entries)
+            if more is None and singles:
+                more = self._on_top(best.entries, singles.pop(0))
+            if more is None and not best.is_traced and self._may_need_arguments(attempt):
+                if lines is None:
+                    lines = list(command_lines(self._controller, self._written.arguments))
+                more = best.entries.copy() if lines else None
+                if more is not None:
+                    more.arguments = lines.pop(0)
+            while more is not None and self._text(more) in seen:
+                more = self._on_top(best.entries, singles.pop(0)) if singles else None
+            if more is None:
+                break
+            entries = more
+        return self._draft(best)
+
+    def _draft(self, best: _Attempt) -> ScenarioDraft:
+        entries = best.entries
+        given = tuple(entries.drafts.values())
+        missing = tuple(self._cannot.values())
+        return ScenarioDraft(
+            self._text(entries),
+            given,
+            missing,
+            entries.robot,
+            entries.arguments,
+            best.trace,
+            best.error,
+        )
+
+    def _text(self, entries: _Entries) -> str:
+        remarks = [f"# {each.need.told}: {each.words}" for each in self._cannot.values()]
+        if not remarks and not entries.sections and self._base is None:
+            remarks = ["# The controller asks its world for nothing that is not there."]
+        return with_entries(self._base, entries.sections, remarks)
+
+    def _run(self, entries: _Entries) -> _Attempt:
+        runs: list[ControllerRun] = []
+        with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
+            # Files that the base names stand in its own folder.
+            path = Path(folder, "scenario.yaml")
+            path.write_text(self._text(entries), encoding="utf-8", newline="")
+            settings = replace(
+                self._settings,
+                scenario=str(path),
+                robot=self._settings.robot or self._known.robot or entries.robot,
+            )
+            try:
+                trace = trace_attempts(
+                    self._controller,
+                    settings,
+                    hardware_of=self._hardware_of,
+                    progress=self._progress,
+                    on_run=runs.append,
+                )
+            except TraceRiskError as error:
+                return _Attempt(entries, error=error)
+        told = next((run for run in runs if run.trace is trace), runs[-1])
+        if not trace.is_usable:
+            # What nodes of the workspace give beside the controller needs no scenario.
+            told = next((run for run in reversed(runs) if _is_accompanied(run)), told)
+        return _Attempt(entries, trace, told.drafts)
+
+    def _mended(self, attempt: _Attempt) -> _Entries | None:
+        """Return the entries without what kept the controller from being run; None for nothing."""
+        error, entries = attempt.error, attempt.entries.copy()
+        if isinstance(error, SeveralRobotsError) and entries.robot is None and error.names:
+            entries.robot = error.names[0]
+            return entries
+        if isinstance(error, ScenarioError) and error.location is not None:
+            key = self._entry_at(entries, error.location.line or 0)
+            if key is None:
+                return None
+            if key in self._usable and entries.drafts[key] != self._usable[key]:
+                entries.drafts[key] = self._usable[key]
+            else:
+                self._cannot[key] = replace(
+                    entries.drafts.pop(key), value=None, words=f"not given: {error.message}"
+                )
+            return entries
+        return None
+
+    def _entry_at(self, entries: _Entries, line: int) -> _Key | None:
+        """Return the entry that stands at a line of the scenario."""
+        lines = self._text(entries).splitlines()[:line]
+        last: _Key | None = None
+        for number in range(len(lines), 0, -1):
+            for key, draft in entries.drafts.items():
+                if lines[number - 1].strip() == entry_lines(draft)[0].strip():
+                    last = key
+                    break
+            if last is not None:
+                break
+        return last
+
+    def _with_wanted(self, attempt: _Attempt) -> _Entries | None:
+        """Return the entries with what the run lacked; None where there is nothing new."""
+        entries = attempt.entries.copy()
+        is_new = False
+        for draft in attempt.wanted:
+            key = draft.section, draft.key
+            if key in entries.drafts:
+                if draft.section == "answers" and not attempt.is_traced:
+                    entries.repeats[key] = entries.repeats.get(key, 1) + 1
+                    is_new |= entries.repeats[key] <= _ASKED_AGAIN
+                continue
+            if key in self._cannot or self._is_known(draft):
+                continue
+            if draft.value is None:
+                self._cannot[key] = draft
+                continue
+            self._usable[key] = draft
+            entries.drafts[key] = self._from_repository(draft)
+            is_new = True
+        return entries if is_new else None
+
+    def _is_known(self, draft: Draft) -> bool:
+        """Tell whether the base gives it already, though nobody has made use of it yet."""
+        known = self._known
+        names: Mapping[str, Iterable[str]] = {
+            "publish": (each.topic for each in known.published),
+            "services": (each.name for each in known.services),
+            "actions": (each.name for each in known.actions),
+            "frames": (each.frame for each in known.frames),
+            "calls": (
+                str(each.get(key))
+                for each in known.calls
+                for key in ("service", "action")
+                if key in each
+            ),
+        }
+        return draft.need.name.strip("/") in {
+            each.strip("/") for each in names.get(draft.section, ())
+        }
+
+    def _from_repository(self, draft: Draft) -> Draft:
+        """Return the draft with the value that the repository writes, if it does."""
+        need = replace(draft.need, name=draft.key) if draft.need.kind == "parameter" else draft.need
+        is_one_of_several = draft.key.endswith("]")
+        written = None if is_one_of_several else self._written.of(need)
+        if written is None:
+            return self._as_published(draft)
+        value = written.value
+        if draft.need.kind != "parameter":
+            value = {**draft.value, _CONTENT[draft.need.kind]: value}
+            value.pop("messages", None)
+            if "rate" in value and "messages" in draft.value:
+                for key in ("rate", "count", "at"):
+                    value.pop(key, None)
+        return replace(draft, value=value, words=f"as in {written.place}")
+
+    def _as_published(self, draft: Draft) -> Draft:
+        if draft.need.type_name != "sensor_msgs/JointState":
+            return draft
+        place = self._written.started_with(draft.need.name, _PUBLISHERS)
+        return draft if place is None else replace(draft, words=f"{draft.words}; as {place} would")
+
+    def _one_by_one(self, best: _Entries, tried: _Entries) -> list[_Entries]:
+        """Return each of what was tried beyond the best, alone."""
+        more = [key for key in tried.drafts if key not in best.drafts]
+        if len(more) < 2:
+            return []
+        return [_Entries({key: tried.drafts[key]}) for key in more]
+
+    def _on_top(self, best: _Entries, single: _Entries) -> _Entries:
+        entries = best.copy()
+        entries.drafts.update(single.drafts)
+        return entries
+
+    def _may_need_arguments(self, attempt: _Attempt) -> bool:
+        has_some = bool(self._settings.args or self._known.arguments)
+        return not has_some and attempt.error is None
+
+
+def _is_accompanied(run: ControllerRun) -> bool:
+    return any(line.startswith("started beside:") for line in run.trace.assumptions)
