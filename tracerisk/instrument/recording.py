@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 import json
 import os
+import re
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -20,6 +21,7 @@ from tracerisk.instrument.tracer import Frame
 from tracerisk.trace import EndCause, Finding, FunctionRef, QualifiedName
 
 _SECOND_NS = 1_000_000_000
+_FIGURE = re.compile(r"(?<![\w.])-?\d+\.\d+")
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,9 +193,10 @@ class Recorder:
     ) -> None:
         """Record that something failed which the code at `asker` may try again.
 
-        While it is not tried again with success the same failure is recorded once.
+        While it is not tried again with success the same failure is recorded once, whatever the
+        figures in its message.
         """
-        key = (kind, asker, object_name, message, location)
+        key = (kind, asker, object_name, _FIGURE.sub("", message), location)
         goal = tuple(map(float, target))
         if key in self._open and is_near(self._open[key][1], goal):
             return

@@ -103,6 +103,8 @@ class ControllerThread:
     read_ns: int = -1
     calls: int = 0
     calls_ns: int = -1
+    waits: int = 0
+    """How often it has slept or waited for something, and not only looked at the clock."""
     raises: int = 0
     interrupt: BaseException | None = None
     process: NodeProcess | None = None
