@@ -121,18 +121,23 @@ class Tracer:
         self.on_behalf: Callable[[], tuple[Frame, ...]] | None = None
         self._ran: dict[FunctionRef, int] = {}
         self._files: dict[str, str] = {}
+        self._libraries: set[str] = set()
         self._main_file = "<controller>"
 
     # --- what the loader tells
 
-    def add_file(self, filename: str, file: str) -> None:
+    def add_file(self, filename: str, file: str, *, is_library: bool = False) -> None:
         """Know `filename`, as code objects name it, for the controller's file `file`.
 
-        The first file added is the script that runs.
+        The first file added is the script that runs. Functions of library code stand on no stack,
+        as those of a library that is installed do not.
         """
         if not self._files:
             self._main_file = file
-        self._files[filename] = file
+        if is_library:
+            self._libraries.add(filename)
+        else:
+            self._files[filename] = file
 
     def traced(self, file: str, name: str, line: int) -> Callable[[AnyFunction], AnyFunction]:
         """Return the decorator of the function `name`, whose `def` stands in `line` of `file`."""
@@ -150,10 +155,12 @@ class Tracer:
             self.on_iteration(file, line)
 
     @hide
-    def run_module(self, code: CodeType, namespace: dict[str, Any], file: str) -> None:
+    def run_module(
+        self, code: CodeType, namespace: dict[str, Any], file: str, *, is_library: bool = False
+    ) -> None:
         """Execute module-level code as the function `<module>` of `file`."""
         record = _Record(FunctionRef(file, MODULE_NAME), 1, code)
-        self.add_file(code.co_filename, file)
+        self.add_file(code.co_filename, file, is_library=is_library)
         self.first_run(record)
         token = self._top.set((self._top.get(), record, self._next_activation()))
         try:
@@ -214,6 +221,9 @@ class Tracer:
         if frames:
             return frames
         base = self._top.get()
+        while isinstance(base, tuple):
+            # Library code only: it runs for the root below.
+            base = base[0]
         if not isinstance(base, _Base):
             base = _Base(_bare_root(), self._next_activation())
         frame = self._innermost_controller_frame()
@@ -257,11 +267,12 @@ class Tracer:
         return frame
 
     def _frames(self) -> tuple[Frame, ...]:
-        """Match the links of the stack with Python's frames, innermost first."""
+        """Match the links of the stack with Python's frames, innermost first; no libraries."""
         links: list[_Link] = []
         link = self._top.get()
         while isinstance(link, tuple):
-            links.append(link)
+            if link[1].code.co_filename not in self._libraries:
+                links.append(link)
             link = link[0]
         base: _Base | None = link
         inherited = base.inherited if base is not None else ()

@@ -27,6 +27,7 @@ from tracerisk.pipeline.companion_run import Companions
 from tracerisk.pipeline.controller_end import ControllerEnd
 from tracerisk.pipeline.entry_point import find_entry_point
 from tracerisk.pipeline.launch.records import NOTHING_LAUNCHED
+from tracerisk.pipeline.libraries import Libraries
 from tracerisk.pipeline.run_files import (
     ELSEWHERE,
     ENTRY,
@@ -198,6 +199,7 @@ def _run_recorded(
         reserved=libraries,
         shared=set(stand_ins.provides) - libraries - VENDOR_LIBRARIES,
         elsewhere=lambda name: _found_elsewhere(name, workspace, root, recorder),
+        is_library=Libraries(script, root, request.states).holds,
     )
     entry = find_entry_point(script, script.read_bytes(), root)
     with (

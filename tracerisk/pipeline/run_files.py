@@ -74,13 +74,14 @@ class RunRequest:
     """What the child is asked to run; `folder` is that of the recording, `parent` who asks.
 
     `argv` holds what `launch` adds to it; `launch_notes` are the lines that tell of `launch`.
-    `companions` are started beside the controller.
+    `companions` are started beside the controller. `states` are the steps that settings name.
     """
 
     controller: str
     root: str
     folder: str
     argv: tuple[str, ...]
+    states: tuple[str, ...]
     answers: tuple[str, ...]
     scene: str
     scenario: str | None
@@ -101,7 +102,7 @@ class RunRequest:
     def loads(cls, text: str) -> RunRequest:
         """Read what `dumps` wrote."""
         data = json.loads(text)
-        names = ("argv", "answers", "params", "launch_notes")
+        names = ("argv", "states", "answers", "params", "launch_notes")
         lists = {name: tuple(data[name]) for name in names}
         launch = None if data["launch"] is None else LaunchSetup.from_json(data["launch"])
         companions = tuple(Companion.from_json(each) for each in data["companions"])
