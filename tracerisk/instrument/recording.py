@@ -133,7 +133,11 @@ class Recorder:
             self.watch.before_command(stack)
         command_id = self._next_command()
         frames = [
-            [self._function(frame.function, frame.line), frame.activation, *frame.site, frame.root]
+            [
+                self._function(frame.function, frame.line),
+                *(frame.activation, *frame.site, frame.root),
+                *(() if frame.instance is None else (frame.instance,)),
+            ]
             for frame in stack
         ]
         self._write(
@@ -338,9 +342,9 @@ class _Reader:
 
     def _command(self, event: dict[str, Any]) -> None:
         frames = []
-        for number, activation, line, column, root in event["stack"]:
+        for number, activation, line, column, root, *instance in event["stack"]:
             site = self.functions[number]
-            frames.append(Frame(site.ref, site.line, activation, (line, column), root))
+            frames.append(Frame(site.ref, site.line, activation, (line, column), root, *instance))
         self.commands[event["id"]] = Command(
             event["id"],
             event["kind"],

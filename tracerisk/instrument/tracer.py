@@ -11,7 +11,7 @@ import sys
 import threading
 from collections.abc import Callable
 from contextvars import ContextVar, Token
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import CodeType, FrameType, TracebackType
 from typing import Any, Literal
 
@@ -19,6 +19,7 @@ from tracerisk.errors import Location
 from tracerisk.instrument.code_positions import qualified_name, source_position
 from tracerisk.instrument.hidden_frames import hide
 from tracerisk.instrument.source import MODULE_NAME, FunctionSite
+from tracerisk.instrument.state_instances import StateEntries
 from tracerisk.instrument.wrappers import AnyFunction, wrap
 from tracerisk.trace import FunctionRef, QualifiedName
 
@@ -40,6 +41,8 @@ class Frame:
     `line` is that of the `def`; `activation` is unique to this call in the run; `site` is
     where this function made the call towards the next frame, or issued the command.
     `root` says how the function came to run where no controller code called it, else `None`.
+    `instance` is not `None` where a state machine or behaviour tree entered one of its states
+    here: the label of the instance, empty where none is known.
     """
 
     function: FunctionRef
@@ -47,6 +50,7 @@ class Frame:
     activation: int
     site: Site
     root: RootKind | None = None
+    instance: str | None = None
 
 
 class _Record:
@@ -277,18 +281,27 @@ class Tracer:
         base: _Base | None = link
         inherited = base.inherited if base is not None else ()
         frames: list[Frame] = []
+        entries = StateEntries()
         python: FrameType | None = _getframe(1)
         for position, (_, record, activation) in enumerate(links):
             frame, called = _find(python, record.code)
             if frame is not None:
                 site = _site(called or frame)
+                entries.passed(python, frame, record.ref.name)
                 python = frame.f_back
             else:
                 # It returned, or waits: a context was copied without `capture`.
                 site = (record.line, 0)
+                entries.unknown()
             is_root = position == len(links) - 1 and not inherited
             root = (base.kind if base is not None else _bare_root()) if is_root else None
             frames.append(Frame(record.ref, record.line, activation, site, root))
+        known = next((each.instance for each in reversed(inherited) if each.instance), None)
+        labels = entries.labels(known)
+        frames = [
+            each if label is None else replace(each, instance=label)
+            for each, label in zip(frames, labels, strict=True)
+        ]
         return (*inherited, *reversed(frames))
 
 
