@@ -67,7 +67,11 @@ def _state_of(frame: FrameType) -> Any:
         return None
     own = frame.f_locals.get(code.co_varnames[0])
     kind = type(own)
-    if kind is type or kind.__module__.startswith("tracerisk.") or not any(_BASE.fullmatch(each.__name__) for each in kind.__mro__[1:]):
+    if (
+        kind is type
+        or kind.__module__.startswith("tracerisk.")
+        or not any(_BASE.fullmatch(each.__name__) for each in kind.__mro__[1:])
+    ):
         return None
     return own
 

@@ -23,6 +23,8 @@ VENDOR_LIBRARIES = frozenset(
         "pymoveit2",
         "ros2_numpy",
         "ros_numpy",
+        "smach",
+        "smach_ros",
     }
 )
 """The stand-ins that give way to a module of the same name, by their top names."""
