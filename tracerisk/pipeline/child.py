@@ -28,6 +28,7 @@ from tracerisk.pipeline.controller_end import ControllerEnd
 from tracerisk.pipeline.entry_point import find_entry_point
 from tracerisk.pipeline.launch.records import NOTHING_LAUNCHED
 from tracerisk.pipeline.libraries import Libraries
+from tracerisk.pipeline.missing_modules import MissingModules
 from tracerisk.pipeline.run_files import (
     ELSEWHERE,
     ENTRY,
@@ -188,8 +189,11 @@ def _run_recorded(
         runtime.client(SensorReading).finish()
         watch.run_over(cause)
 
-    end = ControllerEnd(recorder, twin, root, request.memory_limit_mb, run_over, needs.judge)
     stand_ins = StandInFinder(interfaces)
+    missing = MissingModules(script, root, stand_ins.provides)
+    end = ControllerEnd(
+        recorder, twin, root, request.memory_limit_mb, run_over, needs.judge, missing
+    )
     kinds = stand_ins.provides.items()
     libraries = {name for name, kind in kinds if kind.startswith("library")} - VENDOR_LIBRARIES
     imports = ControllerFinder(
