@@ -28,6 +28,7 @@ MODULES: Mapping[str, str] = {
     "ruamel.yaml": "ruamel.yaml",
     "scipy": "scipy",
     "shtab": "shtab",
+    "six": "six",
     "tomli": "tomli",
     "xacrodoc": "xacrodoc",
 }

@@ -98,7 +98,7 @@ def test_a_second_run_changes_no_byte_and_nothing_else_is_written(workspace):
 def test_a_module_of_two_controllers_is_an_error_that_names_both(workspace):
     example, _ = workspace
     other = "src/arm_task/scripts/other_task.py"
-    example.write(other, SCRIPT)
+    example.write(other, "import task\n")
     before = example.files()
     outcome = example.run("run", other)
     assert outcome.code == 2

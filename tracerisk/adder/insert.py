@@ -28,6 +28,7 @@ from tracerisk.adder.grammar import DEFAULT_WIDTH, print_block
 from tracerisk.adder.read import PlacedBlock, scan_blocks
 from tracerisk.adder.safety import check_rewrite, check_same_program, without_blocks
 from tracerisk.errors import InputError, Location, UnsafeRewriteError, one_of
+from tracerisk.instance_name import is_name_at, places
 from tracerisk.trace import QualifiedName
 
 _NARROWEST = 40
@@ -90,15 +91,16 @@ def _targets(
     blocks: Mapping[QualifiedName, RiskBlock | None],
     lines: Mapping[QualifiedName, int],
 ) -> dict[tuple[QualifiedName, int], RiskBlock | None]:
-    defined: dict[QualifiedName, list[int]] = {MODULE: [module_line(source)]}
-    for definition in definitions(source.tree):
-        defined.setdefault(definition.name, []).append(definition.line)
+    found = [(MODULE, module_line(source))]
+    found += [(definition.name, definition.line) for definition in definitions(source.tree)]
+    defined = {name: places(name, found) for name in blocks}
     holding = {block.function: block.line for block in placed}
     targets: dict[tuple[QualifiedName, int], RiskBlock | None] = {}
     for name, block in blocks.items():
-        if name not in defined:
+        if not defined[name]:
+            known = {function for function, _ in found}
             raise InputError(
-                f"there is no function {name} to annotate; {one_of(defined, name)}",
+                f"there is no function {name} to annotate; {one_of(known, name)}",
                 Location(source.file),
             )
         wanted = lines.get(name)
@@ -130,7 +132,7 @@ def _rewrite(
     needed = [key for key, wanted in targets.items() if wanted is not None and key not in present]
     sites = _sites(source, parsed, needed) if needed else {}
     edits: list[Edit] = []
-    for key in sorted(targets):
+    for key in sorted(targets, key=lambda key: _order(key, targets[key])):
         wanted, current = targets[key], present.get(key)
         if current is not None:
             text = b""
@@ -148,6 +150,14 @@ def _rewrite(
         wanted_blocks = [block for block in targets.values() if block is not None]
         check_rewrite(parsed, placed, result, [*kept, *wanted_blocks])
     return result
+
+
+def _order(
+    key: tuple[QualifiedName, int], block: RiskBlock | None
+) -> tuple[int, int, QualifiedName]:
+    """Return what sorts blocks: those of one function, which are of its instances, by rank."""
+    name, line = key
+    return (line, 0 if block is None else block.call_sequence.value, name)
 
 
 def _lines_of(block: RiskBlock, source: PythonSource, ends_as: int, indent_line: int) -> bytes:
@@ -190,6 +200,9 @@ def _sites(
         found = function_sites(source)
         sites.update(_own_sites(parsed) if found is None else found)
     sites[MODULE, module_line(parsed)] = _module_site(parsed)
+    for (function, line), site in list(sites.items()):
+        of_instances = [name for name, at in needed if at == line and is_name_at(name, function)]
+        sites.update({(name, line): site for name in of_instances})
     for name, line in needed:
         if (name, line) not in sites:
             raise UnsafeRewriteError(

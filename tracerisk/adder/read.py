@@ -23,6 +23,7 @@ from tracerisk.adder.definitions import (
 )
 from tracerisk.adder.grammar import GUTTER, HEADER, BlockLine, parse_block
 from tracerisk.errors import BlockError, Location
+from tracerisk.instance_name import is_name_at, name_at
 from tracerisk.trace import QualifiedName
 
 Place = Literal["body", "above", "module"]
@@ -54,6 +55,7 @@ class MisplacedBlockError(BlockError):
 class PlacedBlock:
     """A block in a source: the function it tells of and the lines it takes, from 1 on.
 
+    Where it tells of one instance of several, `function` is the instance's name: `Pick (tray)`.
     `line` is that of the function's `def`; of the first statement for module-level code.
     """
 
@@ -229,18 +231,20 @@ def _placed(source: PythonSource, run: _Run, owners: tuple[_Owner, ...]) -> Iter
             BlockLine(number, _behind_gutter(source.text(number))) for number in range(start, after)
         ]
         block = parse_block(lines, source.file)
-        named = [owner for owner in owners if owner.name == normal_name(block.name)]
+        name = QualifiedName(normal_name(block.name))
+        named = [owner for owner in owners if is_name_at(name, owner.name)]
         if not named:
-            names = " or ".join(dict.fromkeys(owner.name for owner in owners))
+            allowed = tuple(dict.fromkeys(name_at(name, owner.name) for owner in owners))
+            names = " or ".join(allowed)
             raise MisplacedBlockError(
                 f"the risk block of `{block.name}` stands at `{names}`; write `name = {names}`, "
                 "or move or delete the block",
                 Location(source.file, start),
-                QualifiedName(normal_name(block.name)),
-                tuple(dict.fromkeys(owner.name for owner in owners)),
+                name,
+                allowed,
             )
         owner = named[0]
-        yield PlacedBlock(block, owner.name, owner.line, owner.place, start, after - 1)
+        yield PlacedBlock(block, name, owner.line, owner.place, start, after - 1)
 
 
 def _behind_gutter(line: str) -> str:

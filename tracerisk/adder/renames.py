@@ -17,8 +17,9 @@ from tracerisk.adder.read import MisplacedBlockError, PlacedBlock, read_blocks
 from tracerisk.adder.values import NEXT
 from tracerisk.trace import QualifiedName
 
-_NAME = re.compile(rb"([ \t\f]*#[ \t]?\|[ \t]+name = )(\S+)([ \t\r\n]*)")
-_NEXT = re.compile(rb"([ \t\f]*#[ \t]?\|[ \t]+next :?= )(\S+)([ \t].*)", re.DOTALL)
+_WORDS = rb"\S+(?: \([^()\r\n]+\))?"
+_NAME = re.compile(rb"([ \t\f]*#[ \t]?\|[ \t]+name = )(" + _WORDS + rb")([ \t\r\n]*)")
+_NEXT = re.compile(rb"([ \t\f]*#[ \t]?\|[ \t]+next :?= )(" + _WORDS + rb")([ \t].*)", re.DOTALL)
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,7 +36,7 @@ _REDUNDANCY = re.compile(
 )
 _WHOLE = re.compile(r"\d+", re.ASCII)
 _WEIGHT = re.compile(r"\d+/\d+|\d+(\.\d*)?|\.\d+", re.ASCII)
-_TARGET = re.compile(r"[^\s!{},;/]+")
+_TARGET = re.compile(r"[^\s!{},;/]+(?: \([^\s!{}(),;:=/]+(?: [^\s!{}(),;:=/]+)*\))?")
 _COMPONENT_NAME = re.compile(r"[^\s!{}]+( [^\s!{}]+)*")
 
 

@@ -39,22 +39,34 @@ from tracerisk.trace import FunctionRef
 
 @dataclass(frozen=True, slots=True)
 class HelperRule:
-    """Which functions help in a run; `states` are those that a person named as steps."""
+    """Which functions help in a run; `states` are those that a person named as steps.
+
+    `enters_states`: a state machine or behaviour tree entered several states; `named_helpers` are
+    those of the helpers that a person named.
+    """
 
     helpers: frozenset[FunctionRef]
     states: frozenset[FunctionRef] = frozenset()
+    enters_states: bool = False
+    named_helpers: frozenset[FunctionRef] = frozenset()
 
     def owner_position(self, stack: Sequence[Frame]) -> int:
         """Return where on a command's stack its owner stands.
 
         The owner is the deepest function above the first helper, counted from the root; where
         the root itself is a helper, the root. A function that a person named as a state owns
-        what is issued below it, even where a helper called it.
+        what is issued below it, even where a helper called it. A state of a state machine owns
+        all that is issued in it.
         """
         start = max(
             (place for place, frame in enumerate(stack) if frame.function in self.states),
             default=0,
         )
+        if self.enters_states:
+            for place in range(len(stack) - 1, start - 1, -1):
+                frame = stack[place]
+                if frame.instance is not None and frame.function not in self.named_helpers:
+                    return place
         for place in range(start, len(stack)):
             if stack[place].function in self.helpers:
                 return max(place - 1, start)
@@ -79,14 +91,22 @@ def helper_rule(
         raise InputError(
             f"{', '.join(both)}: named in both `states` and `helpers`; keep the name in one"
         )
+    stacks = list(stacks)
+    entered = {
+        (frame.function, frame.instance)
+        for stack in stacks
+        for frame in stack
+        if frame.instance is not None
+    }
     calls = _Calls.of({_call_path(stack) for stack in stacks})
     named_states = frozenset(f for f in calls.functions if f.name in states)
-    found = {f for f in calls.functions if f.name in helpers}
+    named_helpers = frozenset(f for f in calls.functions if f.name in helpers)
+    found = set(named_helpers)
     undecided = sorted(calls.functions - found - named_states)
     while True:
         more = {f for f in undecided if calls.is_helper(f, found)}
         if not more:
-            return HelperRule(frozenset(found), named_states)
+            return HelperRule(frozenset(found), named_states, len(entered) > 1, named_helpers)
         found |= more
         undecided = [f for f in undecided if f not in more]
 

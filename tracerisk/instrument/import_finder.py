@@ -31,6 +31,7 @@ class ControllerFinder(MetaPathFinder):
     Top names in `reserved` are another finder's; those in `shared` too, but where the controller
     has a whole Python package of that name (a script may be called as the messages it uses are).
     `elsewhere` is asked last: for the folder of a module that is nowhere on the path.
+    `is_library` tells of a file below the root whether it is library code.
     """
 
     def __init__(
@@ -42,6 +43,7 @@ class ControllerFinder(MetaPathFinder):
         reserved: Collection[str] = (),
         shared: Collection[str] = (),
         elsewhere: Callable[[str], Path | None] = lambda _: None,
+        is_library: Callable[[Path], bool] = lambda _: False,
     ) -> None:
         self._tracer = tracer
         self._root = root.resolve()
@@ -49,6 +51,7 @@ class ControllerFinder(MetaPathFinder):
         self._reserved = frozenset(reserved)
         self._shared = frozenset(shared)
         self._elsewhere = elsewhere
+        self._is_library = is_library
         self._foreign = _foreign_folders()
 
     def find_spec(
@@ -85,7 +88,13 @@ class ControllerFinder(MetaPathFinder):
         return spec_from_file_location(
             fullname,
             spec.origin,
-            loader=_TracedLoader(fullname, spec.origin, self._tracer, self._root),
+            loader=_TracedLoader(
+                fullname,
+                spec.origin,
+                self._tracer,
+                self._root,
+                is_library=self._is_library(Path(spec.origin)),
+            ),
             submodule_search_locations=spec.submodule_search_locations,
         )
 
@@ -120,8 +129,11 @@ def controller_imports(finder: ControllerFinder) -> Iterator[None]:
 class _TracedLoader(SourceFileLoader):
     """Compiles a module with its tracing decorators; reads and writes no bytecode."""
 
-    def __init__(self, fullname: str, path: str, tracer: Tracer, root: Path) -> None:
+    def __init__(
+        self, fullname: str, path: str, tracer: Tracer, root: Path, *, is_library: bool
+    ) -> None:
         super().__init__(fullname, path)
+        self._is_library = is_library
         self._tracer = tracer
         self._root = root
 
@@ -133,7 +145,7 @@ class _TracedLoader(SourceFileLoader):
         code, file = compile_file(Path(self.get_filename(module.__name__)), self._root)
         # Python names no bytecode that is not there.
         module.__dict__.pop("__cached__", None)
-        self._tracer.run_module(code, module.__dict__, file)
+        self._tracer.run_module(code, module.__dict__, file, is_library=self._is_library)
 
 
 def _is_package(spec: ModuleSpec | None) -> bool:

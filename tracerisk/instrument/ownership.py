@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import Location
-from tracerisk.instrument.helper_rule import HelperRule, helper_rule
+from tracerisk.instance_name import instance_name
+from tracerisk.instrument.helper_rule import helper_rule
 from tracerisk.instrument.recording import Command, Recording
+from tracerisk.instrument.tracer import Frame
 from tracerisk.trace import Finding, FunctionRef, TracedFunction, VisitOutcome
 
 _SECOND_NS = 1_000_000_000
@@ -119,7 +121,8 @@ def attribute(
     """
     commands = recording.commands
     rule = helper_rule([each.stack for each in commands], states=states, helpers=helpers)
-    visits, visit_of = _visits(commands, rule)
+    owners = _named_by_instance([each.stack[rule.owner_position(each.stack)] for each in commands])
+    visits, visit_of = _visits(commands, owners)
     live = _live(commands, visit_of, end_ns)
     return Attribution(
         _functions(visits), visits, live, rule.helpers, _concurrent_owners(live, visits)
@@ -167,8 +170,29 @@ class _OpenVisit:
         )
 
 
+def _named_by_instance(owners: Sequence[Frame]) -> list[Frame]:
+    """Name the owners that are methods of a state which exists several times by the instance."""
+    labels: dict[FunctionRef, set[str]] = {}
+    methods: dict[tuple[str, str], set[FunctionRef]] = {}
+    for owner in owners:
+        if owner.instance:
+            ref = owner.function
+            labels.setdefault(ref, set()).add(owner.instance)
+            methods.setdefault((ref.file, ref.name.rpartition(".")[0]), set()).add(ref)
+
+    def named(owner: Frame) -> Frame:
+        ref = owner.function
+        if not owner.instance or len(labels[ref]) < 2:
+            return owner
+        is_only = len(methods[ref.file, ref.name.rpartition(".")[0]]) == 1
+        name = instance_name(ref.name, owner.instance, is_only_method=is_only)
+        return replace(owner, function=FunctionRef(ref.file, name))
+
+    return list(map(named, owners))
+
+
 def _visits(
-    commands: Sequence[Command], rule: HelperRule
+    commands: Sequence[Command], owners: Sequence[Frame]
 ) -> tuple[tuple[OwnedVisit, ...], list[int]]:
     """Gather the commands into visits; return these, and the visit of each command."""
     visits: list[_OpenVisit] = []
@@ -176,8 +200,7 @@ def _visits(
     last_of_owner: dict[FunctionRef, _OpenVisit] = {}
     last_on_element: dict[str, int] = {}
     visit_of: list[int] = []
-    for command in commands:
-        owner = command.stack[rule.owner_position(command.stack)]
+    for command, owner in zip(commands, owners, strict=True):
         key = (owner.function, owner.activation)
         visit = by_activation.get(key)
         if visit is None:

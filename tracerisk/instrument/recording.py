@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 import json
 import os
+import re
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -20,6 +21,7 @@ from tracerisk.instrument.tracer import Frame
 from tracerisk.trace import EndCause, Finding, FunctionRef, QualifiedName
 
 _SECOND_NS = 1_000_000_000
+_FIGURE = re.compile(r"(?<![\w.])-?\d+\.\d+")
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,7 +133,11 @@ class Recorder:
             self.watch.before_command(stack)
         command_id = self._next_command()
         frames = [
-            [self._function(frame.function, frame.line), frame.activation, *frame.site, frame.root]
+            [
+                self._function(frame.function, frame.line),
+                *(frame.activation, *frame.site, frame.root),
+                *(() if frame.instance is None else (frame.instance,)),
+            ]
             for frame in stack
         ]
         self._write(
@@ -191,9 +197,10 @@ class Recorder:
     ) -> None:
         """Record that something failed which the code at `asker` may try again.
 
-        While it is not tried again with success the same failure is recorded once.
+        While it is not tried again with success the same failure is recorded once, whatever the
+        figures in its message.
         """
-        key = (kind, asker, object_name, message, location)
+        key = (kind, asker, object_name, _FIGURE.sub("", message), location)
         goal = tuple(map(float, target))
         if key in self._open and is_near(self._open[key][1], goal):
             return
@@ -335,9 +342,9 @@ class _Reader:
 
     def _command(self, event: dict[str, Any]) -> None:
         frames = []
-        for number, activation, line, column, root in event["stack"]:
+        for number, activation, line, column, root, *instance in event["stack"]:
             site = self.functions[number]
-            frames.append(Frame(site.ref, site.line, activation, (line, column), root))
+            frames.append(Frame(site.ref, site.line, activation, (line, column), root, *instance))
         self.commands[event["id"]] = Command(
             event["id"],
             event["kind"],

@@ -11,7 +11,7 @@ import sys
 import threading
 from collections.abc import Callable
 from contextvars import ContextVar, Token
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import CodeType, FrameType, TracebackType
 from typing import Any, Literal
 
@@ -19,6 +19,7 @@ from tracerisk.errors import Location
 from tracerisk.instrument.code_positions import qualified_name, source_position
 from tracerisk.instrument.hidden_frames import hide
 from tracerisk.instrument.source import MODULE_NAME, FunctionSite
+from tracerisk.instrument.state_instances import StateEntries
 from tracerisk.instrument.wrappers import AnyFunction, wrap
 from tracerisk.trace import FunctionRef, QualifiedName
 
@@ -40,6 +41,8 @@ class Frame:
     `line` is that of the `def`; `activation` is unique to this call in the run; `site` is
     where this function made the call towards the next frame, or issued the command.
     `root` says how the function came to run where no controller code called it, else `None`.
+    `instance` is not `None` where a state machine or behaviour tree entered one of its states
+    here: the label of the instance, empty where none is known.
     """
 
     function: FunctionRef
@@ -47,6 +50,7 @@ class Frame:
     activation: int
     site: Site
     root: RootKind | None = None
+    instance: str | None = None
 
 
 class _Record:
@@ -121,18 +125,23 @@ class Tracer:
         self.on_behalf: Callable[[], tuple[Frame, ...]] | None = None
         self._ran: dict[FunctionRef, int] = {}
         self._files: dict[str, str] = {}
+        self._libraries: set[str] = set()
         self._main_file = "<controller>"
 
     # --- what the loader tells
 
-    def add_file(self, filename: str, file: str) -> None:
+    def add_file(self, filename: str, file: str, *, is_library: bool = False) -> None:
         """Know `filename`, as code objects name it, for the controller's file `file`.
 
-        The first file added is the script that runs.
+        The first file added is the script that runs. Functions of library code stand on no stack,
+        as those of a library that is installed do not.
         """
         if not self._files:
             self._main_file = file
-        self._files[filename] = file
+        if is_library:
+            self._libraries.add(filename)
+        else:
+            self._files[filename] = file
 
     def traced(self, file: str, name: str, line: int) -> Callable[[AnyFunction], AnyFunction]:
         """Return the decorator of the function `name`, whose `def` stands in `line` of `file`."""
@@ -150,10 +159,12 @@ class Tracer:
             self.on_iteration(file, line)
 
     @hide
-    def run_module(self, code: CodeType, namespace: dict[str, Any], file: str) -> None:
+    def run_module(
+        self, code: CodeType, namespace: dict[str, Any], file: str, *, is_library: bool = False
+    ) -> None:
         """Execute module-level code as the function `<module>` of `file`."""
         record = _Record(FunctionRef(file, MODULE_NAME), 1, code)
-        self.add_file(code.co_filename, file)
+        self.add_file(code.co_filename, file, is_library=is_library)
         self.first_run(record)
         token = self._top.set((self._top.get(), record, self._next_activation()))
         try:
@@ -214,6 +225,9 @@ class Tracer:
         if frames:
             return frames
         base = self._top.get()
+        while isinstance(base, tuple):
+            # Library code only: it runs for the root below.
+            base = base[0]
         if not isinstance(base, _Base):
             base = _Base(_bare_root(), self._next_activation())
         frame = self._innermost_controller_frame()
@@ -257,27 +271,37 @@ class Tracer:
         return frame
 
     def _frames(self) -> tuple[Frame, ...]:
-        """Match the links of the stack with Python's frames, innermost first."""
+        """Match the links of the stack with Python's frames, innermost first; no libraries."""
         links: list[_Link] = []
         link = self._top.get()
         while isinstance(link, tuple):
-            links.append(link)
+            if link[1].code.co_filename not in self._libraries:
+                links.append(link)
             link = link[0]
         base: _Base | None = link
         inherited = base.inherited if base is not None else ()
         frames: list[Frame] = []
+        entries = StateEntries()
         python: FrameType | None = _getframe(1)
         for position, (_, record, activation) in enumerate(links):
             frame, called = _find(python, record.code)
             if frame is not None:
                 site = _site(called or frame)
+                entries.passed(python, frame, record.ref.name)
                 python = frame.f_back
             else:
                 # It returned, or waits: a context was copied without `capture`.
                 site = (record.line, 0)
+                entries.unknown()
             is_root = position == len(links) - 1 and not inherited
             root = (base.kind if base is not None else _bare_root()) if is_root else None
             frames.append(Frame(record.ref, record.line, activation, site, root))
+        known = next((each.instance for each in reversed(inherited) if each.instance), None)
+        labels = entries.labels(known)
+        frames = [
+            each if label is None else replace(each, instance=label)
+            for each, label in zip(frames, labels, strict=True)
+        ]
         return (*inherited, *reversed(frames))
 
 

@@ -31,6 +31,7 @@ from tracerisk.adder.renames import base_with_names, follow_renames
 from tracerisk.adder.values import component_fields
 from tracerisk.config import Settings, controller_root, read_settings
 from tracerisk.errors import ExitCode, InputError, Location, TraceRiskError
+from tracerisk.instance_name import places
 from tracerisk.pipeline.controller import Controller, load_controller
 from tracerisk.pipeline.freshness import RunInputs, stale_reasons, values_reasons
 from tracerisk.pipeline.kept_verdict import block_lines, kept_verdict
@@ -403,10 +404,10 @@ def _missing(
     if not lost:
         return
     tree = parse_python(source.source, source.shown).tree
-    lines = {each.name: each.line for each in definitions(tree)}
+    lines = [(MODULE, 1), *((each.name, each.line) for each in definitions(tree))]
     for name in lost:
-        if name in lines or name == "<module>":
-            place = Location(source.shown, lines.get(QualifiedName(name), 1))
+        if found := places(name, lines):
+            place = Location(source.shown, found[-1])
             yield CheckFinding("missing", f"the risk block of {name} is gone", place, name)
 
 
@@ -528,9 +529,9 @@ def function_place(controller: Controller, function: FunctionRef) -> Location | 
         tree = parse_python(controller.source_of(function.file), shown).tree
     except TraceRiskError:
         return None
-    lines = {MODULE: 1, **{each.name: each.line for each in definitions(tree)}}
-    line = lines.get(function.name)
-    return None if line is None else Location(shown, line)
+    lines = [(MODULE, 1), *((each.name, each.line) for each in definitions(tree))]
+    found = places(function.name, lines)
+    return Location(shown, found[-1]) if found else None
 
 
 def _over_threshold(

@@ -30,6 +30,8 @@ from tracerisk.pipeline.entry_point import find_entry_point
 from tracerisk.pipeline.launch.around import ParametersAround
 from tracerisk.pipeline.launch.program import shown
 from tracerisk.pipeline.launch.records import NOTHING_LAUNCHED
+from tracerisk.pipeline.libraries import Libraries
+from tracerisk.pipeline.missing_modules import MissingModules
 from tracerisk.pipeline.run_files import (
     ELSEWHERE,
     ENTRY,
@@ -210,8 +212,11 @@ def _run_recorded(
         runtime.client(SensorReading).finish()
         watch.run_over(cause)
 
-    end = ControllerEnd(recorder, twin, root, request.memory_limit_mb, run_over, needs.judge)
     stand_ins = StandInFinder(interfaces)
+    missing = MissingModules(script, root, stand_ins.provides)
+    end = ControllerEnd(
+        recorder, twin, root, request.memory_limit_mb, run_over, needs.judge, missing
+    )
     kinds = stand_ins.provides.items()
     libraries = {name for name, kind in kinds if kind.startswith("library")} - VENDOR_LIBRARIES
     imports = ControllerFinder(
@@ -221,6 +226,7 @@ def _run_recorded(
         reserved=libraries,
         shared=set(stand_ins.provides) - libraries - VENDOR_LIBRARIES,
         elsewhere=lambda name: _found_elsewhere(name, workspace, root, recorder),
+        is_library=Libraries(script, root, request.states).holds,
     )
     entry = find_entry_point(script, script.read_bytes(), root)
     with (

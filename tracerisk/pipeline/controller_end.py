@@ -15,7 +15,9 @@ from pathlib import Path
 from types import FrameType, TracebackType
 
 from tracerisk.errors import Location, SourceError, UnsafeRewriteError
+from tracerisk.instrument.python_2 import METHODS, NAMES
 from tracerisk.instrument.recording import Recorder
+from tracerisk.pipeline.missing_modules import MissingModules
 from tracerisk.pipeline.run_files import NEEDS, SCENARIO
 from tracerisk.pipeline.unmet_needs import JudgedEnd
 from tracerisk.ros.controller_frames import is_library
@@ -30,7 +32,7 @@ class ControllerEnd:
     """Tells the recording how the run of the controller below `root` ended, once.
 
     `judge` tells what the end is in the light of what the controller lacked, and `run_over` is
-    told the cause before it is recorded.
+    told the cause before it is recorded. `missing` tells of modules that are not there.
     """
 
     def __init__(
@@ -41,8 +43,10 @@ class ControllerEnd:
         memory_limit_mb: int,
         run_over: Callable[[str], None] = lambda _: None,
         judge: Callable[[EndCause, str, Location | None], JudgedEnd] = JudgedEnd,
+        missing: MissingModules | None = None,
     ) -> None:
         self._judge = judge
+        self._missing = missing
         self._run_over = run_over
         self._recorder = recorder
         self._twin = twin
@@ -114,7 +118,11 @@ class ControllerEnd:
 
     def _raised(self, error: BaseException) -> None:
         if isinstance(error, ModuleNotFoundError):
-            self._tell("not_importable", _missing(error), self._place_of(error))
+            self._tell("not_importable", self._not_there(error), self._place_of(error))
+            return
+        hint = self._python_2(error)
+        if hint is not None:
+            self._tell("not_importable", hint, self._place_of(error))
             return
         if isinstance(error, SyntaxError) and self._is_controllers(error.filename or ""):
             place = Location(self._below_root(error.filename or ""), error.lineno, error.offset)
@@ -126,6 +134,23 @@ class ControllerEnd:
             return
         self._tell("raised", f"the controller raised {_one_text(error)}", self._place_of(error))
         _print_traceback(error)
+
+    def _not_there(self, error: ModuleNotFoundError) -> str:
+        """Say which modules are not there; of a part of a package, what the error says."""
+        name = error.name or ""
+        plain = f"No module named '{name}'"
+        if self._missing is None or not str(error).startswith(plain):
+            return str(error)
+        parent, _, _ = name.partition(".")
+        if parent != name and parent in sys.modules:
+            return str(error)
+        return self._missing.told(name)
+
+    def _python_2(self, error: BaseException) -> str | None:
+        """Return the hint where a name is missing that only Python 2 has."""
+        if self._missing is None or not isinstance(error, NameError | AttributeError):
+            return None
+        return self._missing.python_2() if error.name in NAMES | METHODS else None
 
     def _exited_at_once(self, code: int, frame: FrameType | None) -> None:
         while frame is not None and not self._is_controllers(frame.f_code.co_filename):
@@ -200,16 +225,6 @@ class ControllerEnd:
 
     def _below_root(self, file: str) -> str:
         return Path(file).relative_to(self._root).as_posix()
-
-
-def _missing(error: ModuleNotFoundError) -> str:
-    message = str(error)
-    if error.name is not None and message == f"No module named '{error.name}'":
-        return (
-            f"{message}: put it beside the controller, or install it in the environment in which "
-            "tracerisk runs"
-        )
-    return message
 
 
 def _one_text(error: BaseException) -> str:

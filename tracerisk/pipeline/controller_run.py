@@ -97,6 +97,7 @@ def run_controller(
             root=str(controller.root.resolve()),
             folder=str(folder),
             argv=settings.args if launch is None else launch.argv(settings.args),
+            states=settings.states,
             answers=settings.answers,
             scene=scene,
             scenario=settings.scenario,

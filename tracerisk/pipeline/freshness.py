@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -19,12 +19,14 @@ from tracerisk.errors import InputError, Location
 from tracerisk.hardware.source_files import source_files
 from tracerisk.pipeline.code_digest import code_digest
 from tracerisk.pipeline.controller import Controller
+from tracerisk.pipeline.libraries import Libraries
 from tracerisk.trace import Trace
 
 GONE = "gone"
 """What stands for the digest of a file that was looked for and is not there."""
 
 _SOURCES, _FILES, _SETTINGS, _GIVEN, _HARDWARE = "sources", "files", "settings", "given", "hardware"
+_LIBRARIES = "libraries"
 # Settings that change neither a run nor its values: how long it may take, what is demanded of it.
 _LIMITS = frozenset(
     {
@@ -44,6 +46,8 @@ class RunInputs:
     those of them that came from the command line.
     `sources` and `files` map paths from the root to digests. `hardware` is a digest of the
     description; it changes values, not the trace, and is no part of the fingerprint.
+    `libraries` are those of the sources that are library code, sorted: their functions are no
+    steps.
     """
 
     settings: Mapping[str, Any] = field(default_factory=dict)
@@ -51,23 +55,29 @@ class RunInputs:
     sources: Mapping[str, str] = field(default_factory=dict)
     files: Mapping[str, str] = field(default_factory=dict)
     hardware: str = ""
+    libraries: tuple[str, ...] = ()
 
     @property
     def fingerprint(self) -> str:
         """A digest of all that a run depends on."""
         run = {name: value for name, value in self.settings.items() if name not in _OF_VALUES}
-        parts = [run, dict(self.sources), dict(self.files)]
+        parts: list[Any] = [run, dict(self.sources), dict(self.files)]
+        if self.libraries:
+            parts.append(list(self.libraries))
         return _digest(json.dumps(parts, sort_keys=True).encode())
 
     def data(self) -> dict[str, Any]:
         """Return what the lock keeps."""
-        return {
+        data: dict[str, Any] = {
             _FILES: dict(self.files),
             _GIVEN: dict(self.given),
             _HARDWARE: self.hardware,
             _SETTINGS: dict(self.settings),
             _SOURCES: dict(self.sources),
         }
+        if self.libraries:
+            data[_LIBRARIES] = list(self.libraries)
+        return data
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> RunInputs:
@@ -83,6 +93,7 @@ class RunInputs:
             table(_SOURCES),
             table(_FILES),
             str(data.get(_HARDWARE, "")),
+            tuple(map(str, data.get(_LIBRARIES, ()))),
         )
 
 
@@ -115,6 +126,7 @@ def run_inputs(
         sources={file: code_digest(controller.source_of(file)) for file in sorted(sources)},
         files={file: file_digest(root / file) for file in sorted(listed - sources)},
         hardware=hardware_digest(settings),
+        libraries=_libraries(controller, settings, sources),
     )
 
 
@@ -168,6 +180,7 @@ def stale_reasons(
         *_settings_reasons(recorded.settings, settings_data(settings, root)),
         *_changed(recorded.sources, lambda file: _code_now(controller, file)),
         *_changed(recorded.files, lambda file: file_digest(root / file)),
+        *_library_reasons(recorded, _libraries(controller, settings, recorded.sources)),
     )
 
 
@@ -197,6 +210,23 @@ def _changed(recorded: Mapping[str, str], now: Callable[[str], str]) -> Iterable
         if found != digest:
             verb = {GONE: "is gone"}.get(found, "is there now" if digest == GONE else "has changed")
             yield f"{file} {verb}"
+
+
+def _libraries(
+    controller: Controller, settings: Settings, sources: Iterable[str]
+) -> tuple[str, ...]:
+    """Return which of the sources of a run are library code now; one that is gone is none."""
+    libraries = Libraries(controller.path, controller.root, settings.states)
+    paths = ((file, controller.path_of(file)) for file in sorted(sources))
+    return tuple(file for file, path in paths if path.is_file() and libraries.holds(path))
+
+
+def _library_reasons(recorded: RunInputs, now: Collection[str]) -> Iterable[str]:
+    for file in sorted({*recorded.libraries} ^ {*now}):
+        if file in now:
+            yield f"{file} is library code now: its functions are no steps any more"
+        elif file in recorded.sources:
+            yield f"{file} is no library code any more: its functions may be steps"
 
 
 def _code_now(controller: Controller, file: str) -> str:

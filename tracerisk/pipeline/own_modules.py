@@ -64,17 +64,17 @@ def _imported(tree: ast.Module | None, file: Path, bases: tuple[Path, ...]) -> I
     for node in ast.walk(tree) if tree is not None else ():
         if isinstance(node, ast.Import):
             for alias in node.names:
-                yield from _files(alias.name.split("."), bases)
+                yield from module_files(alias.name.split("."), bases)
         elif isinstance(node, ast.ImportFrom):
             start = (node.module or "").split(".") if node.module else []
             above = tuple(file.parents)[: node.level]
             where = bases if not node.level else above[-1:]
-            yield from _files(start, where)
+            yield from module_files(start, where)
             for alias in node.names:
-                yield from _files([*start, alias.name], where)
+                yield from module_files([*start, alias.name], where)
 
 
-def _files(parts: list[str], bases: tuple[Path, ...]) -> Iterator[Path]:
+def module_files(parts: list[str], bases: tuple[Path, ...]) -> Iterator[Path]:
     """Yield the files that are run where a module is imported: those of its packages, and its."""
     for base in bases:
         files = [base.joinpath(*parts[: n + 1], "__init__.py") for n in range(len(parts))]

@@ -81,13 +81,15 @@ class RunRequest:
     `argv` holds what `launch` adds to it; `launch_notes` are the lines that tell of `launch`.
     `reads_around` says that other launch files of the workspace may give parameters too.
     `companions` are started beside the controller. `drivers` are files that describe drivers.
-    `drafts_all`: what a scenario could say for every need is noted.
+    `drafts_all`: what a scenario could say for every need is noted. `states` are the steps that
+    settings name.
     """
 
     controller: str
     root: str
     folder: str
     argv: tuple[str, ...]
+    states: tuple[str, ...]
     answers: tuple[str, ...]
     scene: str
     scenario: str | None
@@ -111,7 +113,7 @@ class RunRequest:
     def loads(cls, text: str) -> RunRequest:
         """Read what `dumps` wrote."""
         data = json.loads(text)
-        names = ("argv", "answers", "params", "drivers", "launch_notes")
+        names = ("argv", "states", "answers", "params", "drivers", "launch_notes")
         lists = {name: tuple(data[name]) for name in names}
         launch = None if data["launch"] is None else LaunchSetup.from_json(data["launch"])
         companions = tuple(Companion.from_json(each) for each in data["companions"])

@@ -19,6 +19,7 @@ from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
 from tracerisk.instrument.source import MODULE_NAME
 from tracerisk.instrument.tracer import Site
+from tracerisk.pipeline.libraries import Libraries
 from tracerisk.pipeline.run_contacts import collisions, with_contacts
 from tracerisk.pipeline.run_files import ELSEWHERE, ENTRY, LAUNCH
 from tracerisk.pipeline.run_verdict import placed_findings, run_verdict
@@ -79,7 +80,8 @@ def make_trace(
         active, visits, contacts = with_contacts(
             folder, robot, elements, attribution, activity, samples, active, visits
         )
-    coverage = _coverage(controller, recording)
+    libraries = Libraries(controller.path, controller.root, settings.states)
+    coverage = _coverage(controller, recording, libraries)
     found = _findings(recording, attribution, collisions(robot, attribution, visits))
     findings = placed_findings(found, controller)
     verdict, more = run_verdict(
@@ -169,25 +171,28 @@ def _files(controller: Controller, recording: Recording) -> tuple[str, ...]:
     return tuple(sorted({site.ref.file for site in recording.functions_ran} | {controller.file}))
 
 
-def _coverage(controller: Controller, recording: Recording) -> Coverage:
-    """Return which of the functions that can command hardware ran."""
+def _coverage(controller: Controller, recording: Recording, libraries: Libraries) -> Coverage:
+    """Return which of the functions that can command hardware ran; a library's do not count."""
     sites: dict[str, set[Site]] = {}
     for command in recording.commands:
         innermost = command.stack[-1]
         sites.setdefault(innermost.function.file, set()).add(innermost.site)
     graphs, motion = [], set(MOTION_CALLS)
-    for file in _files(controller, recording):
+    files = _files(controller, recording)
+    own = {file for file in files if not libraries.holds(controller.root / file)}
+    for file in files:
         source = controller.source_of(file)
         with contextlib.suppress(UnsafeRewriteError):
             graphs.append(call_graph(source, file))
         motion |= calls_at(source, sites.get(file, ()))
     graph = CallGraph.joined(graphs)
-    never_ran = uncovered(graph, motion, {site.ref for site in recording.functions_ran})
+    ran = {site.ref for site in recording.functions_ran}
+    never_ran = tuple(each for each in uncovered(graph, motion, ran) if each.ref.file in own)
     # What the run has seen to command counts, however it came to.
     seen = {frame.function for command in recording.commands for frame in command.stack[:-1]}
     issuers = {command.stack[-1].function for command in recording.commands}
     reaching = {each.ref for each in motion_reaching(graph, motion)} | seen
-    able = {ref for ref in reaching if ref.name != MODULE_NAME} | issuers
+    able = {ref for ref in reaching if ref.name != MODULE_NAME and ref.file in own} | issuers
     return Coverage(len(able) - len(never_ran), len(able), never_ran)
 
 

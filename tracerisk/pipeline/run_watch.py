@@ -6,6 +6,7 @@ See docs/theory.md#when-a-run-ends.
 from __future__ import annotations
 
 from _thread import get_ident
+from bisect import bisect
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -245,15 +246,20 @@ def _cycle_start(past: Sequence[_Iteration]) -> tuple[int, int] | None:
     A goal must have been reached in each. Cycles of the same ways that lead elsewhere each time,
     to places drawn at random say, are taken as equal when very many of them have come.
     """
+    # Asked at each iteration of a loop that may do nothing else: what is quickly told comes first.
+    reached = [number for number, each in enumerate(past) if each.has_reached]
+    if len(reached) < CYCLES_SEEN:
+        return None
     for length in range(1, min(len(past) // CYCLES_SEEN, _LONGEST_CYCLE) + 1):
         for seen, is_same in ((CYCLES_SEEN, _is_same_cycle), (_CYCLES_ELSEWHERE, _has_same_ways)):
             start = len(past) - seen * length
             if start < 0:
                 continue
-            cycles = [past[at : at + length] for at in range(start, len(past), length)]
-            if all(is_same(each, cycles[0]) for each in cycles[1:]) and all(
-                any(each.has_reached for each in cycle) for cycle in cycles
-            ):
+            at = range(start, len(past), length)
+            if any(bisect(reached, each - 1) == bisect(reached, each + length - 1) for each in at):
+                continue
+            cycles = [past[each : each + length] for each in at]
+            if all(is_same(each, cycles[0]) for each in cycles[1:]):
                 return start, seen
     return None
 

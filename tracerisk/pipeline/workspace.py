@@ -12,8 +12,8 @@ from pathlib import Path
 PACKAGE_FILE = "package.xml"
 _INTERFACES = ("msg", "srv", "action")
 _IGNORED_MARKS = ("COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE")
-_NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
-_TESTS = frozenset({"test", "tests"})
+NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
+TESTS = frozenset({"test", "tests"})
 _UPWARDS = 4
 _DEEPEST = 5
 _SOURCES = "src"  # where a workspace keeps its packages
@@ -61,7 +61,7 @@ class Workspace:
         folders = [*self.packages.items(), *((folder.name, folder) for folder in self.import_paths)]
         for name, folder in folders:
             for each in sorted(folder.iterdir()):
-                is_python = (each / "__init__.py").is_file() and each.name not in _TESTS
+                is_python = (each / "__init__.py").is_file() and each.name not in TESTS
                 if is_python or (each.name == name and any(each.glob("*.py"))):
                     found.setdefault(each.name, folder)
         return found
@@ -88,7 +88,7 @@ def _modules_named(name: str, top: Path) -> Iterator[Path]:
         folders[:] = sorted(
             each
             for each in folders
-            if not each.startswith(".") and each not in _NOT_SEARCHED and each not in _TESTS
+            if not each.startswith(".") and each not in NOT_SEARCHED and each not in TESTS
         )
 
 
@@ -220,7 +220,7 @@ def _packages_below(top: Path, deepest: int = _DEEPEST) -> Iterator[Path]:
                 for entry in listed
                 if entry.is_dir(follow_symlinks=False)
                 and not entry.name.startswith(".")
-                and entry.name not in _NOT_SEARCHED
+                and entry.name not in NOT_SEARCHED
             ]
 
 

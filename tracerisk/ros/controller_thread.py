@@ -107,6 +107,8 @@ class ControllerThread:
     is_undisturbed: bool = False
     calls: int = 0
     calls_ns: int = -1
+    waits: int = 0
+    """How often it has slept or waited for something, and not only looked at the clock."""
     raises: int = 0
     interrupt: BaseException | None = None
     process: NodeProcess | None = None

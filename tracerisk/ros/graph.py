@@ -20,6 +20,7 @@ from tracerisk.ros.names import ANY_TYPE
 from tracerisk.ros.needs import Missed, Need, asking_place
 from tracerisk.ros.node_process import NodeProcess
 from tracerisk.ros.parameters import ParameterTree
+from tracerisk.ros.publishing_pace import PublishingPace
 from tracerisk.ros.virtual_time import CallTracer, Scheduler
 
 _OF_TF2 = "tf2_msgs/FrameGraph"  # served by every buffer, for tools
@@ -52,6 +53,7 @@ class Publication:
     sent: int = 0
     closed: bool = False
     on_received: Callable[[Subscription], None] | None = None
+    pace: PublishingPace = field(default_factory=PublishingPace)
 
     @property
     def subscriptions(self) -> tuple[Subscription, ...]:
@@ -70,6 +72,7 @@ class Publication:
         scheduler = self.graph.scheduler
         scheduler.count_call()
         scheduler.raise_if_over()
+        self.pace.keep(scheduler)
         receivers = self.subscriptions if only is None else (only,)
         if not receivers:
             self.graph._unheard.setdefault(self.topic, self)

@@ -162,7 +162,6 @@ class ParameterTree:
 
     def names(self) -> list[str]:
         """Return the global names of all values, sorted."""
-        self.ask(names.SEP)
         return sorted(_leaves("", self._root))
 
 

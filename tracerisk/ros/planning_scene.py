@@ -70,6 +70,19 @@ class PlanningScene:
         self.changed()
         return True
 
+    def cannot_remove(self, name: str) -> str | None:
+        """Say why a removal of an object does not do what it asks, `None` where it does.
+
+        What is not there needs no removal: programs clear the scene of what they are to add.
+        """
+        attached = self.attached.get(name)
+        if attached is None or name in self.world:
+            return None
+        return (
+            f"object '{name}' cannot be removed from the world: it is attached to link "
+            f"'{attached.link}'; detach it first"
+        )
+
     def attach(self, name: str, link: str, world_in_link: Pose, touch_links: Sequence[str]) -> None:
         """Attach an object of the world to a link, in whose frame the world is given."""
         item = self.world.pop(name)

@@ -101,7 +101,10 @@ class SceneChanges:
         """Apply a CollisionObject: add, append, move or remove; tell whether it was done."""
         scene, operation = self.scene, _number(message.operation)
         if operation == _REMOVE:
-            return scene.remove(message.id) or self._unknown(message.id, "removed")
+            told = scene.cannot_remove(message.id)
+            if told is not None:
+                self._tell(told)
+            return scene.remove(message.id)
         place = self._placed(message)
         if place is None:
             return False

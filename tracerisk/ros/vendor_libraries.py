@@ -6,11 +6,15 @@ the environment has it. The stand-in serves only where neither has.
 
 from __future__ import annotations
 
+import csv
 import re
 import sys
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import lru_cache
 from importlib.machinery import PathFinder
+from pathlib import Path
 
 VENDOR_LIBRARIES = frozenset(
     {
@@ -23,6 +27,8 @@ VENDOR_LIBRARIES = frozenset(
         "pymoveit2",
         "ros2_numpy",
         "ros_numpy",
+        "smach",
+        "smach_ros",
     }
 )
 """The stand-ins that give way to a module of the same name, by their top names."""
@@ -69,6 +75,7 @@ _ROS_LIKE = re.compile(
     r"|image_geometry|laser_geometry|message_filters|dynamic_reconfigure|pluginlib|rospkg|std_srvs"
     r"|smach(_ros)?|py_trees(_ros)?|urdf_parser_py|kdl_parser_py|sensor_msgs_py|pymoveit2"
 )
+_MODULES = Path(__file__).parent / "data" / "modules.csv"
 _MESSAGES = re.compile(r"\w+_(msgs|srvs|interfaces|actions)")
 
 
@@ -82,23 +89,56 @@ def is_installed(name: str) -> bool:
     return spec is not None and spec.origin is not None
 
 
+@dataclass(frozen=True, slots=True)
+class Remedy:
+    """What to do about a module that nobody has: in words, or what to install."""
+
+    words: str
+    distribution: str | None = None
+
+
+def remedy(name: str, provided: Collection[str]) -> Remedy:
+    """Return what to do about a top-level module that nobody has.
+
+    `provided` are the names that have stand-ins.
+    """
+    if name in _HARDWARE:
+        return Remedy(
+            f"it speaks to {_HARDWARE[name]}, past ROS, and tracerisk simulates robots behind "
+            "ROS only; command the arm through its ROS driver"
+        )
+    distribution = distributions().get(name)
+    if distribution is not None:
+        return Remedy("", distribution)
+    if _ROS_LIKE.fullmatch(name):
+        near = get_close_matches(name, provided, n=1)
+        hint = f"(did you mean '{near[0]}'?) " if near else ""
+        wanted = "its definitions" if _MESSAGES.fullmatch(name) else "its sources"
+        return Remedy(
+            f"{hint}it looks like a ROS package, which is neither in the controller's workspace "
+            f"nor served by tracerisk; put {wanted} into the workspace, in a folder with a "
+            "package.xml"
+        )
+    return Remedy(
+        "put it beside the controller, or install it in the environment in which tracerisk runs"
+    )
+
+
+@lru_cache(maxsize=1)
+def distributions() -> Mapping[str, str]:
+    """Return the distribution on the package index that provides each module, where it is known.
+
+    The table is made of the distributions' own metadata, by `benchmarks/module_table.py`.
+    """
+    with _MODULES.open(encoding="utf-8", newline="") as stream:
+        return {row["module"]: row["distribution"] for row in csv.DictReader(stream)}
+
+
 def missing_module(name: str, provided: Collection[str]) -> str | None:
     """Return what to say of a top-level module that nobody has, None for what is not ROS's.
 
     `provided` are the names that have stand-ins.
     """
-    if name in _HARDWARE:
-        return (
-            f"No module named '{name}': it speaks to {_HARDWARE[name]}, past ROS, and tracerisk "
-            "simulates robots behind ROS only; command the arm through its ROS driver"
-        )
-    if not _ROS_LIKE.fullmatch(name):
+    if name not in _HARDWARE and (_ROS_LIKE.fullmatch(name) is None or name in distributions()):
         return None
-    near = get_close_matches(name, provided, n=1)
-    hint = f" (did you mean '{near[0]}'?)" if near else ""
-    wanted = "its definitions" if _MESSAGES.fullmatch(name) else "its sources"
-    return (
-        f"No module named '{name}'{hint}: it looks like a ROS package, which is neither in the "
-        f"controller's workspace nor served by tracerisk; put {wanted} into the workspace, in a "
-        "folder with a package.xml"
-    )
+    return f"No module named '{name}': {remedy(name, provided).words}"

@@ -230,10 +230,20 @@ class Scheduler:
         Raises:
             RunOver: the run is over.
         """
+        thread = self._require_current()
         if duration_ns <= 0:
             self.touch()
-        thread = self._require_current()
+        else:
+            thread.waits += 1
         self._block(thread, None, self._now_ns + max(duration_ns, 0), "time to pass")
+
+    def pass_until(self, time_ns: int) -> None:
+        """Let the time pass that a call takes which is no wait of the controller's.
+
+        Raises:
+            RunOver: the run is over.
+        """
+        self._block(self._require_current(), None, time_ns, "a call to return")
 
     def wait_until(
         self,
@@ -270,6 +280,7 @@ class Scheduler:
         if self._kernel_depth:
             raise RuntimeError(f"a kernel event cannot wait for {reason}")
         deadline_ns = None if timeout_ns is None else self._now_ns + timeout_ns
+        thread.waits += 1
         is_met = self._block(thread, predicate, deadline_ns, reason, kind, on)
         if need is not None:
             if is_met:

@@ -307,8 +307,10 @@ class PlanningSceneInterface:
     def _apply(self, message: Any) -> None:
         scene = self._server.scene
         if message.operation == CollisionObject.REMOVE:
-            if not scene.remove(message.id):
-                self._tell_unknown(message.id, scene.world, "removed")
+            told = scene.cannot_remove(message.id)
+            if told is not None:
+                self._server.execution.tell("planning_scene", told, object_name=message.id)
+            scene.remove(message.id)
         elif message.operation == CollisionObject.MOVE:
             if not scene.move(message.id, self._placed(message)):
                 self._tell_unknown(message.id, scene.world, "moved")

@@ -222,7 +222,9 @@ def get_param_cached(param_name: str, default: Any = _UNSPECIFIED) -> Any:
 
 def get_param_names() -> list[str]:
     """Return the names of all parameters."""
-    return node().graph.parameters.names()
+    parameters = node().graph.parameters
+    parameters.ask("/")
+    return parameters.names()
 
 
 def set_param(param_name: str, param_value: Any) -> None:

@@ -1,0 +1,223 @@
+"""Library code of the same repository: its functions are helpers, as an installed library's are."""
+
+from __future__ import annotations
+
+import pytest
+
+from tracerisk.pipeline.libraries import Libraries
+
+LIBRARY = """\
+import threading
+import rospy
+
+
+class Arm:
+    def __init__(self, group):
+        self.group = group
+
+    def turn(self, shift):
+        joints = self.group.get_current_joint_values()
+        joints[0] += shift
+        self._send(joints)
+
+    def _send(self, joints):
+        self.group.go(joints, wait=True)
+
+    def turn_in_thread(self, shift):
+        thread = threading.Thread(target=self.turn, args=(shift,))
+        thread.start()
+        thread.join()
+
+    def turn_by(self, shift, doing):
+        doing(self.group.get_current_joint_values(), shift)
+
+    def never(self):
+        self.group.go()
+"""
+PROGRAM = """\
+#!/usr/bin/env python3
+import sys
+import moveit_commander, rospy
+from arm_library.arm import Arm
+
+
+def pick(arm):
+    arm.turn(0.1)
+
+
+def place(arm):
+    arm.turn_in_thread(-0.1)
+
+
+def wave(arm):
+    def doing(joints, shift):
+        joints[1] += shift
+        arm.group.go(joints, wait=True)
+
+    arm.turn_by(0.1, doing)
+
+
+def main():
+    moveit_commander.roscpp_initialize(sys.argv)
+    rospy.init_node("program")
+    group = moveit_commander.MoveGroupCommander("panda_arm")
+    group.set_max_velocity_scaling_factor(1.0)
+    arm = Arm(group)
+    pick(arm)
+    place(arm)
+    wave(arm)
+
+
+if __name__ == "__main__":
+    main()
+"""
+OTHER = "#!/usr/bin/env python3\nfrom arm_library.arm import Arm\nprint(Arm)\n"
+STEPS = ["pick", "place", "wave.<locals>.doing"]
+
+
+def names(outcome) -> list[str]:
+    return [each["ref"]["name"] for each in outcome.json["trace"]["functions"]]
+
+
+def write_project(example) -> None:
+    example.write("README.md", "")
+    example.write("package.xml", "<package><name>demo</name></package>\n")
+    example.write("scripts/program.py", PROGRAM)
+
+
+def test_steps_have_one_name_whether_a_library_is_installed_vendored_or_shared(
+    example_in, tmp_path
+):
+    project = example_in(tmp_path / "project")
+    write_project(project)
+
+    def run(**environment: str):
+        outcome = project.run(
+            "run", "scripts/program.py", "--json", "--fresh", environment=environment
+        )
+        assert outcome.code == 0, outcome.err
+        return outcome
+
+    library = project.folder / "arm_library"
+    project.write("arm_library/__init__.py", "")
+    project.write("arm_library/arm.py", LIBRARY)
+    project.write("scripts/other.py", OTHER)
+    found = {"shared": run()}
+    (project.folder / "scripts/other.py").unlink()
+    project.write("arm_library/setup.py", "")
+    found["package"] = run()
+    (library / "setup.py").unlink()
+    (project.folder / "vendor").mkdir()
+    library.rename(project.folder / "vendor" / "arm_library")
+    found["vendored"] = run()
+    (project.folder / "vendor").rename(tmp_path / "site")
+    found["installed"] = run(PYTHONPATH=str(tmp_path / "site"))
+
+    for where, outcome in found.items():
+        assert [state["name"] for state in outcome.json["model"]["states"]] == STEPS, where
+        covered = outcome.json["trace"]["verdict"]["coverage"]
+        assert covered["ran"] == covered["all"], (where, covered)
+    missions = [outcome.json["assessment"]["mission"] for outcome in found.values()]
+    assert all(mission == missions[0] for mission in missions)
+
+
+def test_a_second_program_makes_a_module_a_library_and_its_blocks_stale(example):
+    write_project(example)
+    example.write("arm_library/__init__.py", "")
+    example.write("arm_library/arm.py", LIBRARY)
+    before = example.run("run", "scripts/program.py", "--json")
+    assert before.code == 0, before.err
+    assert b"RiskAnnotation" in example.read("arm_library/arm.py")
+    assert example.run("check", "scripts/program.py").code == 0
+    example.write("scripts/other.py", OTHER)
+    stale = example.run("check", "scripts/program.py")
+    assert stale.code == 1
+    assert "arm_library/arm.py is library code now" in stale.out + stale.err
+    after = example.run("run", "scripts/program.py", "--json")
+    assert after.code == 0, after.err
+    assert names(after) == STEPS
+    assert b"RiskAnnotation" not in example.read("arm_library/arm.py")
+    assert example.run("check", "scripts/program.py").code == 0
+    (example.folder / "scripts/other.py").unlink()
+    stale = example.run("check", "scripts/program.py")
+    assert "arm_library/arm.py is no library code any more" in stale.out + stale.err
+    risks = [
+        outcome.json["assessment"]["mission"]["failure_probability"] for outcome in (before, after)
+    ]
+    assert risks[0] == pytest.approx(risks[1], rel=0.01)
+
+
+def test_a_function_of_a_library_that_settings_name_is_a_step(example):
+    write_project(example)
+    example.write("arm_library/__init__.py", "")
+    example.write("arm_library/arm.py", LIBRARY)
+    example.write("scripts/other.py", OTHER)
+    example.write("pyproject.toml", '[tool.tracerisk]\nstates = ["Arm.turn"]\n')
+    outcome = example.run("run", "scripts/program.py", "--json")
+    assert outcome.code == 0, outcome.err
+    assert "Arm.turn" in names(outcome)
+
+
+FILES = {
+    "package.xml": "<package><name>demo</name></package>\n",
+    "README.md": "",
+    "demo/__init__.py": "",
+    "demo/main.py": "from . import steps, shared\nfrom .deep.tools import grip\nimport alone\n",
+    "demo/steps.py": "from demo import shared\nif __name__ == '__main__':\n    pass\n",
+    "demo/shared.py": "import demo.below\n",
+    "demo/below.py": "",
+    "demo/deep/__init__.py": "",
+    "demo/deep/tools.py": "",
+    "demo/other.py": "from .shared import (\n    a,\n    b,\n)\nmain()\n",
+    "demo/wider.py": "import demo.main\nimport alone\nif __name__ == '__main__':\n    pass\n",
+    "alone.py": "",
+    "tests/test_steps.py": "from demo.steps import x\nif __name__ == '__main__':\n    pass\n",
+    "nested/package.xml": "<package><name>nested</name></package>\n",
+    "nested/nested/__init__.py": "",
+    "third_party/kin/__init__.py": "",
+}
+LIBRARIES = {
+    "demo/shared.py": True,
+    "demo/below.py": True,
+    "alone.py": True,
+    "nested/nested/__init__.py": True,
+    "third_party/kin/__init__.py": True,
+    "demo/main.py": False,
+    # Of programs that it imports itself, that import it, and of tests.
+    "demo/steps.py": False,
+    "demo/deep/tools.py": False,
+}
+
+
+@pytest.mark.parametrize(("file", "is_library"), LIBRARIES.items())
+def test_what_another_program_imports_is_library_code(example, file, is_library):
+    for name, text in FILES.items():
+        example.write(name, text)
+    libraries = Libraries(example.folder / "demo/main.py", example.folder)
+    assert libraries.holds(example.folder / file) is is_library
+
+
+def test_a_script_without_an_ending_and_an_installed_command_are_programs(example):
+    for text, name in (("#!/usr/bin/env python3\n", "scripts/run"), ("", "demo/node.py")):
+        for each, content in FILES.items():
+            example.write(each, content)
+        (example.folder / "demo/other.py").unlink()
+        entry = "entry_points={'console_scripts': ['node = demo.node:start']}"
+        example.write("setup.py", entry if name.endswith(".py") else "")
+        path = example.write(name, f"{text}from demo import shared\n")
+        libraries = Libraries(example.folder / "demo/main.py", example.folder)
+        assert libraries.holds(example.folder / "demo/shared.py"), name
+        path.unlink()
+        libraries = Libraries(example.folder / "demo/main.py", example.folder)
+        assert not libraries.holds(example.folder / "demo/shared.py"), name
+
+
+def test_a_module_of_one_program_holds_its_steps(example):
+    write_project(example)
+    example.write("arm_library/__init__.py", "")
+    example.write("arm_library/arm.py", LIBRARY)
+    outcome = example.run("run", "scripts/program.py", "--json")
+    assert outcome.code == 0, outcome.err
+    assert "Arm.turn_in_thread" in names(outcome)
+    never = [each["ref"]["name"] for each in outcome.json["trace"]["uncovered"]]
+    assert never == ["Arm.never"]
