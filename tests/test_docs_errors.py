@@ -14,7 +14,7 @@ import pytest
 
 from tracerisk import errors
 from tracerisk.errors import ExitCode, TraceRiskError
-from tracerisk.pipeline.check import FindingKind
+from tracerisk.pipeline.check_finding import FindingKind
 from tracerisk.trace import GOOD_ENDS, EndCause, RunEnd
 
 TEXT = (Path(__file__).parents[1] / "docs" / "errors.md").read_text(encoding="utf-8")
