@@ -97,6 +97,8 @@ CHECKS: dict[str, tuple[tuple[str, str], str]] = {
     "over_threshold": (("", ""), "max_risk = 1e-9"),
     "unjustified": (PINNED, "require_reason = true"),
     "unknown": (("", ""), ""),
+    "gone": (("", ""), ""),
+    "unsolvable": (("next = done 1", "next := home 1"), ""),
 }
 
 # What the function `act` does after a motion (or what is done in its place), and the options.
@@ -181,6 +183,8 @@ def test_what_a_check_finds_is_told_so(code, call, tmp_path):
         put({"cell.py": CELL})
     else:
         edit(old, new)
+    if code == "gone":
+        Path("cell.py").unlink()
     if code == "unknown":
         Path("tracerisk.lock").unlink()
     exit_code, out = call("check cell.py")

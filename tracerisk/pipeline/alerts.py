@@ -92,7 +92,8 @@ def check_alerts(
 
 
 def review_alerts(review: Review, folder: Path) -> tuple[Alert, ...]:
-    """Return the alerts of a change: redundancy that it took, single points that it made.
+    """Return the alerts of a change: redundancy that it took, single points that it made, and
+    components that it leaves out by hand.
 
     `folder` is where the places of the review stand, the root of the repository.
     """
@@ -104,6 +105,9 @@ def review_alerts(review: Review, folder: Path) -> tuple[Alert, ...]:
             if field is None or place is None:
                 continue
             names = {"function": field.function, "component": change.component or ""}
+            if change.kind == "component_omitted":
+                file = _file(str(folder / place.file))
+                alerts.append(alert_at("omitted-component", change.summary, place, file, **names))
             for mark, rule in (
                 ("lost_redundancy", "lost-redundancy"),
                 ("single_point_of_failure", "single-point-of-failure"),
