@@ -14,7 +14,7 @@ import pytest
 
 from tracerisk import errors
 from tracerisk.errors import ExitCode, TraceRiskError
-from tracerisk.pipeline.check import FindingKind
+from tracerisk.pipeline.check_finding import FindingKind
 from tracerisk.trace import GOOD_ENDS, EndCause, RunEnd
 
 TEXT = (Path(__file__).parents[1] / "docs" / "errors.md").read_text(encoding="utf-8")
@@ -104,6 +104,8 @@ CHECKS: dict[str, tuple[tuple[str, str], str]] = {
     "over_threshold": (("", ""), "max_risk = 1e-9"),
     "unjustified": (PINNED, "require_reason = true"),
     "unknown": (("", ""), ""),
+    "gone": (("", ""), ""),
+    "unsolvable": (("next = done 1", "next := home 1"), ""),
 }
 
 # What the function `act` does after a motion (or what is done in its place), and the options.
@@ -188,6 +190,8 @@ def test_what_a_check_finds_is_told_so(code, call, tmp_path):
         put({"cell.py": CELL})
     else:
         edit(old, new)
+    if code == "gone":
+        Path("cell.py").unlink()
     if code == "unknown":
         Path("tracerisk.lock").unlink()
     exit_code, out = call("check cell.py")

@@ -351,9 +351,9 @@ BAD_BLOCKS = {
         "there is none",
     ),
     "bad computed value": (
-        "RiskAnnotation\n@Function {\n  name = f\n  callSequence := 1 ! computed one\n}",
+        "RiskAnnotation\n@Function {\n  name = f\n  callSequence := 1 ! computed 1x\n}",
         4,
-        "callSequence ! computed one is not allowed",
+        "callSequence ! computed 1x is not allowed",
     ),
     "mixed next": (
         "RiskAnnotation\n@Function {\n  name = f\n  callSequence = 1\n  next = g 1/2\n"
@@ -446,3 +446,21 @@ def test_a_group_hides_its_failures_until_the_mission_ends_unless_it_is_stated()
     assert read_redundancy("true, detected mission_start") == read_redundancy("true")
     assert read_redundancy("true").detected == "mission_start"
     assert read_redundancy("required 2, detected each_visit").detected == "each_visit"
+
+
+@pytest.mark.parametrize(
+    "reason",
+    ["computed by the supplier", "computed offline; FMEA-112", "computed", "computed none of it"],
+)
+def test_a_reason_may_begin_with_the_word_computed(read_block, reason):
+    text = f"RiskAnnotation\n@Function {{\n  name = f\n  callSequence := 2  ! {reason}\n}}"
+    rank = read_block(text).call_sequence
+    assert (rank.computed, rank.reason) == (None, reason)
+    again = read_block("\n".join(line[4:] for line in print_block(read_block(text))))
+    assert again.call_sequence.reason == reason
+
+
+def test_a_reason_behind_a_hash_is_told_where_it_goes(read_block):
+    text = "RiskAnnotation\n@Function {\n  name = f\n  callSequence := 2  # why, FMEA-1\n}"
+    with pytest.raises(BlockError, match="write `callSequence := 2  ! why, FMEA-1`"):
+        read_block(text)

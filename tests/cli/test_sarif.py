@@ -85,6 +85,22 @@ def test_diff_tells_of_redundancy_that_a_change_took(repository, steps):
     }
 
 
+def test_diff_tells_of_a_component_that_a_change_leaves_out(repository, steps):
+    repository.write("cell.py", steps)
+    repository.commit()
+    lines = steps.splitlines()
+    motor = next(i for i, line in enumerate(lines) if line.endswith("name = motor"))
+    lines[motor - 1] = lines[motor - 1].replace("@Component {", "@Component := omit {  ! why")
+    repository.write("cell.py", "\n".join(lines) + "\n")
+    outcome = repository.run("diff", "--sarif", "found.sarif")
+    assert outcome.code == 0, outcome.err
+    (alert,) = results_in(repository.folder, "found.sarif")
+    assert (alert["ruleId"], alert["level"]) == ("omitted-component", "warning")
+    place = alert["locations"][0]["physicalLocation"]
+    assert place["region"]["startLine"] == motor
+    assert alert["message"]["text"] == "motor in pick: left out by hand"
+
+
 @pytest.fixture(scope="module")
 def dead_branch(tmp_path_factory, example_in, quick):
     """One run of a controller with a branch that never runs."""

@@ -154,6 +154,42 @@ def test_a_block_that_is_gone_is_missing_and_comes_back(project):
     assert project.read("c.py").decode() == text
 
 
+def test_next_lines_that_are_gone_are_missing_and_come_back(project):
+    text = project.read("c.py").decode()
+    change(project, "c.py", re.search(r"    # \|   next = home.*\n", text)[0], "")
+    code, kinds, message = check(project)
+    assert (code, [kind for kind, _, _ in kinds]) == (1, ["missing"])
+    assert "the `next` lines of reach are gone" in message
+    assert project.run("refresh").code == 0
+    assert project.read("c.py").decode() == text
+
+
+def test_a_renamed_controller_keeps_its_pins_and_the_options_of_its_run(project):
+    text = project.read("c.py").decode()
+    value = re.search(r"probability = (\S+)", text)[1]
+    change(project, "c.py", f"probability = {value}", "probability := 2e-07  ! ; FMEA-112")
+    (project.folder / "c.py").rename(project.folder / "d.py")
+    outcome = project.run("refresh", "d.py")
+    assert outcome.code == 0, outcome.err
+    assert "c.py: forgotten" in outcome.err
+    assert f"probability := 2e-07  ! computed {value}; FMEA-112" in project.read("d.py").decode()
+    assert check(project)[:2] == (0, [])
+
+
+def test_a_component_omitted_by_its_name_stays_when_its_function_becomes_a_helper(project):
+    text = project.read("c.py").decode()
+    section = re.search(
+        r"    # \| @Component \{\n    # \|   name = (\S+)\n(?:    # \|   .*\n)+", text
+    )
+    short = f"    # | @Component := omit {{  ! why\n    # |   name = {section[1]}\n"
+    change(project, "c.py", section[0], short)
+    change(project, "pyproject.toml", "seed = 0", 'seed = 0\nhelpers = ["reach"]')
+    for _ in range(2):
+        assert project.run("refresh").code in (0, 1)
+        assert project.run("check").code in (0, 1)
+    assert short in project.read("c.py").decode()
+
+
 def test_a_renamed_function_keeps_its_block_and_the_pins_in_it(project):
     text = project.read("c.py").decode()
     value = re.search(r"probability = (\S+)", text)[1]

@@ -16,7 +16,9 @@ import pytest
 
 from tracerisk.cli import main
 from tracerisk.errors import InputError, TraceRiskError
-from tracerisk.pipeline.check import Checked, check_controllers, controllers_in
+from tracerisk.pipeline.check import check_controllers
+from tracerisk.pipeline.check_finding import Checked
+from tracerisk.pipeline.known_controllers import controllers_in
 
 STEPS = "def home(arm):\n    arm.go()\n\n\ndef place(arm):\n    arm.go()\n"
 LOG = """\

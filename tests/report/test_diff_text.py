@@ -23,7 +23,8 @@ def test_the_text_in_full(difference, review_of):
         text
         == """\
 cell.py: mission failure rises from 1.401e-07 to 2.028e-05 (x145), mostly
-through power in place: redundancy true -> false [edited by hand].
+through power in place: redundancy true -> false [edited by hand], 99 % of the
+rise.
 
 before: HEAD; after: working tree
 
@@ -122,6 +123,41 @@ def test_the_first_sentence_names_what_made_the_change_and_not_what_worked_again
     sentence = first_sentence(render_diff(review_of(difference(before, after))))
     assert "rises" in sentence
     assert "mostly through b in reach" in sentence
+
+
+def test_the_first_sentence_puts_a_cause_together_over_functions(difference, review_of):
+    before = {
+        "reach": ("grip 1", "motor = 1e-7; gripper = 1e-8"),
+        "grip": ("turn 1", "gripper = 2e-8"),
+        "turn": ("done 1", "gripper = 3e-8"),
+    }
+    after = {
+        "reach": ("grip 1", "motor = 2e-7; gripper := 1e-7 ! computed 1e-8"),
+        "grip": ("turn 1", "gripper := 1e-7 ! computed 2e-8"),
+        "turn": ("done 1", "gripper := 1e-7 ! computed 3e-8"),
+    }
+    diff = difference(before, after)
+    assert diff.changes[0].component == "motor"
+    sentence = first_sentence(render_diff(review_of(diff)))
+    # 24e-8 of 34e-8, where no single change makes more than the motor's 10e-8.
+    assert sentence.endswith("mostly through gripper in 3 functions [pin], 71 % of the rise.")
+    found = [(each.component, each.kinds, each.functions) for each in diff.causes]
+    assert found == [
+        ("gripper", ("pin",), ("grip", "reach", "turn")),
+        ("motor", ("edited by hand",), ("reach",)),
+    ]
+    assert diff.causes[0].contribution == pytest.approx(2.4e-7, rel=1e-6)
+
+
+def test_the_first_sentence_says_why_the_first_cycle_changes_by_another_ratio(
+    difference, review_of
+):
+    before = {"reach": ("reach 99/100, done 1/100", "power = 1e-4 of2; motor = 1e-8")}
+    after = {"reach": ("reach 99/100, done 1/100", "power = 1e-6 x2; motor = 1e-8")}
+    sentence = first_sentence(render_diff(review_of(difference(before, after))))
+    assert "the first cycle alone: x100, for all redundant units work when it begins" in sentence
+    alike = {"reach": ("reach 99/100, done 1/100", "power = 1e-6 x2; motor = 5e-8")}
+    assert "cycle" not in first_sentence(render_diff(review_of(difference(after, alike))))
 
 
 def test_changes_that_do_next_to_nothing_are_only_counted(difference, review_of, annotated_source):

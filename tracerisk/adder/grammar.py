@@ -32,6 +32,7 @@ DEFAULT_WIDTH = 79
 
 _SECTION = re.compile(r"@(?P<kind>\w*)\s*(?P<mark>:=\s*omit\b|:=)?\s*\{\s*(?P<rest>.*)")
 _ASSIGNMENT = re.compile(r"(?P<key>\w+)\s*(?P<operator>:?=)\s*(?P<rest>.*)")
+_IS_WORDS = re.compile(r"[^\W\d]")
 _CONFLICT = re.compile(r"(<{7}|>{7}|\|{7})( .*)?|={7}")
 _FUNCTION_KEYS = ("name", "callSequence", "next")
 _COMPONENT_KEYS = ("name", *(kind.key for kind in COMPONENT_KINDS))
@@ -300,9 +301,14 @@ class _Parser:
         return self._read(NEXT, first, ", ".join(texts), commented[0] if commented else [])
 
     def _read(self, kind: FieldKind, at: _Assignment, text: str, comment: list[str]) -> Field[Any]:
-        computed, reason = _split_comment(_joined(comment))
-        if computed not in (None, NOTHING_COMPUTED):
-            self._value(kind, at, str(computed), "! computed ")
+        joined = _joined(comment)
+        computed, reason = _split_comment(joined)
+        if computed is not None and computed != NOTHING_COMPUTED:
+            if _IS_WORDS.match(computed) and not _is_readable(kind, computed):
+                # A reason that begins with this word.
+                computed, reason = None, joined
+            else:
+                self._value(kind, at, computed, "! computed ")
         return Field(
             value=self._value(kind, at, text, "= "),
             text=text,
@@ -316,9 +322,20 @@ class _Parser:
         try:
             return kind.read(text)
         except ValueError as error:
-            raise self._error(
-                at.line, f"{kind.key} {before}{text} is not allowed; allowed: {error}"
-            ) from error
+            message = f"{kind.key} {before}{text} is not allowed; allowed: {error}"
+            value, mark, reason = text.partition("#")
+            if mark and _is_readable(kind, value.strip()):
+                told = f"{kind.key} := {value.strip()}  ! {reason.strip()}"
+                message = f"a reason stands behind `!` and not behind `#`; write `{told}`"
+            raise self._error(at.line, message) from error
+
+
+def _is_readable(kind: FieldKind, text: str) -> bool:
+    try:
+        kind.read(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _joined(comment: list[str]) -> str | None:

@@ -147,7 +147,7 @@ class _Merger:
         current, computed = self._current, self._computed
         if current.added:
             return self._by_hand()
-        if computed is None and self._base is None and not _is_pinned(current):
+        if computed is None and self._base is None and not has_pins(current):
             # Neither the lock knows the block nor does the tool compute it.
             self._report("added", current.name, current.location)
             return None if self._policy.edits == "discard" else replace(current, added=True)
@@ -162,7 +162,7 @@ class _Merger:
         following = self._next(values.get(NEXT.key))
         components = self._components()
         block = replace(current, call_sequence=call_sequence, next=following, components=components)
-        if computed is None and not _is_pinned(block):
+        if computed is None and not has_pins(block):
             return None
         return block
 
@@ -343,7 +343,8 @@ def _pinned(current: Field[Any], tool: Field[Any] | None) -> Field[Any]:
 
 
 def _tool_text(computed: Field[Any]) -> str | None:
-    return computed.computed if computed.pinned else computed.text
+    """Return the tool's text; `None` where it has none, as for an omitted component by name."""
+    return (computed.computed if computed.pinned else computed.text) or None
 
 
 def _beside(current: Field[Any], tool: Field[Any] | None) -> Field[Any]:
@@ -369,7 +370,7 @@ def _is_component_pinned(component: ComponentEntry) -> bool:
     )
 
 
-def _is_pinned(block: RiskBlock) -> bool:
+def has_pins(block: RiskBlock) -> bool:
     """Return whether anything in a block is a person's."""
     return (
         block.added

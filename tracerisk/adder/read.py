@@ -37,7 +37,10 @@ _ANY_BLOCK = re.compile(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component
 
 
 class MisplacedBlockError(BlockError):
-    """A block stands at another function than its `name` says: `owners` are what it may tell of."""
+    """A block stands at another function than its `name` says: `owners` are what it may tell of.
+
+    `is_by_hand`: it is given by hand, so that no lock knows it.
+    """
 
     def __init__(
         self,
@@ -45,8 +48,11 @@ class MisplacedBlockError(BlockError):
         location: Location,
         name: QualifiedName,
         owners: tuple[QualifiedName, ...],
+        *,
+        is_by_hand: bool,
     ) -> None:
         super().__init__(message, location)
+        self.is_by_hand = is_by_hand
         self.name = name
         self.owners = owners
 
@@ -242,6 +248,7 @@ def _placed(source: PythonSource, run: _Run, owners: tuple[_Owner, ...]) -> Iter
                 Location(source.file, start),
                 name,
                 allowed,
+                is_by_hand=block.added,
             )
         owner = named[0]
         yield PlacedBlock(block, name, owner.line, owner.place, start, after - 1)

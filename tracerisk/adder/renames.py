@@ -2,7 +2,8 @@
 
 A block stands in its function's body, so it moves with it; only the names in it stay behind. The
 lock knows the name under which a block was written: where no function has it any more, and the
-function that holds the block has another, that one was renamed.
+function that holds the block has another, that one was renamed. No lock knows a block given by
+hand: it is followed wherever no function has its name.
 """
 
 from __future__ import annotations
@@ -60,7 +61,8 @@ def _new_name(
     source: bytes, file: str, error: MisplacedBlockError, known: Collection[QualifiedName]
 ) -> QualifiedName | None:
     defined = {each.name for each in definitions(parse_python(source, file).tree)}
-    if error.name not in known or error.name in defined or len(error.owners) != 1:
+    is_known = error.name in known or error.is_by_hand
+    if not is_known or error.name in defined or len(error.owners) != 1:
         return None
     return error.owners[0]
 

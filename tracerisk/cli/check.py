@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 from tracerisk.cli import options as shared
 from tracerisk.cli.output import note, print_json, write_sarif
 from tracerisk.cli.verdict import verdict_json
+from tracerisk.cli.without_controllers import note_without_controllers
 from tracerisk.errors import ExitCode, InputError, TraceRiskError
 from tracerisk.trace import verdict_line
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.check import Checked
+    from tracerisk.pipeline.check_finding import Checked
     from tracerisk.trace import Verdict
 
 
@@ -43,16 +44,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.check import (
-        Checked,
-        CoverageLimits,
-        check_controllers,
-        controllers_in,
-        controllers_of,
-    )
+    from tracerisk.pipeline.check import check_controllers
+    from tracerisk.pipeline.check_finding import Checked
+    from tracerisk.pipeline.check_run import CoverageLimits
+    from tracerisk.pipeline.known_controllers import controllers_in, controllers_of
 
     if options.files:
         paths = controllers_of(options.files)
+        note_without_controllers(options)
     else:
         paths = controllers_in(Path())
         if not paths:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import options as shared
 from tracerisk.cli.output import note, print_diffs, print_json, progress_bar
 from tracerisk.cli.verdict import verdict_exit, verdict_json
+from tracerisk.cli.without_controllers import note_without_controllers
+from tracerisk.config import controller_root
 from tracerisk.errors import ExitCode, InputError, TraceRiskError
 from tracerisk.trace import verdict_line
 
@@ -31,16 +34,19 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.check import controllers_in, controllers_of
+    from tracerisk.pipeline.known_controllers import controllers_in, controllers_of
     from tracerisk.pipeline.refresh import refresh_controller
 
     paths = controllers_of(options.files) if options.files else controllers_in(Path())
     if not options.files and not paths:
         raise InputError("no tracerisk.lock in this folder knows a controller; name a FILE")
+    note_without_controllers(options)
     policy = shared.merge_policy(options)
     outcomes: list[dict[str, Any]] = []
     code = ExitCode.FINE
     for path in paths:
+        if not path.is_file():
+            continue
         try:
             with progress_bar(quiet=options.quiet) as progress:
                 done = refresh_controller(path, policy=policy, progress=progress)
@@ -65,9 +71,26 @@ def run(options: argparse.Namespace) -> int:
         state = "changed" if done.is_changed else "unchanged"
         note(f"{path}: {verdict_line(done.verdict)}", quiet=options.quiet)
         note(f"{path}: {state} ({done.reason})", quiet=options.quiet)
+    forgotten = _forget_gone(paths, options)
+    if forgotten and options.check:
+        code = max(code, ExitCode.WOULD_CHANGE)
     if options.json:
-        print_json("refresh", exit_code=int(code), controllers=outcomes)
+        print_json("refresh", exit_code=int(code), controllers=outcomes, forgotten=forgotten)
     return int(code)
+
+
+def _forget_gone(paths: Sequence[Path], options: argparse.Namespace) -> list[str]:
+    """Take controllers that are gone out of the locks of the others; return their paths."""
+    from tracerisk.pipeline.known_controllers import forget_gone
+
+    forgotten = []
+    is_written = not (options.check or options.diff)
+    for root in dict.fromkeys(map(controller_root, paths)):
+        for name in forget_gone(root, write=is_written):
+            forgotten.append(str(root / name))
+            state = "forgotten" if is_written else "to forget"
+            note(f"{name}: {state} (there is no such file any more)", quiet=options.quiet)
+    return forgotten
 
 
 def _settle(done: Refreshed, options: argparse.Namespace) -> bool:

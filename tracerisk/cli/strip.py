@@ -23,6 +23,7 @@ def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     from tracerisk import pipeline
     from tracerisk.adder.write import FileWrite, write_all
+    from tracerisk.pipeline.known_controllers import forget_blocks
 
     stripped = []
     for name in options.files:
@@ -36,6 +37,8 @@ def run(options: argparse.Namespace) -> int:
             print_diff(controller.source, after, str(controller.path))
     if not (options.check or options.diff):
         write_all(FileWrite(c.path, after, expected=c.source) for c, after in changed)
+        # The sources first: a lock that forgot blocks would make each of them a person's.
+        forget_blocks([controller.path for controller, _ in stripped])
     code = ExitCode.WOULD_CHANGE if options.check and changed else ExitCode.FINE
     if options.json:
         names = [str(controller.path) for controller, _ in changed]

@@ -11,15 +11,11 @@ from tracerisk.adder.read import PlacedBlock, read_blocks
 from tracerisk.adder.values import COMPONENT_KINDS
 from tracerisk.config import controller_root
 from tracerisk.errors import Location, TraceRiskError
-from tracerisk.pipeline.check import (
-    Checked,
-    CheckFinding,
-    FindingKind,
-    function_place,
-    lock_of,
-    without_reason,
-)
+from tracerisk.pipeline.check import without_reason
+from tracerisk.pipeline.check_finding import Checked, CheckFinding, FindingKind
+from tracerisk.pipeline.check_run import function_place
 from tracerisk.pipeline.controller import load_controller
+from tracerisk.pipeline.known_controllers import is_gone, lock_of
 from tracerisk.pipeline.last_run import (
     UnexpectedContact,
     kept_contacts,
@@ -41,6 +37,8 @@ _RULES: dict[FindingKind, str] = {
     "unjustified": "unjustified-pin",
     "unequal": "unequal-units",
     "unknown": "unknown-blocks",
+    "gone": "unknown-blocks",
+    "unsolvable": "unreadable",
     "contact": "unexpected-contact",
     "faulted": "faulted-run",
     "stuck": "faulted-run",
@@ -74,6 +72,9 @@ def check_alerts(
             place = each.location or Location(str(path))
             alerts.append(alert_at("unreadable", each.message, place, _file(place.file)))
             continue
+        if is_gone(path):
+            alerts += [_of_check(one, ()) for one in each.findings]
+            continue
         root = controller_root(path)
         entry = lock_of(root).controllers.get(lock_key(path, root))
         held = {file: file.read_bytes() for file in _sources(path, root, entry)}
@@ -83,13 +84,16 @@ def check_alerts(
         found_here = [one for one in each.findings if one.kind != "contact"]
         alerts += [_of_check(one, placed) for one in (*found_here, *pins)]
         alerts += _of_last_run(path, root, entry, sources)
-        if not any(finding.kind in ("missing", "orphaned") for finding in each.findings):
+        if not any(
+            finding.kind in ("missing", "orphaned", "unsolvable") for finding in each.findings
+        ):
             alerts += _single_points(path.name, held, sources)
     return tuple(dict.fromkeys(alerts))
 
 
 def review_alerts(review: Review, folder: Path) -> tuple[Alert, ...]:
-    """Return the alerts of a change: redundancy that it took, single points that it made.
+    """Return the alerts of a change: redundancy that it took, single points that it made, and
+    components that it leaves out by hand.
 
     `folder` is where the places of the review stand, the root of the repository.
     """
@@ -101,6 +105,9 @@ def review_alerts(review: Review, folder: Path) -> tuple[Alert, ...]:
             if field is None or place is None:
                 continue
             names = {"function": field.function, "component": change.component or ""}
+            if change.kind == "component_omitted":
+                file = _file(str(folder / place.file))
+                alerts.append(alert_at("omitted-component", change.summary, place, file, **names))
             for mark, rule in (
                 ("lost_redundancy", "lost-redundancy"),
                 ("single_point_of_failure", "single-point-of-failure"),

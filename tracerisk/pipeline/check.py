@@ -3,202 +3,56 @@
 from __future__ import annotations
 
 import os
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
-from functools import lru_cache
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Literal
+from typing import Any
 
 from tracerisk.adder.annotate import bases_of
-from tracerisk.adder.block import RiskBlock
-from tracerisk.adder.definitions import MODULE, definitions, parse_python
+from tracerisk.adder.block import Field, RiskBlock
+from tracerisk.adder.definitions import definitions, parse_python
 from tracerisk.adder.instance_values import kept_values
 from tracerisk.adder.lock import (
     LOCK_NAME,
     ControllerLock,
-    Lock,
     WrittenBlock,
     as_written,
     lock_key,
-    read_lock,
+    written_block,
 )
-from tracerisk.adder.merge import MergePolicy, merge
+from tracerisk.adder.merge import MergePolicy, has_pins, merge
 from tracerisk.adder.model_names import model_names
 from tracerisk.adder.pinned_redundancy import unfounded_redundancies
 from tracerisk.adder.read import PlacedBlock, read_blocks
 from tracerisk.adder.renames import base_with_names, follow_renames
-from tracerisk.adder.values import component_fields
+from tracerisk.adder.values import (
+    CALL_SEQUENCE,
+    NEXT,
+    NOTHING_COMPUTED,
+    FieldKind,
+    component_fields,
+)
 from tracerisk.config import Settings, controller_root, read_settings
-from tracerisk.errors import ExitCode, InputError, Location, TraceRiskError
+from tracerisk.errors import BlockError, Location, ModelError, TraceRiskError
 from tracerisk.instance_name import places
+from tracerisk.pipeline.check_finding import Checked, CheckFinding
+from tracerisk.pipeline.check_run import (
+    CoverageLimits,
+    contact_findings,
+    coverage_findings,
+    verdict_findings,
+)
 from tracerisk.pipeline.controller import Controller, load_controller
 from tracerisk.pipeline.freshness import RunInputs, stale_reasons, values_reasons
 from tracerisk.pipeline.kept_verdict import block_lines, kept_verdict
-from tracerisk.pipeline.known_functions import check_steps
-from tracerisk.pipeline.last_run import kept_contacts
+from tracerisk.pipeline.known_controllers import is_gone, lock_of, moved_from, with_moved
+from tracerisk.pipeline.known_functions import check_named_functions, check_steps
 from tracerisk.pipeline.one_writer import one_writer
-from tracerisk.trace import (
-    GAPS,
-    NEVER_RAN,
-    FunctionRef,
-    QualifiedName,
-    Reason,
-    Verdict,
-    VerdictKind,
-)
+from tracerisk.trace import FunctionRef, QualifiedName, Verdict
 
-_OF_ALL = ("pyproject.toml", LOCK_NAME)  # what every controller of a root depends on
 _WORTH_A_PROCESS = 20  # files that take as long to check as a process takes to start
 
-FindingKind = Literal[
-    "stale",
-    "edited",
-    "missing",
-    "orphaned",
-    "over_threshold",
-    "unjustified",
-    "unequal",
-    "unknown",
-    "contact",
-    "faulted",
-    "stuck",
-    "partial",
-    "coverage",
-]
-"""Why blocks are not to be trusted: what they depend on has changed; a person changed a value
-that is the tool's; a block is gone; its function is gone or renamed; the mission's failure
-probability is above `max_risk`; a value is set by hand without a reason; a redundancy is set by
-hand over units that differed in the last run; the lock knows nothing; in the last run something
-touched that should not, and `fail_on` says that this is to fail; the last run went wrong, did
-not come to an end, or rests on needs that nothing met or on assumptions that nobody accepted;
-of the functions that can command hardware too few ran."""
-
-
-_OF_VERDICT: Mapping[VerdictKind, FindingKind] = {
-    "complete": "partial",
-    "partial": "partial",
-    "faulted": "faulted",
-    "stuck": "stuck",
-}
 _OF_LOCK_AND_SOURCE = frozenset({"edited", "missing", "orphaned"})
-
-
-@dataclass(frozen=True, slots=True)
-class CheckFinding:
-    """One thing that `check` does not let pass, with its place.
-
-    `subject` is the dotted path of what it is about, such as `place.gripper.probability` or
-    `place`; empty where it is the whole controller.
-    """
-
-    kind: FindingKind
-    message: str
-    location: Location
-    subject: str = ""
-
-    @property
-    def exit_code(self) -> ExitCode:
-        """What the finding makes of the command's exit code."""
-        return ExitCode.EDIT_IN_THE_WAY if self.kind == "edited" else ExitCode.WOULD_CHANGE
-
-    def __str__(self) -> str:
-        return f"{self.location}: {self.kind.replace('_', ' ')}: {self.message}"
-
-
-@dataclass(frozen=True, slots=True)
-class Checked:
-    """A controller, by its path, and what was found; nothing if it may be trusted."""
-
-    path: Path
-    findings: tuple[CheckFinding, ...]
-    verdict: Verdict | None = None
-    """The verdict of the last run; `None` where the lock keeps none."""
-
-
-def controllers_of(files: Sequence[Path | str]) -> tuple[Path, ...]:
-    """Return the controllers whose blocks or traces depend on any of the files, sorted.
-
-    That are the files themselves where the lock knows them or they have blocks, and the
-    controllers that import them; all of the lock for the settings, the lock itself or its folder.
-    A file that has to do with no controller adds none.
-    Raises InputError for a file that is not there, or a lock that cannot be read.
-    """
-    found: dict[Path, Path] = {}
-    users_of: dict[Path, Mapping[str, Sequence[str]]] = {}
-    for each in files:
-        path = Path(each)
-        if path.is_dir():
-            inside = controllers_in(path)
-            if not inside:
-                message = f"no {LOCK_NAME} in this folder knows a controller; name a controller"
-                raise InputError(message, Location(str(path)))
-            found.update({controller.resolve(): controller for controller in inside})
-            continue
-        if not path.is_file():
-            raise InputError("there is no such file; name a controller", Location(str(path)))
-        root = controller_root(path)
-        if root not in users_of:
-            users_of[root] = _users(lock_of(root))
-        key = lock_key(path, root)
-        users = users_of[root].get(key, ())
-        if key in _OF_ALL:
-            users = sorted(lock_of(root).controllers)
-        for name in users:
-            controller = path if name == key else _shown(root / name, path)
-            if controller.is_file():
-                found.setdefault(controller.resolve(), controller)
-        if not users and path.suffix == ".py" and b"RiskAnnotation" in path.read_bytes():
-            found.setdefault(path.resolve(), path)
-    return tuple(found[each] for each in sorted(found))
-
-
-def controllers_in(root: Path) -> tuple[Path, ...]:
-    """Return every controller that the lock in a folder knows and that is there, sorted."""
-    keys = sorted(lock_of(root).controllers)
-    return tuple(root / key for key in keys if (root / key).is_file())
-
-
-def _users(lock: Lock) -> dict[str, list[str]]:
-    """Return, for each file, the controllers that it is, or that depend on it."""
-    users: dict[str, list[str]] = {}
-    for name, entry in lock.controllers.items():
-        inputs = RunInputs.from_data(entry.inputs)
-        hardware = inputs.settings.get("hardware", name)
-        for file in {name, hardware, *entry.blocks, *inputs.sources, *inputs.files}:
-            users.setdefault(file, []).append(name)
-    return users
-
-
-def lock_of(root: Path) -> Lock:
-    """Return the lock of a folder, an empty one where there is none; each version is read once."""
-    path = root / LOCK_NAME
-    try:
-        status = path.stat()
-    except FileNotFoundError:
-        return Lock()
-    return _read_once(path, status.st_mtime_ns, status.st_size)
-
-
-@lru_cache(maxsize=8)
-def _read_once(path: Path, mtime_ns: int, size: int) -> Lock:  # noqa: ARG001 - they tell versions
-    return read_lock(path)
-
-
-def _shown(path: Path, like: Path) -> Path:
-    return path if like.is_absolute() else Path(os.path.relpath(path))
-
-
-@dataclass(frozen=True, slots=True)
-class CoverageLimits:
-    """How much of what can command hardware must have run.
-
-    `least` is a fraction, in place of the setting `min_coverage`; `base` the verdict of the
-    version that a change is made to.
-    """
-
-    least: float | None = None
-    base: Verdict | None = None
 
 
 _NO_LIMITS = CoverageLimits()
@@ -218,11 +72,17 @@ def check_controller(path: Path | str, limits: CoverageLimits = _NO_LIMITS) -> C
 
 
 def _check_once(path: Path | str, limits: CoverageLimits) -> Checked:
+    if is_gone(Path(path)):
+        message = (
+            f"{LOCK_NAME} knows this controller, which is gone; `tracerisk refresh` forgets it"
+        )
+        return Checked(Path(path), (CheckFinding("gone", message, Location(str(path))),))
     controller = load_controller(path)
+    place = Location(str(controller.path), 1)
     lock = lock_of(controller.root)
-    entry = lock.controllers.get(lock_key(controller.path, controller.root))
+    was = moved_from(lock, controller)
+    entry = with_moved(lock, controller).controllers.get(lock_key(controller.path, controller.root))
     if entry is None:
-        place = Location(str(controller.path), 1)
         blocks = read_blocks(controller.source, str(controller.path))
         check_steps(controller, [(placed.block, {}) for placed in blocks], (), before_run=False)
         what = f"{LOCK_NAME} knows nothing of its {len(blocks)} risk blocks"
@@ -230,6 +90,7 @@ def _check_once(path: Path | str, limits: CoverageLimits) -> Checked:
         return Checked(controller.path, (CheckFinding("unknown", message, place),))
     recorded = RunInputs.from_data(entry.inputs)
     settings = read_settings(controller.root, controller.file)
+    check_named_functions(controller, settings, files=tuple(recorded.sources))
     effective = settings.with_options(given_options(recorded, controller))
     sources = _sources(controller, entry)
     _check_steps(controller, entry, sources)
@@ -239,15 +100,20 @@ def _check_once(path: Path | str, limits: CoverageLimits) -> Checked:
         *_unjustified(settings, sources),
         *_unequal(entry, sources),
     ]
-    if settings.max_risk is not None and not findings:
-        findings += _over_threshold(controller, sources, settings.max_risk)
+    if was is not None:
+        message = f"{LOCK_NAME} knows this controller as {was}; `tracerisk refresh {place.file}`"
+        findings.append(CheckFinding("gone", message, place))
+    is_whole = all(each.kind not in ("missing", "orphaned") for each in findings)
+    if is_whole:
+        is_limited = settings.max_risk is not None and not findings
+        findings += _of_model(controller, entry, sources, settings.max_risk if is_limited else None)
     if settings.fail_on in ("finding", "unexpected_contact"):
-        findings += _contacts(controller, entry)
+        findings += contact_findings(controller, entry)
     verdict = _verdict(entry, sources)
     if verdict is not None:
-        findings += _of_verdict(controller, verdict)
+        findings += verdict_findings(controller, verdict)
         least = settings.min_coverage if limits.least is None else limits.least
-        findings += _of_coverage(controller, verdict, least, limits.base)
+        findings += coverage_findings(controller, verdict, least, limits.base)
     return Checked(controller.path, tuple(sorted(findings, key=_order)), verdict)
 
 
@@ -361,8 +227,9 @@ def _of_blocks(
                 old,
             )
         current = {block.function: block for block in each.placed}
+        bases = [base_with_names(base, each.renamed) for base in bases_of(each.file, entry)]
         candidates = [
-            list(_edits(base, each, current)) for base in bases_of(each.file, entry) or [{}]
+            [*_edits(base, each, current), *_lost_lines(base, each, current)] for base in bases
         ]
         yield from min(candidates, key=len)
         yield from _missing(entry, each, current)
@@ -380,7 +247,6 @@ def _edits(
     source: _Source,
     current: Mapping[QualifiedName, PlacedBlock],
 ) -> Iterable[CheckFinding]:
-    base = base_with_names(base, source.renamed)
     for name, placed in current.items():
         written = base.get(name)
         computed = None if written is None else as_written(name, written)
@@ -394,6 +260,50 @@ def _edits(
             )
             advice = "write `:=` to keep it, or refresh with --accept-edits or --discard-edits"
             yield CheckFinding("edited", f"{what}; {advice}", place, edit.field)
+
+
+def _lost_lines(
+    base: Mapping[str, WrittenBlock],
+    source: _Source,
+    current: Mapping[QualifiedName, PlacedBlock],
+) -> Iterable[CheckFinding]:
+    """Yield what the tool wrote and is not there, or not so: `next` lines, `computed` values."""
+    for name, placed in current.items():
+        written = base.get(name)
+        if written is None:
+            continue
+        block = placed.block
+        if block.next is None and NEXT.key in written.values:
+            place = Location(source.shown, placed.first_line)
+            message = f"the `next` lines of {name} are gone; `tracerisk refresh` writes them again"
+            yield CheckFinding("missing", message, place, f"{name}.{NEXT.key}")
+        values = [(name, CALL_SEQUENCE, block.call_sequence, written.values)]
+        if block.next is not None:
+            values.append((name, NEXT, block.next, written.values))
+        for component in block.components:
+            known = written.components.get(component.name)
+            if known is not None:
+                path = QualifiedName(f"{name}.{component.name}")
+                values += [
+                    (path, kind, field, known.values) for kind, field in component_fields(component)
+                ]
+        for path, kind, field, texts in values:
+            was = texts.get(kind.key, NOTHING_COMPUTED)
+            if not _is_computed_as_written(kind, field, was):
+                message = (
+                    f"{path}.{kind.key}: `! computed {field.computed}` was written as {was}; "
+                    "`tracerisk refresh` writes it again"
+                )
+                place = field.location or Location(source.shown, placed.first_line)
+                yield CheckFinding("stale", message, place, f"{path}.{kind.key}")
+
+
+def _is_computed_as_written(kind: FieldKind, field: Field[Any], was: str) -> bool:
+    if not field.pinned or field.computed is None or field.computed == was:
+        return True
+    if NOTHING_COMPUTED in (field.computed, was):
+        return False
+    return kind.same(kind.read(field.computed), kind.read(was))
 
 
 def _missing(
@@ -455,14 +365,6 @@ def _unequal(entry: ControllerLock, sources: Sequence[_Source]) -> Iterable[Chec
                 yield CheckFinding("unequal", found.message, place, found.path)
 
 
-def _contacts(controller: Controller, entry: ControllerLock) -> Iterable[CheckFinding]:
-    """Yield what touched in the last run, in the functions that are there."""
-    for each in kept_contacts(entry.trace):
-        place = function_place(controller, each.function)
-        if place is not None:
-            yield CheckFinding("contact", str(each), place, each.function.name)
-
-
 def _verdict(entry: ControllerLock, sources: Sequence[_Source]) -> Verdict | None:
     """Return the verdict that the lock keeps, with the lines that the sources have now."""
     verdict = kept_verdict(entry)
@@ -472,84 +374,56 @@ def _verdict(entry: ControllerLock, sources: Sequence[_Source]) -> Verdict | Non
     return verdict.with_lines(block_lines(held, {each.file: each.shown for each in sources}))
 
 
-def _of_verdict(controller: Controller, verdict: Verdict) -> Iterable[CheckFinding]:
-    """Yield the reasons for which a run does not pass: not what never ran."""
-    for each in verdict.open_reasons:
-        if each.code in GAPS:
-            continue
-        place = _place(controller, each)
-        where = f" (in {each.function})" if each.function else ""
-        advice = "" if each.verdict == "stuck" else f"; {each.code} may be accepted, with words"
-        message = f"{each.words}{where}{advice}"
-        yield CheckFinding(_OF_VERDICT[each.verdict], message, place, each.function)
-
-
-def _place(controller: Controller, reason: Reason) -> Location:
-    if reason.location is None:
-        return Location(str(controller.path), 1)
-    file = str(controller.path_of(reason.location.file))
-    return Location(file, reason.location.line, reason.location.column)
-
-
-def _of_coverage(
-    controller: Controller, verdict: Verdict, least: float | None, base: Verdict | None
+def _of_model(
+    controller: Controller,
+    entry: ControllerLock,
+    sources: Sequence[_Source],
+    max_risk: float | None,
 ) -> Iterable[CheckFinding]:
-    """Yield a finding where too little ran: fewer functions than the limit, or than in the base."""
-    coverage = verdict.coverage
-    ran, number = coverage.ran, coverage.all
-    told = f"{ran} of {number} functions with commands ran"
+    """Yield why the blocks make no model that can be solved, or one above the limit.
+
+    Blocks that are the tool's word alone were a model when they were written; they need no
+    solving again.
+    """
+    placed = {
+        FunctionRef(each.file, one.function): one.block for each in sources for one in each.placed
+    }
+    if not placed or (max_risk is None and _are_as_written(entry, placed)):
+        return
+    from tracerisk.pipeline.stages import solve
+    from tracerisk.prm.build import build_model
+
+    names = model_names(placed)
+    blocks = [replace(block, name=QualifiedName(names[ref])) for ref, block in placed.items()]
     place = Location(str(controller.path), 1)
-    if coverage.never_ran:
-        first = coverage.never_ran[0]
-        place = Location(str(controller.path_of(first.ref.file)), first.line)
-        names = ", ".join(str(each.ref.name) for each in coverage.never_ran)
-        told += f", not {names}"
-    if least is not None and ran < least * number:
-        message = f"{told}; the min_coverage is {least:g}"
-        yield CheckFinding("coverage", message, place)
-    if base is None:
-        return
-    before = base.coverage
-    if ran * before.all < before.ran * number:
-        message = f"{told}; before the change {before.ran} of {before.all} did"
-        yield CheckFinding("coverage", message, place)
-    known = Counter(each.key for each in base.reasons)
-    for each in verdict.open_reasons:
-        known[each.key] -= 1
-        if each.code in GAPS - {NEVER_RAN} and known[each.key] < 0:
-            where = f" (in {each.function})" if each.function else ""
-            message = f"{each.words}{where}; before the change that was not so"
-            yield CheckFinding("coverage", message, _place(controller, each), each.function)
-
-
-def function_place(controller: Controller, function: FunctionRef) -> Location | None:
-    """Return where a function stands now; `None` if it is gone, or its file cannot be read."""
-    shown = str(controller.path_of(function.file))
     try:
-        tree = parse_python(controller.source_of(function.file), shown).tree
-    except TraceRiskError:
-        return None
-    lines = [(MODULE, 1), *((each.name, each.line) for each in definitions(tree))]
-    found = places(function.name, lines)
-    return Location(shown, found[-1]) if found else None
-
-
-def _over_threshold(
-    controller: Controller, sources: Sequence[_Source], max_risk: float
-) -> Iterable[CheckFinding]:
-    from tracerisk.pipeline.stages import build, solve
-
-    held = {each.shown: each.source for each in sources if each.placed}
-    if not held:
+        mission = solve(build_model(blocks, name=controller.path.name)).mission
+    except (BlockError, ModelError) as error:
+        yield CheckFinding("unsolvable", error.message, error.location or place)
         return
-    mission = solve(build(held, name=controller.path.name)).mission
-    if mission.failure_probability > max_risk:
+    if max_risk is not None and mission.failure_probability > max_risk:
         yield CheckFinding(
             "over_threshold",
             f"the mission fails with probability {mission.failure_probability:.4g}, above the "
             f"max_risk of {max_risk:g}",
-            Location(str(controller.path), 1),
+            place,
         )
+
+
+def _are_as_written(entry: ControllerLock, placed: Mapping[FunctionRef, RiskBlock]) -> bool:
+    """Return whether all blocks of a controller state what the lock says, and nothing else."""
+    written = {
+        FunctionRef(file, QualifiedName(name)): block
+        for file, blocks in entry.blocks.items()
+        for name, block in blocks.items()
+    }
+    ranks = {block.call_sequence.value for block in placed.values()}
+    return (
+        written.keys() == placed.keys()
+        and len(ranks) == len(placed)
+        and all(written_block(block) == written[ref] for ref, block in placed.items())
+        and not any(map(has_pins, placed.values()))
+    )
 
 
 def _order(finding: CheckFinding) -> tuple[str, int, str, str]:

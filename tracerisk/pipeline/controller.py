@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
+
+_PYTHON_LINE = re.compile(rb"(?:\xef\xbb\xbf)?#![^\n]*python")
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +51,7 @@ class Controller:
 def load_controller(path: Path | str) -> Controller:
     """Read the controller at `path`.
 
-    Raises InputError when there is no such file, SourceError when it is not Python 3.
+    Raises InputError when there is no such file, or its name is not that of a Python program.
     """
     script = Path(path)
     try:
@@ -58,6 +61,12 @@ def load_controller(path: Path | str) -> Controller:
             f"the controller cannot be read: {error.strerror}; name a Python file",
             Location(str(path)),
         ) from error
+    if script.suffix not in (".py", ".pyw") and not _PYTHON_LINE.match(source):
+        raise InputError(
+            "is no Python program by its name: a controller ends in .py, or begins with a line "
+            "such as `#!/usr/bin/env python3`",
+            Location(str(path)),
+        )
     root = controller_root(script)
     file = script.resolve().relative_to(root.resolve()).as_posix()
     return Controller(script, root, file, source)

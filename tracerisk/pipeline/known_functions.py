@@ -21,21 +21,26 @@ _SHOWN = 20  # names listed in a message, of a controller that may have hundreds
 
 
 def check_named_functions(
-    controller: Controller, settings: Settings, trace: Trace | None = None
+    controller: Controller,
+    settings: Settings,
+    trace: Trace | None = None,
+    *,
+    files: Sequence[str] = (),
 ) -> None:
     """Refuse a name in `states` or `helpers` that is no function of the controller.
 
-    What a controller imports is known from its `trace`; without one, and for settings that all
-    controllers of the root share, a function of any source below the root will do.
+    What a controller imports is known from its `trace`, or is `files`; without either, and for
+    settings that all controllers of the root share, a function of any source below the root will
+    do.
     Raises SettingsError with the line of the setting.
     """
     if not settings.states and not settings.helpers:
         return
-    own = _own_functions(controller, trace)
+    own = _own_functions(controller, trace, files)
     origins = setting_origins(controller.root, controller.file)
     for key, names in (("states", settings.states), ("helpers", settings.helpers)):
         unknown = [name for name in names if name not in own]
-        if unknown and (trace is None or not origins[key].is_own):
+        if unknown and not (origins[key].is_own and (trace is not None or files)):
             everywhere = functions_below(controller.root)
             unknown = [name for name in unknown if name not in everywhere]
         for name in unknown:
@@ -46,8 +51,8 @@ def check_named_functions(
             )
 
 
-def _own_functions(controller: Controller, trace: Trace | None) -> set[str]:
-    files = {controller.file, *(trace.files if trace is not None else ())}
+def _own_functions(controller: Controller, trace: Trace | None, others: Sequence[str]) -> set[str]:
+    files = {controller.file, *others, *(trace.files if trace is not None else ())}
     found = {str(MODULE)}
     if trace is not None:
         found |= {str(function.ref.name) for function in trace.functions}

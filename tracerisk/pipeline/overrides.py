@@ -61,8 +61,8 @@ def overrides_in(
     """Return what persons set in the blocks of the files, sorted by place.
 
     `contents` is what files are to hold that are not written yet, by their paths.
-    What is computed now stands in the block; of a value not refreshed since it was set, the lock
-    tells it, where there is one.
+    What is computed now the lock tells, where there is one that knows the value; else the comment
+    beside the value.
     Raises InputError for a file that cannot be read, BlockError for a malformed block.
     """
     found: dict[Path, list[Override]] = {}
@@ -153,7 +153,8 @@ def _of_value(
 ) -> Iterator[Override]:
     if not value.pinned:
         return
-    computed = value.computed if value.computed is not None else written.get(kind.key)
+    # The lock says what was computed; the comment may have been edited since.
+    computed = written.get(kind.key, value.computed)
     if computed == NOTHING_COMPUTED:
         computed = None
     yield Override(

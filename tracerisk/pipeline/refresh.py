@@ -15,6 +15,7 @@ from tracerisk.pipeline.check import check_controller, given_options
 from tracerisk.pipeline.controller import load_controller
 from tracerisk.pipeline.freshness import RunInputs, stale_reasons
 from tracerisk.pipeline.kept_verdict import kept_verdict
+from tracerisk.pipeline.known_controllers import with_moved
 from tracerisk.pipeline.stages import (
     Annotated,
     annotate,
@@ -26,7 +27,7 @@ from tracerisk.pipeline.trace_cache import TraceCache
 from tracerisk.trace import Trace, Verdict
 
 # What a refresh mends; the rest is for a person to mend.
-_MENDED = frozenset({"stale", "edited", "missing", "orphaned", "unknown"})
+_MENDED = frozenset({"stale", "edited", "missing", "orphaned", "unknown", "gone", "unsolvable"})
 
 How = Literal["fresh", "recomputed", "simulated"]
 """Nothing was to do; values were made anew of a kept trace; the controller was run."""
@@ -61,7 +62,7 @@ def refresh_controller(
     """
     controller = load_controller(path)
     check_blocks(controller)
-    lock = read_lock(controller.root / LOCK_NAME)
+    lock = with_moved(read_lock(controller.root / LOCK_NAME), controller)
     entry = lock.controllers.get(lock_key(controller.path, controller.root))
     recorded = RunInputs.from_data(entry.inputs) if entry is not None else RunInputs()
     settings = read_settings(controller.root, controller.file)

@@ -27,6 +27,7 @@ from tracerisk.errors import HardwareError, InputError, Location
 from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.controller import Controller, load_controller
 from tracerisk.pipeline.freshness import run_inputs
+from tracerisk.pipeline.known_controllers import with_moved
 from tracerisk.pipeline.known_functions import check_named_functions, check_steps
 from tracerisk.pipeline.one_writer import one_writer
 from tracerisk.pipeline.trace_summary import trace_summary
@@ -157,7 +158,7 @@ def check_blocks(controller: Controller) -> None:
 
     Raises BlockError, SourceError or InputError at what is malformed.
     """
-    lock = read_lock(controller.root / LOCK_NAME)
+    lock = with_moved(read_lock(controller.root / LOCK_NAME), controller)
     entry = lock.controllers.get(lock_key(controller.path, controller.root))
     written = {} if entry is None else dict(entry.blocks)
     found = []
@@ -222,7 +223,7 @@ def annotate(
     key = lock_key(controller.path, controller.root)
     # Another run of tracerisk writes lock and sources in turn; both are read between its writes.
     with one_writer(controller.root):
-        lock = read_lock(lock_path)
+        lock = with_moved(read_lock(lock_path), controller)
         files = _annotated_files(controller, trace, lock)
         controller, trace = _as_on_disk(controller, trace)
         before = {file: controller.source_of(file) for file in files}

@@ -19,7 +19,10 @@ from tracerisk.prm.model_parts import (
 )
 from tracerisk.prm.pin_changes import pin_changes
 from tracerisk.prm.risk_change import (
+    KIND_OF_CAUSE,
     Cause,
+    CauseKind,
+    CauseShare,
     ChangedField,
     FunctionChange,
     FunctionFigures,
@@ -55,12 +58,13 @@ def compare(
     names = dict(renamed or {})
     earlier = None if before is None else before.renamed(names)
     changes: tuple[RiskChange, ...] = ()
+    causes: tuple[CauseShare, ...] = ()
     interaction = None
     noisy = 0
     points: tuple[SinglePoint, ...] = ()
     if earlier is not None and after is not None:
         points = _new_single_points(earlier, after)
-        changes, noisy = _changes(earlier, after, points, cause_of)
+        changes, causes, noisy = _changes(earlier, after, points, cause_of)
         total = _mission(after) - _mission(earlier)
         interaction = total - math.fsum(each.contribution or 0.0 for each in changes)
     return RiskDiff(
@@ -77,6 +81,7 @@ def compare(
         single_points=points,
         within_noise=noisy,
         inputs=inputs,
+        causes=causes,
     )
 
 
@@ -90,7 +95,7 @@ class _Part:
 
 def _changes(
     before: RiskVersion, after: RiskVersion, points: Sequence[SinglePoint], cause_of: CauseOf
-) -> tuple[tuple[RiskChange, ...], int]:
+) -> tuple[tuple[RiskChange, ...], tuple[CauseShare, ...], int]:
     why = _Why(before, after, cause_of)
     flows, quiet_flows = flow_items(before, after)
     items, quiet = component_items(before, after)
@@ -98,23 +103,49 @@ def _changes(
     items = [replace(item, fields=tuple(map(why.explained, item.fields))) for item in items]
     marks = _Marks(before, after, points)
     contributions = Contributions(before)
-    solved = []
-    for group in alike(items):
-        part = _component_part(group, marks)
-        alone = contributions.of(part.edits)
-        solved.append(replace(part.change, contribution=alone))
-    solved_flows = _solved_flows(
-        [_flow_part(group, marks) for group in joined(flows)], contributions
-    )
-    if any(each.contribution is None for each in solved_flows):
+    parts = _solved([_component_part(group, marks) for group in alike(items)], contributions)
+    of_flow = _solved([_flow_part(group, marks) for group in joined(flows)], contributions)
+    if any(each.change.contribution is None for each in of_flow):
         # One of them alone leads nowhere: they are one change.
-        solved_flows = _solved_flows([_flow_part(flows, marks)], contributions)
-    ordered = sorted([*solved, *solved_flows], key=_order)
-    return tuple(ordered), quiet + quiet_flows
+        of_flow = _solved([_flow_part(flows, marks)], contributions)
+    parts += of_flow
+    ordered = sorted((part.change for part in parts), key=_order)
+    return tuple(ordered), _causes(parts, contributions), quiet + quiet_flows
 
 
-def _solved_flows(parts: Sequence[_Part], contributions: Contributions) -> list[RiskChange]:
-    return [replace(part.change, contribution=contributions.of(part.edits)) for part in parts]
+def _solved(parts: Sequence[_Part], contributions: Contributions) -> list[_Part]:
+    return [
+        replace(part, change=replace(part.change, contribution=contributions.of(part.edits)))
+        for part in parts
+    ]
+
+
+def _causes(parts: Sequence[_Part], contributions: Contributions) -> tuple[CauseShare, ...]:
+    """Put changes together by component and kind of cause; each of the chain stays alone."""
+    groups: dict[tuple[object, ...], list[_Part]] = {}
+    for number, part in enumerate(parts):
+        change = part.change
+        key: object = number if change.component is None else change.component
+        groups.setdefault((key, *_kinds(change)), []).append(part)
+    found = []
+    for group in groups.values():
+        first = group[0].change
+        functions = tuple(sorted({name for part in group for name in part.change.functions}))
+        together, summary = first.contribution, first.summary
+        if len(group) > 1:
+            together = contributions.of(edit for part in group for edit in part.edits)
+            where = functions[0] if len(functions) == 1 else f"{len(functions)} functions"
+            summary = f"{first.component} in {where}"
+        found.append(CauseShare(first.component, _kinds(first), functions, summary, together))
+    return tuple(sorted(found, key=_order_of_cause))
+
+
+def _kinds(change: RiskChange) -> tuple[CauseKind, ...]:
+    return tuple(dict.fromkeys(KIND_OF_CAUSE[cause] for cause in change.causes))
+
+
+def _order_of_cause(cause: CauseShare) -> tuple[float, str, tuple[CauseKind, ...]]:
+    return (-float(f"{abs(cause.contribution or 0.0):.9g}"), cause.summary, cause.kinds)
 
 
 def _order(change: RiskChange) -> tuple[float, str, str]:

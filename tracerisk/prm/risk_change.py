@@ -73,6 +73,35 @@ class RiskChange:
         return tuple(sorted({cause for field in self.fields for cause in field.causes}))
 
 
+CauseKind = Literal["code", "hardware data", "pin", "edited by hand", "run"]
+"""What lies behind a change, for the one sentence: "run" are its settings and other files."""
+
+KIND_OF_CAUSE: Mapping[Cause, CauseKind] = {
+    "pin": "pin",
+    "edit": "edited by hand",
+    "code": "code",
+    "hardware": "hardware data",
+    "settings": "run",
+    "files": "run",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class CauseShare:
+    """What all changes of one component by one kind of cause do together, over the functions."""
+
+    component: str | None
+    """`None` for a change of the chain."""
+    kinds: tuple[CauseKind, ...]
+    """Several where the versions differ in several things that may have changed a value."""
+    functions: tuple[str, ...]
+    """Where the changes are, sorted."""
+    summary: str
+    """What it is in words, without cause and figure."""
+    contribution: float | None
+    """F(before with only these changes) - F(before); `None` where they alone make no model."""
+
+
 @dataclass(frozen=True, slots=True)
 class FunctionFigures:
     """A function in one version: its top event's probability a visit, its expected visits."""
@@ -192,7 +221,8 @@ class RiskDiff:
 
     `before` or `after` is `None` where that version has no risk blocks.
     `changes` come by the size of their contribution; `interaction` is what the mission's figure
-    changes by beyond the sum of contributions, noise included.
+    changes by beyond the sum of contributions, noise included. `causes` put the changes together by
+    component and kind of cause, the greatest contribution first.
     `within_noise` counts the values that changed by less than 1 %: they are told as unchanged.
     `inputs` tells in words what the runs behind the blocks depended on that differs, `of_run`
     what the later run showed that the earlier one did not: contacts that were not to be expected,
@@ -213,6 +243,7 @@ class RiskDiff:
     inputs: tuple[str, ...] = ()
     of_run: tuple[str, ...] = ()
     verdicts: RunVerdicts | None = None
+    causes: tuple[CauseShare, ...] = ()
 
     @property
     def is_comparable(self) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tracerisk.prm.risk_change import (
+    CauseShare,
     Mark,
     PinChange,
     Review,
@@ -129,14 +130,50 @@ def _sentence(diff: RiskDiff) -> str:
         f"({ratio(old, new)})"
     )
     # What works against the change is not what made it.
-    alike = [each for each in diff.changes if (each.contribution or 0.0) * diff.increase > 0.0]
+    alike = [each for each in diff.causes if (each.contribution or 0.0) * diff.increase > 0.0]
     if alike:
         told += f", mostly through {alike[0].summary}{_because(alike[0])}"
-    return told
+        told += f", {_share(alike[0], diff)} of the {'rise' if new > old else 'fall'}"
+    return told + _per_cycle(diff)
 
 
-def _because(change: RiskChange) -> str:
-    return f" [{causes(change)}]" if change.causes else ""
+def _because(cause: CauseShare) -> str:
+    return f" [{', '.join(cause.kinds)}]" if cause.kinds else ""
+
+
+def _share(cause: CauseShare, diff: RiskDiff) -> str:
+    """Return how much of a change a cause makes alone; above 100 % where others work against."""
+    return f"{100.0 * (cause.contribution or 0.0) / diff.increase:.0f} %"
+
+
+_APART = 1.1
+"""How far the ratios of the mission and of one cycle may lie apart without a word."""
+
+_LIKELY = 0.05
+"""Above it a mission's failure grows less than that of a cycle, because it ends at 1."""
+
+
+def _per_cycle(diff: RiskDiff) -> str:
+    """Say why a mission's failure changes more, or less, than that of its first cycle."""
+    if diff.before is None or diff.after is None:
+        return ""
+    figures = diff.before.failure_probability, diff.after.failure_probability
+    if max(figures) > _LIKELY:
+        return ""
+    mission = ratio_of(*figures)
+    cycle = ratio_of(diff.before.cycle_failure_probability, diff.after.cycle_failure_probability)
+    if not mission or not cycle or 1 / _APART <= mission / cycle <= _APART:
+        return ""
+    counts = diff.before.expected_cycles, diff.after.expected_cycles
+    if not is_noise(*counts):
+        why = f"the mission has {count(counts[1])} cycles, it had {count(counts[0])}"
+    else:
+        why = (
+            "all redundant units work when it begins, and failures that stay hidden add up in "
+            "later ones"
+        )
+    cycles = diff.before.cycle_failure_probability, diff.after.cycle_failure_probability
+    return f"; the first cycle alone: {ratio(*cycles)}, for {why}"
 
 
 def _structural(diff: RiskDiff) -> str:

@@ -114,6 +114,13 @@ RULES: tuple[Rule, ...] = (
         "value set by hand, is meant.",
     ),
     Rule(
+        "omitted-component",
+        "OmittedComponent",
+        "warning",
+        "A component was left out of the risk by hand.",
+        "Its failures count no more in this function. Check the reason behind `:= omit`.",
+    ),
+    Rule(
         "unjustified-pin",
         "UnjustifiedPin",
         "warning",

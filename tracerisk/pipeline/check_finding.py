@@ -1,0 +1,68 @@
+"""What a check does not let pass: the findings, by kind and place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from tracerisk.errors import ExitCode, Location
+from tracerisk.trace import Verdict
+
+FindingKind = Literal[
+    "stale",
+    "edited",
+    "missing",
+    "orphaned",
+    "over_threshold",
+    "unjustified",
+    "unequal",
+    "unknown",
+    "gone",
+    "unsolvable",
+    "contact",
+    "faulted",
+    "stuck",
+    "partial",
+    "coverage",
+]
+"""Why blocks are not to be trusted: what they depend on has changed; a person changed a value
+that is the tool's; a block is gone; its function is gone or renamed; the mission's failure
+probability is above `max_risk`; a value is set by hand without a reason; a redundancy is set by
+hand over units that differed in the last run; the lock knows nothing; the lock knows a controller
+that is gone or renamed; the blocks make no model that has a solution; in the last run something
+touched that should not, and `fail_on` says that this is to fail; the last run went wrong, did
+not come to an end, or rests on needs that nothing met or on assumptions that nobody accepted;
+of the functions that can command hardware too few ran."""
+
+
+@dataclass(frozen=True, slots=True)
+class CheckFinding:
+    """One thing that `check` does not let pass, with its place.
+
+    `subject` is the dotted path of what it is about, such as `place.gripper.probability` or
+    `place`; empty where it is the whole controller.
+    """
+
+    kind: FindingKind
+    message: str
+    location: Location
+    subject: str = ""
+
+    @property
+    def exit_code(self) -> ExitCode:
+        """What the finding makes of the command's exit code."""
+        return ExitCode.EDIT_IN_THE_WAY if self.kind == "edited" else ExitCode.WOULD_CHANGE
+
+    def __str__(self) -> str:
+        return f"{self.location}: {self.kind.replace('_', ' ')}: {self.message}"
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """A controller, by its path, and what was found; nothing if it may be trusted."""
+
+    path: Path
+    findings: tuple[CheckFinding, ...]
+    verdict: Verdict | None = None
+    """The verdict of the last run; `None` where the lock keeps none."""
