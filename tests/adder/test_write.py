@@ -119,3 +119,79 @@ def test_what_a_killed_writer_left_goes_with_the_next_write(tmp_path: Path) -> N
     assert path.read_bytes() == b"new"
     assert not left.exists()
     assert all(each.exists() for each in others)
+
+
+def test_what_a_killed_writer_left_of_another_file_goes_too(tmp_path: Path) -> None:
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    (tmp_path / "turn.py").write_bytes(b"x")
+    left = tmp_path / f".turn.py.{dead.pid}-0.tmp"
+    left.write_bytes(b"x")
+    atomic_write(tmp_path / "tracerisk.lock", b"new")
+    assert not left.exists()
+
+
+def test_hard_links_stay(tmp_path: Path) -> None:
+    path, other = tmp_path / "c.py", tmp_path / "other.py"
+    path.write_bytes(b"a longer old text")
+    path.chmod(0o750)
+    other.hardlink_to(path)
+    write_all([FileWrite(path, b"new", expected=b"a longer old text")])
+    assert path.stat().st_nlink == 2
+    assert (path.read_bytes(), other.read_bytes()) == (b"new", b"new")
+    assert stat.S_IMODE(path.stat().st_mode) == 0o750
+    assert sorted(tmp_path.iterdir()) == [path, other]
+
+
+@pytest.mark.parametrize("links", [1, 2])
+def test_a_save_while_the_new_content_goes_to_the_disk_is_not_lost(
+    tmp_path: Path, monkeypatch, links: int
+) -> None:
+    path = tmp_path / "c.py"
+    path.write_bytes(b"old")
+    if links == 2:
+        (tmp_path / "other.py").hardlink_to(path)
+    sync = os.fsync
+
+    def save_and_sync(descriptor: int) -> None:
+        # What an editor does in the window before the file takes its name.
+        path.write_bytes(b"saved by an editor")
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", save_and_sync)
+    with pytest.raises(InputError, match=r"c\.py: was changed by someone else meanwhile"):
+        write_all([FileWrite(path, b"new", expected=b"old")])
+    assert path.read_bytes() == b"saved by an editor"
+    assert len(list(tmp_path.iterdir())) == links
+
+
+KILLED_WRITER = """
+import os, signal, sys
+from pathlib import Path
+from tracerisk.adder.write import atomic_write
+os.fsync = lambda descriptor: os.kill(os.getpid(), signal.SIGKILL)
+atomic_write(Path(sys.argv[1]), b"new")
+"""
+
+
+def test_a_writer_killed_while_it_writes_leaves_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "turn.py"
+    path.write_bytes(b"old")
+    try:
+        os.close(os.open(tmp_path, os.O_WRONLY | os.O_TMPFILE))
+    except OSError:
+        pytest.skip("this file system has no files without a name")
+    killed = subprocess.run([sys.executable, "-c", KILLED_WRITER, str(path)], check=False)
+    assert killed.returncode == -signal.SIGKILL
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_file_system_without_nameless_files_is_written_all_the_same(
+    tmp_path: Path, monkeypatch
+) -> None:
+    monkeypatch.setattr(os, "O_TMPFILE", os.O_RDONLY)
+    path = tmp_path / "c.py"
+    atomic_write(path, b"new")
+    assert path.read_bytes() == b"new"
+    assert list(tmp_path.iterdir()) == [path]

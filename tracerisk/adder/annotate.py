@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from tracerisk.adder.authors import Evidence
 from tracerisk.adder.block import RiskBlock
+from tracerisk.adder.block_digest import with_digest
 from tracerisk.adder.insert import insert_blocks
 from tracerisk.adder.instance_values import InstanceValues
 from tracerisk.adder.lock import ControllerLock, Lock, WrittenBlock, written_block
-from tracerisk.adder.merge import MergePolicy, PersonEdit, edits_error, merge
+from tracerisk.adder.merge import Merged, MergePolicy, PersonEdit, edits_error, in_the_way, merge
 from tracerisk.adder.model_names import model_names
 from tracerisk.adder.person_words import check_targets, give_way, is_next_by_hand, ranks_by_hand
 from tracerisk.adder.pinned_redundancy import check_redundancies
@@ -104,12 +106,14 @@ class EditsInTheWay:
         return edits_error(self.edits)
 
 
+SourceEvidence: TypeAlias = Callable[[str], Evidence]
+"""What is known of a source beyond its blocks and the lock, by the name of its file."""
+
 Annotation: TypeAlias = Unchanged | Changed | EditsInTheWay
 
 
 @dataclass(frozen=True, slots=True)
 class _MergedSource:
-    base: Mapping[str, WrittenBlock]
     blocks: Mapping[QualifiedName, RiskBlock | None]
     edits: tuple[PersonEdit, ...]
 
@@ -123,11 +127,14 @@ def annotate_sources(
     trace: Mapping[str, Any],
     inputs: Mapping[str, Any] | None = None,
     policy: MergePolicy,
+    evidence: SourceEvidence | None = None,
 ) -> Annotation:
     """Return what becomes of a controller's sources and of the lock.
 
     `controller` is the path of the controller relative to the lock's folder. A block of a
     function that is not computed any more goes, unless a person set something in it.
+    `evidence` tells of a file, by its name in `sources`, what git and the inputs of the last run
+    say of who wrote it; without one, all is as the lock says.
 
     Raises:
         BlockError, SourceError: if a source or a block in it cannot be read, or a redundancy is
@@ -136,16 +143,17 @@ def annotate_sources(
         UnsafeRewriteError: if a source cannot be rewritten safely.
     """
     entry = lock.controllers.get(controller)
+    evidence = evidence or (lambda _: Evidence(is_fresh=entry is not None))
     sources = _with_free_ranks([_with_renames(source, entry) for source in sources])
-    merged = {source.file: _merge_source(source, entry, policy) for source in sources}
+    merged = {source.file: _merge_source(source, entry, policy, evidence) for source in sources}
     if policy.edits == "accept":
         # An edited rank is a person's by now, as one that was set by hand before.
         sources = _with_free_ranks(sources, _by_function(merged))
-        merged = {source.file: _merge_source(source, entry, policy) for source in sources}
-    edits = tuple(edit for one in merged.values() for edit in one.edits)
-    if edits and policy.edits == "stop":
+        merged = {source.file: _merge_source(source, entry, policy, evidence) for source in sources}
+    edits = in_the_way((edit for one in merged.values() for edit in one.edits), policy)
+    if edits:
         return EditsInTheWay(edits)
-    merged = _left_blocks_last(sources, merged)
+    merged = _with_digests(_left_blocks_last(sources, merged))
     names = model_names(_by_function(merged)).values()
     for one in merged.values():
         check_targets(
@@ -168,7 +176,11 @@ def annotate_sources(
         trace=trace,
         inputs=inputs or {},
     )
-    pending = replace(final, previous={file: one.base for file, one in merged.items()})
+    pending = replace(
+        final,
+        previous={file: {} for file in merged} if entry is None else entry.blocks,
+        others=() if entry is None else entry.all_blocks[1:],
+    )
     new_lock = lock.with_controller(controller, final)
     if not changed and new_lock.dumps() == lock.dumps():
         return Unchanged(lock)
@@ -222,45 +234,73 @@ def _with_free_ranks(
 
 
 def bases_of(file: str, entry: ControllerLock | None) -> list[Mapping[str, WrittenBlock]]:
-    """Return what was last written into a source, and what before where a write was cut short."""
+    """Return what was last written into a source, then all else that it may hold.
+
+    That is what it held before a write that was cut short, and what other branches had written.
+    """
     if entry is None:
         return [{}]
-    bases: list[Mapping[str, WrittenBlock]] = [entry.blocks.get(file, {})]
-    if entry.previous is not None:
-        bases.append(entry.previous.get(file, {}))
-    return bases
+    return [blocks.get(file, {}) for blocks in entry.all_blocks]
 
 
-def _merge_source(
-    source: SourceBlocks, entry: ControllerLock | None, policy: MergePolicy
-) -> _MergedSource:
-    """Merge against what was last written.
-
-    While a write was under way when a kill came, that is one of two: the source holds either
-    what the lock was about to write or what stood there before. It is the one from which fewer
-    edits of a person tell it apart.
-    """
-    current = {placed.function: placed.block for placed in read_blocks(source.source, source.name)}
-    bases = [base_with_names(base, source.renamed) for base in bases_of(source.file, entry)]
-    return min(
-        (_merge_with(base, current, source.computed, policy) for base in bases),
-        key=lambda merged: len(merged.edits),
+def merge_with_bases(
+    name: QualifiedName,
+    bases: Sequence[Mapping[str, WrittenBlock]],
+    current: RiskBlock | None,
+    computed: RiskBlock | None,
+    policy: MergePolicy,
+    evidence: Callable[[], Evidence],
+    renamed: Mapping[QualifiedName, QualifiedName],
+) -> Merged:
+    """Merge the block of one function; `bases` are of its file, under the names of now."""
+    base, *others = [each.get(name) for each in bases]
+    return merge(
+        base,
+        current,
+        computed,
+        policy=policy,
+        others=[each for each in others if each is not None and each != base],
+        evidence=evidence,
+        names={str(new): str(old) for old, new in renamed.items()},
     )
 
 
-def _merge_with(
-    base: Mapping[str, WrittenBlock],
-    current: Mapping[QualifiedName, RiskBlock],
-    computed: Mapping[QualifiedName, RiskBlock],
+def _merge_source(
+    source: SourceBlocks,
+    entry: ControllerLock | None,
     policy: MergePolicy,
+    evidence: SourceEvidence,
 ) -> _MergedSource:
+    current = {placed.function: placed.block for placed in read_blocks(source.source, source.name)}
+    bases = [base_with_names(base, source.renamed) for base in bases_of(source.file, entry)]
     blocks: dict[QualifiedName, RiskBlock | None] = {}
     edits: list[PersonEdit] = []
-    for name in sorted({*current, *computed}):
-        outcome = merge(base.get(name), current.get(name), computed.get(name), policy=policy)
+    for name in sorted({*current, *source.computed}):
+        outcome = merge_with_bases(
+            name,
+            bases,
+            current.get(name),
+            source.computed.get(name),
+            policy,
+            lambda: evidence(source.file),
+            source.renamed,
+        )
         blocks[name] = outcome.block
         edits += outcome.edits
-    return _MergedSource(base, blocks, tuple(edits))
+    return _MergedSource(blocks, tuple(edits))
+
+
+def _with_digests(merged: Mapping[str, _MergedSource]) -> dict[str, _MergedSource]:
+    return {
+        file: replace(
+            one,
+            blocks={
+                name: None if block is None else with_digest(block)
+                for name, block in one.blocks.items()
+            },
+        )
+        for file, one in merged.items()
+    }
 
 
 def _left_blocks_last(

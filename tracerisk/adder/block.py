@@ -72,6 +72,8 @@ class RiskBlock:
 
     `next` is one field over all its lines; `None` where a block (the published form) has none.
     `added` marks a block given by hand (`@Function := {`), with the person's `reason`.
+    `digest` is that of the values that the tool wrote (see `block_digest.py`), `None` for a block
+    of an earlier version or in the published form. It is no part of what the block says.
     """
 
     name: str
@@ -81,3 +83,4 @@ class RiskBlock:
     added: bool = False
     location: Location | None = field(default=None, compare=False)
     reason: str | None = None
+    digest: str | None = field(default=None, compare=False)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tracerisk.adder.block import ComponentEntry, Field, RiskBlock
+from tracerisk.adder.conflicts import is_conflict_marker
 from tracerisk.adder.values import (
     CALL_SEQUENCE,
     COMPONENT_KINDS,
@@ -27,13 +28,16 @@ from tracerisk.hardware.redundancy import Redundancy
 
 GUTTER = "# | "
 HEADER = "RiskAnnotation"
+DIGEST = "[0-9A-Za-z]{6}(?:-[0-9A-Za-z]{6})*"
+"""What may stand behind the header: see `block_digest.py`."""
+
 DEFAULT_WIDTH = 79
 """The width that printed lines keep to, the indentation included, where words allow it."""
 
+_HEADER = re.compile(rf"{HEADER}(?:[ \t]+(?P<digest>{DIGEST}))?")
 _SECTION = re.compile(r"@(?P<kind>\w*)\s*(?P<mark>:=\s*omit\b|:=)?\s*\{\s*(?P<rest>.*)")
 _ASSIGNMENT = re.compile(r"(?P<key>\w+)\s*(?P<operator>:?=)\s*(?P<rest>.*)")
 _IS_WORDS = re.compile(r"[^\W\d]")
-_CONFLICT = re.compile(r"(<{7}|>{7}|\|{7})( .*)?|={7}")
 _FUNCTION_KEYS = ("name", "callSequence", "next")
 _COMPONENT_KEYS = ("name", *(kind.key for kind in COMPONENT_KINDS))
 
@@ -69,9 +73,9 @@ class _Section:
     assignments: list[_Assignment]
 
 
-def is_conflict_marker(text: str) -> bool:
-    """Return whether a line is one of those that git leaves where a merge failed."""
-    return _CONFLICT.fullmatch(text.rstrip()) is not None
+def is_header(text: str) -> bool:
+    """Return whether a line begins a block, with a digest or without."""
+    return _HEADER.fullmatch(text.strip()) is not None
 
 
 def parse_block(lines: Sequence[BlockLine], file: str) -> RiskBlock:
@@ -92,7 +96,8 @@ class _Parser:
         return BlockError(message, Location(self._file, line))
 
     def block(self, lines: Sequence[BlockLine]) -> RiskBlock:
-        if not lines or lines[0].text.strip() != HEADER:
+        header = _HEADER.fullmatch(lines[0].text.strip()) if lines else None
+        if header is None:
             number = lines[0].number if lines else 1
             raise self._error(number, f"a risk block begins with the line `{GUTTER}{HEADER}`")
         start = lines[0].number
@@ -120,7 +125,7 @@ class _Parser:
                     f"{seen[component.name]}; delete one",
                 )
             seen[component.name] = line
-        return self._function(functions[0], components, start)
+        return self._function(functions[0], components, start, header["digest"])
 
     def _sections(self, lines: Iterable[BlockLine]) -> list[_Section]:
         sections: list[_Section] = []
@@ -220,7 +225,11 @@ class _Parser:
         return _Assignment(key, pinned, value.strip(), [comment.strip()] if mark else [], line)
 
     def _function(
-        self, section: _Section, components: tuple[ComponentEntry, ...], start: int
+        self,
+        section: _Section,
+        components: tuple[ComponentEntry, ...],
+        start: int,
+        digest: str | None,
     ) -> RiskBlock:
         name = self._name(section)
         if not is_function_name(name.value):
@@ -236,6 +245,7 @@ class _Parser:
             added=section.by_hand,
             location=Location(self._file, start),
             reason=_joined(section.comment),
+            digest=digest,
         )
 
     def _component(self, section: _Section) -> ComponentEntry:
@@ -372,7 +382,7 @@ def print_block(block: RiskBlock, width: int = DEFAULT_WIDTH) -> tuple[str, ...]
     `width` is the room for a line; reasons are wrapped to it.
     Parsed again, the lines give the same block.
     """
-    lines = [HEADER]
+    lines = [HEADER if block.digest is None else f"{HEADER} {block.digest}"]
     lines += _print_header("Function", block.added, False, block.reason, width)
     lines.append(f"  name = {block.name}")
     lines += _print_field(CALL_SEQUENCE, block.call_sequence, width)

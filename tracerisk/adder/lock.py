@@ -8,16 +8,16 @@ written by the tool.
 
 from __future__ import annotations
 
+import hashlib
 import json
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
-from typing import Any, Literal
+from typing import Any
 
 from tracerisk.adder.block import ComponentEntry, Field, RiskBlock
-from tracerisk.adder.grammar import is_conflict_marker
+from tracerisk.adder.conflicts import conflict_sides
 from tracerisk.adder.values import (
     CALL_SEQUENCE,
     COMPONENT_KINDS,
@@ -30,11 +30,14 @@ from tracerisk.errors import InputError, Location, one_of
 
 LOCK_NAME = "tracerisk.lock"
 SCHEMA = "tracerisk.lock"
-VERSION = 1
+VERSION = 2
+_READ_VERSIONS = (1, VERSION)  # before 2 neither entries nor blocks had a digest
 
 _FUNCTION_KEYS = {CALL_SEQUENCE.key: CALL_SEQUENCE, NEXT.key: NEXT}
 _COMPONENT_KEYS = {kind.key: kind for kind in COMPONENT_KINDS}
-_CONTROLLER_KEYS = ("blocks", "fingerprint", "inputs", "previous", "trace")
+_CONTROLLER_KEYS = tuple(
+    ["blocks", "digest", "fingerprint", "inputs", "others", "previous", "trace"]
+)
 
 
 class LockError(InputError):
@@ -129,6 +132,9 @@ class ControllerLock:
 
     `blocks` maps each source, relative to the lock's folder, to what was last written in it.
     `previous` is not `None` while a write is under way: what the sources held before it.
+    `others` is what other branches had written into the sources, of locks that were merged: what
+    the sources hold now may be of any of them, until the next write.
+    `is_mixed` marks an entry read from a file into which a merge has put lines of several.
     `fingerprint` is a digest of what the trace depended on, `inputs` what that was and `trace`
     the summary of the trace: plain JSON values, as the caller gave them.
     """
@@ -138,6 +144,19 @@ class ControllerLock:
     trace: Mapping[str, Any] = field(default_factory=dict)
     previous: Mapping[str, Written] | None = None
     inputs: Mapping[str, Any] = field(default_factory=dict)
+    others: tuple[Mapping[str, Written], ...] = ()
+    is_mixed: bool = False
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether the entry is as one run wrote it, and its sources were written too."""
+        return self.previous is None and not self.others and not self.is_mixed
+
+    @property
+    def all_blocks(self) -> tuple[Mapping[str, Written], ...]:
+        """What was last written into the sources, then all else that they may hold."""
+        before = () if self.previous is None else (self.previous,)
+        return (self.blocks, *before, *self.others)
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,8 +172,9 @@ class Lock:
             ValueError: if `path` is absolute or no posix path.
         """
         _check_relative(path)
-        for source in (*controller.blocks, *(controller.previous or {})):
-            _check_relative(source)
+        for blocks in controller.all_blocks:
+            for source in blocks:
+                _check_relative(source)
         return replace(self, controllers={**self.controllers, path: controller})
 
     def without_controller(self, path: str) -> Lock:
@@ -204,7 +224,18 @@ def _controller_data(entry: ControllerLock) -> dict[str, Any]:
     }
     if entry.previous is not None:
         data["previous"] = _sources_data(entry.previous)
+    if entry.others:
+        data["others"] = [_sources_data(each) for each in entry.others]
+    # An entry that a merge has mixed stays so until it is written anew.
+    data["digest"] = "" if entry.is_mixed else _data_digest(data)
     return data
+
+
+def _data_digest(data: Mapping[str, Any]) -> str:
+    """Return the digest of an entry: where a merge mixes lines of two, it does not fit."""
+    kept = {key: value for key, value in data.items() if key != "digest"}
+    text = json.dumps(kept, sort_keys=True, ensure_ascii=False)
+    return hashlib.blake2b(text.encode(errors="surrogatepass"), digest_size=8).hexdigest()
 
 
 def _sources_data(sources: Mapping[str, Written]) -> dict[str, Any]:
@@ -244,14 +275,14 @@ def _loads_once(data: bytes, file: str) -> Lock:
 def loads(data: bytes, file: str) -> Lock:
     """Return the lock that `data` states; `file` is its name in messages.
 
-    Where git left a conflict, each side is a lock. The sources hold what one or the other has
-    written, as after a kill, and the next write heals the file.
+    Where git left a conflict, each side is a lock, or lines of several: the sources hold what one
+    branch or the other has written, and the next write heals the file.
 
     Raises:
         LockError: as `read_lock`.
     """
     reader = _Reader(file)
-    sides = _conflict_sides(data)
+    sides = conflict_sides(data)
     if sides is None:
         return reader.lock(data)
     line, ours, theirs = sides
@@ -265,43 +296,25 @@ def loads(data: bytes, file: str) -> Lock:
         ) from error
 
 
-def _conflict_sides(data: bytes) -> tuple[int, bytes, bytes] | None:
-    """Return the first conflict's line and the file as each side has it; `None` without one."""
-    if _ANY_MARK.search(data) is None:
-        return None
-    sides: tuple[list[bytes], list[bytes]] = ([], [])
-    within: Literal["both", "ours", "base", "theirs"] = "both"
-    first = None
-    for number, line in enumerate(data.splitlines(keepends=True), start=1):
-        mark = line.rstrip().decode(errors="replace")
-        if is_conflict_marker(mark):
-            first = first or number
-            within = _AFTER_MARK[mark[0]]
-            continue
-        if within in ("both", "ours"):
-            sides[0].append(line)
-        if within in ("both", "theirs"):
-            sides[1].append(line)
-    return None if first is None else (first, b"".join(sides[0]), b"".join(sides[1]))
-
-
-_ANY_MARK = re.compile(rb"(?:^|[\r\n])(?:<{7}|>{7}|={7}|\|{7})")
-_AFTER_MARK: Mapping[str, Literal["both", "ours", "base", "theirs"]] = {
-    "<": "ours",
-    "|": "base",
-    "=": "theirs",
-    ">": "both",
-}
-
-
 def _joined(ours: Lock, theirs: Lock) -> Lock:
     """Return one lock of two: what differs is stale, and either may be what the sources hold."""
     controllers = {**theirs.controllers, **ours.controllers}
     for path, entry in ours.controllers.items():
         other = theirs.controllers.get(path, entry)
         if other != entry:
-            controllers[path] = replace(entry, fingerprint="", previous=other.blocks)
+            controllers[path] = joined_entry(entry, other)
     return Lock(controllers)
+
+
+def joined_entry(ours: ControllerLock, theirs: ControllerLock) -> ControllerLock:
+    """Return one entry of two that differ: stale, with all that either may have written."""
+    others: list[Mapping[str, Written]] = []
+    for blocks in (*ours.all_blocks[1:], *theirs.all_blocks):
+        if blocks not in (ours.blocks, *others):
+            others.append(blocks)
+    return replace(
+        ours, fingerprint="", previous=None, others=tuple(others or [ours.blocks]), is_mixed=False
+    )
 
 
 class _Reader:
@@ -317,7 +330,7 @@ class _Reader:
         top = self._mapping(self._json(data), "the lock")
         if top.get("schema") != SCHEMA:
             raise self._error(f"is not a lock of tracerisk: it has no `schema` {SCHEMA}")
-        if top.get("version") != VERSION:
+        if top.get("version") not in _READ_VERSIONS:
             raise self._error(
                 f"has version {top.get('version')}; this tracerisk reads {VERSION}; "
                 "use the tracerisk that wrote it, or delete the file"
@@ -363,6 +376,10 @@ class _Reader:
         if not isinstance(fingerprint, str):
             raise self._error(f"{path}: fingerprint is missing or no text")
         previous = entry.get("previous")
+        others = entry.get("others", [])
+        if not isinstance(others, list):
+            raise self._error(f"{path}: others is no JSON list; restore the file")
+        digest = entry.get("digest")
         try:
             _check_relative(path)
         except ValueError as error:
@@ -373,6 +390,8 @@ class _Reader:
             trace=self._mapping(entry.get("trace"), f"{path}: trace"),
             inputs=self._mapping(entry.get("inputs", {}), f"{path}: inputs"),
             previous=None if previous is None else self._sources(previous, f"{path}: previous"),
+            others=tuple(self._sources(each, f"{path}: others") for each in others),
+            is_mixed=digest is not None and digest != _data_digest(entry),
         )
 
     def _sources(self, value: Any, where: str) -> dict[str, dict[str, WrittenBlock]]:

@@ -1,17 +1,19 @@
 """The three-way merge of a block: what the tool wrote, what stands there, what it computes now.
 
-The base is what the lock says was last written. A value that a person changed since is theirs
-and never lost; a value that only the tool changed is refreshed.
+The base is known value by value, from the block's digest and the lock: see `authors.py`. A value
+that a person changed since is theirs and never lost; a value that only the tool changed, on any
+branch, is refreshed; where nobody can tell which of the two it is, it is left alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+from tracerisk.adder.authors import Author, Evidence, KnownBlock
 from tracerisk.adder.block import ComponentEntry, Field, RiskBlock
-from tracerisk.adder.lock import WrittenBlock, WrittenComponent
+from tracerisk.adder.lock import WrittenBlock
 from tracerisk.adder.values import (
     CALL_SEQUENCE,
     NEXT,
@@ -45,6 +47,7 @@ class PersonEdit:
     `place.gripper` or `place` for a component or a block that was "added" or "removed".
     `found` is what stands there, `written` what was last written and `computed` what the tool
     computes now, as text, where there is such a value.
+    `is_certain` is false where nobody can tell whether a person did it, or another branch.
     """
 
     kind: Literal["changed", "added", "removed"]
@@ -53,6 +56,7 @@ class PersonEdit:
     found: str | None = None
     written: str | None = None
     computed: str | None = None
+    is_certain: bool = True
 
     def __str__(self) -> str:
         place = "" if self.location is None else f"{self.location}: "
@@ -76,14 +80,26 @@ class Merged:
 
 
 def edits_error(edits: Iterable[PersonEdit]) -> EditInTheWayError:
-    """Return the error that names every edited field."""
+    """Return the error that names every edited field, and those of which nobody can tell."""
     listed = sorted(edits, key=_edit_order)
-    lines = "\n".join(f"  {edit}" for edit in listed)
-    return EditInTheWayError(
-        f"a person changed what tracerisk computes; nothing was written:\n{lines}\n"
-        "Write `:=` for `=` to keep a value, or use --accept-edits to keep them all, "
-        "--discard-edits to drop them all."
-    )
+    certain = [f"  {edit}" for edit in listed if edit.is_certain]
+    doubtful = [f"  {edit}" for edit in listed if not edit.is_certain]
+    parts = []
+    if certain:
+        parts += ["a person changed what tracerisk computes; nothing was written:", *certain]
+        parts += [
+            "Write `:=` for `=` to keep a value, or use --accept-edits to keep them all, "
+            "--discard-edits to drop them all."
+        ]
+    if doubtful:
+        parts += [
+            "of these nobody can tell who wrote them, a person or tracerisk on another branch; "
+            f"{'they were left alone' if certain else 'nothing was written'}:",
+            *doubtful,
+            "Use --discard-edits to have what is computed now in their place, or take the whole "
+            "block from a version that you trust.",
+        ]
+    return EditInTheWayError("\n".join(parts))
 
 
 def _edit_order(edit: PersonEdit) -> tuple[str, int, str]:
@@ -104,9 +120,19 @@ def merge_block(
         EditInTheWayError: if a person edited a `=` value and the policy says "stop".
     """
     merged = merge(base, current, computed, policy=policy)
-    if merged.edits and policy.edits == "stop":
+    if in_the_way(merged.edits, policy):
         raise edits_error(merged.edits)
     return merged.block
+
+
+def in_the_way(edits: Iterable[PersonEdit], policy: MergePolicy) -> tuple[PersonEdit, ...]:
+    """Return the edits for which nothing may be written.
+
+    To accept edits is to accept a person's: not what a person may never have typed.
+    """
+    if policy.edits == "discard":
+        return ()
+    return tuple(edit for edit in edits if policy.edits == "stop" or not edit.is_certain)
 
 
 def merge(
@@ -115,29 +141,35 @@ def merge(
     computed: RiskBlock | None,
     *,
     policy: MergePolicy,
+    others: Sequence[WrittenBlock] = (),
+    evidence: Callable[[], Evidence] = Evidence,
+    names: Mapping[str, str] | None = None,
 ) -> Merged:
     """Return what becomes of a block and which edits of a person were found.
 
-    `base` is what was last written, `None` where the lock knows of nothing: then every
-    difference between `current` and `computed` counts as a person's.
+    `base` is what the lock says was last written, `None` where it knows of nothing, `others` what
+    else it says that the tool may have written there; `evidence` is asked only where these and
+    the block's own digest do not suffice. `names` are earlier names of functions renamed since.
     `computed` is `None` for a function that is not relevant any more; a pinned field in it is
     a person's word by another way (an operational profile), its tool value in `computed`.
     """
     if current is None:
         return Merged(computed, ())
-    merger = _Merger(base, current, computed, policy)
+    bases = [each for each in (base, *others) if each is not None]
+    known = KnownBlock(current, bases, evidence, names)
+    merger = _Merger(known, current, computed, policy)
     return Merged(merger.block(), tuple(merger.edits))
 
 
 class _Merger:
     def __init__(
         self,
-        base: WrittenBlock | None,
+        known: KnownBlock,
         current: RiskBlock,
         computed: RiskBlock | None,
         policy: MergePolicy,
     ) -> None:
-        self._base = base
+        self._known = known
         self._current = current
         self._computed = computed
         self._policy = policy
@@ -147,19 +179,19 @@ class _Merger:
         current, computed = self._current, self._computed
         if current.added:
             return self._by_hand()
-        if computed is None and self._base is None and not has_pins(current):
+        if computed is None and not self._known.is_known and not has_pins(current):
             # Neither the lock knows the block nor does the tool compute it.
-            self._report("added", current.name, current.location)
-            return None if self._policy.edits == "discard" else replace(current, added=True)
-        values = self._base.values if self._base else {}
+            author = self._known.author_of_block()
+            if author != "tool":
+                self._report("added", current.name, current.location, author)
+                return None if self._policy.edits == "discard" else replace(current, added=True)
         call_sequence = self._field(
-            current.name,
+            None,
             CALL_SEQUENCE,
-            values.get(CALL_SEQUENCE.key),
             current.call_sequence,
             computed.call_sequence if computed else None,
         )
-        following = self._next(values.get(NEXT.key))
+        following = self._next()
         components = self._components()
         block = replace(current, call_sequence=call_sequence, next=following, components=components)
         if computed is None and not has_pins(block):
@@ -184,19 +216,18 @@ class _Merger:
             ),
         )
 
-    def _next(self, written: str | None) -> Field[Any] | None:
+    def _next(self) -> Field[Any] | None:
         current = self._current.next
         computed = self._computed.next if self._computed else None
         if current is None:
             # The published form, which has none; or lines taken away, with no word of a person
             # in them that could be kept.
             return computed
-        path = self._current.name
         if self._computed is None or computed is not None or current.pinned:
-            return self._field(path, NEXT, written, current, computed)
-        if written is not None and NEXT.same(current.value, NEXT.read(written)):
+            return self._field(None, NEXT, current, computed)
+        written, is_there = self._known.last(None, NEXT, current)
+        if is_there or not self._changed(None, NEXT, written, current, None):
             return None
-        self._changed(path, NEXT, written, current, None)
         return None if self._policy.edits == "discard" else _pinned(current, None)
 
     def _components(self) -> tuple[ComponentEntry, ...]:
@@ -207,66 +238,60 @@ class _Merger:
         return (*merged, *(component for component in left if component is not None))
 
     def _component(self, new: ComponentEntry, current: ComponentEntry | None) -> ComponentEntry:
-        written = self._written(new.name)
         if current is None:
-            is_known = self._base is None or (written is not None and not written.omitted)
-            if not is_known:
+            if self._known.held(new.name) is False:
                 return new
-            self._report("removed", f"{self._current.name}.{new.name}", self._current.location)
+            author = self._known.author_of_removal(new.name)
+            if author == "tool":
+                return new
+            path = f"{self._current.name}.{new.name}"
+            self._report("removed", path, self._current.location, author)
             if self._policy.edits == "discard":
                 return new
             return replace(new, omitted=True)
         if current.added:
             return _component_beside(current, new)
-        return self._fields(current, new, written)
+        return self._fields(current, new)
 
     def _no_longer_computed(self, current: ComponentEntry) -> ComponentEntry | None:
         """Decide on a component that stands in the block and that the tool does not compute."""
         if current.added or current.omitted:
             return _component_beside(current, None)
-        written = self._written(current.name)
         if self._computed is None:
             # The block stays for something a person set in it, and stays whole.
-            return self._fields(current, None, written)
-        if written is None and not _is_component_pinned(current):
-            self._report("added", f"{self._current.name}.{current.name}", current.location)
+            return self._fields(current, None)
+        if not self._known.knows(current.name) and not _is_component_pinned(current):
+            author = self._known.author_of_component(current.name, current.probability.value)
+            if author == "tool":
+                return None
+            path = f"{self._current.name}.{current.name}"
+            self._report("added", path, current.location, author)
             return None if self._policy.edits == "discard" else replace(current, added=True)
-        merged = self._fields(current, None, written)
+        merged = self._fields(current, None)
         return merged if _is_component_pinned(merged) else None
 
-    def _fields(
-        self, current: ComponentEntry, new: ComponentEntry | None, written: WrittenComponent | None
-    ) -> ComponentEntry:
+    def _fields(self, current: ComponentEntry, new: ComponentEntry | None) -> ComponentEntry:
         computed = dict(component_fields(new)) if new else {}
-        path = f"{self._current.name}.{current.name}"
-        values = [
-            self._field(
-                path,
-                kind,
-                written.values.get(kind.key) if written else None,
-                value,
-                computed.get(kind),
-            )
+        probability, quantity, redundancy = (
+            self._field(current.name, kind, value, computed.get(kind))
             for kind, value in component_fields(current)
-        ]
-        probability, quantity, redundancy = values
+        )
         return replace(current, probability=probability, quantity=quantity, redundancy=redundancy)
-
-    def _written(self, component: str) -> WrittenComponent | None:
-        return self._base.components.get(component) if self._base else None
 
     def _field(
         self,
-        path: str,
+        component: str | None,
         kind: FieldKind,
-        written: str | None,
         current: Field[Any],
         computed: Field[Any] | None,
     ) -> Field[Any]:
+        written, is_there = self._known.last(component, kind, current)
         tool = None if computed is None else self._tool_field(kind, written, computed)
-        edited = self._is_edited(kind, written, current, tool)
-        if edited:
-            self._changed(path, kind, written, current, tool)
+        edited = (
+            not is_there
+            and self._may_be_edited(kind, written, current, tool)
+            and self._changed(component, kind, written, current, tool)
+        )
         if edited and self._policy.edits != "discard":
             return _pinned(current, tool)
         if computed is not None and computed.pinned:
@@ -291,50 +316,53 @@ class _Merger:
         value = kind.read(text)
         if written is not None and not self._policy.fresh:
             before = kind.read(written)
-            if kind.same(before, value) or (
-                kind.is_noisy and abs(value - before) <= NOISE * abs(before)
-            ):
+            if kind.same(before, value):
+                return Field(value, text) if kind.is_noisy else Field(before, written)
+            if kind.is_noisy and abs(value - before) <= NOISE * abs(before):
                 return Field(before, written)
         return Field(value, text)
 
-    def _is_edited(
+    def _may_be_edited(
         self, kind: FieldKind, written: str | None, current: Field[Any], tool: Field[Any] | None
     ) -> bool:
-        """Return whether a person changed a `=` value since it was written."""
+        """Return whether a `=` value that the tool is not known to have written says another."""
         if current.pinned or not current.is_stated:
             return False
-        if written is None and tool is None:
+        if tool is None:
             # Kept as it stands beside something a person set: nothing is lost.
-            return False
-        known = [] if written is None else [kind.read(written)]
-        known += [] if tool is None else [tool.value]
-        return not any(kind.same(current.value, value) for value in known)
+            return written is not None or self._known.is_known
+        return not kind.same(current.value, tool.value)
 
     def _changed(
         self,
-        path: str,
+        component: str | None,
         kind: FieldKind,
         written: str | None,
         current: Field[Any],
         tool: Field[Any] | None,
-    ) -> None:
-        self._report(
-            "changed",
-            f"{path}.{kind.key}",
-            current.location,
-            found=current.text,
-            written=written,
-            computed=None if tool is None else tool.text,
-        )
+    ) -> bool:
+        """Report a value that the tool is not known to have written; `False` if it did."""
+        author = self._known.author_of_value(component, kind, current.value)
+        if author == "tool":
+            return False
+        path = ".".join(part for part in (self._current.name, component, kind.key) if part)
+        texts = {
+            "found": current.text,
+            "written": written,
+            "computed": None if tool is None else tool.text,
+        }
+        self._report("changed", path, current.location, author, **texts)
+        return True
 
     def _report(
         self,
         what: Literal["changed", "added", "removed"],
         path: str,
         location: Location | None,
+        author: Author,
         **texts: str | None,
     ) -> None:
-        self.edits.append(PersonEdit(what, path, location, **texts))
+        self.edits.append(PersonEdit(what, path, location, **texts, is_certain=author == "person"))
 
 
 def _pinned(current: Field[Any], tool: Field[Any] | None) -> Field[Any]:

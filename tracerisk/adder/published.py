@@ -24,7 +24,7 @@ from pathlib import PurePath
 
 from tracerisk.adder.block import ComponentEntry, RiskBlock
 from tracerisk.adder.definitions import comment_lines, parse_python
-from tracerisk.adder.grammar import HEADER, BlockLine, parse_block
+from tracerisk.adder.grammar import DIGEST, HEADER, BlockLine, is_header, parse_block
 from tracerisk.errors import BlockError, Location
 
 C_SUFFIXES = frozenset(
@@ -47,7 +47,7 @@ _C_LEAD = re.compile(r"[ \t]*\*+[ \t]?|[ \t]+")
 _PLAIN = re.compile(r"[ \t\f]*#(?![ \t]?\|)[ \t]?(?P<text>.*)")
 # Told from the bytes: most sources have blocks behind the gutter only, and are not read twice.
 _PLAIN_BLOCK = re.compile(rb"(?:\A(?:\xef\xbb\xbf)?|[\r\n])[ \t\f]*#(?![ \t]?\|)[^\r\n]*@Function")
-_BEGINS = re.compile(rf"\s*(?:{HEADER}|@(?:Function|Component)\b.*)\s*")
+_BEGINS = re.compile(rf"\s*(?:{HEADER}(?:[ \t]+{DIGEST})?|@(?:Function|Component)\b.*)\s*")
 
 
 def is_c_like(file: str) -> bool:
@@ -114,7 +114,7 @@ def _blocks_of(lines: Sequence[BlockLine], file: str) -> Iterator[RiskBlock]:
     if at is None:
         return
     for part in _parts(lines[at:]):
-        if part[0].text.strip() != HEADER:
+        if not is_header(part[0].text):
             part.insert(0, BlockLine(part[0].number, HEADER))
         yield _in_the_published_reading(parse_block(part, file))
 
@@ -136,7 +136,7 @@ def _parts(lines: Iterable[BlockLine]) -> list[list[BlockLine]]:
     parts: list[list[BlockLine]] = [[]]
     for line in lines:
         text = line.text.strip()
-        begins = text == HEADER or (
+        begins = is_header(text) or (
             text.startswith("@Function")
             and any(each.text.strip().startswith("@Function") for each in parts[-1])
         )

@@ -21,7 +21,7 @@ from tracerisk.adder.definitions import (
     normal_name,
     parse_python,
 )
-from tracerisk.adder.grammar import GUTTER, HEADER, BlockLine, parse_block
+from tracerisk.adder.grammar import DIGEST, GUTTER, HEADER, BlockLine, parse_block
 from tracerisk.errors import BlockError, Location
 from tracerisk.instance_name import is_name_at, name_at
 from tracerisk.trace import QualifiedName
@@ -32,7 +32,9 @@ line of its `def`, or at the top of a module's code."""
 
 _GUTTER = re.compile(rb"[ \t\f]*#[ \t]?\|(?:[ \t].*)?")
 _SECTION = re.compile(rb"[ \t\f]*#[ \t]?\|[ \t]+@(?:Function|Component)\b.*")
-_HEADER = re.compile(rb"[ \t\f]*#[ \t]?\|[ \t]+RiskAnnotation[ \t]*")
+_HEADER = re.compile(
+    rb"[ \t\f]*#[ \t]?\|[ \t]+RiskAnnotation(?:[ \t]+" + DIGEST.encode() + rb")?[ \t]*"
+)
 _ANY_BLOCK = re.compile(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component)")
 
 

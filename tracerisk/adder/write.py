@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import re
 import stat
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from tracerisk.errors import InputError, Location
+
+_LEFTOVER = re.compile(r"\.(?P<of>.+)\.(?P<process>\d+)-\d+\.tmp")
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +37,7 @@ def write_all(writes: Iterable[FileWrite]) -> None:
         _check_writable(write.path)
         _check_expected(write)
     for write in planned:
-        _check_expected(write)
-        atomic_write(write.path, write.data)
+        atomic_write(write.path, write.data, write.expected)
 
 
 def _check_writable(path: Path) -> None:
@@ -51,24 +53,27 @@ def _check_expected(write: FileWrite) -> None:
         )
 
 
-def atomic_write(path: Path, data: bytes) -> None:
+def atomic_write(path: Path, data: bytes, expected: bytes | None = None) -> None:
     """Replace the content of the file at `path` as one step, mode bits and links kept.
 
     The new content is on the disk before it takes the name; a symbolic link stays and the
-    file it leads to is replaced.
+    file it leads to is replaced. A file with further hard links is written in place, for another
+    one of its name would part it from them: that alone is no single step.
+    What the file holds is compared with `expected` last of all.
 
     Raises:
-        InputError: if the file or its folder cannot be written.
+        InputError: if the file or its folder cannot be written, or holds something else than
+            `expected`.
     """
     target = path.resolve()
     try:
-        temporary = _write_beside(target, data)
-        try:
-            temporary.replace(target)
-        except BaseException:
-            temporary.unlink(missing_ok=True)
-            raise
         _remove_leftovers(target)
+        with _written_beside(target, data) as temporary:
+            _check_expected(FileWrite(path, data, expected))
+            if _links(target) > 1:
+                _overwrite(target, data)
+            else:
+                temporary.take_name()
         _sync_folder(target.parent)
     except OSError as error:
         raise InputError(
@@ -76,43 +81,100 @@ def atomic_write(path: Path, data: bytes) -> None:
         ) from error
 
 
-def _write_beside(target: Path, data: bytes) -> Path:
-    """Write `data` to a new file in the folder of `target`, with the mode of `target`."""
-    temporary, descriptor = _create_beside(target)
+def _links(target: Path) -> int:
     try:
-        with os.fdopen(descriptor, "wb") as stream:
+        return target.stat().st_nlink
+    except FileNotFoundError:
+        return 0
+
+
+def _overwrite(target: Path, data: bytes) -> None:
+    with target.open("r+b") as stream:
+        stream.write(data)
+        stream.truncate()
+        stream.flush()
+        os.fsync(stream.fileno())
+
+
+class _Temporary:
+    """A new file in the folder of its target, without a name where the system can do that.
+
+    Then a kill leaves nothing behind; a name is given only to be exchanged for the target's.
+    """
+
+    def __init__(self, target: Path) -> None:
+        self._target = target
+        self._path: Path | None = None
+        try:
+            self.descriptor = os.open(target.parent, os.O_WRONLY | os.O_TMPFILE, 0o666)
+        except OSError:
+            # Some file systems, those of networks say, have no files without a name.
+            self.descriptor = self._create()
+
+    def _names(self) -> Iterator[Path]:
+        for number in itertools.count():
+            yield self._target.with_name(f".{self._target.name}.{os.getpid()}-{number}.tmp")
+
+    def _create(self) -> int:
+        for path in self._names():
+            with contextlib.suppress(FileExistsError):
+                descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+                self._path = path
+                return descriptor
+        raise AssertionError("there is always a further name")
+
+    def take_name(self) -> None:
+        """Put the file in the place of its target."""
+        if self._path is None:
+            self._path = self._link()
+        self._path.replace(self._target)
+        self._path = None
+
+    def _link(self) -> Path:
+        folder = os.open(self._target.parent, os.O_RDONLY)
+        try:
+            for path in self._names():
+                with contextlib.suppress(FileExistsError):
+                    os.link(f"/proc/self/fd/{self.descriptor}", path.name, dst_dir_fd=folder)
+                    return path
+        finally:
+            os.close(folder)
+        raise AssertionError("there is always a further name")
+
+    def remove(self) -> None:
+        """Take away what did not come into the place of the target."""
+        if self._path is not None:
+            self._path.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def _written_beside(target: Path, data: bytes) -> Iterator[_Temporary]:
+    """Yield a new file that holds `data`, on the disk already, with the mode of `target`."""
+    temporary = _Temporary(target)
+    try:
+        with os.fdopen(temporary.descriptor, "wb") as stream:
             stream.write(data)
             stream.flush()
             with contextlib.suppress(FileNotFoundError):
                 os.fchmod(stream.fileno(), stat.S_IMODE(target.stat().st_mode))
             os.fsync(stream.fileno())
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
-    return temporary
-
-
-def _create_beside(target: Path) -> tuple[Path, int]:
-    """Create a file of a name not taken; the mode for a new file is the user's own default."""
-    number = 0
-    while True:
-        temporary = target.with_name(f".{target.name}.{os.getpid()}-{number}.tmp")
-        try:
-            return temporary, os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
-        except FileExistsError:
-            number += 1
+            yield temporary
+    finally:
+        temporary.remove()
 
 
 def _remove_leftovers(target: Path) -> None:
-    """Remove what killed writers of this file left beside it."""
-    pattern = re.compile(rf"\.{re.escape(target.name)}\.(\d+)-\d+\.tmp")
+    """Remove what killed writers left beside the files that they were to write, this or others."""
     with os.scandir(target.parent) as entries:
         found = [
-            (entry.path, match) for entry in entries if (match := pattern.fullmatch(entry.name))
+            (Path(entry.path), match)
+            for entry in entries
+            if (match := _LEFTOVER.fullmatch(entry.name))
         ]
     for path, match in found:
-        if not _is_running(int(match[1])):
-            Path(path).unlink(missing_ok=True)
+        is_ours = match["of"] == target.name or path.with_name(match["of"]).is_file()
+        if is_ours and not _is_running(int(match["process"])):
+            path.unlink(missing_ok=True)
 
 
 def _is_running(process: int) -> bool:

@@ -10,7 +10,7 @@ from typing import Any
 
 from tracerisk.adder.annotate import bases_of
 from tracerisk.adder.block import Field, RiskBlock
-from tracerisk.adder.definitions import definitions, parse_python
+from tracerisk.adder.definitions import MODULE, definitions, parse_python
 from tracerisk.adder.instance_values import kept_values
 from tracerisk.adder.lock import (
     LOCK_NAME,
