@@ -110,6 +110,12 @@ class ScenarioError(InputError):
     code = "scenario"
 
 
+class SandboxError(InputError):
+    """A sandbox is required that does not work here."""
+
+    code = "sandbox"
+
+
 class LogError(InputError):
     """A trace or a log file is malformed."""
 

@@ -1,12 +1,11 @@
 """The process in which a controller runs: the twin, the stand-ins, the tracer and its end.
 
-Started by `tracerisk.pipeline` as `python -m tracerisk.pipeline.child REQUEST`; what it finds it
+Started by `tracerisk.pipeline` with the name of a file, the request; what it finds it
 writes into the folder of the recording at once, so that a sudden death loses nothing seen.
 """
 
 from __future__ import annotations
 
-import ctypes
 import faulthandler
 import os
 import resource
@@ -44,7 +43,7 @@ from tracerisk.pipeline.run_watch import RunWatch
 from tracerisk.pipeline.scripted_input import scripted_input
 from tracerisk.pipeline.stall_watch import StallWatch
 from tracerisk.pipeline.unmet_needs import UnmetNeeds
-from tracerisk.pipeline.workspace import Workspace, find_workspace
+from tracerisk.pipeline.workspace import Workspace
 from tracerisk.ros.finder import StandInFinder
 from tracerisk.ros.graph import Graph
 from tracerisk.ros.messages import Interfaces
@@ -83,12 +82,6 @@ def main() -> int:
 
 
 def _apply_limits(request: RunRequest) -> None:
-    if sys.platform == "linux":
-        # A parent that is killed takes the controller with it, also one that is gone already.
-        death_signal = 1
-        ctypes.CDLL(None).prctl(death_signal, signal.SIGKILL)
-        if os.getppid() != request.parent:
-            os.kill(os.getpid(), signal.SIGKILL)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
     wanted = request.memory_limit_mb * _MB
@@ -141,7 +134,7 @@ def _run_recorded(
         on_stuck=lambda over: end.kill(over),
     )
     clock[0] = lambda: scheduler.now_ns
-    workspace = find_workspace(root)
+    workspace = Workspace({name: Path(each) for name, each in request.packages.items()})
     runtime = Runtime(
         scheduler,
         Graph(scheduler, tracer),
