@@ -6,16 +6,18 @@ writes into the folder of the recording at once, so that a sudden death loses no
 
 from __future__ import annotations
 
+import contextlib
 import faulthandler
 import os
 import resource
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from pathlib import Path
 
+from tracerisk.contained.overlay import Overlay
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.instrument.import_finder import ControllerFinder, controller_imports
 from tracerisk.instrument.loader import prepared_controller
@@ -68,6 +70,7 @@ from tracerisk.twin.scene import load_scene
 from tracerisk.twin.twin import Twin
 
 _MB = 1024 * 1024
+_MOST_DENIED = 50
 
 
 def main() -> int:
@@ -194,6 +197,7 @@ def _run_recorded(
     )
     entry = find_entry_point(script, script.read_bytes(), root)
     with (
+        _files(request, recorder),
         activate(runtime),
         stand_ins,
         virtual_time(scheduler, seed=request.seed),
@@ -247,6 +251,29 @@ def _found_elsewhere(
     if folder is not None:
         recorder.note(ELSEWHERE, module=name, folder=os.path.relpath(folder, root))
     return folder
+
+
+@contextlib.contextmanager
+def _files(request: RunRequest, recorder: Recorder) -> Iterator[None]:
+    """Have a contained controller write beside the real files; tell once what it is refused."""
+    if request.written is None:
+        yield
+        return
+    told = set()
+
+    def denied(verb: str, what: str) -> None:
+        if (verb, what) in told or len(told) >= _MOST_DENIED:
+            return
+        told.add((verb, what))
+        advice = "nothing leaves the process of a run"
+        if verb == "read":
+            advice = f'readable = ["{what}"] in [tool.tracerisk] allows it'
+        recorder.finding(
+            "denied", f"{what} was not {verb}: the run is contained; {advice}", object_name=what
+        )
+
+    with Overlay(request.written, request.writable, denied).active():
+        yield
 
 
 def _refuse(recorder: Recorder, error: TraceRiskError) -> None:
