@@ -12,6 +12,7 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.config import Settings
+from tracerisk.contained.process import Sandbox
 from tracerisk.errors import ExitCode, LimitError, Location
 from tracerisk.limited_process import DEFAULT_LIMITS, Limit, OwnTime, run_limited
 
@@ -32,10 +33,12 @@ PLACE = Location("arm.xacro")
 
 
 @pytest.fixture
-def run(tmp_path):
+def run(tmp_path, monkeypatch):
     """Run a child that does something before and after its start mark."""
 
-    def run_child(after="pass", before="pass", request=b"", **limits):
+    monkeypatch.syspath_prepend(tmp_path)
+
+    def run_child(after="pass", before="pass", request=b"", sandbox="auto", **limits):
         (tmp_path / "the_child.py").write_text(CHILD.format(before=before, after=after))
         changed = {
             name: replace(getattr(DEFAULT_LIMITS, name), value=value)
@@ -44,10 +47,10 @@ def run(tmp_path):
         return run_limited(
             "the_child",
             request=request,
-            limits=replace(DEFAULT_LIMITS, **changed),
+            limits=replace(DEFAULT_LIMITS, sandbox=Sandbox(sandbox), **changed),
             doing="expanding the xacro file",
             place=PLACE,
-            environment={**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])},
+            reads=[tmp_path],
         )
 
     return run_child
@@ -128,7 +131,7 @@ def test_nothing_of_an_ended_child_is_left(run, tmp_path):
     reader = os.open(tmp_path / "alive", os.O_RDONLY | os.O_NONBLOCK)
     start = f"os.open({str(tmp_path / 'alive')!r}, os.O_WRONLY); os.fork(); signal.pause()"
     with pytest.raises(LimitError):
-        run(start, own=0.3)
+        run(start, own=0.3, sandbox="off")
     ended, _, _ = select.select([reader], [], [], 60)
     assert ended
     assert os.read(reader, 1) == b""

@@ -13,6 +13,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any, Literal, NoReturn, get_args
 
 from tracerisk.acceptances import read_acceptances
+from tracerisk.contained.process import Sandbox, SandboxMode
 from tracerisk.errors import Location, SettingsError, one_of
 from tracerisk.limited_process import Limit, Limits
 from tracerisk.trace import Acceptance
@@ -61,6 +62,8 @@ class Settings:
     `fail_on` says which findings make `run` exit 1.
     `accept` are the reasons of a verdict that the user accepts; `min_coverage` is the least
     fraction of the functions that can command hardware which `check` lets pass.
+    `sandbox` says whether what is run of a workspace is contained; `readable` and `writable` are
+    files and folders that it may reach besides, `env` the names of variables that it gets.
     """
 
     robot: str | None = None
@@ -88,6 +91,10 @@ class Settings:
     fail_on: FailOn | None = None
     accept: tuple[Acceptance, ...] = ()
     min_coverage: float | None = None
+    sandbox: SandboxMode = "auto"
+    readable: tuple[str, ...] = ()
+    writable: tuple[str, ...] = ()
+    env: tuple[str, ...] = ()
 
     @property
     def run_duration_s(self) -> float:
@@ -101,6 +108,7 @@ class Settings:
             own=Limit("stall_limit_s", self.stall_limit_s),
             wall=Limit("wall_limit_s", self.wall_limit_s),
             memory=Limit("memory_limit_mb", self.memory_limit_mb),
+            sandbox=Sandbox(self.sandbox, self.readable, self.writable, self.env),
         )
 
     @property
@@ -109,10 +117,14 @@ class Settings:
         return replace(self.limits, own=Limit("cpu_limit_s", self.cpu_limit_s))
 
     def with_options(self, options: Mapping[str, Any]) -> Settings:
-        """Return the settings with those options of the command line that were given."""
-        return replace(
-            self, **{name: value for name, value in options.items() if value is not None}
-        )
+        """Return the settings with those options of the command line that were given.
+
+        A sandbox that is required there is not widened by a file of the workspace.
+        """
+        given = {name: value for name, value in options.items() if value is not None}
+        if given.get("sandbox") == "require":
+            given = {"readable": (), "writable": (), "env": (), **given}
+        return replace(self, **given)
 
 
 def controller_root(path: Path) -> Path:
@@ -286,8 +298,8 @@ class _Reader:
 
     def _placed(self, key: str, value: Any) -> Any:
         """Return a setting with the names of files as paths."""
-        if key in ("params", "drivers"):
-            return tuple(str(self._folder / name) for name in value)
+        if key in ("params", "drivers", "readable", "writable"):
+            return tuple(str(self._folder / Path(name).expanduser()) for name in value)
         is_name = key in ("robot", "scene", "scenario", "hardware", "launch")
         if not is_name or not isinstance(value, str):
             return value
@@ -320,16 +332,22 @@ class _Reader:
             if not isinstance(value, bool):
                 self.fail(key, f"expected true or false, found {value!r}")
             return value
-        if key in ("params", "drivers", "states", "helpers"):
+        names = ("params", "drivers", "states", "helpers", "readable", "writable", "env")
+        if key in names:
             if not isinstance(value, list) or not all(isinstance(each, str) for each in value):
-                what = "file names" if key in ("params", "drivers") else "qualified names"
+                whats = {"states": "qualified names", "helpers": "qualified names"}
+                what = "names of variables" if key == "env" else whats.get(key, "file names")
                 self.fail(key, f"expected a list of {what}")
             return tuple(value)
         if key == "launch":
             if not isinstance(value, bool | str) or value == "":
                 self.fail(key, f"expected a launch file, true or false, found {value!r}")
             return value
-        for name, choices in (("active", get_args(ActiveMode)), ("fail_on", get_args(FailOn))):
+        for name, choices in (
+            ("active", get_args(ActiveMode)),
+            ("fail_on", get_args(FailOn)),
+            ("sandbox", get_args(SandboxMode)),
+        ):
             if key == name and value not in choices:
                 self.fail(key, f"{value!r} is not allowed; {one_of(choices, str(value))}")
         default = DEFAULT_DURATION_S if key == "duration_s" else getattr(Settings(), key)

@@ -116,6 +116,12 @@ class DriverError(InputError):
     code = "driver"
 
 
+class SandboxError(InputError):
+    """A sandbox is required that does not work here."""
+
+    code = "sandbox"
+
+
 class LogError(InputError):
     """A trace or a log file is malformed."""
 

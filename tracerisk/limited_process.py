@@ -13,20 +13,25 @@ import contextlib
 import math
 import os
 import resource
+import select
 import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from time import clock_gettime, monotonic, process_time
+from time import clock_gettime, monotonic, process_time, sleep
 from typing import NoReturn
 
+from tracerisk.contained.process import Sandbox, end, passed_environment, start
 from tracerisk.errors import LimitError, Location
 
 POLL_S = 0.02
 """How often a process is looked at [s]."""
+
+MOST_ANSWERED = 256 * 1024 * 1024
+"""What a process may print in all [bytes]."""
 
 _OUT_OF_MEMORY = 9
 _MARK = "TRACERISK_START_MARK"
@@ -63,6 +68,8 @@ class Limits:
     """Wall time [s]."""
     memory: Limit = Limit("memory_limit_mb", 8192)
     """Address space of a controller [MB]; a process that reads a file has a quarter of it."""
+    sandbox: Sandbox = Sandbox()
+    """What else the process may reach."""
 
     @property
     def memory_bytes(self) -> int:
@@ -97,7 +104,12 @@ class StartMark:
         """The processor time of the child when it was ready [s]; None while it is not."""
         with contextlib.suppress(BlockingIOError):
             self._text += os.read(self._read, 64)
-        return float(self._text[:-1]) if self._text.endswith(b"\n") else None
+        return float(self._text.split()[1]) if self._text.endswith(b"\n") else None
+
+    @property
+    def pid(self) -> int | None:
+        """The process that does the work; None while it is not ready."""
+        return None if self.cpu_s is None else int(self._text.split()[0])
 
     def close(self) -> None:
         """Close the pipe."""
@@ -115,7 +127,7 @@ def mark_start() -> None:
     wanted = math.ceil(used_s) + int(cpu_s)
     most = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
     resource.setrlimit(resource.RLIMIT_CPU, (most, hard))
-    os.write(int(descriptor), f"{used_s:.6f}\n".encode())
+    os.write(int(descriptor), f"{os.getpid()} {used_s:.6f}\n".encode())
     os.close(int(descriptor))
 
 
@@ -188,39 +200,61 @@ def run_limited(
     doing: str,
     place: Location | None = None,
     folder: Path | None = None,
-    environment: Mapping[str, str] | None = None,
+    environment: Mapping[str, str | None] | None = None,
+    reads: Iterable[Path] | None = None,
 ) -> subprocess.CompletedProcess[bytes]:
-    """Run `python -m MODULE` on a request at its standard input, and return what it answers.
+    """Run a module of ours on a request at its standard input, and return what it answers.
 
     `doing` says in a message what took too much: `expanding the xacro file`.
+    `reads` are the files and folders that the module may read of a stranger's code or data, which
+    it runs contained; `None` for a module that runs none. It can write into a temporary folder,
+    which `TMPDIR` names, and which is gone afterwards. `environment` are variables that it gets
+    besides those that every such process has, `None` for one that it does not get.
     The module calls `limit_memory`, `mark_start` and `end_with` of this module.
-    Raises LimitError at `place` where a limit ends it, or the system does.
+    Raises LimitError at `place` where a limit ends it, or the system does, or where it answers
+    more than `MOST_ANSWERED` bytes.
     """
     mark = StartMark()
-    command = [sys.executable, "-m", module, *arguments]
-    inherited = os.environ if environment is None else environment
-    with contextlib.closing(mark), tempfile.TemporaryFile() as given:
+    is_strange = reads is not None
+    inherited = passed_environment(limits.sandbox) if is_strange else dict(os.environ)
+    with (
+        contextlib.closing(mark),
+        tempfile.TemporaryFile() as given,
+        tempfile.TemporaryDirectory(prefix="tracerisk-") as scratch,
+    ):
         given.write(request)
         given.seek(0)
-        child = subprocess.Popen(
-            command,
+        child = start(
+            module,
+            *arguments,
+            sandbox=limits.sandbox if is_strange else None,
+            reads=reads or (),
+            writes=(Path(scratch),),
+            environment={
+                name: value
+                for name, value in {
+                    **inherited,
+                    **(environment or {}),
+                    **mark.environment(limits.own),
+                    _MEMORY: str(limits.memory_bytes),
+                    "TMPDIR": scratch,
+                }.items()
+                if value is not None
+            },
+            pass_fds=(mark.descriptor,),
             stdin=given,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             cwd=folder,
-            env={
-                **inherited,
-                **mark.environment(limits.own),
-                _MEMORY: str(limits.memory_bytes),
-            },
-            pass_fds=(mark.descriptor,),
-            start_new_session=True,
         )
         mark.handed_over()
         try:
             out, err = _watched(child, mark, limits, doing, place)
         finally:
-            _end(child)
+            end(child)
+            for stream in (child.stdout, child.stderr):
+                if stream is not None:
+                    stream.close()
     if child.returncode == _OUT_OF_MEMORY:
         used = f"{limits.memory_bytes // _MB} MB of memory, a quarter of what a controller has"
         raise LimitError(f"{doing} took more than {used}; {limits.memory.told}", place)
@@ -231,7 +265,7 @@ def run_limited(
             "its own; free memory, or raise them",
             place,
         )
-    return subprocess.CompletedProcess(command, child.returncode, out, err)
+    return subprocess.CompletedProcess(child.args, child.returncode, out, err)
 
 
 def _watched(
@@ -243,11 +277,14 @@ def _watched(
 ) -> tuple[bytes, bytes]:
     began = monotonic()
     own: OwnTime | None = None
+    answered = _Answers(child)
     while True:
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            return child.communicate(timeout=POLL_S)
+        if answered.wait() and child.poll() is not None:
+            return answered.out, answered.err
+        if answered.size > MOST_ANSWERED:
+            raise LimitError(f"{doing} printed more than {MOST_ANSWERED // _MB} MB", place)
         if own is None and (cpu_s := mark.cpu_s) is not None:
-            own, began = OwnTime(child.pid, cpu_s), monotonic()
+            own, began = OwnTime(mark.pid or child.pid, cpu_s), monotonic()
         if own is not None:
             own.look()
             if own.seconds > limits.own.value:
@@ -263,15 +300,46 @@ def _watched(
             )
 
 
-def _end(child: subprocess.Popen[bytes]) -> None:
-    """End the process and those of its group, if it has not ended by itself."""
-    if child.returncode is None:
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.killpg(child.pid, signal.SIGKILL)
-        child.wait()
-    for stream in (child.stdout, child.stderr):
-        if stream is not None:
-            stream.close()
+class _Answers:
+    """What a process prints, read as it comes."""
+
+    def __init__(self, child: subprocess.Popen[bytes]) -> None:
+        self._parts: dict[int, bytearray] = {}
+        self._poll = select.poll()
+        for stream in (child.stdout, child.stderr):
+            assert stream is not None
+            os.set_blocking(stream.fileno(), False)
+            self._parts[stream.fileno()] = bytearray()
+            self._poll.register(stream.fileno(), select.POLLIN)
+        self._open = set(self._parts)
+
+    @property
+    def out(self) -> bytes:
+        """What came to standard output."""
+        return bytes(next(iter(self._parts.values())))
+
+    @property
+    def err(self) -> bytes:
+        """What came to standard error."""
+        return bytes(list(self._parts.values())[1])
+
+    @property
+    def size(self) -> int:
+        """How much came in all [bytes]."""
+        return sum(map(len, self._parts.values()))
+
+    def wait(self) -> bool:
+        """Read what comes within `POLL_S`; return whether nothing can come any more."""
+        if not self._open:
+            sleep(POLL_S)
+            return True
+        for descriptor, _ in self._poll.poll(POLL_S * 1000):
+            part = os.read(descriptor, 65536)
+            self._parts[descriptor] += part
+            if not part:
+                self._poll.unregister(descriptor)
+                self._open.discard(descriptor)
+        return not self._open
 
 
 def limit_memory() -> None:

@@ -119,6 +119,7 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         type=_cycles,
         help="cycles of a mission whose loop has no end of its own (10)",
     )
+    add_sandbox(group)
     group.add_argument("--seed", metavar="N", type=count, help="seed of all that is random (0)")
     group.add_argument(
         "--answer",
@@ -130,6 +131,16 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--keep", metavar="DIR", help="keep the recording of the run in a folder")
     add_log(group)
+
+
+def add_sandbox(group: argparse._ActionsContainer) -> None:
+    """Add the option for the sandbox of what is run of a workspace."""
+    group.add_argument(
+        "--sandbox",
+        choices=("auto", "require", "off"),
+        help="contain what is run of the workspace: where that works (auto), always and by no "
+        "setting widened (require), never (off)",
+    )
 
 
 def add_log(group: argparse._ArgumentGroup) -> None:
@@ -231,6 +242,7 @@ def run_settings(options: argparse.Namespace) -> dict[str, Any]:
         "memory_limit_mb",
         "seed",
         "mission_cycles",
+        "sandbox",
     )
     lists = {name: getattr(options, name, None) for name in ("params", "drivers")}
     return {

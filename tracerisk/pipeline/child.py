@@ -1,22 +1,23 @@
 """The process in which a controller runs: the twin, the stand-ins, the tracer and its end.
 
-Started by `tracerisk.pipeline` as `python -m tracerisk.pipeline.child REQUEST`; what it finds it
+Started by `tracerisk.pipeline` with the name of a file, the request; what it finds it
 writes into the folder of the recording at once, so that a sudden death loses nothing seen.
 """
 
 from __future__ import annotations
 
-import ctypes
+import contextlib
 import faulthandler
 import os
 import resource
 import signal
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
+from tracerisk.contained.overlay import Overlay
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.instrument.import_finder import ControllerFinder, controller_imports
 from tracerisk.instrument.loader import prepared_controller
@@ -49,7 +50,7 @@ from tracerisk.pipeline.run_watch import RunWatch
 from tracerisk.pipeline.scripted_input import scripted_input
 from tracerisk.pipeline.stall_watch import StallWatch
 from tracerisk.pipeline.unmet_needs import UnmetNeeds
-from tracerisk.pipeline.workspace import Workspace, find_workspace
+from tracerisk.pipeline.workspace import Workspace
 from tracerisk.ros.finder import StandInFinder
 from tracerisk.ros.graph import Graph
 from tracerisk.ros.messages import Interfaces
@@ -77,6 +78,7 @@ from tracerisk.vendors.found import DEFINITIONS, read_drivers, shipped_drivers, 
 from tracerisk.vendors.serving import serve_vendors
 
 _MB = 1024 * 1024
+_MOST_DENIED = 50
 
 
 def main() -> int:
@@ -91,12 +93,6 @@ def main() -> int:
 
 
 def _apply_limits(request: RunRequest) -> None:
-    if sys.platform == "linux":
-        # A parent that is killed takes the controller with it, also one that is gone already.
-        death_signal = 1
-        ctypes.CDLL(None).prctl(death_signal, signal.SIGKILL)
-        if os.getppid() != request.parent:
-            os.kill(os.getpid(), signal.SIGKILL)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
     wanted = request.memory_limit_mb * _MB
@@ -149,7 +145,7 @@ def _run_recorded(
         on_stuck=lambda over: end.kill(over),
     )
     clock[0] = lambda: scheduler.now_ns
-    workspace = find_workspace(root)
+    workspace = Workspace({name: Path(each) for name, each in request.packages.items()})
     runtime = Runtime(
         scheduler,
         Graph(scheduler, tracer),
@@ -230,6 +226,7 @@ def _run_recorded(
     )
     entry = find_entry_point(script, script.read_bytes(), root)
     with (
+        _files(request, recorder),
         activate(runtime),
         stand_ins,
         virtual_time(scheduler, seed=request.seed),
@@ -305,6 +302,29 @@ def _found_elsewhere(
     if folder is not None:
         recorder.note(ELSEWHERE, module=name, folder=os.path.relpath(folder, root))
     return folder
+
+
+@contextlib.contextmanager
+def _files(request: RunRequest, recorder: Recorder) -> Iterator[None]:
+    """Have a contained controller write beside the real files; tell once what it is refused."""
+    if request.written is None:
+        yield
+        return
+    told = set()
+
+    def denied(verb: str, what: str) -> None:
+        if (verb, what) in told or len(told) >= _MOST_DENIED:
+            return
+        told.add((verb, what))
+        advice = "nothing leaves the process of a run"
+        if verb == "read":
+            advice = f'readable = ["{what}"] in [tool.tracerisk] allows it'
+        recorder.finding(
+            "denied", f"{what} was not {verb}: the run is contained; {advice}", object_name=what
+        )
+
+    with Overlay(request.written, request.writable, denied).active():
+        yield
 
 
 def _refuse(recorder: Recorder, error: TraceRiskError) -> None:

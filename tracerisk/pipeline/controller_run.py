@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -18,10 +19,11 @@ from typing import IO, TYPE_CHECKING, Any
 
 from tracerisk import dependencies, errors
 from tracerisk.config import Settings
+from tracerisk.contained.process import end, passed_environment
+from tracerisk.contained.process import start as start_process
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.recording import Recording, read_recording
 from tracerisk.limited_process import POLL_S, Limit, OwnTime, StartMark
-from tracerisk.pipeline.left_running import RUN_MARK, end_left_running
 from tracerisk.pipeline.run_files import (
     DRAFTS,
     EVENTS,
@@ -37,6 +39,7 @@ from tracerisk.pipeline.run_files import (
 )
 from tracerisk.pipeline.run_trace import make_trace
 from tracerisk.pipeline.run_watch import MISSION_END
+from tracerisk.pipeline.workspace import find_workspace, project_top
 from tracerisk.ros.needs import Need
 from tracerisk.ros.scenario_draft import Draft, drafts_of
 from tracerisk.trace import RunEnd, Trace
@@ -91,7 +94,8 @@ def run_controller(
     if scene is None:
         raise errors.RobotError(f"robot '{robot.name}' has no scene of its own; give --scene")
     launch = choice.setup
-    with _folder(keep) as folder:
+    workspace = find_workspace(controller.root)
+    with _folders(keep) as (folder, written):
         request = RunRequest(
             controller=str(controller.path.resolve()),
             root=str(controller.root.resolve()),
@@ -110,9 +114,13 @@ def run_controller(
             duration_s=settings.run_duration_s,
             memory_limit_mb=settings.memory_limit_mb,
             seed=settings.seed,
-            parent=os.getpid(),
             drafts_all=drafts_all,
+            packages={name: str(each) for name, each in workspace.packages.items()},
         )
+        if settings.limits.sandbox.is_on:
+            reads = (*_workspace(request), *settings.readable, *settings.writable)
+            writes = (str(folder), str(written), *settings.writable)
+            request = replace(request, written=str(written), readable=reads, writable=writes)
         (folder / ROBOT).write_text(dump_robot(robot), encoding="utf-8")
         if progress is not None:
             progress(_STARTING, 0.0)
@@ -146,17 +154,67 @@ class _ProcessEnd:
 
 
 @contextlib.contextmanager
-def _folder(keep: Path | None) -> Iterator[Path]:
+def _folders(keep: Path | None) -> Iterator[tuple[Path, Path]]:
+    """Yield the folders of a run: that of its recording, and that of what the controller writes.
+
+    Both are gone afterwards; what was recorded goes into `keep`.
+    """
     if keep is not None:
         try:
             keep.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             told = f"is no folder that a recording can be kept in: {error.strerror}"
             raise errors.InputError(told, Location(str(keep))) from error
-        yield keep.resolve()
-        return
-    with tempfile.TemporaryDirectory(prefix="tracerisk-") as name:
-        yield Path(name)
+    top = Path(tempfile.mkdtemp(prefix="tracerisk-")).resolve()
+    recording, written = top / "recording", top / "written"
+    try:
+        recording.mkdir()
+        written.mkdir()
+        yield recording, written
+    finally:
+        try:
+            if keep is not None:
+                _keep(recording, keep)
+        finally:
+            _remove(top)
+
+
+def _keep(recording: Path, keep: Path) -> None:
+    """Copy what was recorded; a controller's process can put anything beside it, or in its place.
+
+    Raises InputError where the folder cannot be written.
+    """
+    try:
+        for each in sorted(recording.iterdir()):
+            if not each.is_symlink() and each.is_file():
+                (keep / each.name).unlink(missing_ok=True)
+                shutil.copyfile(each, keep / each.name, follow_symlinks=False)
+    except OSError as error:
+        told = f"cannot keep the recording: {error.strerror}"
+        raise errors.InputError(told, Location(str(keep))) from error
+
+
+def _remove(folder: Path) -> None:
+    """Remove a folder, however deep a controller has made it."""
+    try:
+        shutil.rmtree(folder)
+    except (OSError, RecursionError):
+        for command in (["chmod", "-R", "u+rwx"], ["rm", "-rf"]):
+            with contextlib.suppress(OSError):
+                subprocess.run(
+                    [*command, "--", str(folder)], stderr=subprocess.DEVNULL, check=False
+                )
+
+
+def _workspace(request: RunRequest) -> tuple[str, ...]:
+    """Return what a controller's process may read besides Python and the system."""
+    root = Path(request.root)
+    named = [request.controller, request.scene, request.scenario, *request.params]
+    companions = [path for each in request.companions for path in (each.script, each.root)]
+    files = [] if request.launch is None else [str(root / each) for each in request.launch.sources]
+    around = (root, project_top(root), Path(request.controller).parent, Path(os.curdir).absolute())
+    found = (*map(str, around), *request.packages.values(), *named, *companions, *files)
+    return tuple(dict.fromkeys(each for each in found if each is not None))
 
 
 def _run_child(
@@ -164,25 +222,33 @@ def _run_child(
 ) -> _ProcessEnd:
     request_path = folder / "request.json"
     request_path.write_text(request.dumps(), encoding="utf-8")
-    # A fixed hash seed keeps what a controller iterates over, sets say, in the same order.
-    mark = f"{os.getpid()}-{time.monotonic_ns()}"
-    # Nor may the host's time zone or a sourced ROS set-up show in what it sees.
+    sandbox = settings.limits.sandbox
     environment = {
-        **{name: value for name, value in os.environ.items() if not name.startswith("ROS_")},
+        **passed_environment(sandbox),
         "MUJOCO_GL": "disable",
-        "PYTHONHASHSEED": "0",
+        # The host's time zone must not show in what a controller sees.
         "TZ": "UTC",
-        RUN_MARK: mark,
     }
+    if request.written is not None:
+        temporary = Path(request.written, "tmp")
+        temporary.mkdir()
+        environment["TMPDIR"] = str(temporary)
     start = StartMark()
-    child = subprocess.Popen(
-        [sys.executable, "-u", "-m", "tracerisk.pipeline.child", str(request_path)],
+    child = start_process(
+        "tracerisk.pipeline.child",
+        str(request_path),
+        sandbox=sandbox,
+        reads=map(Path, request.readable),
+        writes=map(Path, request.writable),
+        environment={
+            **environment,
+            **start.environment(Limit("cpu_limit_s", settings.cpu_limit_s)),
+        },
+        options=("-u",),
+        pass_fds=(start.descriptor,),
         stdin=subprocess.DEVNULL,
         stdout=_output(progress),
         stderr=None if progress is None else subprocess.STDOUT,
-        env={**environment, **start.environment(Limit("cpu_limit_s", settings.cpu_limit_s))},
-        pass_fds=(start.descriptor,),
-        start_new_session=True,
     )
     passing: threading.Thread | None = None
     try:
@@ -190,10 +256,9 @@ def _run_child(
         start.handed_over()
         return _watch(child, start, folder, settings, progress)
     finally:
-        start.close()
         # Whatever the controller started goes with it.
-        end_left_running(child.pid, mark)
-        child.wait()
+        end(child)
+        start.close()
         if passing is not None:
             passing.join(_GRACE_S)
 
@@ -244,7 +309,7 @@ def _watch(
         with contextlib.suppress(subprocess.TimeoutExpired):
             return _ProcessEnd(child.wait(timeout=POLL_S))
         if own is None and (cpu_s := start.cpu_s) is not None:
-            own, began = OwnTime(child.pid, cpu_s), time.monotonic()
+            own, began = OwnTime(start.pid or child.pid, cpu_s), time.monotonic()
         if own is not None:
             own.look()
         grown = (_size(folder / EVENTS), _simulated_ns(folder))
@@ -257,7 +322,7 @@ def _watch(
             # All of the run is recorded, and what is left of the process does not matter.
             return _ProcessEnd(0)
         if reached is not None:
-            return _stop(child, folder, reached)
+            return _stop(child, start.pid, folder, reached)
 
 
 def _reached(
@@ -296,19 +361,20 @@ def _simulated_ns(folder: Path) -> int:
     return simulated_ns(folder)
 
 
-def _stop(child: subprocess.Popen[bytes], folder: Path, limit: str) -> _ProcessEnd:
-    """End the child, having asked where it stands."""
+def _stop(child: subprocess.Popen[bytes], pid: int | None, folder: Path, limit: str) -> _ProcessEnd:
+    """End the child, having asked its process `pid` where it stands, if that has begun."""
     stacks = folder / STACKS
     before = _size(stacks)
-    with contextlib.suppress(ProcessLookupError):
-        child.send_signal(signal.SIGUSR1)
     deadline = time.monotonic() + _GRACE_S
+    if pid is None:
+        deadline = 0.0
+    elif child.poll() is None:
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.kill(pid, signal.SIGUSR1)
     while _size(stacks) == before and child.poll() is None and time.monotonic() < deadline:
         time.sleep(POLL_S)
     time.sleep(POLL_S)
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(child.pid, signal.SIGKILL)
-    child.wait()
+    end(child)
     return _ProcessEnd(child.returncode, limit, _place_in(stacks, folder))
 
 

@@ -31,7 +31,7 @@ _LIBRARIES = "libraries"
 _LIMITS = frozenset(
     {
         *("cpu_limit_s", "wall_limit_s", "stall_limit_s", "memory_limit_mb"),
-        *("max_risk", "require_reason", "fail_on", "min_coverage"),
+        *("max_risk", "require_reason", "fail_on", "min_coverage", "sandbox"),
     }
 )
 _OF_VALUES = frozenset({"hardware", "active"})

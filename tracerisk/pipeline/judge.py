@@ -52,6 +52,7 @@ CODES: dict[str, VerdictKind] = {
     "never-grasped": "partial",
     "never-released": "partial",
     "unmet-need": "partial",
+    "access-denied": "partial",
     "companion-failed": "partial",
     "robot-assumed": "partial",
     "input-assumed": "partial",
@@ -80,6 +81,7 @@ _OF_FINDING = {
     "thread_failed": "thread-raised",
     "error_logged": "error-logged",
     "unprovided": "unmet-need",
+    "denied": "access-denied",
     "unused": UNUSED_INPUT,
     "companion_failed": "companion-failed",
 }

@@ -11,6 +11,9 @@ from typing import Any
 
 from tracerisk.pipeline.launch.records import LaunchSetup
 
+MOST_BYTES = 2 * 1024**3
+"""What a file of a recording may have that is read at once [bytes]."""
+
 EVENTS = "events.jsonl"
 """The recorder's events."""
 STACKS = "stacks.txt"
@@ -76,18 +79,21 @@ class Companion:
 
 @dataclass(frozen=True, slots=True)
 class RunRequest:
-    """What the child is asked to run; `folder` is that of the recording, `parent` who asks.
+    """What the child is asked to run; `folder` is that of the recording.
 
-    `argv` holds what `launch` adds to it; `launch_notes` are the lines that tell of `launch`.
+    `packages` are those of the workspace and their folders. `argv` holds what `launch` adds to
+    it; `launch_notes` are the lines that tell of `launch`.
     `reads_around` says that other launch files of the workspace may give parameters too.
     `companions` are started beside the controller. `drivers` are files that describe drivers.
     `drafts_all`: what a scenario could say for every need is noted. `states` are the steps that
-    settings name.
+    settings name. `written` is the folder into which goes what the controller writes, `None`
+    where it writes as it likes; `readable` and `writable` are what it may reach then.
     """
 
     controller: str
     root: str
     folder: str
+    packages: Mapping[str, str]
     argv: tuple[str, ...]
     states: tuple[str, ...]
     answers: tuple[str, ...]
@@ -102,8 +108,10 @@ class RunRequest:
     duration_s: float
     memory_limit_mb: int
     seed: int
-    parent: int
     drafts_all: bool = False
+    written: str | None = None
+    readable: tuple[str, ...] = ()
+    writable: tuple[str, ...] = ()
 
     def dumps(self) -> str:
         """Return the request as JSON."""
@@ -114,6 +122,7 @@ class RunRequest:
         """Read what `dumps` wrote."""
         data = json.loads(text)
         names = ("argv", "states", "answers", "params", "drivers", "launch_notes")
+        names = (*names, "readable", "writable")
         lists = {name: tuple(data[name]) for name in names}
         launch = None if data["launch"] is None else LaunchSetup.from_json(data["launch"])
         companions = tuple(Companion.from_json(each) for each in data["companions"])
@@ -139,7 +148,7 @@ class WallTime:
     @staticmethod
     def is_in(folder: Path) -> bool:
         """Tell whether the times were written: the last act of a run that came to its end."""
-        return (folder / _WALL_TIME).exists()
+        return (folder / _WALL_TIME).is_file()
 
     @classmethod
     def read(cls, folder: Path) -> WallTime:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import sys
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -134,7 +132,7 @@ def _asked(request: Mapping[str, Any], shown: str, limits: Limits) -> Any:
             doing="compiling the model",
             place=where,
             folder=Path(empty),
-            environment={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+            reads=[Path(each) for each in request["meshes"].values()],
         )
     if done.returncode != 0:
         lines = done.stderr.decode(errors="replace").strip().splitlines()

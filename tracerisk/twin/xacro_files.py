@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tracerisk.config import controller_root
+from tracerisk.contained.process import regular_within
 from tracerisk.errors import Location, RobotError
 from tracerisk.limited_process import DEFAULT_LIMITS, Limits, run_limited
 from tracerisk.twin.xacro_child import REFUSED
@@ -64,15 +65,14 @@ def expanded_xacro(
         "arguments": dict(arguments or {}),
         "within": None if within is None else [str(folder.resolve()) for folder in within],
     }
-    # What the host has sourced must not decide which robot is found.
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("ROS_", "AMENT_"))}
+    around = [path.parent, controller_root(path), *packages.values(), *(within or ())]
     done = run_limited(
         "tracerisk.twin.xacro_child",
         request=json.dumps(asked).encode(),
         limits=limits,
         doing="expanding the xacro file",
         place=Location(file),
-        environment=environment,
+        reads=around,
     )
     if done.returncode == REFUSED:
         raise _refusal(json.loads(done.stdout), file, path)
@@ -87,8 +87,12 @@ def expanded_xacro(
                 Location(file),
             )
         raise RobotError(f"xacro cannot expand it: {reason[:_LONGEST_REASON]}", Location(file))
-    answer = json.loads(done.stdout)
-    return Expanded(answer["text"].encode(), tuple(Path(each) for each in answer["files"]))
+    try:
+        answer = json.loads(done.stdout)
+        text, files = answer["text"].encode(), [str(each) for each in answer["files"]]
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise RobotError("xacro gave no document; its macros may print", Location(file)) from error
+    return Expanded(text, regular_within(files, around))
 
 
 def _refusal(told: Mapping[str, Any], shown: str, path: Path) -> RobotError:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 
+from tracerisk.config import controller_root
+from tracerisk.contained.process import regular_within
 from tracerisk.errors import Location
 from tracerisk.limited_process import DEFAULT_LIMITS, Limits, run_limited
 from tracerisk.pipeline.launch.records import LaunchReading, RobotSource, StartedNode
 from tracerisk.pipeline.workspace import Workspace
 
 _LONGEST_REASON = 200
-_NOT_PASSED = ("ROS_", "AMENT_", "COLCON_", "RMW_")
 # Launch files choose by it between what two releases name differently.
 _RELEASE = {"ROS_DISTRO": "jazzy", "ROS_VERSION": "2"}
 
@@ -28,8 +28,7 @@ def read_launch(path: Path, workspace: Workspace, limits: Limits = DEFAULT_LIMIT
         "packages": {name: str(folder) for name, folder in workspace.packages.items()},
         "import_paths": sorted(str(folder) for folder in folders),
     }
-    # What the host has sourced must not decide what a controller is given.
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(_NOT_PASSED)}
+    around = (path.parent, controller_root(path), *workspace.packages.values())
     done = run_limited(
         "tracerisk.pipeline.launch.launch_child",
         request=json.dumps(asked).encode(),
@@ -37,17 +36,18 @@ def read_launch(path: Path, workspace: Workspace, limits: Limits = DEFAULT_LIMIT
         doing="reading the launch file",
         place=Location(str(path)),
         folder=path.parent,
-        environment={**environment, **_RELEASE, "PYTHONHASHSEED": "0"},
+        environment=_RELEASE,
+        reads=(*around, *folders),
     )
     try:
         data = json.loads(done.stdout)
         return LaunchReading(
             nodes=tuple(StartedNode.from_json(each) for each in data["nodes"]),
-            sources=tuple(Path(each) for each in data["sources"]),
-            problems=tuple(data["problems"]),
+            sources=regular_within((str(each) for each in data["sources"]), around),
+            problems=tuple(str(each)[:_LONGEST_REASON] for each in data["problems"]),
             robots=tuple(RobotSource.from_json(each) for each in data["robots"]),
         )
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         lines = done.stderr.decode(errors="replace").strip().splitlines()
         reason = lines[-1].strip() if lines else f"its process ended with {done.returncode}"
         return LaunchReading(problems=(f"cannot be read: {reason[:_LONGEST_REASON]}",))

@@ -62,14 +62,13 @@ def drawn(
 def _run(
     request: str, folder: str, backend: str, limits: Limits
 ) -> subprocess.CompletedProcess[bytes]:
-    environment = {name: value for name, value in os.environ.items() if name != "PYOPENGL_PLATFORM"}
     return run_limited(
         "tracerisk.report.png.child",
         folder,
         request=request.encode(),
         limits=limits,
         doing=f"drawing with {backend}",
-        environment={**environment, "MUJOCO_GL": backend, "PYTHONHASHSEED": "0"},
+        environment={"MUJOCO_GL": backend, "PYOPENGL_PLATFORM": None},
     )
 
 

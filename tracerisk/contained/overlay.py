@@ -1,0 +1,359 @@
+"""Files as a contained controller sees them: it may write where it likes, and nothing of it stays.
+
+What it writes goes into a folder of the run, and is read from there afterwards. That is a courtesy
+to programs that write a log or a result: what keeps the rest of the machine as it is, is the
+kernel. A program that goes past Python's own functions for files is refused what it writes.
+"""
+
+from __future__ import annotations
+
+import builtins
+import contextlib
+import functools
+import io
+import os
+import pathlib
+import shutil
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+_WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
+_SYSTEM = ("/dev/", "/proc/", "/sys/")
+_MOST_COPIED = 1024**3
+
+Denied = Callable[[str, str], None]
+"""Told what was refused: a verb in its past form (`read`), and a path or an address."""
+
+
+class Overlay:
+    """Redirects what is written to `folder`, but for what is below a `writable` folder."""
+
+    def __init__(self, folder: str, writable: Sequence[str], denied: Denied) -> None:
+        self._folder = folder
+        self._writable = tuple(os.path.realpath(each) for each in writable)
+        self._denied = denied
+        self._is_used = False
+        self._gone: set[str] = set()
+        self._real = {name: getattr(os, name) for name in _OS_NAMES}
+        self._open = io.open
+
+    @contextlib.contextmanager
+    def active(self) -> Iterator[None]:
+        """Redirect while this is open, and report addresses to which nothing could be sent."""
+        replaced: list[tuple[Any, str, Any]] = []
+        functions = self._functions()
+
+        def put(owner: Any, name: str, value: Any) -> None:
+            replaced.append((owner, name, vars(owner)[name]))
+            setattr(owner, name, value)
+
+        try:
+            for owner in (builtins, io):
+                put(owner, "open", functions["io.open"])
+            for name in _OS_NAMES:
+                put(os, name, functions[name])
+            # Python 3.10 has bound them there.
+            accessor = getattr(pathlib, "_NormalAccessor", None)
+            for name in _OS_NAMES if accessor is not None else ():
+                if name in vars(accessor) and name != "open":
+                    put(accessor, name, staticmethod(functions[name]))
+            if accessor is not None and "open" in vars(accessor):
+                put(accessor, "open", staticmethod(functions["io.open"]))
+            self._watch_network()
+            yield
+        finally:
+            for owner, name, value in reversed(replaced):
+                setattr(owner, name, value)
+
+    def _watch_network(self) -> None:
+        def watch(event: str, arguments: tuple[Any, ...]) -> None:
+            if event in ("socket.connect", "socket.bind", "socket.sendto", "socket.sendmsg"):
+                verb = event.partition(".")[2]
+                self._denied({"connect": "connected to", "bind": "bound to"}.get(verb, "sent to"),
+                             _address(arguments[1] if len(arguments) > 1 else ""))  # fmt: skip
+
+        sys.addaudithook(watch)
+
+    def _functions(self) -> dict[str, Callable[..., Any]]:
+        found: dict[str, Callable[..., Any]] = {
+            "io.open": self._io_open,
+            "open": self._os_open,
+            "rename": functools.partial(self._move, "rename"),
+            "replace": functools.partial(self._move, "replace"),
+            "link": functools.partial(self._link, "link"),
+            "symlink": functools.partial(self._link, "symlink"),
+            "listdir": self._listdir,
+            "scandir": self._scandir,
+        }
+        for name in ("stat", "lstat", "access", "readlink", "chdir"):
+            found[name] = functools.partial(self._reading, name)
+        for name in ("mkdir", "mkfifo"):
+            found[name] = functools.partial(self._making, name)
+        for name in ("remove", "unlink", "rmdir"):
+            found[name] = functools.partial(self._removing, name)
+        for name in ("truncate", "utime", "chmod"):
+            found[name] = functools.partial(self._changing, name)
+        return {
+            name: _named_as(self._real.get(name, self._open), function)
+            for name, function in found.items()
+        }
+
+    def _full(self, path: Any, more: dict[str, Any]) -> str | None:
+        """Return the full path of what is the overlay's business, `None` for what is not."""
+        if isinstance(path, int) or any(more.get(each) is not None for each in _DESCRIPTORS):
+            return None
+        try:
+            text = os.fsdecode(path)
+            folder, name = os.path.split(os.path.abspath(text))
+        except (TypeError, ValueError, OSError):
+            return None
+        full = os.path.join(os.path.realpath(folder), name)
+        if full.startswith(_SYSTEM) or any(
+            full == each or full.startswith(each + os.sep) for each in self._writable
+        ):
+            return None
+        return full
+
+    def _over(self, full: str) -> str:
+        return self._folder + full
+
+    def _has(self, full: str) -> bool:
+        """Return whether something was written there."""
+        return self._is_used and self._exists(self._over(full))
+
+    def _exists(self, path: str) -> bool:
+        try:
+            self._real["lstat"](path)
+        except OSError:
+            return False
+        return True
+
+    def _seen(self, full: str) -> str:
+        """Return where what is seen at a path lies; where nothing is, a path without a file."""
+        return self._over(full) if self._has(full) or self._is_gone(full) else full
+
+    def _is_gone(self, full: str) -> bool:
+        return bool(self._gone) and any(
+            full == each or full.startswith(each + os.sep) for each in self._gone
+        )
+
+    def _target(self, full: str) -> str:
+        """Return where to write what is meant for a path, with the folders around it."""
+        over = self._over(full)
+        folder = os.path.dirname(full)
+        seen = self._seen(folder)
+        if os.path.isdir(folder) if seen == folder else self._exists(seen):
+            self._is_used = True
+            self._make_folders(os.path.dirname(over))
+        return over
+
+    def _make_folders(self, folder: str) -> None:
+        missing = []
+        while not self._exists(folder):
+            missing.append(folder)
+            folder = os.path.dirname(folder)
+        for each in reversed(missing):
+            self._real["mkdir"](each)
+
+    def _copied(self, full: str) -> str:
+        """Return where to change a file: a copy of it, if there is one."""
+        over = self._target(full)
+        if not self._exists(over) and not self._is_gone(full) and self._exists(full):
+            with self._open(full, "rb") as source, self._open(over, "wb") as target:
+                if os.fstat(source.fileno()).st_size > _MOST_COPIED:
+                    raise OSError(27, "is too large to be changed in a sandbox", full)
+                shutil.copyfileobj(source, target)
+        return over
+
+    def _io_open(self, file: Any, mode: str = "r", *args: Any, **more: Any) -> Any:
+        full = self._full(file, {})
+        if full is None:
+            return self._open(file, mode, *args, **more)
+        if isinstance(mode, str) and any(each in mode for each in "wax+"):
+            if "x" in mode and self._exists(self._seen(full)):
+                raise FileExistsError(17, "File exists", os.fsdecode(file))
+            place = self._target(full) if "w" in mode or "x" in mode else self._copied(full)
+            self._refuse_folder(full, place)
+            return self._open(place, mode, *args, **more)
+        place = self._seen(full)
+        with self._told(full):
+            return self._open(file if place == full else place, mode, *args, **more)
+
+    def _refuse_folder(self, full: str, place: str) -> None:
+        if not self._exists(place) and os.path.isdir(full) and not self._is_gone(full):
+            raise IsADirectoryError(21, "Is a directory", full)
+
+    def _os_open(self, path: Any, flags: int, *args: Any, **more: Any) -> int:
+        full = self._full(path, more)
+        if full is None:
+            return int(self._real["open"](path, flags, *args, **more))
+        place = self._seen(full)
+        if flags & _WRITES and not (place == full and os.path.isdir(full)):
+            if flags & os.O_EXCL and self._exists(place):
+                raise FileExistsError(17, "File exists", os.fsdecode(path))
+            if not flags & os.O_CREAT and not self._exists(place):
+                raise FileNotFoundError(2, "No such file or directory", os.fsdecode(path))
+            place = self._target(full) if flags & os.O_TRUNC else self._copied(full)
+            return int(self._real["open"](place, flags, *args, **more))
+        with self._told(full):
+            return int(self._real["open"](path if place == full else place, flags, *args, **more))
+
+    @contextlib.contextmanager
+    def _told(self, full: str) -> Iterator[None]:
+        try:
+            yield
+        except PermissionError:
+            self._denied("read", full)
+            raise
+
+    def _reading(self, name: str, path: Any, *args: Any, **more: Any) -> Any:
+        full = self._full(path, more) if self._is_used or self._gone else None
+        place = full if full is None else self._seen(full)
+        return self._real[name](path if place in (None, full) else place, *args, **more)
+
+    def _making(self, name: str, path: Any, *args: Any, **more: Any) -> None:
+        full = self._full(path, more)
+        if full is None:
+            self._real[name](path, *args, **more)
+            return
+        if self._exists(self._seen(full)):
+            raise FileExistsError(17, "File exists", os.fsdecode(path))
+        # A folder that could not be read could not be removed either.
+        self._real[name](self._target(full))
+
+    def _removing(self, name: str, path: Any, *args: Any, **more: Any) -> None:
+        full = self._full(path, more)
+        if full is None:
+            self._real[name](path, *args, **more)
+            return
+        if self._has(full):
+            self._real[name](self._over(full))
+        elif not self._exists(self._seen(full)):
+            raise FileNotFoundError(2, "No such file or directory", os.fsdecode(path))
+        elif name == "rmdir" and self._listdir(path):
+            raise OSError(39, "Directory not empty", os.fsdecode(path))
+        elif name == "rmdir" and not os.path.isdir(full):
+            raise NotADirectoryError(20, "Not a directory", os.fsdecode(path))
+        elif name != "rmdir" and os.path.isdir(full) and not os.path.islink(full):
+            raise IsADirectoryError(21, "Is a directory", os.fsdecode(path))
+        if self._exists(full):
+            self._gone.add(full)
+
+    def _changing(self, name: str, path: Any, *args: Any, **more: Any) -> None:
+        full = self._full(path, more)
+        if full is None:
+            self._real[name](path, *args, **more)
+        elif name == "truncate":
+            self._real[name](self._copied(full), *args, **more)
+        else:
+            self._real[name](self._seen(full), *args, **more)
+
+    def _move(self, name: str, source: Any, target: Any, **more: Any) -> None:
+        one, other = self._full(source, more), self._full(target, more)
+        if one is None and other is None:
+            self._real[name](source, target, **more)
+            return
+        if one is not None and not self._exists(self._seen(one)):
+            raise FileNotFoundError(2, "No such file or directory", os.fsdecode(source))
+        if one is not None and self._seen(one) == one and os.path.isdir(one):
+            self._denied("renamed", one)
+            raise PermissionError(13, "Permission denied", os.fsdecode(source))
+        moved = os.fsdecode(source) if one is None else self._copied(one)
+        place = os.fsdecode(target) if other is None else self._target(other)
+        shutil.move(moved, place) if one is None else self._real[name](moved, place)
+        if one is not None and self._exists(one):
+            self._gone.add(one)
+
+    def _link(self, name: str, source: Any, target: Any, *args: Any, **more: Any) -> None:
+        full = self._full(target, more)
+        place = target if full is None else self._target(full)
+        if full is not None and self._exists(self._seen(full)):
+            raise FileExistsError(17, "File exists", os.fsdecode(target))
+        if name == "link":
+            given = self._full(source, more)
+            source = source if given is None else self._seen(given)
+        self._real[name](source, place, *args, **more)
+
+    def _listdir(self, path: Any = ".") -> list[Any]:
+        full = self._full(path, {})
+        if full is None:
+            return list(self._real["listdir"](path))
+        full = os.path.realpath(full)
+        with self._told(full):
+            names = self._names(full)
+        return [os.fsencode(each) for each in names] if isinstance(path, bytes) else names
+
+    def _names(self, full: str) -> list[str]:
+        found: dict[str, None] = {}
+        if not self._is_gone(full) and (self._exists(full) or not self._has(full)):
+            found.update(dict.fromkeys(self._real["listdir"](full)))
+        if self._has(full):
+            found.update(dict.fromkeys(self._real["listdir"](self._over(full))))
+        return [
+            each
+            for each in found
+            if not self._is_gone(os.path.join(full, each)) or self._has(os.path.join(full, each))
+        ]
+
+    def _scandir(self, path: Any = ".") -> Any:
+        full = self._full(path, {})
+        if full is None or not (self._is_used or self._gone):
+            return self._real["scandir"](path)
+        full = os.path.realpath(full)
+        entries = []
+        places = [each for each in (self._over(full), full) if self._exists(each)]
+        left = set(self._names(full))
+        for place in places:
+            with self._real["scandir"](place) as found:
+                for each in found:
+                    if each.name in left:
+                        left.discard(each.name)
+                        entries.append(each)
+        return _Entries(entries)
+
+
+def _named_as(real: Callable[..., Any], function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a plain function that stands for a real one."""
+
+    @functools.wraps(real)
+    def replacement(*args: Any, **more: Any) -> Any:
+        return function(*args, **more)
+
+    return replacement
+
+
+class _Entries:
+    """What `os.scandir` returns: entries, to be closed."""
+
+    def __init__(self, entries: list[Any]) -> None:
+        self._entries = iter(entries)
+
+    def __iter__(self) -> Iterator[Any]:
+        return self
+
+    def __next__(self) -> Any:
+        return next(self._entries)
+
+    def __enter__(self) -> _Entries:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Do nothing: all was read."""
+
+
+_DESCRIPTORS = ("dir_fd", "src_dir_fd", "dst_dir_fd")
+_OS_NAMES = (
+    *("access", "chdir", "chmod", "link", "listdir", "lstat", "mkdir", "mkfifo", "open"),
+    *("readlink", "remove", "rename", "replace", "rmdir", "scandir", "stat", "symlink"),
+    *("truncate", "unlink", "utime"),
+)
+
+
+def _address(given: Any) -> str:
+    if isinstance(given, tuple) and len(given) >= 2:
+        return f"{given[0]}:{given[1]}"
+    return os.fsdecode(given) if isinstance(given, bytes | str) else str(given)

@@ -1,0 +1,280 @@
+"""Start processes of ours apart from everything around them, contained where that is asked for.
+
+No current folder, no folder of a user and no variable of the environment decides what they import.
+That is Python's isolated mode but for the seed of hashes, which isolated mode does not let us set.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import json
+import os
+import signal
+import stat
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Literal
+
+from tracerisk.contained.kernel import support
+from tracerisk.errors import SandboxError
+
+SandboxMode = Literal["auto", "require", "off"]
+"""Whether strangers' code is contained: where that works, always, or never."""
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+_START = Path(__file__).with_name("start.py")
+_GRACE_S = 5.0
+
+_SYSTEM = (
+    *("/bin", "/lib", "/lib32", "/lib64", "/libx32", "/sbin", "/usr", "/opt/ros", "/nix/store"),
+    *("/etc/alternatives", "/etc/fonts", "/etc/group", "/etc/ld.so.cache", "/etc/ld.so.conf"),
+    *("/etc/ld.so.conf.d", "/etc/localtime", "/etc/locale.alias", "/etc/magic", "/etc/mime.types"),
+    *("/etc/nsswitch.conf", "/etc/os-release", "/etc/passwd", "/etc/protocols", "/etc/services"),
+    *("/etc/timezone", "/dev/full", "/dev/random", "/dev/urandom", "/dev/zero"),
+    *("/proc/cpuinfo", "/proc/filesystems", "/proc/meminfo", "/proc/stat", "/proc/version"),
+    *("/sys/devices/system/cpu", "/sys/devices/system/node"),
+)
+_PASSED = frozenset(
+    {
+        *("HOME", "LANG", "LANGUAGE", "LD_LIBRARY_PATH", "LOGNAME", "PATH", "SHELL", "TERM"),
+        *("TMPDIR", "TZ", "USER", "VIRTUAL_ENV", "COLUMNS", "LINES"),
+        *("MKL_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMEXPR_NUM_THREADS"),
+    }
+)
+_SOURCE_ENDINGS = (".py", ".yaml", ".yml", ".json", ".toml", ".urdf", ".xacro", ".srdf", ".xml")
+_OF_HOST = ("ROS_", "AMENT_", "COLCON_", "RMW_")
+# What people keep beside their sources and no controller needs.
+_SECRET_ENDINGS = (".key", ".pem", ".p12", ".pfx")
+_SECRET_NAMES = ("id_rsa", "id_dsa", "id_ecdsa", "id_ed25519", "credentials.json")
+
+
+class SandboxWarning(UserWarning):
+    """Strangers' code runs uncontained."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sandbox:
+    """How strangers' code is contained.
+
+    `readable` and `writable` are files and folders that it may reach besides, `env` the names of
+    variables of the environment that it gets besides.
+    """
+
+    mode: SandboxMode = "auto"
+    readable: tuple[str, ...] = ()
+    writable: tuple[str, ...] = ()
+    env: tuple[str, ...] = ()
+
+    @property
+    def is_on(self) -> bool:
+        """Whether it contains here; warns once where it should and cannot.
+
+        Raises SandboxError where it is required and cannot.
+        """
+        if self.mode == "off":
+            return False
+        missing = support().missing
+        if not missing:
+            return True
+        if self.mode == "require":
+            raise SandboxError(
+                f"the sandbox is required and does not work here: {missing} is missing; "
+                "tracerisk doctor lists its parts"
+            )
+        _warn_once(missing)
+        return False
+
+
+@lru_cache(maxsize=1)
+def _warn_once(missing: str) -> None:
+    warnings.warn(
+        f"controllers, launch files, xacro and model files run without a sandbox: {missing} is "
+        "missing; --sandbox require refuses, --sandbox off is silent",
+        SandboxWarning,
+        stacklevel=2,
+    )
+
+
+def passed_environment(sandbox: Sandbox) -> dict[str, str]:
+    """Return the variables of the environment that a stranger's code gets.
+
+    All but those of ROS where no sandbox is wanted: what the host has sourced decides nothing.
+    """
+    named = _PASSED.union(sandbox.env)
+    return {
+        name: value
+        for name, value in os.environ.items()
+        if name in named
+        or name.startswith("LC_")
+        or (sandbox.mode == "off" and not name.startswith(_OF_HOST))
+    }
+
+
+def start(
+    module: str,
+    *arguments: str,
+    sandbox: Sandbox | None,
+    reads: Iterable[Path] = (),
+    writes: Iterable[Path] = (),
+    environment: Mapping[str, str],
+    options: Sequence[str] = (),
+    pass_fds: Sequence[int] = (),
+    **more: Any,
+) -> subprocess.Popen[bytes]:
+    """Start Python, isolated, with a module of ours; what it leaves running ends with it.
+
+    `sandbox` is `None` for a module that runs nothing of a stranger's. `reads` and `writes` are
+    what it may reach besides Python and the system. `more` is that of `subprocess.Popen`.
+    Raises SandboxError where a sandbox is required that does not work here.
+    """
+    paths = _import_paths()
+    plan: dict[str, Any] = {
+        "package": str(_PACKAGE),
+        "paths": paths,
+        "parent": os.getpid(),
+        "readable": None,
+    }
+    if sandbox is not None and sandbox.is_on:
+        _compile_own()
+        given = [*reads, *map(Path, sandbox.readable)]
+        own = [_PACKAGE, *_interpreter(), *(Path(each) for each in paths)]
+        kept = [each for folder in (*own, *given) for each in _within(folder)]
+        plan |= {
+            "readable": [*_SYSTEM, *(path for path, is_whole in kept if is_whole)],
+            "listable": [path for path, is_whole in kept if not is_whole],
+            "writable": [str(each) for each in writes],
+        }
+    with tempfile.TemporaryFile() as stream:
+        stream.write(json.dumps(plan).encode())
+        stream.seek(0)
+        flags = ("-s", *options)
+        return subprocess.Popen(
+            [sys.executable, *flags, str(_START), str(stream.fileno()), module, *arguments],
+            env={**_without_python(environment), "PYTHONHASHSEED": "0"},
+            pass_fds=(stream.fileno(), *pass_fds),
+            start_new_session=True,
+            **more,
+        )
+
+
+def _without_python(environment: Mapping[str, str]) -> dict[str, str]:
+    return {name: value for name, value in environment.items() if not name.startswith("PYTHON")}
+
+
+def end(child: subprocess.Popen[bytes]) -> None:
+    """End a process that `start` started, with all that descends from it."""
+    if child.poll() is None:
+        child.terminate()
+        try:
+            child.wait(_GRACE_S)
+        except subprocess.TimeoutExpired:
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.killpg(child.pid, signal.SIGKILL)
+            child.wait()
+
+
+def read_regular(path: Path, most: int) -> bytes:
+    """Return the bytes of a file that a child has left.
+
+    Raises OSError where it is absent, no regular file, or larger than `most` bytes.
+    """
+    descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    with os.fdopen(descriptor, "rb") as stream:
+        found = os.fstat(descriptor)
+        if not stat.S_ISREG(found.st_mode):
+            raise OSError(errno.EINVAL, "is no regular file")
+        if found.st_size > most:
+            raise OSError(errno.EFBIG, f"has {found.st_size} bytes; at most {most} are read")
+        return stream.read(most)
+
+
+def regular_within(names: Iterable[str], folders: Iterable[Path]) -> tuple[Path, ...]:
+    """Return those files that a child has named which are regular and lie within the folders."""
+    tops = [folder.resolve() for folder in folders]
+    found = []
+    for name in names:
+        with contextlib.suppress(OSError, ValueError, RuntimeError):
+            path = Path(name).resolve()
+            if any(path.is_relative_to(top) for top in tops) and path.is_file():
+                found.append(Path(name))
+    return tuple(dict.fromkeys(found))
+
+
+def _import_paths() -> list[str]:
+    """Return from where the modules of this process come, but for its current folder's.
+
+    Those of an isolated process come before them.
+    """
+    here = os.path.realpath(os.getcwd()) if os.path.isdir(os.curdir) else ""
+    script = os.path.dirname(os.path.abspath(sys.argv[0])) if sys.argv and sys.argv[0] else ""
+    return [
+        each
+        for each in sys.path
+        if each and os.path.isabs(each) and os.path.realpath(each) not in (here, script)
+    ]
+
+
+def _interpreter() -> list[Path]:
+    paths = sysconfig.get_paths()
+    named = [paths[name] for name in ("stdlib", "platstdlib", "purelib", "platlib")]
+    found = [sys.prefix, sys.base_prefix, sys.exec_prefix, *named, os.path.dirname(sys.executable)]
+    found.append(os.path.dirname(os.path.realpath(sys.executable)))
+    return [Path(each) for each in dict.fromkeys(found)]
+
+
+def _within(place: Path) -> list[tuple[str, bool]]:
+    """Return what of a place is readable: itself, or its parts where it holds what is not.
+
+    With each path stands whether it may be read, or only listed.
+    """
+    try:
+        path = place.resolve()
+        if not path.is_dir():
+            return [(str(path), True)]
+        homes = [Path(each).resolve() for each in (os.path.expanduser("~"), _home_on_record())]
+        inside = sorted(path.iterdir())
+    except (OSError, RuntimeError):
+        return []
+    if any(path in home.parents for home in homes):
+        return []
+    if path in homes:
+        # The folder of everything is no folder of sources, though sources may lie in it.
+        parts = [each for each in inside if each.is_file() and each.suffix in _SOURCE_ENDINGS]
+    elif any(_is_secret(each.name) for each in inside):
+        parts = [each for each in inside if not _is_secret(each.name)]
+    else:
+        return [(str(path), True)]
+    return [(str(path), False), *((str(each), True) for each in parts)]
+
+
+def _home_on_record() -> str:
+    """Return the home folder of this user that the system knows, whatever HOME says."""
+    import pwd
+
+    try:
+        return pwd.getpwuid(os.getuid()).pw_dir
+    except KeyError:
+        return "/"
+
+
+def _is_secret(name: str) -> bool:
+    """Return whether a name is that of what no controller reads: `.git`, `.env`, a key."""
+    return name.startswith(".") or name in _SECRET_NAMES or name.endswith(_SECRET_ENDINGS)
+
+
+@lru_cache(maxsize=1)
+def _compile_own() -> None:
+    """Have our modules compiled: a contained process cannot keep what it compiles."""
+    if not any(each.endswith("-packages") for each in _PACKAGE.parts):
+        import compileall
+
+        with contextlib.suppress(OSError):
+            compileall.compile_dir(str(_PACKAGE), quiet=2)
