@@ -96,7 +96,9 @@ def test_a_source_for_both_pythons_is_not_python_2(source):
 
 
 def test_six_is_there(example, quick):
-    source = quick("assert six.moves.range(2) and six.PY3").replace("import os", "import six, os", 1)
+    source = quick("assert six.moves.range(2) and six.PY3").replace(
+        "import os", "import six, os", 1
+    )
     example.write("c.py", source)
     outcome = example.run("trace", "c.py")
     assert outcome.code == 0, outcome.err
