@@ -40,7 +40,7 @@ def test_labels_lose_what_separates_names_in_blocks() -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["Pick (tray", "Pick tray)", "Pick()", "Pick ()", "Pick (a) (b)", "Pick (a/b)", "a b"]
+    "name", ["Pick (tray", "Pick tray)", "Pick ()", "Pick (a) (b)", "Pick (a/b)", "a b"]
 )
 def test_what_is_no_name_of_an_instance_is_refused(name: str) -> None:
     assert not is_function_name(name)

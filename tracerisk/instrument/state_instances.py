@@ -96,7 +96,12 @@ def _label(state: Any, frame: FrameType) -> str:
 
 def _key_in(machine: Any, state: Any) -> str | None:
     """Return the key under which an object holds a state: itself, or in a description of it."""
-    for held in list(getattr(machine, "__dict__", {}).values()):
+    try:
+        # Its own `__getattr__` would be code of the controller.
+        attributes = object.__getattribute__(machine, "__dict__")
+    except AttributeError:
+        return None
+    for held in list(attributes.values()):
         if not isinstance(held, dict) or len(held) > _MOST_STATES:
             continue
         for key, value in list(held.items()):
