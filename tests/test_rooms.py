@@ -24,7 +24,8 @@ ROOMS = (
 """From the top down."""
 BELOW = (
     *("trace", "trace_display", "trace_json", "trace_log"),
-    *("acceptances", "config", "contained", "dependencies", "errors", "limited_process"),
+    *("acceptances", "config", "contained", "dependencies", "errors", "instance_name"),
+    "limited_process",
     *("yaml_reader", "yaml_nodes"),
 )
 """Modules that every room may import, and that import no room."""

@@ -8,6 +8,7 @@ method where several of its methods command, and the label of the instance.
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Iterable
 from typing import TypeVar
 
@@ -23,6 +24,7 @@ Name = TypeVar("Name", bound=str)
 
 def plain_label(text: str) -> str:
     """Return a label as a block can hold it, without what separates names there; may be empty."""
+    text = unicodedata.normalize("NFKC", text)
     words = _SEPARATORS.sub(" ", "".join(each if each.isprintable() else " " for each in text))
     return " ".join(words.split())[:_LONGEST_LABEL].strip()
 

@@ -80,3 +80,12 @@ def test_messages_that_follow_a_wait_or_are_few_take_no_time(trace):
         "lasted = rospy.get_time() - began\nassert lasted < 0.25, lasted\nrospy.sleep(2)\n"
     )
     assert data["end"]["cause"] == "ended"
+
+
+def test_a_goal_that_is_sent_again_and_again_is_reached_once(trace):
+    data, outcome = trace(
+        "while not rospy.is_shutdown():\n    same = message(0.3, 1.0)\n"
+        "    same.header.stamp = rospy.Time.now()\n    topic.publish(same)\n"
+    )
+    assert data["end"]["cause"] == "idle", outcome.err
+    assert data["end"]["simulated_s"] < 20.0

@@ -364,3 +364,30 @@ def test_five_behaviours_of_py_trees_are_five_states(example):
         "MoveTo (Above Bin)",
         "MoveTo (Home)",
     ]
+
+
+def test_two_move_groups_of_one_function_are_no_states(example):
+    example.write(
+        "controller.py",
+        HEAD
+        + """\
+def home(arm, hand):
+    hand.set_named_target("open")
+    hand.go(wait=True)
+    arm.set_named_target("ready")
+    arm.go(wait=True)
+
+
+def main():
+"""
+        + SETUP
+        + """\
+    home(arm, moveit_commander.MoveGroupCommander("hand"))
+
+
+main()
+""",
+    )
+    assert example.run("run", "controller.py").code == 0
+    text = (example.folder / "controller.py").read_text()
+    assert [line.split("= ")[1] for line in text.splitlines() if "|   name = home" in line] == ["home"]

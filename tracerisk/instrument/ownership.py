@@ -17,6 +17,7 @@ from tracerisk.instrument.tracer import Frame
 from tracerisk.trace import Finding, FunctionRef, TracedFunction, VisitOutcome
 
 _SECOND_NS = 1_000_000_000
+_MOST_INSTANCES = 50  # of one function that are told apart: more are named as they are made
 _OUTCOMES = frozenset({"succeeded", "aborted", "preempted"})
 
 
@@ -182,7 +183,7 @@ def _named_by_instance(owners: Sequence[Frame]) -> list[Frame]:
 
     def named(owner: Frame) -> Frame:
         ref = owner.function
-        if not owner.instance or len(labels[ref]) < 2:
+        if not owner.instance or not 2 <= len(labels[ref]) <= _MOST_INSTANCES:
             return owner
         is_only = len(methods[ref.file, ref.name.rpartition(".")[0]]) == 1
         name = instance_name(ref.name, owner.instance, is_only_method=is_only)

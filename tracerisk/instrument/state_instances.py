@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import inspect
 import re
+import sys
+from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -17,6 +19,8 @@ from tracerisk.instance_name import plain_label
 _BASE = re.compile(r"\w*(State|Behaviou?r)")
 _NAMES = ("name", "_name", "label", "_label")
 _MOST_STATES = 1000
+_OWN = f"{Path(__file__).parents[1]}/"
+_MACHINES = frozenset({"smach", "smach_ros"})
 _MACHINE_WITHIN = 12  # frames above a state's own, the machine's frame among them
 
 
@@ -69,11 +73,17 @@ def _state_of(frame: FrameType) -> Any:
     kind = type(own)
     if (
         kind is type
-        or kind.__module__.startswith("tracerisk.")
+        or _is_stand_in(kind)
         or not any(_BASE.fullmatch(each.__name__) for each in kind.__mro__[1:])
     ):
         return None
     return own
+
+
+def _is_stand_in(kind: type) -> bool:
+    """Return whether a class is of this package, but for its state machines."""
+    file = getattr(sys.modules.get(kind.__module__), "__file__", None) or ""
+    return file.startswith(_OWN) and kind.__module__.partition(".")[0] not in _MACHINES
 
 
 def _label(state: Any, frame: FrameType) -> str:
@@ -96,7 +106,12 @@ def _label(state: Any, frame: FrameType) -> str:
 
 def _key_in(machine: Any, state: Any) -> str | None:
     """Return the key under which an object holds a state: itself, or in a description of it."""
-    for held in list(getattr(machine, "__dict__", {}).values()):
+    try:
+        # Its own `__getattr__` would be code of the controller.
+        attributes = object.__getattribute__(machine, "__dict__")
+    except AttributeError:
+        return None
+    for held in list(attributes.values()):
         if not isinstance(held, dict) or len(held) > _MOST_STATES:
             continue
         for key, value in list(held.items()):

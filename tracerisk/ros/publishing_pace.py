@@ -31,6 +31,11 @@ class PublishingPace:
         self._last_ns = 0
         self._in_row = 0
 
+    @property
+    def is_of_loop(self) -> bool:
+        """Whether the last message was one of a loop that does not wait."""
+        return self._in_row >= BURST
+
     def keep(self, scheduler: Scheduler) -> None:
         """Let time pass before a message that follows many others without a wait in between.
 
@@ -46,6 +51,6 @@ class PublishingPace:
             and scheduler.now_ns - self._last_ns <= _AT_ONCE_NS
         )
         self._in_row = self._in_row + 1 if is_busy else 0
-        if self._in_row >= BURST:
+        if self.is_of_loop:
             scheduler.pass_until(self._last_ns + PERIOD_NS)
         self._thread, self._waits, self._last_ns = thread, thread.waits, scheduler.now_ns

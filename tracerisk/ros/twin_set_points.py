@@ -11,6 +11,7 @@ it is live until its joints have settled and nothing more has come for a while.
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -19,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import one_of
-from tracerisk.instrument.recording import NEAR
 from tracerisk.ros.graph import Change, Publication
 from tracerisk.ros.message_dialect import nanoseconds
 from tracerisk.ros.runtime import Runtime
@@ -31,6 +31,7 @@ from tracerisk.ros.twin_trajectory_messages import (
     fastest_s,
     twin_trajectory,
 )
+from tracerisk.twin.execution import GOAL_TOLERANCE
 from tracerisk.twin.motion import JointTrajectory, PlanningError
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ _COMMANDS = ("command", "commands")
 _TAKES_STATES = re.compile(r"(^|_)(commands?|cmd)$|^fake_controller_joint_states$")
 _FEEDBACK = "joint_states"
 _NO_POSITIONS = re.compile(r"velocity|effort|torque")
+_NEARLY = 0.05  # of the goal of a motion whose time is over: the joints come to rest [rad or m]
 _SHORT_S = 0.25  # a single point within this time is a set-point of a stream, not a motion
 Array = NDArray[np.float64]
 
@@ -76,7 +78,6 @@ class SetPoints:
         self._twin = commands.twin
         self._streams: dict[str, _Stream] = {}
         self._subscribed: set[str] = set()
-        self._carried_out: dict[str, float] | None = None
         self._takers = {
             TRAJECTORY: self._take_trajectory,
             GROUP: self._take_group,
@@ -98,6 +99,9 @@ class SetPoints:
         def deliver(message: Any, publication: Publication) -> None:
             if not publication.by_controller:
                 return
+            if publication.pace.is_of_loop and self._is_there(message):
+                # A loop that sends one trajectory all the time does so, too, once it is there.
+                return
             others = self._graph.subscriptions(name)
             if not any(each.by_controller for each in others):
                 take(name, message)
@@ -115,7 +119,8 @@ class SetPoints:
         try:
             trajectory = twin_trajectory(message, self._twin, now_ns)
         except TrajectoryRefusedError as error:
-            if error.code is not TrajectoryCode.OLD_HEADER_TIMESTAMP or not self._is_there(message):
+            is_late = error.code is TrajectoryCode.OLD_HEADER_TIMESTAMP
+            if not (is_late and self._is_there(message, _NEARLY)):
                 self._refuse(topic, str(error))
             return
         if len(message.points) == 1 and _asked_s(message.points[0]) <= _SHORT_S:
@@ -127,22 +132,17 @@ class SetPoints:
             self._refuse(topic, error.message)
             return
         self._streams.pop(topic, None)
-        self._carried_out = dict(
-            zip(message.joint_names, message.points[-1].positions, strict=True)
-        )
         self._commands.begin("joint_trajectory", motion, self._commands.stack())
 
-    def _is_there(self, message: Any) -> bool:
-        """Tell whether the joints are, or are led, where a trajectory that is over ends.
-
-        A loop that sends one trajectory again and again sends it also when it was carried out.
-        """
-        goal = dict(zip(message.joint_names, message.points[-1].positions, strict=True))
-        if self._carried_out is not None and self._carried_out == goal:
-            return True
+    def _is_there(self, message: Any, tolerance: float = GOAL_TOLERANCE) -> bool:
+        """Tell whether the joints are where a trajectory ends; of other messages, False."""
+        points = getattr(message, "points", None)
+        if not points or len(points[-1].positions) != len(message.joint_names):
+            return False
         state = self._twin.joint_state()
         here = dict(zip(state.names, state.position, strict=True))
-        return all(abs(here[name] - value) <= NEAR for name, value in goal.items())
+        goal = zip(message.joint_names, points[-1].positions, strict=True)
+        return all(abs(here.get(name, math.inf) - value) <= tolerance for name, value in goal)
 
     def _take_group(self, topic: str, message: Any) -> None:
         if self._is_no_position(topic):

@@ -9,7 +9,7 @@ import rospy
 import smach
 
 
-class ConditionState(smach.State):
+class ConditionState(smach.State):  # type: ignore[misc]
     """`true` once the condition holds, `false` when it has not for long, `preempted`."""
 
     def __init__(

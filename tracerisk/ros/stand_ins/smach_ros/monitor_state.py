@@ -10,7 +10,7 @@ import rospy
 import smach
 
 
-class MonitorState(smach.State):
+class MonitorState(smach.State):  # type: ignore[misc]
     """`invalid` once the condition fails, `valid` after `max_checks` messages, `preempted`."""
 
     def __init__(

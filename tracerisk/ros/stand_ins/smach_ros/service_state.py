@@ -11,7 +11,7 @@ import smach
 from .slots import Slots
 
 
-class ServiceState(smach.State):
+class ServiceState(smach.State):  # type: ignore[misc]
     """`succeeded` with an answer, `aborted` without one, `preempted` where it was asked to end."""
 
     def __init__(

@@ -12,7 +12,7 @@ from actionlib import GoalStatus, SimpleActionClient
 from .slots import Slots
 
 
-class SimpleActionState(smach.State):
+class SimpleActionState(smach.State):  # type: ignore[misc]
     """Ends as the goal does: `succeeded`, `aborted` or `preempted`."""
 
     def __init__(
