@@ -121,9 +121,8 @@ class RunRequest:
     def loads(cls, text: str) -> RunRequest:
         """Read what `dumps` wrote."""
         data = json.loads(text)
-        names = ("argv", "states", "answers", "params", "drivers", "launch_notes")
-        names = (*names, "readable", "writable")
-        lists = {name: tuple(data[name]) for name in names}
+        names = ("argv", "states", "answers", "params", "drivers", "launch_notes", "readable")
+        lists = {name: tuple(data[name]) for name in (*names, "writable")}
         launch = None if data["launch"] is None else LaunchSetup.from_json(data["launch"])
         companions = tuple(Companion.from_json(each) for each in data["companions"])
         return cls(**{**data, **lists, "launch": launch, "companions": companions})
