@@ -20,7 +20,8 @@ class Mover(Node):
 
     def tick(self):
         joints = [f"panda_joint{i}" for i in range(1, 8)]
-        self.commands.publish(Float64MultiArray(data=[0.1 * len(joints)] * 7))
+        amount = 0.1 * len(joints)
+        self.commands.publish(Float64MultiArray(data=[amount] * 3 + [-amount] + [amount] * 3))
         raise SystemExit(0)
 
 

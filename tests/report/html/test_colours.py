@@ -85,7 +85,9 @@ def luminance(colour: str) -> float:
 def seen(colour: str, sight: str) -> list[float]:
     """A colour in OKLab, as it looks to someone."""
     looks = [min(max(each, 0.0), 1.0) for each in times(SIGHTS[sight], linear(colour))]
-    return times(_TO_LAB, [math.cbrt(each) for each in times(_TO_CONES, looks)])
+    return times(
+        _TO_LAB, [math.copysign(abs(each) ** (1 / 3), each) for each in times(_TO_CONES, looks)]
+    )
 
 
 def contrast(one: str, other: str) -> float:
