@@ -123,7 +123,9 @@ class Answers:
         return any(each.reference in _OF_JOINTS for each in (outputs or {}).values())
 
     def note_reading(self, outputs: Mapping[str, Output] | None, result: Result) -> None:
-        """Note that the controller asks now for what encoders measure, where it does."""
+        """Note that the controller asks now for what sensors of the joints measure."""
+        if any(each.reference == "efforts" for each in (outputs or {}).values()):
+            self._reading.asked("torque")
         if result.pose is None and result.joints is None and self.asks_sensors(outputs):
             self._reading.asked("encoder")
 
@@ -148,7 +150,9 @@ class Answers:
         return Quantity(found, ("plain",) * len(found))
 
     def _dimensions(self) -> tuple[Dimension, ...]:
-        return tuple("length" if each.type == "prismatic" else "angle" for each in self._arm.arm)
+        sliding = (each.type == "prismatic" for each in self._arm.arm)
+        found: list[Dimension] = ["length" if each else "angle" for each in sliding]
+        return tuple(found)
 
     def _joint_names(self, result: Result) -> list[str]:
         return list(self._arm.joints)

@@ -116,7 +116,9 @@ class DescribedDriver:
     def _answer(self, interface: Interface, type_name: str, message: Any) -> Any:
         arm, stack = self._arm(interface), self._commands.stack()
         self._scheduler.touch()
-        case, jobs, result = None, [], Result()
+        case: Case | None = None
+        jobs: list[Job] = []
+        result = Result()
         request = Request(message, self._state, self._conventions)
         try:
             case = _case_of(interface, request)
