@@ -65,4 +65,7 @@ def test_goals_are_picked_and_placed_for_the_functions_that_sent_them(run_on_twi
     assert ran["held"] == ["cup"]
     assert ran["missing"] == (4, -19)
     assert ran.owners == ["<module>", "pick", "place"]
-    assert any("picking 'mug' failed: the planning scene has no such object" in each for each in ran.findings)
+    assert any(
+        "picking 'mug' failed: the planning scene has no such object" in each
+        for each in ran.findings
+    )

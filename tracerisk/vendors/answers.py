@@ -20,7 +20,17 @@ from tracerisk.vendors.message_paths import FieldError, read, write
 from tracerisk.vendors.motion_queue import MotionQueue
 
 _OF_JOINTS = frozenset(
-    {"joints", "velocities", "pose", "position", "orientation", "rpy", "gripper", "gripper_width"}
+    {
+        "joints",
+        "velocities",
+        "pose",
+        "position",
+        "orientation",
+        "rpy",
+        "rotation",
+        "gripper",
+        "gripper_width",
+    }
 )
 _MOVING = 1e-3
 """Fingers are moving from this speed up [rad/s or m/s]."""
@@ -147,7 +157,8 @@ class Answers:
 
     def _efforts(self, result: Result) -> Quantity:
         found = tuple(self._arm.efforts())
-        return Quantity(found, ("plain",) * len(found))
+        plain: Dimension = "plain"
+        return Quantity(found, (plain,) * len(found))
 
     def _dimensions(self) -> tuple[Dimension, ...]:
         sliding = (each.type == "prismatic" for each in self._arm.arm)
@@ -172,6 +183,13 @@ class Answers:
 
     def _rpy(self, result: Result) -> Quantity:
         return Quantity(rpy_from_quaternion(self._pose(result).orientation), ("angle",) * 3)
+
+    def _rotation(self, result: Result) -> Quantity:
+        turn = self._pose(result).orientation
+        if self._driver.rotation == "quaternion":
+            return Quantity(turn, ("plain",) * 4)
+        in_radians = Conventions(rotation=self._driver.rotation)
+        return Quantity(tuple(in_radians.turn_numbers(turn)), ("angle",) * 3)
 
     def _gripper(self, result: Result) -> float:
         closed, opened = self._driver.closed, self._driver.opened

@@ -13,7 +13,7 @@ from typing import Any, Literal
 from tracerisk.errors import Location
 
 InterfaceKind = Literal["services", "actions", "subscribed_topics", "published_topics"]
-Rotation = Literal["rpy", "quaternion", "rotation_vector", "euler_zyz"]
+Rotation = Literal["rpy", "quaternion", "rotation_vector", "euler_xyz", "euler_zyz"]
 Origin = Literal["shipped", "installed", "user"]
 WhileMoving = Literal["replace", "queue", "wait", "reject"]
 
@@ -47,7 +47,8 @@ OUTCOMES = (
 """What a command can come to; `failed` stands for each failure that has no code of its own."""
 
 REFERENCES = (
-    *("joints", "joint_names", "velocities", "efforts", "pose", "position", "orientation", "rpy"),
+    *("joints", "joint_names", "velocities", "efforts", "pose", "position", "orientation"),
+    *("rpy", "rotation"),
     *("gripper", "gripper_width", "gripper_moving", "has_gripper", "moving", "queued", "status"),
     *("success", "code", "message", "error", "stamp", "robot"),
 )
