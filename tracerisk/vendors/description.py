@@ -190,8 +190,9 @@ class Driver:
     `closed` and `opened` are the gripper's numbers at its ends. `codes` are the numbers of
     outcomes; `errors` those of outcomes after which nothing moves until the error is cleared, and
     which also set `enabled` to false with `error_disables`. `definitions` are texts of messages
-    that the workspace lacks, by `package/srv/Name`. One of whose messages a user's workspace has
-    none is a mistake; a shipped or an installed one is not meant then.
+    that the workspace lacks, by `package/srv/Name`. `frames` are those of tf that it
+    publishes, each with the link where it is. One of whose messages a user's workspace has none is
+    a mistake; a shipped or an installed one is not meant then.
     """
 
     name: str
@@ -214,6 +215,7 @@ class Driver:
     parameters: Mapping[str, Output] = field(default_factory=dict)
     interfaces: tuple[Interface, ...] = ()
     definitions: Mapping[str, str] = field(default_factory=dict)
+    frames: Mapping[str, str] = field(default_factory=dict)
     origin: Origin = "user"
 
 
