@@ -48,6 +48,29 @@ def test_a_goal_is_answered_fed_back_and_ends_with_a_result(run_ros2):
     assert run_ros2(main) == (True, True, [0.5, 0.25])
 
 
+def test_the_private_way_to_a_result_that_programs_take(run_ros2):
+    def main():
+        import rclpy
+        from control_msgs.action import GripperCommand
+        from rclpy.action import ActionClient, ActionServer
+
+        def execute(handle):
+            handle.succeed()
+            return GripperCommand.Result(position=0.5)
+
+        rclpy.init()
+        node = rclpy.create_node("arm")
+        ActionServer(node, GripperCommand, "grip", execute)
+        client = ActionClient(node, GripperCommand, "grip")
+        sent = client.send_goal_async(GripperCommand.Goal())
+        rclpy.spin_until_future_complete(node, sent)
+        ended = client._get_result_async(sent.result())
+        rclpy.spin_until_future_complete(node, ended)
+        return ended.result().result.position
+
+    assert run_ros2(main) == 0.5
+
+
 def test_a_server_may_refuse_a_goal(run_ros2):
     def main():
         import rclpy

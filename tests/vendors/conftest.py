@@ -25,6 +25,7 @@ from tracerisk.ros.virtual_time import RunOver, Scheduler
 from tracerisk.twin.robot import load_robot
 from tracerisk.twin.scene import load_scene
 from tracerisk.twin.twin import Twin
+from tracerisk.vendors.description_reader import read_driver
 from tracerisk.vendors.found import shipped_drivers, write_definitions
 from tracerisk.vendors.serving import serve_vendors
 
@@ -71,6 +72,7 @@ def run_on(tmp_path: Path) -> Callable[..., Ran]:
         ros: int = 1,
         scene: str | None = None,
         duration_s: float = 120.0,
+        driver: str | None = None,
     ) -> Ran:
         script = tmp_path / "program.py"
         script.write_text(textwrap.dedent(program))
@@ -83,10 +85,14 @@ def run_on(tmp_path: Path) -> Callable[..., Ran]:
             scheduler = Scheduler(twin, duration_ns=round(duration_s * SECOND), tracer=tracer)
             graph = Graph(scheduler, tracer)
             runtime = Runtime(scheduler, graph, twin, tracer, recorder, argv=(str(script),))
-            more = write_definitions(shipped_drivers(), tmp_path / "definitions")
+            drivers = []
+            if driver is not None:
+                (tmp_path / "arm.driver.yaml").write_text(textwrap.dedent(driver))
+                drivers = [read_driver(tmp_path / "arm.driver.yaml")]
+            more = write_definitions([*shipped_drivers(), *drivers], tmp_path / "definitions")
             interfaces = Interfaces2(more=more) if ros == 2 else Interfaces(more=more)
             TwinTopics(runtime, interfaces)
-            serve_vendors(runtime, TwinInterfaces(runtime, interfaces))
+            serve_vendors(runtime, TwinInterfaces(runtime, interfaces), drivers)
             with (
                 activate(runtime),
                 StandInFinder(interfaces),

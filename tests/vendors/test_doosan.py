@@ -96,8 +96,8 @@ tcp = call(SetCurrentTcp, 'tcp/set_current_tcp', name='none')
         "velocity 0 and acceleration 60",
         "of the line to (3.000, 0.000, 0.500) m",
         "reference 101 is not simulated",
-        "motion/move_pause is not simulated",
-        "force/set_desired_force is not simulated",
+        "move_pause: not simulated",
+        "set_desired_force: not simulated",
         "has no gripper with joints",
         "no tool centre point 'none'",
     ):

@@ -203,3 +203,24 @@ def test_lines_may_end_as_on_windows(tmp_path):
     path = tmp_path / "arm.driver.yaml"
     path.write_bytes(DRIVER.replace("\n", "\r\n").encode("utf-8-sig"))
     assert read_driver(path).interfaces[0].name == "go"
+
+
+def test_a_frame_of_the_driver_is_where_its_link_is(cell):
+    cell.write("arm.driver.yaml", DRIVER + WITHIN + "frames: {flange_of_arm: tool0, lost: tool9}\n")
+    cell.write(
+        "cell.py",
+        PROGRAM
+        + """
+import tf2_ros
+buffer = tf2_ros.Buffer()
+listener = tf2_ros.TransformListener(buffer)
+rospy.sleep(0.5)
+names = [buffer.lookup_transform("base_link", name, rospy.Time(0)).transform.translation
+         for name in ("flange_of_arm", "tool0")]
+assert names[0] == names[1], names
+assert not buffer.can_transform("base_link", "lost", rospy.Time(0))
+""",
+    )
+    ran = cell.run("trace", "cell.py")
+    assert "Traceback" not in ran.err, ran.err
+    assert ran.code == 0

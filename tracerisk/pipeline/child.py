@@ -183,7 +183,9 @@ def _run_recorded(
     )
     TwinTopics(runtime, interfaces)
     serve_vendors(runtime, TwinInterfaces(runtime, interfaces), drivers)
-    TwinFrames(runtime, interfaces)
+    frames = TwinFrames(runtime, interfaces)
+    for driver in (*drivers, *shipped_drivers()):
+        frames.also(driver.frames)
     scenario_world = ScenarioWorld(runtime, interfaces, scenario)
     schedule = watch.schedule = scenario_world.schedule
     values = UsableValues(

@@ -6,17 +6,16 @@ import itertools
 import os
 import tempfile
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import DriverError
 from tracerisk.pipeline.workspace import find_workspace, project_top
-from tracerisk.ros.messages import Interfaces
-from tracerisk.ros.messages2 import Interfaces2
-from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.vendors.description import Driver
-from tracerisk.vendors.description_reader import read_driver
 from tracerisk.vendors.found import ENDING, installed_files, shipped_drivers, write_definitions
-from tracerisk.vendors.interface_checks import check_interface, types_in_use, unknown_package
+
+if TYPE_CHECKING:
+    from tracerisk.ros.twin_messages import TwinMessages
+    from tracerisk.vendors.description import Driver
 
 _MOST_FOLDERS = 5000
 _NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
@@ -39,6 +38,12 @@ def check_driver(path: Path) -> Driver:
 
     Raises DriverError with file and line for all that is not allowed.
     """
+    # A run needs the names of the files alone.
+    from tracerisk.ros.messages import Interfaces
+    from tracerisk.ros.messages2 import Interfaces2
+    from tracerisk.ros.twin_messages import TwinMessages
+    from tracerisk.vendors.description_reader import read_driver
+
     driver = read_driver(path)
     own = find_workspace(controller_root(path)).interfaces
     with tempfile.TemporaryDirectory() as folder:
@@ -56,6 +61,12 @@ def check_driver(path: Path) -> Driver:
 
 
 def _check(driver: Driver, messages: TwinMessages) -> None:
+    from tracerisk.vendors.interface_checks import (
+        check_interface,
+        types_in_use,
+        unknown_package,
+    )
+
     for each in driver.interfaces:
         for type_name in types_in_use(driver, each, messages):
             check_interface(each, type_name, messages)

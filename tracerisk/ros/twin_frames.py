@@ -44,6 +44,7 @@ class TwinFrames:
         for each in robot.attachments:
             (fixed if each.type == "fixed" else self._moving)[each.child] = each.parent
         self._fixed = fixed
+        self._alike: dict[str, str] = {}
         self._is_ticking = False
         graph = runtime.graph
         self._publication = graph.advertise(TF, TF_TYPE, node=_PUBLISHER)
@@ -52,10 +53,21 @@ class TwinFrames:
         )
         graph.watch(self._on_change)
 
+    def also(self, frames: Mapping[str, str]) -> None:
+        """Publish frames that are where links are; those of links that are not there are left."""
+        links = set(self._runtime.twin.robot.link_names)
+        self._alike.update(
+            {name: link for name, link in frames.items() if link in links and name not in links}
+        )
+
     def _on_static_listener(self, subscription: Subscription) -> None:  # noqa: ARG002
         # Made for the first listener only: most controllers ask for no frames.
         if self._static.latched is None:
-            self._static.latched = self._message(self._fixed)
+            message = self._message(self._fixed)
+            stamp_ns = EPOCH_NS + self._runtime.scheduler.now_ns
+            alike = [self._stamped(at, name, ORIGIN, stamp_ns) for name, at in self._alike.items()]
+            message.transforms = [*message.transforms, *alike]
+            self._static.latched = message
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:  # noqa: ARG002
         if change == "subscribed" and name == TF and not self._is_ticking:

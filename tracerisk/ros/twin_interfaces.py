@@ -21,6 +21,7 @@ from tracerisk.ros.twin_grippers import GripperServer
 from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.ros.twin_moveit import EXECUTE_TRAJECTORY, MOVE_GROUP, MoveItInterfaces
 from tracerisk.ros.twin_moveit_scene import SceneInterfaces
+from tracerisk.ros.twin_pick_place import PICKUP, PLACE, PickPlaceServer
 from tracerisk.ros.twin_set_points import SetPoints
 from tracerisk.ros.twin_wrench import WrenchTopics
 
@@ -52,6 +53,11 @@ class TwinInterfaces:
             SceneInterfaces(runtime, messages)
             self._types[MOVE_GROUP] = (moveit.move_group, moveit.on_cancel)
             self._types[EXECUTE_TRAJECTORY] = (moveit.execute_trajectory, moveit.on_cancel)
+            if not messages.is_ros2:
+                # MoveIt 2 has neither.
+                picking = PickPlaceServer(runtime, messages)
+                self._types[PICKUP] = (picking.pickup, picking.on_cancel)
+                self._types[PLACE] = (picking.place, picking.on_cancel)
             GazeboServices(runtime, messages, commands)
         self.set_points = SetPoints(runtime, commands)
         self._served: set[tuple[str, str]] = set()

@@ -20,7 +20,17 @@ from tracerisk.vendors.message_paths import FieldError, read, write
 from tracerisk.vendors.motion_queue import MotionQueue
 
 _OF_JOINTS = frozenset(
-    {"joints", "velocities", "pose", "position", "orientation", "rpy", "gripper", "gripper_width"}
+    {
+        "joints",
+        "velocities",
+        "pose",
+        "position",
+        "orientation",
+        "rpy",
+        "rotation",
+        "gripper",
+        "gripper_width",
+    }
 )
 _MOVING = 1e-3
 """Fingers are moving from this speed up [rad/s or m/s]."""
@@ -123,7 +133,9 @@ class Answers:
         return any(each.reference in _OF_JOINTS for each in (outputs or {}).values())
 
     def note_reading(self, outputs: Mapping[str, Output] | None, result: Result) -> None:
-        """Note that the controller asks now for what encoders measure, where it does."""
+        """Note that the controller asks now for what sensors of the joints measure."""
+        if any(each.reference == "efforts" for each in (outputs or {}).values()):
+            self._reading.asked("torque")
         if result.pose is None and result.joints is None and self.asks_sensors(outputs):
             self._reading.asked("encoder")
 
@@ -145,10 +157,13 @@ class Answers:
 
     def _efforts(self, result: Result) -> Quantity:
         found = tuple(self._arm.efforts())
-        return Quantity(found, ("plain",) * len(found))
+        plain: Dimension = "plain"
+        return Quantity(found, (plain,) * len(found))
 
     def _dimensions(self) -> tuple[Dimension, ...]:
-        return tuple("length" if each.type == "prismatic" else "angle" for each in self._arm.arm)
+        sliding = (each.type == "prismatic" for each in self._arm.arm)
+        found: list[Dimension] = ["length" if each else "angle" for each in sliding]
+        return tuple(found)
 
     def _joint_names(self, result: Result) -> list[str]:
         return list(self._arm.joints)
@@ -168,6 +183,13 @@ class Answers:
 
     def _rpy(self, result: Result) -> Quantity:
         return Quantity(rpy_from_quaternion(self._pose(result).orientation), ("angle",) * 3)
+
+    def _rotation(self, result: Result) -> Quantity:
+        turn = self._pose(result).orientation
+        if self._driver.rotation == "quaternion":
+            return Quantity(turn, ("plain",) * 4)
+        in_radians = Conventions(rotation=self._driver.rotation)
+        return Quantity(tuple(in_radians.turn_numbers(turn)), ("angle",) * 3)
 
     def _gripper(self, result: Result) -> float:
         closed, opened = self._driver.closed, self._driver.opened

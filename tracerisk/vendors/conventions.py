@@ -1,7 +1,8 @@
 """The units and the turns of a driver's messages, and the quantities of the twin in SI units.
 
 Turns: `rpy` about the fixed axes x, y, z; `rotation_vector` an axis whose length is the angle;
-`euler_zyz` about z, then the new y, then the new z. Formulas: Diebel, Representing Attitude, 2006.
+`euler_zyz` about z, then the new y, then the new z; `euler_xyz` likewise about x, y, z.
+Formulas: Diebel, Representing Attitude, 2006.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from typing import Literal
 
 from tracerisk.ros.poses import (
     Quaternion,
+    conjugate,
     multiply,
     quaternion_from_rpy,
     rpy_from_quaternion,
@@ -65,6 +67,9 @@ class Conventions:
             found = rotation_vector(turn)
         elif self.rotation == "euler_zyz":
             found = zyz_of(turn)
+        elif self.rotation == "euler_xyz":
+            # The turn back is one about fixed axes, by the same angles in the other order.
+            found = [-each for each in rpy_from_quaternion(conjugate(turn))]
         else:
             found = rpy_from_quaternion(turn)
         return [each / self.factor("angle") for each in found]
@@ -91,6 +96,8 @@ class Conventions:
             return from_rotation_vector((a, b, c))
         if self.rotation == "euler_zyz":
             return from_zyz(a, b, c)
+        if self.rotation == "euler_xyz":
+            return conjugate(quaternion_from_rpy(-a, -b, -c))
         return quaternion_from_rpy(a, b, c)
 
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tracerisk.errors import one_of
 from tracerisk.ros.action_graph import ActionChange, ActionGoal, Actions
-from tracerisk.ros.arm_motion import ArmMotion
 from tracerisk.ros.command_streams import CommandStreams
 from tracerisk.ros.controller_thread import undisturbed
 from tracerisk.ros.graph import Change, Publication
@@ -20,12 +18,18 @@ from tracerisk.ros.twin_messages import TwinMessages
 from tracerisk.ros.twin_set_points import SetPoints
 from tracerisk.ros.velocity_motion import VelocityStream
 from tracerisk.twin.motion import PlanningError
-from tracerisk.vendors.answers import Answers, Result
+from tracerisk.vendors.answers import Result
 from tracerisk.vendors.conventions import Conventions
-from tracerisk.vendors.described_motions import DescribedMotions
+from tracerisk.vendors.described_parts import (
+    DescribedArm,
+    DriverState,
+    case_of,
+    is_named,
+    short_name,
+)
 from tracerisk.vendors.description import Case, Driver, Interface, Output
 from tracerisk.vendors.interface_checks import check_interface, types_in_use, unknown_package
-from tracerisk.vendors.motion_queue import Job, MotionQueue
+from tracerisk.vendors.motion_queue import Job
 from tracerisk.vendors.requests import Request
 
 if TYPE_CHECKING:
@@ -57,11 +61,9 @@ class DescribedDriver:
         self._commands = runtime.client(TwinCommands)
         self._reading = runtime.client(SensorReading)
         self._conventions = Conventions(driver.units, driver.rotation)
-        disables = driver.error_disables
-        self._queue = MotionQueue(self._commands, driver.errors, disables=disables)
-        self._grips = MotionQueue(self._commands, {}, disables=False)
-        self._state = _State(driver, self._queue, runtime)
-        self._arms: dict[tuple[str | None, str | None], _Arm] = {}
+        self._state = DriverState(driver, runtime)
+        self._queue, self._grips = self._state.queue, self._state.grips
+        self._arms: dict[tuple[str | None, str | None], DescribedArm] = {}
         self._streams = CommandStreams(self._commands)
         self._velocities = VelocityStream(self._commands.twin)
         self._taken: set[tuple[str, str]] = set()
@@ -73,9 +75,8 @@ class DescribedDriver:
                 for type_name in self._types(each):
                     check_interface(each, type_name, messages, self._arm(each).answers)
         self._interfaces = known
-        for each in known:
-            if each.kind == "services":
-                self._offer(each)
+        for each in (each for each in known if each.kind == "services"):
+            self._offer(each)
         for name, output in driver.parameters.items():
             self._graph.parameters.offer(name, partial(self._parameter, output))
         self._graph.watch(self._on_change)
@@ -84,20 +85,20 @@ class DescribedDriver:
     def _types(self, interface: Interface) -> tuple[str, ...]:
         return types_in_use(self._driver, interface, self._messages)
 
-    def _arm(self, interface: Interface) -> _Arm:
-        key = interface.group or self._driver.group, interface.gripper or self._driver.gripper
-        if key not in self._arms:
-            self._arms[key] = _Arm(self, key[0], key[1])
-        return self._arms[key]
+    def _arm(self, interface: Interface | None) -> DescribedArm:
+        group, gripper = self._driver.group, self._driver.gripper
+        if interface is not None:
+            group, gripper = interface.group or group, interface.gripper or gripper
+        if (group, gripper) not in self._arms:
+            self._arms[group, gripper] = DescribedArm(
+                self._driver, self._runtime, self._messages, self._state, group, gripper
+            )
+        return self._arms[group, gripper]
 
     def _parameter(self, output: Output) -> Any:
         if self._driver.packages and not any(map(self._messages.is_used, self._driver.packages)):
             return None
-        return self._first_arm.answers.plain(output)
-
-    @property
-    def _first_arm(self) -> _Arm:
-        return self._arms[min(self._arms, key=str)] if self._arms else _Arm(self, None, None)
+        return self._arm(None).answers.plain(output)
 
     # Services
 
@@ -116,10 +117,12 @@ class DescribedDriver:
     def _answer(self, interface: Interface, type_name: str, message: Any) -> Any:
         arm, stack = self._arm(interface), self._commands.stack()
         self._scheduler.touch()
-        case, jobs, result = None, [], Result()
+        case: Case | None = None
+        jobs: list[Job] = []
+        result = Result()
         request = Request(message, self._state, self._conventions)
         try:
-            case = _case_of(interface, request)
+            case = case_of(interface, request)
             self._set(case, request)
             result, jobs = self._do(interface, case, request, stack)
             if request.flag(case.wait, default=bool(jobs) or case.wait is not None):
@@ -154,7 +157,7 @@ class DescribedDriver:
         self, interface: Interface, error: PlanningError, stack: tuple[Frame, ...]
     ) -> Result:
         self._commands.tell(
-            "command_ignored", f"{_short(interface)} moved nothing: {error.message}", stack
+            "command_ignored", f"{short_name(interface)} moved nothing: {error.message}", stack
         )
         return Result(error.failure, error.message)
 
@@ -186,7 +189,7 @@ class DescribedDriver:
         """Do what a case says; a motion is returned as a job, over or not."""
         for told in (case.note, case.refuse):
             if told:
-                self._commands.tell("not_simulated", f"{_short(interface)}: {told}", stack)
+                self._commands.tell("not_simulated", f"{short_name(interface)}: {told}", stack)
         if case.refuse:
             return Result("not_simulated", case.refuse), []
         if case.clear:
@@ -202,7 +205,7 @@ class DescribedDriver:
         if case.effect == "solve":
             with undisturbed(self._scheduler.current):
                 return arm.motions.solve(case, request), []
-        kind = _short(interface)
+        kind = short_name(interface)
         if case.effect == "grip":
             job = Job(kind, stack, arm.motions.grip(case, request), on_end, is_goal)
             self._grips.ask(job, "replace")
@@ -233,7 +236,7 @@ class DescribedDriver:
         if change != "client" or (name, type_name) in self._taken:
             return
         for each in self._interfaces:
-            if each.kind == "actions" and type_name in each.types and _names(each.name, name):
+            if each.kind == "actions" and type_name in each.types and is_named(each.name, name):
                 self._taken.add((name, type_name))
                 self._runtime.client(Actions).serve(
                     name,
@@ -249,7 +252,7 @@ class DescribedDriver:
         goal.accept()
         request = Request(goal.message, self._state, self._conventions)
         try:
-            case = _case_of(interface, request)
+            case = case_of(interface, request)
             self._set(case, request)
             ended = partial(self._end_goal, interface, case, goal)
             goal.data = []
@@ -311,7 +314,7 @@ class DescribedDriver:
         if kind is None or (f"{kind} {name}", type_name) in self._taken:
             return
         for each in self._interfaces:
-            if each.kind == kind and type_name in each.types and _names(each.name, name):
+            if each.kind == kind and type_name in each.types and is_named(each.name, name):
                 self._taken.add((f"{kind} {name}", type_name))
                 if kind == "subscribed_topics":
                     self._listen(each, name, type_name)
@@ -333,16 +336,15 @@ class DescribedDriver:
         self._graph.subscribe(name, type_name, deliver, node=self._driver.node, by_controller=False)
 
     def _take(self, interface: Interface, topic: str, request: Request) -> None:
-        case, stack = _case_of(interface, request), self._commands.stack()
+        case, stack = case_of(interface, request), self._commands.stack()
         self._set(case, request)
-        arm, kind = self._arm(interface), _short(interface)
+        arm, kind = self._arm(interface), short_name(interface)
         is_motion = case.effect in ("move", "velocity")
         queued = (interface.while_moving or self._driver.while_moving) == "queue"
         if not is_motion or (queued and case.effect == "move"):
             self._do(interface, case, request, stack)
             return
-        refused = self._queue.refused()
-        if refused:
+        if refused := self._queue.refused():
             self._streams.refuse(topic, f"the driver is {refused}")
             return
         target = arm.motions.set_point(case, request) if case.effect == "move" else None
@@ -395,69 +397,3 @@ class DescribedDriver:
         answers = self._arm(interface).answers
         publication.publish(answers.fill(message, interface.response or {}, Result()))
         self._schedule(interface, publication)
-
-
-class _State(dict[str, Any]):
-    """The driver's own state by name; with it that of its motions, and parameters."""
-
-    def __init__(self, driver: Driver, queue: MotionQueue, runtime: Runtime) -> None:
-        super().__init__(driver.state)
-        self._parameters = driver.parameters
-        self._queue = queue
-        self._tree = runtime.graph.parameters
-
-    def __missing__(self, name: str) -> Any:
-        if name in self._parameters:
-            set_ = [each for each in self._tree.names() if each.rsplit("/", 1)[-1] == name]
-            return self._tree.get(set_[0]) if set_ else self._parameters[name].constant
-        of_all = {
-            "enabled": self._queue.is_enabled,
-            "error": self._queue.error,
-            "moving": self._queue.is_busy,
-        }
-        return of_all[name]
-
-
-class _Arm:
-    """One arm of the robot, with its gripper, as a description speaks of it."""
-
-    def __init__(self, owner: DescribedDriver, group: str | None, gripper: str | None) -> None:
-        driver = owner._driver
-        self.motion = ArmMotion(owner._commands, driver.tool, group=group, gripper=gripper)
-        self.motions = DescribedMotions(driver, self.motion, owner._state, owner._runtime)
-        self.answers = Answers(
-            driver,
-            self.motion,
-            owner._queue,
-            owner._grips,
-            owner._state,
-            owner._messages,
-            owner._reading,
-        )
-
-
-def _case_of(interface: Interface, request: Request) -> Case:
-    """Return the first case that a message meets.
-
-    Raises:
-        PlanningError: none does.
-    """
-    found = next((case for case in interface.cases if request.meets(case)), None)
-    if found is not None:
-        return found
-    allowed: Mapping[str, str] = {
-        text: "" for case in interface.cases for one in case.when for text in map(str, one.values)
-    }
-    (one, *_) = interface.cases[0].when
-    raise PlanningError(
-        "bad_request", f"{one.path} {request.of(one)} is not simulated; {one_of(allowed)}"
-    )
-
-
-def _names(described: str, name: str) -> bool:
-    """Tell whether a full name is that of the description, in any namespace."""
-    return described == "*" or f"/{name.strip('/')}".endswith(f"/{described.strip('/')}")
-
-
-def _short(interface: Interface) -> str:
-    return interface.name.strip("/").rsplit("/", 1)[-1]

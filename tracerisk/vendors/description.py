@@ -13,7 +13,7 @@ from typing import Any, Literal
 from tracerisk.errors import Location
 
 InterfaceKind = Literal["services", "actions", "subscribed_topics", "published_topics"]
-Rotation = Literal["rpy", "quaternion", "rotation_vector", "euler_zyz"]
+Rotation = Literal["rpy", "quaternion", "rotation_vector", "euler_xyz", "euler_zyz"]
 Origin = Literal["shipped", "installed", "user"]
 WhileMoving = Literal["replace", "queue", "wait", "reject"]
 
@@ -47,7 +47,8 @@ OUTCOMES = (
 """What a command can come to; `failed` stands for each failure that has no code of its own."""
 
 REFERENCES = (
-    *("joints", "joint_names", "velocities", "efforts", "pose", "position", "orientation", "rpy"),
+    *("joints", "joint_names", "velocities", "efforts", "pose", "position", "orientation"),
+    *("rpy", "rotation"),
     *("gripper", "gripper_width", "gripper_moving", "has_gripper", "moving", "queued", "status"),
     *("success", "code", "message", "error", "stamp", "robot"),
 )
@@ -189,8 +190,9 @@ class Driver:
     `closed` and `opened` are the gripper's numbers at its ends. `codes` are the numbers of
     outcomes; `errors` those of outcomes after which nothing moves until the error is cleared, and
     which also set `enabled` to false with `error_disables`. `definitions` are texts of messages
-    that the workspace lacks, by `package/srv/Name`. One of whose messages a user's workspace has
-    none is a mistake; a shipped or an installed one is not meant then.
+    that the workspace lacks, by `package/srv/Name`. `frames` are those of tf that it
+    publishes, each with the link where it is. One of whose messages a user's workspace has none is
+    a mistake; a shipped or an installed one is not meant then.
     """
 
     name: str
@@ -213,6 +215,7 @@ class Driver:
     parameters: Mapping[str, Output] = field(default_factory=dict)
     interfaces: tuple[Interface, ...] = ()
     definitions: Mapping[str, str] = field(default_factory=dict)
+    frames: Mapping[str, str] = field(default_factory=dict)
     origin: Origin = "user"
 
 

@@ -32,7 +32,15 @@ from tracerisk.yaml_reader import YamlMap, read_large_yaml
 TOP = (
     *("driver", "source", "packages", "node", "group", "tool", "frame", "gripper", "units"),
     *("rotation", "while_moving", "codes", "errors", "error_disables", "state", "parameters"),
-    *("services", "actions", "subscribed_topics", "published_topics", "definitions", "common"),
+    *(
+        "services",
+        "actions",
+        "subscribed_topics",
+        "published_topics",
+        "definitions",
+        "frames",
+        "common",
+    ),
 )
 """The keys of a description; `common` holds what its parts share by YAML's anchors."""
 GRIPPER = ("name", "closed", "open")
@@ -117,6 +125,7 @@ class _Reader:
             parameters=self._values.outputs(top, "parameters") or {},
             interfaces=tuple(interfaces),
             definitions=_definitions(top),
+            frames=_frames(top),
             origin=origin,
         )
 
@@ -315,6 +324,11 @@ def _codes(top: YamlMap, key: str) -> dict[str, Any]:
 def _node(top: YamlMap) -> str:
     node = top.string("node", default="/robot_driver")
     return node if node.startswith("/") else f"/{node}"
+
+
+def _frames(top: YamlMap) -> dict[str, str]:
+    frames = top.optional_map("frames")
+    return {} if frames is None else {name: frames.string(name) for name in frames}
 
 
 def _definitions(top: YamlMap) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""The controller of a Doosan arm on the graph: the services of dsr_msgs2, and of dsr_msgs.
+"""What moves a Doosan arm on the graph: the services of dsr_msgs2, and of dsr_msgs.
 
 Source: DoosanRobotics/doosan-robot2, dsr_msgs2 and dsr_common2/imp/DSR_ROBOT2.py. In ROS 1 the
 same fields are written `syncType`.
@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.arm_motion import ArmMotion
@@ -33,23 +32,6 @@ _NODE = "/dsr_controller2"
 _TYPES = {
     "robotiq_2f_open": "Robotiq2FOpen",
     "robotiq_2f_close": "Robotiq2FClose",
-    "robotiq_2f_move": "Robotiq2FMove",
-}
-_NOT_SIMULATED = {
-    "motion": ("move_pause", "move_resume", "jog_multi", "alter_motion", "enable_alter_motion"),
-    "force": (
-        "task_compliance_ctrl",
-        "set_desired_force",
-        "set_stiffnessx",
-        "parallel_axis1",
-        "parallel_axis2",
-        "align_axis1",
-        "align_axis2",
-        "is_done_bolt_tightening",
-        "check_force_condition",
-    ),
-    "gripper": ("robotiq_2f_move", "serial_send_data"),
-    "drl": ("drl_start", "drl_stop", "drl_pause", "drl_resume"),
 }
 _CIRCLE, _AXES = 1, 6
 
@@ -120,9 +102,6 @@ class DoosanController:
             "robotiq_2f_open": lambda asked, _: self._grip(1.0),
             "robotiq_2f_close": lambda asked, _: self._grip(0.0),
         }
-        for space, names in _NOT_SIMULATED.items():
-            for name in names:
-                services.setdefault(space, {})[name] = partial(self._refuse, f"{space}/{name}")
         return services
 
     def _answering(self, kind: str, handle: Handler) -> Callable[[Any], Any]:
@@ -132,12 +111,6 @@ class DoosanController:
             return response
 
         return answer
-
-    def _refuse(self, name: str, request: Any, answer: Any) -> bool:
-        self._commands.tell(
-            "not_simulated", f"service {name} is not simulated: nothing moved", self._stack()
-        )
-        return False
 
     def _stack(self) -> tuple[Frame, ...]:
         return self._commands.stack()

@@ -1,9 +1,8 @@
-"""What the controller of a Doosan arm tells and keeps: modes, states, tools, pins."""
+"""What the controller of a Doosan arm tells and keeps: states, frames, tools, pins."""
 
 # ruff: noqa: ARG001, ARG002, ARG005 - every handler takes a request and an answer
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -16,8 +15,6 @@ from tracerisk.vendors.doosan.motion import DoosanMotion, pose_of, rows_of, valu
 
 _STANDBY, _MOVING = 1, 2
 _IDLE, _BUSY = 0, 2
-_AUTONOMOUS, _VIRTUAL = 1, 1
-_POSITION_CONTROL = 0
 
 Handler = Callable[[Any, Any], bool]
 
@@ -38,7 +35,6 @@ class DoosanReports:
         self._commands = commands
         self._is_busy = is_busy
         self._reading = reading
-        self._kept = {"robot_mode": _AUTONOMOUS, "robot_system": _VIRTUAL, "speed_mode": 0}
         self._tcps: dict[str, Pose] = {"": ORIGIN}
         self._tools: set[str] = {""}
         self._current = {"tcp": "", "tool": ""}
@@ -48,16 +44,7 @@ class DoosanReports:
         """Return the handlers by folder and name."""
         return {
             "system": {
-                **{f"set_{name}": self._setter(name) for name in self._kept},
-                **{f"get_{name}": self._getter(name) for name in self._kept},
-                "set_robot_speed_mode": self._setter("speed_mode"),
-                "get_robot_speed_mode": self._getter("speed_mode"),
                 "get_robot_state": self._state,
-                "set_robot_control": lambda asked, _: True,
-                "set_safe_stop_reset_type": lambda asked, _: True,
-                "change_collision_sensitivity": self._unmoved("collision sensitivity"),
-                "set_safety_mode": self._unmoved("the safety mode"),
-                "get_last_alarm": lambda asked, _: True,
                 "get_current_pose": self._pose,
             },
             "motion": {
@@ -66,21 +53,12 @@ class DoosanReports:
                 "fkin": self._forward,
                 "ikin": self._inverse,
                 "trans": self._trans,
-                "set_singularity_handling": self._unmoved("singularity handling"),
             },
             "aux_control": {
-                "get_control_mode": lambda asked, answer: _told(
-                    answer, control_mode=_POSITION_CONTROL
-                ),
-                "get_current_posj": self._joints,
-                "get_desired_posj": self._joints,
                 "get_current_posx": self._posx,
                 "get_desired_posx": lambda asked, answer: _told(
                     answer, pos=values_of(self._motion.here())
                 ),
-                "get_current_tool_flange_posx": self._flange,
-                "get_current_velj": self._speeds,
-                "get_joint_torque": self._torques,
                 "get_current_rotm": self._rotation,
                 "get_current_solution_space": lambda asked, answer: _told(
                     answer, sol_space=self._motion.solution_space()
@@ -97,7 +75,6 @@ class DoosanReports:
                 "config_delete_tool": self._delete_tool,
                 "set_current_tool": self._set_tool,
                 "get_current_tool": lambda asked, answer: _told(answer, info=self._current["tool"]),
-                "set_tool_shape": lambda asked, _: True,
             },
             "io": {
                 f"{verb}_{place}": (self._set_pin if verb == "set" else self._get_pin)(place)
@@ -113,25 +90,6 @@ class DoosanReports:
         }
 
     # Modes and states
-
-    def _setter(self, name: str) -> Handler:
-        def take(request: Any, answer: Any) -> bool:
-            self._kept[name] = getattr(request, name)
-            return True
-
-        return take
-
-    def _getter(self, name: str) -> Handler:
-        return lambda request, answer: _told(answer, **{name: self._kept[name]})
-
-    def _unmoved(self, what: str) -> Handler:
-        def take(request: Any, answer: Any) -> bool:
-            self._commands.tell(
-                "not_simulated", f"{what} was taken and changes nothing", self._commands.stack()
-            )
-            return True
-
-        return take
 
     def _state(self, request: Any, answer: Any) -> bool:
         self._commands.scheduler.touch()
@@ -149,11 +107,6 @@ class DoosanReports:
 
     # Where it is
 
-    def _joints(self, request: Any, answer: Any) -> bool:
-        self._commands.scheduler.touch()
-        self._reading.asked("encoder")
-        return _told(answer, pos=self._motion.positions())
-
     def _pose(self, request: Any, answer: Any) -> bool:
         self._commands.scheduler.touch()
         self._reading.asked("encoder")
@@ -167,19 +120,6 @@ class DoosanReports:
         row = self._messages.new("std_msgs/Float64MultiArray")
         row.data = [*values_of(self._motion.here()), float(self._motion.solution_space())]
         return _told(answer, task_pos_info=[row])
-
-    def _flange(self, request: Any, answer: Any) -> bool:
-        self._reading.asked("encoder")
-        return _told(answer, pos=values_of(self._motion.arm.tool_pose()))
-
-    def _speeds(self, request: Any, answer: Any) -> bool:
-        self._reading.asked("encoder")
-        found = [math.degrees(each) for each in self._motion.arm.velocities()]
-        return _told(answer, joint_speed=found)
-
-    def _torques(self, request: Any, answer: Any) -> bool:
-        self._reading.asked("torque")
-        return _told(answer, jts=self._motion.arm.efforts())
 
     def _rotation(self, request: Any, answer: Any) -> bool:
         self._reading.asked("encoder")

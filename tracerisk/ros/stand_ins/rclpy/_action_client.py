@@ -137,6 +137,11 @@ class ActionClient(Entity):
         handle = self._wait(self.send_goal_async(goal, **kwargs))
         return self._wait(self._result(handle._sent))
 
+    def _get_result_async(self, goal_handle: Any) -> Future:
+        # Private, and called by programs all the same: examples of robot makers do.
+        future: Future = goal_handle.get_result_async()
+        return future
+
     def send_goal_async(
         self,
         goal: Any,

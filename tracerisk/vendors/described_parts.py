@@ -1,0 +1,95 @@
+"""What a described driver is made of: its state, its arms, and which case and name is meant."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.errors import one_of
+from tracerisk.ros.arm_motion import ArmMotion
+from tracerisk.ros.sensor_reading import SensorReading
+from tracerisk.ros.twin_commands import TwinCommands
+from tracerisk.ros.twin_messages import TwinMessages
+from tracerisk.twin.motion import PlanningError
+from tracerisk.vendors.answers import Answers
+from tracerisk.vendors.described_motions import DescribedMotions
+from tracerisk.vendors.description import Case, Driver, Interface
+from tracerisk.vendors.motion_queue import MotionQueue
+from tracerisk.vendors.requests import Request
+
+if TYPE_CHECKING:
+    from tracerisk.ros.runtime import Runtime
+
+
+class DriverState(dict[str, Any]):
+    """The driver's own state by name; with it that of its motions, and parameters.
+
+    `queue` holds the motions of its arms, `grips` those of its grippers.
+    """
+
+    def __init__(self, driver: Driver, runtime: Runtime) -> None:
+        super().__init__(driver.state)
+        commands = runtime.client(TwinCommands)
+        self.queue = MotionQueue(commands, driver.errors, disables=driver.error_disables)
+        self.grips = MotionQueue(commands, {}, disables=False)
+        self._parameters = driver.parameters
+        self._tree = runtime.graph.parameters
+
+    def __missing__(self, name: str) -> Any:
+        if name in self._parameters:
+            set_ = [each for each in self._tree.names() if each.rsplit("/", 1)[-1] == name]
+            return self._tree.get(set_[0]) if set_ else self._parameters[name].constant
+        of_all = {
+            "enabled": self.queue.is_enabled,
+            "error": self.queue.error,
+            "moving": self.queue.is_busy,
+        }
+        return of_all[name]
+
+
+class DescribedArm:
+    """One arm of the robot, with its gripper, as a description speaks of it."""
+
+    def __init__(
+        self,
+        driver: Driver,
+        runtime: Runtime,
+        messages: TwinMessages,
+        state: DriverState,
+        group: str | None,
+        gripper: str | None,
+    ) -> None:
+        commands = runtime.client(TwinCommands)
+        reading = runtime.client(SensorReading)
+        self.motion = ArmMotion(commands, driver.tool, group=group, gripper=gripper)
+        self.motions = DescribedMotions(driver, self.motion, state, runtime)
+        queues = state.queue, state.grips
+        self.answers = Answers(driver, self.motion, *queues, state, messages, reading)
+
+
+def case_of(interface: Interface, request: Request) -> Case:
+    """Return the first case that a message meets.
+
+    Raises:
+        PlanningError: none does.
+    """
+    found = next((case for case in interface.cases if request.meets(case)), None)
+    if found is not None:
+        return found
+    allowed: Mapping[str, str] = {
+        text: "" for case in interface.cases for one in case.when for text in map(str, one.values)
+    }
+    (one, *_) = interface.cases[0].when
+    raise PlanningError(
+        "bad_request", f"{one.path} {request.of(one)} is not simulated; {one_of(allowed)}"
+    )
+
+
+def is_named(described: str, name: str) -> bool:
+    """Tell whether a full name is that of the description, in any namespace."""
+    return described == "*" or f"/{name.strip('/')}".endswith(f"/{described.strip('/')}")
+
+
+def short_name(interface: Interface) -> str:
+    """Return what findings call an interface."""
+    return interface.name.strip("/").rsplit("/", 1)[-1]
