@@ -9,7 +9,15 @@ import json
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from tracerisk.config import Settings
+from tracerisk.pipeline import load_controller
+from tracerisk.pipeline.launch.choose import choose_launch
+from tracerisk.pipeline.robot_choice import choose_launched_robot
+from tracerisk.twin.kinematics import Kinematics
+from tracerisk.twin.urdf import read_urdf
 
 PACKAGES = Path(__file__).parent / "press_feeder"
 CONTROLLER = "press_cell/press_cell/press_feeder.py"
@@ -30,6 +38,55 @@ def ran(tmp_path_factory, example_in):
     outcomes["bad check"] = cell.run("check", CONTROLLER)
     outcomes["bad solve"] = cell.run("solve", CONTROLLER)
     return outcomes, good, cell.files()
+
+
+MACROS = """\
+<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="seven_joint_arm">
+  <xacro:arg name="prefix" default="left_"/>
+  <xacro:property name="prefix" value="$(arg prefix)"/>
+  <xacro:include filename="$(find seven_joint_arm)/urdf/parts.xacro"/>
+</robot>
+"""
+BRINGUP = """\
+<launch>
+  <arg name="arm" default="openarm"/>
+  <node pkg="robot_state_publisher" exec="robot_state_publisher">
+    <param name="robot_description" value="$(command 'xacro
+      $(find-pkg-share seven_joint_arm)/urdf/seven_joint_arm.urdf.xacro prefix:=$(var arm)_')"/>
+  </node>
+</launch>
+"""
+
+
+def test_an_arm_by_prefix_made_names_gives_the_same_run_to_the_last_byte(ran, tmp_path, example_in):
+    shutil.copytree(PACKAGES, tmp_path, dirs_exist_ok=True)
+    urdf = tmp_path / "seven_joint_arm" / "urdf" / "seven_joint_arm.urdf"
+    plain = urdf.read_text()
+    urdf.unlink()
+    parts = plain.replace("openarm_", "${prefix}")
+    assert "openarm" not in parts
+    (urdf.parent / "parts.xacro").write_text(parts)
+    (urdf.parent / "seven_joint_arm.urdf.xacro").write_text(MACROS)
+    launch = tmp_path / "seven_joint_arm" / "launch"
+    launch.mkdir()
+    (launch / "arm.launch.xml").write_text(BRINGUP)
+    controller = load_controller(tmp_path / CONTROLLER)
+    robot = choose_launched_robot(
+        controller, Settings(), choose_launch(controller, Settings())
+    ).robot
+    wanted = Kinematics(read_urdf(plain, "plain.urdf"))
+    names = [joint.name for joint in robot.arm_joints]
+    assert names == [f"openarm_joint{number}" for number in range(1, 8)]
+    for angles in np.random.default_rng(3).uniform(-1.5, 1.5, (50, 7)):
+        state = dict(zip(names, angles, strict=True))
+        at, to = (
+            kinematics.forward(state, "openarm_left_finger").position
+            for kinematics in (Kinematics(robot), wanted)
+        )
+        assert np.linalg.norm(np.subtract(at, to)) < 1e-4  # [m]
+    outcome = example_in(tmp_path).run("run", CONTROLLER, *WORLD)
+    assert outcome.code == 0, outcome.err
+    assert (tmp_path / CONTROLLER).read_bytes() == ran[1][CONTROLLER]
 
 
 def in_git(repository, before, after):

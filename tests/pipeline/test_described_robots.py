@@ -339,7 +339,8 @@ SRDF = """\
 
 
 def moveit(top, names, name="feeder"):
-    folder = package(top / f"{name}_moveit_config", f"{name}_moveit_config") / "config"
+    own = f"{name}_moveit_config"
+    folder = package(top / own, own, f"{name}_description") / "config"
     folder.mkdir()
     listed = "".join(f'<joint name="{each}"/>' for each in names)
     (folder / f"{name}.srdf").write_text(SRDF.format(name=name, joints=listed))
@@ -392,6 +393,37 @@ def test_programs_of_one_folder_drive_one_robot(tmp_path):
     )
     (script.parent / "work.py").unlink()
     assert chosen(script).robot.name == "generic"
+
+
+def test_of_robots_with_the_same_groups_the_files_name_tells_one(tmp_path):
+    for name in ("another", "feeder"):
+        described(tmp_path, f"{name}_description", f"{name}_")
+        moveit(tmp_path, joints(f"{name}_"), name)
+    cell(tmp_path, 'group = "arm"\n', name="move_feeder_up.py")
+    for file in ("move_feeder_up.py", "move_another_up.py"):
+        script = tmp_path / "cell" / file
+        script.write_text('group = "arm"\n')
+        found = [joint.name for joint in chosen(script).robot.arm_joints]
+        assert found == joints(f"{file.split('_')[1]}_")
+
+
+THING = '<robot name="table"><link name="top"/></robot>'
+
+
+def test_a_thing_that_its_launch_file_loads_is_no_robot_that_cannot_be_read(tmp_path):
+    folder = package(tmp_path / "things", "things")
+    (folder / "table.urdf").write_text(THING)
+    (folder / "legs.urdf").write_text(THING.replace('<link name="top"/>', ""))
+    script = cell(tmp_path, WITHOUT_NAMES[True])
+    (script.parent / "launch" / "robot.launch").write_text(
+        '<launch><param name="table" textfile="$(find things)/table.urdf"/>'
+        '<param name="legs" textfile="$(find things)/legs.urdf"/>'
+        '<node pkg="cell" type="feeder.py" name="feeder"/></launch>'
+    )
+    choice = chosen(script)
+    assert choice.robot.name == "generic"
+    assert any("table.urdf: has no joint that moves" in each for each in choice.skipped)
+    assert any("has no link" in each for each in choice.skipped)
 
 
 @pytest.mark.parametrize("is_known", [True, False])

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
-from tracerisk.errors import Location, RobotError
+from tracerisk.errors import Location
 from tracerisk.twin.outline import derived_servo
 from tracerisk.twin.robot import (
     DEFAULT_SCALING,
@@ -27,7 +27,7 @@ from tracerisk.twin.robot import (
 from tracerisk.twin.srdf import Srdf
 from tracerisk.twin.urdf_grippers import GripperParts, built_gripper, grippers_of, padded
 from tracerisk.twin.urdf_groups import controllers_of, groups_of, states_of
-from tracerisk.twin.urdf_tree import Tree, UrdfJoint
+from tracerisk.twin.urdf_tree import NoWholeRobotError, Tree, UrdfJoint
 
 # Assumed where a file says nothing, or 0. Velocities are those of a slow industrial arm; the
 # acceleration is what MoveIt plans with when nobody gives it one.
@@ -70,7 +70,7 @@ def assembled_robot(parts: RobotParts) -> Robot:
     """
     tree, srdf = parts.tree, parts.srdf
     if not tree.moving:
-        raise RobotError(
+        raise NoWholeRobotError(
             "has no joint that moves an arm; name the file of the whole robot",
             Location(parts.file),
         )

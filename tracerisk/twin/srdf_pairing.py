@@ -47,20 +47,41 @@ def setup_assistant(srdf: Path) -> SetupAssistant | None:
     return None
 
 
+def needed_packages(srdf: Path, packages: Mapping[str, Path]) -> tuple[Path, ...]:
+    """Return the folders of the packages that the manifest of an SRDF's package names."""
+    own = next((each for each in packages.values() if srdf.is_relative_to(each)), None)
+    if own is None:
+        return ()
+    try:
+        text = (own / "package.xml").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ()
+    words = frozenset(re.findall(r">\s*([\w.-]+)\s*<", text))
+    return tuple(folder for name, folder in packages.items() if name in words and folder != own)
+
+
 @dataclass(frozen=True, slots=True)
 class UrdfChoice:
-    """How well URDF files go with an SRDF, before they are read."""
+    """How well URDF files go with an SRDF, before they are read.
+
+    `needed` are the folders of the packages on which that of the SRDF depends.
+    """
 
     file: DescriptionFile
     srdf: Srdf
     noted: SetupAssistant | None
     packages: Mapping[str, Path]
+    needed: tuple[Path, ...] = ()
 
     def is_noted(self, urdf: DescriptionFile) -> bool:
         """Tell whether MoveIt's assistant made the SRDF from the file."""
         if self.noted is None or self.noted.package not in self.packages:
             return False
         return urdf.path == self.packages[self.noted.package] / self.noted.relative_path
+
+    def is_needed(self, urdf: DescriptionFile) -> bool:
+        """Tell whether a file is a robot in a package on which the one of the SRDF depends."""
+        return bool(urdf.robot_name) and any(map(urdf.path.is_relative_to, self.needed))
 
     def arguments(self, urdf: DescriptionFile) -> Mapping[str, str] | None:
         """Return the arguments of the assistant's file, `None` for another file."""

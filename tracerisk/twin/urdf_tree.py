@@ -17,6 +17,10 @@ _WORLD, _WORLD_LINK = "world", "world_link"
 _ROLLS = re.compile(r"wheel|caster|castor|roller|track", re.IGNORECASE)
 
 
+class NoWholeRobotError(RobotError):
+    """The file holds a part of a robot, or a thing that does not move."""
+
+
 @dataclass(frozen=True, slots=True)
 class UrdfJoint:
     """A joint as a URDF gives it; a figure that is missing is 0.
@@ -114,7 +118,9 @@ def read_tree(root: XmlElement, file: str) -> Tree:
         if len(links) > _MOST_LINKS:
             entry.fail(f"is one too many: at most {_MOST_LINKS} links are simulated")
     if not links:
-        root.fail("has no link; name the file of the whole robot")
+        raise NoWholeRobotError(
+            "<robot>: has no link; name the file of the whole robot", root.location
+        )
     joints = {}
     hangs: dict[str, str] = {}
     for entry in root.all("joint"):

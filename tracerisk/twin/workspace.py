@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,6 +15,7 @@ from tracerisk.twin.description_files import (
     distance,
     read_description,
 )
+from tracerisk.twin.description_texts import DescriptionTexts
 from tracerisk.twin.joint_limits import limited_as_beside
 from tracerisk.twin.known_arms import completed_as_ours, named_as_ours, shipped_like
 from tracerisk.twin.mentions import Hint, decide
@@ -22,14 +24,19 @@ from tracerisk.twin.robot import Robot, load_robot
 from tracerisk.twin.robot_index import shipped_names
 from tracerisk.twin.spoken_names import LaunchedDescription, Spoken
 from tracerisk.twin.srdf import Srdf, read_srdf
-from tracerisk.twin.srdf_pairing import UrdfChoice, has_parts_of, setup_assistant, with_srdf
+from tracerisk.twin.srdf_pairing import (
+    UrdfChoice,
+    has_parts_of,
+    needed_packages,
+    setup_assistant,
+    with_srdf,
+)
 from tracerisk.twin.urdf import read_urdf
-from tracerisk.twin.xacro_files import Expanded, expanded_xacro
+from tracerisk.twin.urdf_tree import NoWholeRobotError
 
-_MOST_EXPANDED = 8  # xacro files a controller; each costs up to a second
 _TESTS = frozenset({"test", "tests"})
 _RANKS = {"controller": 0, "package": 1}
-_ROBOTS_NAME = "name"  # the argument of xacro that many files want and give no default
+_IN_MANY_NAMES = frozenset({"robot", "arm", "moveit", "gripper", "hand", "demo", "with"})
 _UNNAMED = 2  # the rank of a file that no launch file near the controller names
 
 
@@ -94,19 +101,17 @@ class _Search:
         script: Path,
         limits: Limits,
     ) -> None:
-        self._limits = limits
         self._packages = packages
         self._spoken = spoken
         self._named = [packages[name].resolve() for name in spoken.packages if name in packages]
         self._script = script.resolve()
         self._skipped: list[str] = []
         self._unreadable: list[str] = []
-        self._expanded = 0
-        self._read_for: dict[Path, tuple[Path, ...]] = {}
         self._launched: dict[Path, LaunchedDescription] = {}
         for each in spoken.described:
             if each.path is not None:
                 self._launched.setdefault(each.path, each)
+        self._texts = DescriptionTexts(packages, self._launched, limits)
         self._files = description_files(roots)
         known = {file.path for file in self._files}
         launched = (read_description(path, roots) for path in self._launched if path not in known)
@@ -143,7 +148,7 @@ class _Search:
         robot = found.robot
         starts = [self._launched_as(file) == 0 for file in found.files]
         is_named = any(starts) or bool(self._spoken.parts_of(robot))
-        files = [path for file in found.files for path in self._read_for.get(file.path, ())]
+        files = [path for file in found.files for path in self._texts.read_for(file)]
         read = tuple(dict.fromkeys([*(file.path for file in found.files), *files]))
         if found.files[0].is_srdf:
             robot, read = self._limited(robot, found.files[0], read)
@@ -165,7 +170,7 @@ class _Search:
         read: list[tuple[DescriptionFile, Srdf]] = []
         for file in sorted(files, key=self._rank):
             try:
-                text = self._text(file)
+                text = self._texts.of(file)
                 read.append((file, read_srdf(text, file.shown)))
             except RobotError as error:
                 self._skip(file, error.message, is_meant=len(files) == 1 or self._is_meant(file))
@@ -216,7 +221,8 @@ class _Search:
 
     def _urdf_for(self, file: DescriptionFile, srdf: Srdf) -> tuple[Robot, DescriptionFile] | None:
         noted = setup_assistant(file.path)
-        choice = UrdfChoice(file, srdf, noted, self._packages)
+        needed = needed_packages(file.path, self._packages)
+        choice = UrdfChoice(file, srdf, noted, self._packages, needed)
         ranked = sorted(
             self._urdf_files,
             key=lambda urdf: (
@@ -227,10 +233,11 @@ class _Search:
             ),
         )
         for urdf in ranked:
-            if self._launched_as(urdf) == _UNNAMED and not choice.is_near(urdf):
+            is_near = self._launched_as(urdf) != _UNNAMED or choice.is_near(urdf)
+            if not is_near and (self._is_part(urdf) or not choice.is_needed(urdf)):
                 continue
             try:
-                text = self._text(urdf, choice.arguments(urdf))
+                text = self._texts.of(urdf, choice.arguments(urdf))
                 robot = read_urdf(text, urdf.shown, srdf=srdf)
             except RobotError as error:
                 # Another arm of the same joints may stand elsewhere, but it is not this one.
@@ -249,7 +256,7 @@ class _Search:
             if not only and not starts and not self._is_meant(file):
                 continue
             try:
-                text = self._text(file)
+                text = self._texts.of(file)
             except RobotError as error:
                 self._skip(file, error.message, is_meant=not self._is_part(file))
                 continue
@@ -258,7 +265,8 @@ class _Search:
                 prefix = self._prefix_of(robot)
             except RobotError as error:
                 is_meant = starts or bool(self._spoken.among(file.words))
-                is_meant = is_meant and not self._is_part(file)
+                is_whole = not self._is_part(file) and not isinstance(error, NoWholeRobotError)
+                is_meant = is_meant and is_whole
                 self._skip(file, error.message, is_meant=is_meant)
                 continue
             prefixed = f", all with the prefix '{prefix}'" if prefix else ""
@@ -328,18 +336,24 @@ class _Search:
 
     def _srdf_rank(
         self, file: DescriptionFile, srdf: Srdf
-    ) -> tuple[bool, int, int, int, bool, int, str]:
+    ) -> tuple[bool, int, int, int, int, bool, int, str]:
         speaks = self._spoken.exactly(srdf.words)
         loud = {group.name for group in srdf.groups} & speaks
         return (
             self._launched_as(file) != 0,
             -len(loud),
             -len(speaks),
+            -len(self._named_in_file(srdf.name)),
             self._launched_as(file),
             not {srdf.name, file.stem} & self._spoken.words,
             distance(self._script, file.path),
             file.shown,
         )
+
+    def _named_in_file(self, robot: str) -> set[str]:
+        """Return the words of a robot's name that are in the name of the script's file."""
+        words, own = (set(re.findall(r"[a-z]{4,}", each)) for each in (robot, self._script.stem))
+        return (words & own) - _IN_MANY_NAMES
 
     def _rank(self, file: DescriptionFile) -> tuple[int, bool, bool, int, bool, bool, int, str]:
         return (
@@ -351,34 +365,6 @@ class _Search:
             file.path.name.endswith(".xacro"),
             distance(self._script, file.path),
             file.shown,
-        )
-
-    def _text(self, file: DescriptionFile, arguments: Mapping[str, str] | None = None) -> bytes:
-        if not file.is_macro:
-            return file.text
-        if self._expanded >= _MOST_EXPANDED:
-            raise RobotError(f"not looked at: {_MOST_EXPANDED} xacro files were expanded before it")
-        self._expanded += 1
-        launched: LaunchedDescription | None = self._launched.get(file.path)
-        if launched is not None:
-            arguments = dict(launched.arguments)
-        try:
-            expanded = self._expand(file, arguments)
-        except RobotError as error:
-            # What the robot is called is no matter of which robot it is.
-            if not error.message.endswith(f" {_ROBOTS_NAME}"):
-                raise
-            expanded = self._expand(file, {**(arguments or {}), _ROBOTS_NAME: file.stem})
-        self._read_for[file.path] = expanded.files
-        return expanded.text
-
-    def _expand(self, file: DescriptionFile, arguments: Mapping[str, str] | None) -> Expanded:
-        return expanded_xacro(
-            file.path,
-            self._packages,
-            arguments=arguments,
-            shown=file.shown,
-            limits=self._limits,
         )
 
     def _skip(self, file: DescriptionFile, reason: str, *, is_meant: bool = False) -> None:

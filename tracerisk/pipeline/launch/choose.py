@@ -151,7 +151,8 @@ def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
         around = [file for file in files if not file.is_direct][: _MOST_INCLUDERS[ros]]
         candidates += _candidates(around, program, workspace, asked, problems, settings.limits)
         best = _best(candidates, asked)
-    robots, by = (), ""
+    robots: tuple[RobotSource, ...] = ()
+    by = ""
     if best is not None:
         robots, by = best.reading.robots, shown([best.file.path], root)[0]
         found = _setup(best, candidates, asked, root)
