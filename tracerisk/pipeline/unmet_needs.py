@@ -183,7 +183,7 @@ class UnmetNeeds:
         found = {(each.need.kind, each.need.name): each for each in map(_typed, self._missed())}
         for each in (*self._unserved(), *self._uncalled()):
             found.setdefault((each.need.kind, each.need.name), each)
-        made = drafts(found.values(), self._interfaces, self._values)
+        made = drafts(found.values(), self._interfaces, self._values, with_others=True)
         placed = [replace(each, location=self.below_root(each.location)) for each in made]
         self._runtime.recorder.note(DRAFTS, drafts=[asdict(each) for each in placed])
 
