@@ -10,7 +10,7 @@ import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.config import Settings
 from tracerisk.errors import ScenarioError, TraceRiskError
@@ -321,7 +321,14 @@ class _Rounds:
             return self._as_published(draft)
         value = written.value
         if draft.need.kind != "parameter":
-            value = {**draft.value, _CONTENT[draft.need.kind]: value}
+            content = _CONTENT[draft.need.kind]
+            if not written.is_whole:
+                # The frame of a computed pose is not that of the one which stands in for it.
+                value = {key: each for key, each in value.items() if key != "header"}
+                if not value or content not in draft.value:
+                    return self._as_published(draft)
+                value = _merged(draft.value[content], value)
+            value = {**draft.value, content: value}
             value.pop("messages", None)
             if "rate" in value and "messages" in draft.value:
                 for key in ("rate", "count", "at"):
@@ -367,6 +374,14 @@ class _Rounds:
     def _may_need_arguments(self, attempt: _Attempt) -> bool:
         has_some = bool(self._settings.args or self._known.arguments)
         return not has_some and attempt.error is None
+
+
+def _merged(fields: Any, over: Any) -> Any:
+    """Return fields with others put over them, down into nested ones."""
+    if not isinstance(fields, dict) or not isinstance(over, dict):
+        return over
+    more = {key: _merged(fields.get(key), each) for key, each in over.items()}
+    return {**fields, **more}
 
 
 def _is_accompanied(run: ControllerRun) -> bool:

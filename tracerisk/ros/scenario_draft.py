@@ -102,7 +102,8 @@ def drafts(
             )
             draft = replace(draft, others=tuple(other for other in made if other != draft.value))
         found += _in_turn(draft, each.location)
-    return tuple(sorted(found, key=lambda each: _is_last(each.need)))
+    once = {(each.section, each.key): each for each in reversed(found)}.values()
+    return tuple(sorted(reversed(once), key=lambda each: _is_last(each.need)))
 
 
 def drafts_of(data: Iterable[Mapping[str, Any]]) -> Iterator[Draft]:
