@@ -92,18 +92,20 @@ def drafts(
     `interfaces` makes the message classes; a type it does not know is written without fields.
     `with_others`: what holds a pose comes with entries that hold other ones.
     """
-    found = []
-    for each in missed:
-        draft = _draft(each, interfaces, values)
+    found: list[Draft] = []
+    for lacking in missed:
+        draft = _draft(lacking, interfaces, values)
         if with_others and draft.value is not None:
             made = (
-                _draft(each, interfaces, values.with_pose(number)).value
+                _draft(lacking, interfaces, values.with_pose(number)).value
                 for number in range(1, len(values.poses))
             )
             draft = replace(draft, others=tuple(other for other in made if other != draft.value))
-        found += _in_turn(draft, each.location)
-    once = {(each.section, each.key): each for each in reversed(found)}.values()
-    return tuple(sorted(reversed(once), key=lambda each: _is_last(each.need)))
+        found += _in_turn(draft, lacking.location)
+    once: dict[tuple[str, str], Draft] = {}
+    for each in found:
+        once.setdefault((each.section, each.key), each)
+    return tuple(sorted(once.values(), key=lambda each: _is_last(each.need)))
 
 
 def drafts_of(data: Iterable[Mapping[str, Any]]) -> Iterator[Draft]:
