@@ -249,6 +249,14 @@ def test_what_nothing_helps_is_told_with_what_was_found(example):
     assert outcome.err.count("tracerisk:") == 1
 
 
+def test_a_limit_of_the_machine_ends_the_search(example):
+    example.write("c.py", HEAD + "rospy.wait_for_message('/a', String)\nwhile True: pass\n")
+    outcome = example.run("scenario", "c.py", "--write", "--json", "--stall-limit", "3")
+    assert outcome.code == 4
+    assert outcome.json["end"]["cause"] == "wall_limit"
+    assert [each["name"] for each in outcome.json["given"]] == ["/a"]
+
+
 def test_the_source_alone_is_listed_without_a_run(example):
     example.write("c.py", ALL)
     outcome = example.run("scenario", "c.py", "--no-run")

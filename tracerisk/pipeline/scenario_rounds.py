@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.config import Settings
 from tracerisk.errors import ScenarioError, TraceRiskError
 from tracerisk.pipeline.asked_in_source import CommandLine, command_lines
-from tracerisk.pipeline.attempts import trace_attempts
+from tracerisk.pipeline.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.controller import Controller
 from tracerisk.pipeline.controller_run import ControllerRun
 from tracerisk.pipeline.launch.program import program_of
@@ -168,6 +168,11 @@ class _Rounds:
 
     def _next(self, attempt: _Attempt) -> Iterator[_Entries]:
         """Yield what may be tried after a run, the likeliest first."""
+        if attempt.trace is not None and attempt.trace.end.cause in OF_THE_MACHINE:
+            # Nothing is concluded from it, and no other run begins.
+            if not self._best.is_traced:
+                self._best = attempt
+            return
         mended = self._mended(attempt)
         if mended is not None:
             yield mended
