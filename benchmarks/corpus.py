@@ -10,11 +10,15 @@ users do. Those that a row missed are listed below the table; compiled parts of 
 workspace, and libraries that speak to hardware past ROS, cannot be installed so.
 
     python benchmarks/corpus.py --list controllers.csv --sources DIR [--jobs N] [--only TEXT]
+
+With `--scenarios DIR` each runs with the file that `tracerisk scenario --write` makes of it, as it
+is; the files stay in that folder. Its seconds are those of the run with the file.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import csv
 import json
 import os
@@ -29,6 +33,7 @@ from pathlib import Path
 from typing import Any
 
 TIMEOUT_S = 240.0
+DRAFTING_S = 1200.0  # a scenario is found by several runs
 RULES = {"quiescent", "duration", "cycles"}
 _MISSED = re.compile(r"No module named '([\w.]+)'")
 
@@ -47,25 +52,24 @@ class Row:
     """Whether the run came to a good end, with a relevant function."""
 
 
-def run(repo: str, commit: str, path: str, sources: Path) -> Row:
-    """Run one controller and say what became of it."""
+def run(repo: str, commit: str, path: str, sources: Path, scenarios: Path | None) -> Row:
+    """Run one controller, with a scenario below `scenarios` if that is one, and say what became."""
     name = f"{repo}:{path}"
     checkout = sources / f"{repo}@{commit}"
     if not (checkout / path).is_file():
         checkout = sources / repo
     if not (checkout / path).is_file():
         return Row(name, "absent", 0.0, 0, (), "the file is not in the checkout")
+    given: list[str] = []
+    if scenarios is not None:
+        file = (scenarios / f"{repo}-{path}.yaml".replace("/", "_")).resolve()
+        file.unlink(missing_ok=True)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            _tracerisk(["scenario", path, "--write", "-o", str(file)], checkout, DRAFTING_S)
+        given = ["--scenario", str(file)] if file.exists() else []
     began = time.monotonic()
     try:
-        done = subprocess.run(
-            [sys.executable, "-m", "tracerisk", "run", path, "--check", "--json", "--quiet"],
-            cwd=checkout,
-            capture_output=True,
-            stdin=subprocess.DEVNULL,
-            env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},
-            timeout=TIMEOUT_S,
-            check=False,
-        )
+        done = _tracerisk(["run", path, "--check", *given], checkout, TIMEOUT_S)
     except subprocess.TimeoutExpired:
         return Row(name, "HANGS", TIMEOUT_S, 0, (), f"no end within {TIMEOUT_S:g} s")
     seconds = time.monotonic() - began
@@ -75,6 +79,18 @@ def run(repo: str, commit: str, path: str, sources: Path) -> Row:
         last = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
         return Row(name, "FAULT", seconds, 0, (), " ".join(last)[:200])
     return _row(name, seconds, found)
+
+
+def _tracerisk(words: list[str], folder: Path, most_s: float) -> subprocess.CompletedProcess[bytes]:
+    return subprocess.run(
+        [sys.executable, "-m", "tracerisk", *words, "--json", "--quiet"],
+        cwd=folder,
+        capture_output=True,
+        stdin=subprocess.DEVNULL,
+        env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},
+        timeout=most_s,
+        check=False,
+    )
 
 
 def _row(name: str, seconds: float, found: dict[str, Any]) -> Row:
@@ -117,14 +133,23 @@ def main() -> None:
     parser.add_argument("--sources", type=Path, required=True)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--only", default="", help="only rows whose name holds this text")
+    parser.add_argument("--scenarios", type=Path, help="a folder for a scenario of each row")
     options = parser.parse_args()
+    if options.scenarios is not None:
+        options.scenarios.mkdir(parents=True, exist_ok=True)
     with options.list.open(encoding="utf-8") as stream:
         listed = list(csv.DictReader(line for line in stream if not line.startswith("#")))
     wanted = [each for each in listed if options.only in f"{each['repo']}:{each['path']}"]
     with ThreadPoolExecutor(options.jobs) as pool:
         rows = list(
             pool.map(
-                lambda each: run(each["repo"], each["commit"], each["path"], options.sources),
+                lambda each: run(
+                    each["repo"],
+                    each["commit"],
+                    each["path"],
+                    options.sources,
+                    options.scenarios,
+                ),
                 wanted,
             )
         )

@@ -157,6 +157,23 @@ def test_values_of_the_repository_come_first_unless_they_do_not_fit(example):
     assert not (example.folder / "c.scenario.yaml").exists()
 
 
+def test_another_pose_is_tried_where_a_motion_fails_at_the_first(example):
+    source = HEAD + (
+        "pose = rospy.wait_for_message('/part', PoseStamped)\n"
+        "arm.set_pose_target(pose)\n%s\nif not arm.go(wait=True):\n    rospy.logerr('lost')\n"
+    )
+    example.write("c.py", source % "")
+    first = example.run("scenario", "c.py", "--json").json
+    (place,) = (each["value"]["message"]["pose"]["position"] for each in first["given"])
+    beyond = f"if abs(pose.pose.position.x - {place['x']}) < 1e-6:\n    arm.set_position_target([9, 9, 9])"
+    example.write("c.py", source % beyond)
+    outcome = example.run("scenario", "c.py", "--json")
+    assert outcome.code == 0, outcome.err
+    assert outcome.json["verdict"]["kind"] == "partial"
+    (other,) = (each["value"]["message"]["pose"]["position"] for each in outcome.json["given"])
+    assert other["x"] != place["x"]
+
+
 def test_arguments_that_argparse_demands(example):
     example.write(
         "c.py",
@@ -230,6 +247,14 @@ def test_what_nothing_helps_is_told_with_what_was_found(example):
     assert outcome.code == 2
     assert "No module named 'not_there_at_all'" in outcome.err
     assert outcome.err.count("tracerisk:") == 1
+
+
+def test_a_limit_of_the_machine_ends_the_search(example):
+    example.write("c.py", HEAD + "rospy.wait_for_message('/a', String)\nwhile True: pass\n")
+    outcome = example.run("scenario", "c.py", "--write", "--json", "--stall-limit", "3")
+    assert outcome.code == 4
+    assert outcome.json["end"]["cause"] == "wall_limit"
+    assert [each["name"] for each in outcome.json["given"]] == ["/a"]
 
 
 def test_the_source_alone_is_listed_without_a_run(example):

@@ -370,7 +370,7 @@ def test_a_loop_that_waits_for_a_parameter_is_told_of_it(example):
     )
     error = example.run("run", "c.py", "--json", "--robot", "panda").json["error"]
     assert "nothing provides parameter /calibrated, asked for at c.py:3" in error["message"]
-    assert error["scenario"] == "parameters:\n  /calibrated: true  # assumed: a value of its type\n"
+    assert error["scenario"] == "parameters:\n  /calibrated: 1  # assumed: a guess\n"
 
 
 def test_parameters_come_from_the_settings_and_the_command_line(example):

@@ -108,6 +108,17 @@ def test_a_pose_is_one_that_the_tool_reaches_and_from_above_too(values):
         kinematics.inverse(values.group[0], pose)  # raises where it is out of reach
 
 
+def test_other_poses_are_as_good_and_apart(values):
+    assert len(values.poses) == 3
+    one, two = values.poses[0].position, values.with_pose(1).pose.position
+    assert math.dist(one, two) >= 0.1
+    need = Missed(Need("topic", "/part", "geometry_msgs/PoseStamped"), 0, 0, None)
+    (draft,) = drafts([need], Interfaces(), values, with_others=True)
+    places = [each["message"]["pose"]["position"]["x"] for each in (draft.value, *draft.others)]
+    assert places == [each.position[0] for each in values.poses]
+    assert drafts([need], Interfaces(), values)[0].others == ()
+
+
 def test_joints_are_the_robots_own_and_away_from_where_it_begins(values):
     message = values.fields(Interfaces2().message("sensor_msgs/JointState"))
     assert message["name"] == [joint.name for joint in values.robot.joints]

@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 VERBS = {
     "run": "run a controller on the twin, annotate it, solve its risk model",
     "trace": "run a controller and tell which hardware each function used",
-    "scenario": "list what a controller needs of its world; write a scenario for it",
+    "scenario": "list a controller's needs; write a scenario that meets them",
     "check": "tell, without a simulation, whether blocks can be trusted",
     "refresh": "bring blocks up to date, simulating only what is stale",
     "annotate": "write risk blocks into a controller from a trace or a log",

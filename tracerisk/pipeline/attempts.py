@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 _MOST_COMPANIONS = 4
 _MOST_DURATIONS = 4  # simulated time of all attempts, in that which one run may take
 # A process that died may have been ended for want of memory.
-_OF_THE_MACHINE: frozenset[EndCause] = frozenset({"wall_limit", "memory_limit", "died"})
+OF_THE_MACHINE: frozenset[EndCause] = frozenset({"wall_limit", "memory_limit", "died"})
+"""How a run may end by a limit of the machine: nothing is concluded from it."""
 _ROBOTS_TRIED = 3  # for the names that a run shows, of an arm and then of its gripper
 
 
@@ -115,7 +116,7 @@ def _shows_risk(trace: Trace) -> bool:
 
 def _is_cut_short(trace: Trace) -> bool:
     """Tell whether the machine may have ended a run, by a limit or for want of memory."""
-    return trace.end.cause in _OF_THE_MACHINE
+    return trace.end.cause in OF_THE_MACHINE
 
 
 def _is_final(trace: Trace) -> bool:

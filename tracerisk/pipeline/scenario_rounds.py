@@ -7,15 +7,15 @@ it is left out.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.config import Settings
 from tracerisk.errors import ScenarioError, TraceRiskError
 from tracerisk.pipeline.asked_in_source import CommandLine, command_lines
-from tracerisk.pipeline.attempts import trace_attempts
+from tracerisk.pipeline.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.controller import Controller
 from tracerisk.pipeline.controller_run import ControllerRun
 from tracerisk.pipeline.launch.program import program_of
@@ -37,6 +37,10 @@ if TYPE_CHECKING:
 _MOST_RUNS = 12
 _ASKED_AGAIN = 3  # rounds of answers for a question that comes again
 _PUBLISHERS = ("joint_state_publisher_gui", "joint_state_publisher", "joint_state_slider")
+_MOST_PLACES = 2  # other poses for what a motion did not reach
+_UNREACHED = frozenset(
+    {"planning-failed", "ik-failed", "path-cut", "command-aborted", "command-rejected"}
+)
 _CONTENT = {"topic": "message", "call": "request", "goal": "goal"}
 _Key = tuple[str, str]
 
@@ -143,39 +147,56 @@ class _Rounds:
         self._written = WrittenValues(project_top(controller.root), program, ros)
         self._usable: dict[_Key, Draft] = {}
         self._cannot: dict[_Key, Draft] = {}
-        self._robots: list[str] = []
+        self._places = 0
+        self._best = _Attempt(_Entries())
+        self._singles: list[_Entries] = []
+        self._lines: list[CommandLine] | None = None
 
     def result(self) -> ScenarioDraft:
         """Run until nothing is lacking, or nothing helps."""
-        entries, best = _Entries(), _Attempt(_Entries())
-        singles: list[_Entries] = []
-        lines: list[CommandLine] | None = None
+        entries = _Entries()
         seen: set[str] = set()
         for _ in range(_MOST_RUNS):
             attempt = self._run(entries)
             seen.add(self._text(entries))
-            more = self._mended(attempt)
-            if more is None:
-                if attempt.score >= best.score:
-                    best = attempt
-                    more = self._with_wanted(attempt)
-                elif best.is_traced and not singles:
-                    # Of what was given together, what does no harm alone.
-                    singles = self._one_by_one(best.entries, attempt.entries)
-            if more is None and singles:
-                more = self._on_top(best.entries, singles.pop(0))
-            if more is None and not best.is_traced and self._may_need_arguments(attempt):
-                if lines is None:
-                    lines = list(command_lines(self._controller, self._written.arguments))
-                more = best.entries.copy() if lines else None
-                if more is not None:
-                    more.arguments = lines.pop(0)
-            while more is not None and self._text(more) in seen:
-                more = self._on_top(best.entries, singles.pop(0)) if singles else None
+            following = (each for each in self._next(attempt) if self._text(each) not in seen)
+            more = next(following, None)
             if more is None:
                 break
             entries = more
-        return self._draft(best)
+        return self._draft(self._best)
+
+    def _next(self, attempt: _Attempt) -> Iterator[_Entries]:
+        """Yield what may be tried after a run, the likeliest first."""
+        if attempt.trace is not None and attempt.trace.end.cause in OF_THE_MACHINE:
+            # Nothing is concluded from it, and no other run begins.
+            if not self._best.is_traced:
+                self._best = attempt
+            return
+        mended = self._mended(attempt)
+        if mended is not None:
+            yield mended
+            return
+        if attempt.score >= self._best.score:
+            self._best = attempt
+            wanted = self._with_wanted(attempt)
+            if wanted is not None:
+                yield wanted
+        elif self._best.is_traced and not self._singles:
+            # Of what was given together, what does no harm alone.
+            self._singles = self._one_by_one(self._best.entries, attempt.entries)
+        while self._singles:
+            yield self._on_top(self._best.entries, self._singles.pop(0))
+        elsewhere = self._elsewhere(self._best)
+        if elsewhere is not None:
+            yield elsewhere
+        if not self._best.is_traced and self._may_need_arguments(attempt):
+            if self._lines is None:
+                self._lines = list(command_lines(self._controller, self._written.arguments))
+            while self._lines:
+                entries = self._best.entries.copy()
+                entries.arguments = self._lines.pop(0)
+                yield entries
 
     def _draft(self, best: _Attempt) -> ScenarioDraft:
         entries = best.entries
@@ -305,7 +326,14 @@ class _Rounds:
             return self._as_published(draft)
         value = written.value
         if draft.need.kind != "parameter":
-            value = {**draft.value, _CONTENT[draft.need.kind]: value}
+            content = _CONTENT[draft.need.kind]
+            if not written.is_whole:
+                # The frame of a computed pose is not that of the one which stands in for it.
+                value = {key: each for key, each in value.items() if key != "header"}
+                if not value or content not in draft.value:
+                    return self._as_published(draft)
+                value = _merged(draft.value[content], value)
+            value = {**draft.value, content: value}
             value.pop("messages", None)
             if "rate" in value and "messages" in draft.value:
                 for key in ("rate", "count", "at"):
@@ -325,6 +353,24 @@ class _Rounds:
             return []
         return [_Entries({key: tried.drafts[key]}) for key in more]
 
+    def _elsewhere(self, best: _Attempt) -> _Entries | None:
+        """Return the entries with other poses, where a motion to those of the best run failed."""
+        verdict = None if best.trace is None else best.trace.verdict
+        if verdict is None or not any(each.code in _UNREACHED for each in verdict.reasons):
+            return None
+        if self._places >= _MOST_PLACES:
+            return None
+        entries = best.entries.copy()
+        for key, draft in entries.drafts.items():
+            others = self._usable[key].others if key in self._usable else ()
+            if self._places < len(others) and draft.value in (
+                self._usable[key].value,
+                *others,
+            ):
+                entries.drafts[key] = replace(draft, value=others[self._places])
+        self._places += 1
+        return entries
+
     def _on_top(self, best: _Entries, single: _Entries) -> _Entries:
         entries = best.copy()
         entries.drafts.update(single.drafts)
@@ -333,6 +379,14 @@ class _Rounds:
     def _may_need_arguments(self, attempt: _Attempt) -> bool:
         has_some = bool(self._settings.args or self._known.arguments)
         return not has_some and attempt.error is None
+
+
+def _merged(fields: Any, over: Any) -> Any:
+    """Return fields with others put over them, down into nested ones."""
+    if not isinstance(fields, dict) or not isinstance(over, dict):
+        return over
+    more = {key: _merged(fields.get(key), each) for key, each in over.items()}
+    return {**fields, **more}
 
 
 def _is_accompanied(run: ControllerRun) -> bool:

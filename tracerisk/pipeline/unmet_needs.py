@@ -140,7 +140,7 @@ class UnmetNeeds:
     def _further(self) -> tuple[Missed, ...]:
         """Return what the source asks for by name further on, and nothing would give it."""
         waits = {(each.need.kind, each.need.name) for each in self._unserved()}
-        waits |= {("parameter", _plain(each.need.name)) for each in self._missed()}
+        asked = [_plain(each.need.name) for each in self._missed() if each.need.kind == "parameter"]
         found: dict[tuple[NeedKind, str], Missed] = {}
         for each in self._in_source():
             need = each.need
@@ -151,6 +151,8 @@ class UnmetNeeds:
                 name = f"/{name}"
             need = replace(need, name=name)
             if (need.kind, name) in waits or self._is_given(need):
+                continue
+            if need.kind == "parameter" and any(f"/{each}".endswith(f"/{name}") for each in asked):
                 continue
             kept = replace(each.need, name=each.need.name if need.kind == "parameter" else name)
             found.setdefault((need.kind, name), replace(each, need=kept))
@@ -183,7 +185,7 @@ class UnmetNeeds:
         found = {(each.need.kind, each.need.name): each for each in map(_typed, self._missed())}
         for each in (*self._unserved(), *self._uncalled()):
             found.setdefault((each.need.kind, each.need.name), each)
-        made = drafts(found.values(), self._interfaces, self._values)
+        made = drafts(found.values(), self._interfaces, self._values, with_others=True)
         placed = [replace(each, location=self.below_root(each.location)) for each in made]
         self._runtime.recorder.note(DRAFTS, drafts=[asdict(each) for each in placed])
 

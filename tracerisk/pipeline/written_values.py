@@ -38,10 +38,14 @@ _PLACEHOLDER = re.compile(r"^[\[<{].*[\]>}]?$|^\.\.\.$|[<>{}\[\]$|]")
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A value that the repository writes, and where: `README.md:12`."""
+    """A value that the repository writes, and where: `README.md:12`.
+
+    One that is not whole leaves fields open, which a program computes.
+    """
 
     value: Any
     place: str
+    is_whole: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,7 +194,7 @@ class WrittenValues:
                 continue
             fields, line = filled_fields(text, kind, need.kind)
             if fields:
-                return Written(fields, self._place(path, line))
+                return Written(fields, self._place(path, line), is_whole=False)
         return None
 
     def started_with(self, topic: str, programs: Sequence[str]) -> str | None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -187,10 +188,21 @@ _Found = dict[tuple[str, ...], list[Any]]
 
 
 def _tree(place: Location | None) -> ast.Module | None:
-    if place is None or (not place.file.endswith(".py") and not Path(place.file).is_file()):
+    if place is None:
         return None
     try:
-        return ast.parse(Path(place.file).read_bytes())
+        found = Path(place.file).stat()
+    except (OSError, ValueError):
+        return None
+    return _parsed(place.file, found.st_mtime_ns, found.st_size)
+
+
+@lru_cache(maxsize=32)
+def _parsed(file: str, changed_ns: int, size: int) -> ast.Module | None:
+    """Return the tree of a source as it is; `changed_ns` and `size` tell it from what it was."""
+    del changed_ns, size
+    try:
+        return ast.parse(Path(file).read_bytes())
     except (OSError, SyntaxError, ValueError, RecursionError):
         return None
 

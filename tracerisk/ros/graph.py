@@ -23,7 +23,8 @@ from tracerisk.ros.parameters import ParameterTree
 from tracerisk.ros.publishing_pace import PublishingPace
 from tracerisk.ros.virtual_time import CallTracer, Scheduler
 
-_OF_TF2 = "tf2_msgs/FrameGraph"  # served by every buffer, for tools
+# Served by a library in the controller, for tools: buffers of tf2, servers of parameters.
+_OF_TOOLS = re.compile(r"tf2_msgs/FrameGraph$|dynamic_reconfigure/|rcl_interfaces/|roscpp/")
 _SHOWN = re.compile(r"(visualization_msgs|rosgraph_msgs|rcl_interfaces)/|moveit_msgs/Display")
 
 Change = Literal["advertised", "unadvertised", "subscribed", "unsubscribed", "served", "unserved"]
@@ -405,7 +406,7 @@ class Graph:
         return tuple(
             Missed(Need("call", each.name, each.type_name), 0, 0, each.place)
             for each in self._services.values()
-            if each.is_callback and not each.is_called and each.type_name != _OF_TF2
+            if each.is_callback and not each.is_called and not _OF_TOOLS.match(each.type_name)
         )
 
     def services(self) -> tuple[ServiceServer, ...]:

@@ -75,6 +75,8 @@ class Draft:
     value: Any
     words: str
     location: Location | None = None
+    others: tuple[Any, ...] = ()
+    """Other entries that may be tried, with other poses."""
 
     @property
     def section(self) -> str:
@@ -82,24 +84,36 @@ class Draft:
         return SECTIONS[self.need.kind]
 
 
-def drafts(missed: Iterable[Missed], interfaces: Any, values: UsableValues) -> tuple[Draft, ...]:
+def drafts(
+    missed: Iterable[Missed], interfaces: Any, values: UsableValues, *, with_others: bool = False
+) -> tuple[Draft, ...]:
     """Return what would meet each need; what stops or ends a controller is called last.
 
     `interfaces` makes the message classes; a type it does not know is written without fields.
+    `with_others`: what holds a pose comes with entries that hold other ones.
     """
-    found = [
-        draft
-        for each in missed
-        for draft in _in_turn(_draft(each, interfaces, values), each.location)
-    ]
-    return tuple(sorted(found, key=lambda each: _is_last(each.need)))
+    found: list[Draft] = []
+    for lacking in missed:
+        draft = _draft(lacking, interfaces, values)
+        if with_others and draft.value is not None:
+            made = (
+                _draft(lacking, interfaces, values.with_pose(number)).value
+                for number in range(1, len(values.poses))
+            )
+            draft = replace(draft, others=tuple(other for other in made if other != draft.value))
+        found += _in_turn(draft, lacking.location)
+    once: dict[tuple[str, str], Draft] = {}
+    for each in found:
+        once.setdefault((each.section, each.key), each)
+    return tuple(sorted(once.values(), key=lambda each: _is_last(each.need)))
 
 
 def drafts_of(data: Iterable[Mapping[str, Any]]) -> Iterator[Draft]:
     """Yield the drafts of which `data` are the fields, through JSON."""
     for each in data:
         place = None if each["location"] is None else Location(**each["location"])
-        yield Draft(**{**each, "need": Need(**each["need"]), "location": place})
+        need, others = Need(**each["need"]), tuple(each["others"])
+        yield Draft(**{**each, "need": need, "location": place, "others": others})
 
 
 def _in_turn(draft: Draft, place: Location | None) -> Iterator[Draft]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import copy
 from functools import cached_property
 from typing import Any
 
@@ -28,10 +29,13 @@ from tracerisk.twin.robot import Group, Joint, Robot
 _DEEPEST = 5  # of nested messages: what lies deeper has its defaults without being written
 _STEP = 0.2  # how far from where it is a joint is sent [rad; of its range where it slides]
 _TRIED = 400  # postures among which one with the tool in front of the arm is looked for
-_SOLVED = 12  # of the best of them, for how many the pose above is tried
+_SOLVED = 24  # of the best of them, for how many the pose above is tried
 _ABOVE = 0.1  # a pose is approached from so far above [m]
-_AHEAD = (0.3, 0.75)  # of the arm's reach: how far before its base a pose is
-_HEIGHT = (0.05, 0.6)  # of its reach: how high above the base's foot
+_AHEAD = 0.4  # of the arm's reach: how far before its base a pose should be
+_HEIGHT = 0.15  # of its reach: how high above the base's foot
+_APART = 0.1  # poses are so far apart [m]
+_POSES = 3  # a pose and the others that may be tried for it
+_UPRIGHT = 0.1  # 1 - cosine between an axis of the tool and straight down
 _HALTON = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29)
 _OFF = re.compile(
     r"(^|_)(e?stop|halt|abort|cancel|pause|emergency|error|fault|busy|shutdown|quit|exit|disable)",
@@ -64,6 +68,7 @@ class UsableValues:
         self.robot = robot
         self._forward = forward
         self._inverse = inverse
+        self._number = 0
 
     def fields(
         self, message_class: Any, compared: Compared | None = None, name: str = ""
@@ -107,15 +112,26 @@ class UsableValues:
         towards = now + math.copysign(step, (joint.lower + joint.upper) / 2 - now)
         return round(min(max(towards, joint.lower), joint.upper), 3)
 
-    @cached_property
+    @property
     def pose(self) -> Pose:
         """A pose in the base link's frame that the tool reaches, and from above too."""
-        found = self._reachable()
-        return Pose((0.3, 0.0, 0.3), (0.0, 0.0, 0.0, 1.0)) if found is None else found
+        return self.poses[min(self._number, len(self.poses) - 1)]
 
-    def _reachable(self) -> Pose | None:
+    def with_pose(self, number: int) -> UsableValues:
+        """Return the values with another of the `poses`, counted from 0."""
+        other = copy(self)
+        other._number = number
+        return other
+
+    @cached_property
+    def poses(self) -> tuple[Pose, ...]:
+        """Poses that the tool reaches, the one nearest to where an arm works first."""
+        found = list(self._reachable())
+        return tuple(found) or (Pose((0.3, 0.0, 0.3), (0.0, 0.0, 0.0, 1.0)),)
+
+    def _reachable(self) -> Iterator[Pose]:
         if self.group is None or self.group[1].tip_link is None:
-            return None
+            return
         name, tip = self.group[0], self.group[1].tip_link
         states = [
             {**self.robot.initial_state, **state}
@@ -126,18 +142,21 @@ class UsableValues:
         reach = max(math.dist(each.position, (0.0, 0.0, 0.0)) for each in poses)
         ranked = sorted(poses, key=lambda each: _badness(each, reach))
         # The orientation of a known state is one that its author works with.
-        known = poses[1 : 1 + len(states)] or poses[:1]
-        upright = min(known, key=_tilt)
+        upright = min(poses[: 1 + len(states)], key=_tilt)
+        found: list[Pose] = []
         for each in ranked[:_SOLVED]:
+            if any(math.dist(each.position, other.position) < _APART for other in found):
+                continue
             orientations = [each.orientation]
-            if _tilt(upright) < 0.1:
+            if _tilt(upright) < _UPRIGHT:
                 orientations.insert(0, upright.orientation)
-            for orientation in orientations:
-                x, y, z = each.position
-                pose = _rounded(Pose((x, y, z), orientation))
-                if self._is_reached(name, pose):
-                    return pose
-        return None
+            made = (_rounded(Pose(each.position, orientation)) for orientation in orientations)
+            reached = next((pose for pose in made if self._is_reached(name, pose)), None)
+            if reached is not None:
+                found.append(reached)
+                yield reached
+            if len(found) == _POSES:
+                return
 
     def _is_reached(self, group: str, pose: Pose) -> bool:
         x, y, z = pose.position
@@ -312,16 +331,9 @@ def _integer(owner: Any, field: MessageField, numbers: Sequence[float]) -> int:
     return 0 if _FAILS.search(field.name) else 1
 
 
-def _badness(pose: Pose, reach: float) -> tuple[float, float]:
-    """Rank poses: those in front of the arm and above its foot first, those upright before."""
-    x, y, z = pose.position
-    ahead = math.hypot(x, y)
-    outside = 0.0
-    for value, (least, most) in ((ahead, _AHEAD), (z, _HEIGHT)):
-        outside += max(least * reach - value, value - most * reach, 0.0)
-    # Behind the arm, and far to its side, a pose says less of what it works at.
-    outside += max(abs(y) - max(x, 0.0), 0.0)
-    return round(outside, 3), round(_tilt(pose), 3)
+def _badness(pose: Pose, reach: float) -> float:
+    """Return how far a pose is from where an arm works: before it, and above its foot [m]."""
+    return round(math.dist(pose.position, (_AHEAD * reach, 0.0, _HEIGHT * reach)), 3)
 
 
 def _tilt(pose: Pose) -> float:
