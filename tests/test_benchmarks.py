@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import importlib.util
 import sys
 from pathlib import Path
@@ -14,14 +15,28 @@ ROOT = Path(__file__).parents[1]
 
 @pytest.fixture
 def corpus(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    path = ROOT / "benchmarks" / "corpus.py"
-    spec = importlib.util.spec_from_file_location("corpus", path)
+    return _loaded("corpus", monkeypatch)
+
+
+def _loaded(name: str, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    path = ROOT / "benchmarks" / f"{name}.py"
+    spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    monkeypatch.setitem(sys.modules, "corpus", module)
+    monkeypatch.setitem(sys.modules, name, module)
     spec.loader.exec_module(module)
     return module
+
+
+@pytest.mark.parametrize(
+    ("distribution", "modules"), [("pyyaml", {"yaml"}), ("pillow", {"PIL"}), ("six", {"six"})]
+)
+def test_the_modules_of_a_distribution_are_those_of_its_metadata(
+    distribution, modules, monkeypatch
+):
+    table = _loaded("module_table", monkeypatch)
+    assert table.modules_of(importlib.metadata.distribution(distribution)) == modules
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ from tracerisk.trace import (
 _FUNCTION = "Function:"
 _COMPONENTS = "ActiveComponents:"
 _SEQUENCE = "CallSequence:"
-_CALL = re.compile(r"([^\s(),]+)\(\)")
+_CALL = re.compile(r"([^\s(),]+(?: \([^(),]+\))?)\(\)")
 _COMPONENT = re.compile(r"[^\s(),:]+")
 
 

@@ -221,3 +221,16 @@ def test_a_module_of_one_program_holds_its_steps(example):
     assert "Arm.turn_in_thread" in names(outcome)
     never = [each["ref"]["name"] for each in outcome.json["trace"]["uncovered"]]
     assert never == ["Arm.never"]
+
+
+def test_links_out_of_the_project_and_sources_that_cannot_be_read_harm_nothing(example, tmp_path):
+    for name, text in FILES.items():
+        example.write(f"project/{name}", text)
+    example.write("beyond.py", "import demo.steps\nif __name__ == '__main__':\n    pass\n")
+    root = example.folder / "project"
+    (root / "demo" / "linked.py").symlink_to(example.folder / "beyond.py")
+    (root / "demo" / "broken.py").symlink_to(example.folder / "nowhere.py")
+    example.write("project/demo/binary.py", b"\x00\xff\xfe import demo.steps")
+    libraries = Libraries(root / "demo/main.py", root)
+    assert not libraries.holds(root / "demo/steps.py")
+    assert libraries.holds(root / "demo/shared.py")

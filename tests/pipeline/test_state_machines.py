@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from tracerisk.trace_log import read_log
+
 HEAD = """\
 import sys
 import moveit_commander, rospy
@@ -127,6 +129,25 @@ def test_a_second_run_changes_nothing_and_the_model_is_that_of_the_blocks(own_ma
         solved["assessment"]["mission"]["failure_probability"]
         == outcome.json["assessment"]["mission"]["failure_probability"]
     )
+
+
+def test_other_commands_take_the_names_of_instances(own_machine):
+    example, _ = own_machine
+    assert example.run("trace", "machine.py", "--log", "machine.log").code == 0
+    assert "Function:MoveTo (tray)()" in example.read("machine.log").decode()
+    read = read_log(example.read("machine.log").decode(), "machine.log", controller="machine.py")
+    assert [str(each.ref.name) for each in read.functions] == FIVE
+    profile = "MoveTo (tray):Wave.execute=0.9,done=0.1"
+    solved = example.run("solve", "machine.py", "--profile", profile, "--json")
+    assert solved.code == 0, solved.err
+    assert example.run("build", "machine.py", "-o", "machine.json").code == 0
+    for form in ("prism", "open-psa"):
+        done = example.run("convert", "machine.json", "--to", form, "-o", f"out-{form}")
+        assert done.code == 0, (form, done.err)
+    report = example.run("report", "machine.py", "-o", "report.html")
+    assert report.code == 0, report.err
+    html = example.read("report.html").decode()
+    assert all(name in html for name in FIVE)
 
 
 def test_the_figure_does_not_depend_on_how_states_are_written(own_machine, example):
@@ -391,3 +412,16 @@ main()
     assert example.run("run", "controller.py").code == 0
     text = (example.folder / "controller.py").read_text()
     assert [line.split("= ")[1] for line in text.splitlines() if "|   name = home" in line] == ["home"]
+
+
+def test_states_of_a_library_of_two_programs_are_told_apart_in_the_program(example):
+    head, _, rest = SMACH.partition("class MoveTo")
+    classes, _, program = rest.partition("def main():")
+    example.write("states.py", f"import smach\n\n\nclass MoveTo{classes}")
+    example.write("machine.py", f"{head}from states import MoveTo, Wave\n\n\ndef main():{program}")
+    example.write("other.py", "from states import MoveTo\n\nif __name__ == '__main__':\n    pass\n")
+    outcome = example.run("run", "machine.py", "--json")
+    assert outcome.code == 0, outcome.err
+    assert states(outcome) == [
+        f"main ({label})" for label in ("ABOVE_TRAY", "TRAY", "GREET", "BIN", "HOME")
+    ]

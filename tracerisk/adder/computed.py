@@ -208,7 +208,8 @@ def next_counts(trace: Trace) -> dict[FunctionRef, dict[str, int]]:
         counts[function.ref] = dict.fromkeys((*names.values(), DONE), 0)
     if trace.cycle is not None:
         return _cycled_counts(trace, trace.cycle, counts, names)
-    followers = [names[visit.function] for visit in trace.visits[1:]] + [DONE]
+    followers = [*(names[visit.function] for visit in trace.visits[1:]), DONE]
+    followers = followers[: len(trace.visits)]
     for visit, follower in zip(trace.visits, followers, strict=True):
         counts[visit.function][follower] += 1
     return _without_zeros(counts)

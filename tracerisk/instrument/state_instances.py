@@ -9,18 +9,16 @@ from __future__ import annotations
 
 import inspect
 import re
-import sys
-from pathlib import Path
 from types import FrameType
 from typing import Any
 
 from tracerisk.instance_name import plain_label
+from tracerisk.instrument.hidden_frames import is_hidden
 
 _BASE = re.compile(r"\w*(State|Behaviou?r)")
 _NAMES = ("name", "_name", "label", "_label")
+_MACHINES_OF_OURS = "/stand_ins/smach"
 _MOST_STATES = 1000
-_OWN = f"{Path(__file__).parents[1]}/"
-_MACHINES = frozenset({"smach", "smach_ros"})
 _MACHINE_WITHIN = 12  # frames above a state's own, the machine's frame among them
 
 
@@ -69,21 +67,13 @@ def _state_of(frame: FrameType) -> Any:
     code = frame.f_code
     if not code.co_argcount:
         return None
+    if is_hidden(code.co_filename) and _MACHINES_OF_OURS not in code.co_filename:
+        return None
     own = frame.f_locals.get(code.co_varnames[0])
     kind = type(own)
-    if (
-        kind is type
-        or _is_stand_in(kind)
-        or not any(_BASE.fullmatch(each.__name__) for each in kind.__mro__[1:])
-    ):
+    if kind is type or not any(_BASE.fullmatch(each.__name__) for each in kind.__mro__[1:]):
         return None
     return own
-
-
-def _is_stand_in(kind: type) -> bool:
-    """Return whether a class is of this package, but for its state machines."""
-    file = getattr(sys.modules.get(kind.__module__), "__file__", None) or ""
-    return file.startswith(_OWN) and kind.__module__.partition(".")[0] not in _MACHINES
 
 
 def _label(state: Any, frame: FrameType) -> str:

@@ -56,6 +56,7 @@ class Libraries:
         self._root = root.resolve()
         self._states = frozenset(states)
         self._known: dict[Path, bool] = {}
+        self._named: dict[Path, list[tuple[int, list[str]]]] = {}
 
     def holds(self, file: Path) -> bool:
         """Tell whether a file below the root is library code."""
@@ -92,9 +93,21 @@ class Libraries:
         return frozenset(found)
 
     @cached_property
-    def _programs(self) -> tuple[Path, ...]:
+    def _project(self) -> tuple[Path, ...]:
         top = project_top(self._root)
-        return tuple(path for path in _sources(top) if _is_program(path))
+        # A link may lead out of it.
+        return tuple(path for path in _sources(top) if path.is_relative_to(top))
+
+    @cached_property
+    def _programs(self) -> tuple[Path, ...]:
+        return tuple(path for path in self._project if _is_program(path))
+
+    @cached_property
+    def _tops(self) -> frozenset[str]:
+        """The names with which an import of something in the project may begin."""
+        top = project_top(self._root)
+        folders = {part for path in self._project for part in path.relative_to(top).parts[:-1]}
+        return frozenset(folders | {path.stem for path in self._project})
 
     @cached_property
     def _folders(self) -> tuple[Path, ...]:
@@ -118,18 +131,30 @@ class Libraries:
             package = package.parent
         root = controller_root(program)
         bases = (program.parent, package, root, root / "src", *self._folders)
-        text = _text(file)
-        for dots, name, imported in _FROM.findall(text):
-            parts = name.split(".") if name else []
-            where = bases if not dots else tuple(file.parents)[len(dots) - 1 : len(dots)]
-            yield from module_files(parts, where)
-            for each in _NAMED.findall(imported.strip("() \t\r\n")):
-                yield from module_files([*parts, each], where)
-        for names in _IMPORT.findall(text):
-            for each in names.split(","):
-                named = _NAMED.match(each.strip())
-                if named is not None:
-                    yield from module_files(named[1].split("."), bases)
+        for level, parts in self._names_in(file):
+            where = tuple(file.parents)[level - 1 : level] if level else bases
+            if level or parts[0] in self._tops:
+                yield from module_files(parts, where)
+
+    def _names_in(self, file: Path) -> list[tuple[int, list[str]]]:
+        """Return what a file names in its imports: the level of a relative one, and its parts."""
+        if file not in self._named:
+            self._named[file] = list(_named(_text(file)))
+        return self._named[file]
+
+
+def _named(text: str) -> Iterator[tuple[int, list[str]]]:
+    for dots, name, imported in _FROM.findall(text):
+        parts = name.split(".") if name else []
+        if parts:
+            yield len(dots), parts
+        for each in _NAMED.findall(imported.strip("() \t\r\n")):
+            yield len(dots), [*parts, each]
+    for names in _IMPORT.findall(text):
+        for each in names.split(","):
+            named = _NAMED.match(each.strip())
+            if named is not None:
+                yield 0, named[1].split(".")
 
 
 def _functions(path: Path) -> set[str]:

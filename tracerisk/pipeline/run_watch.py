@@ -107,7 +107,7 @@ class RunWatch:
     def issued(self, command_id: int, stack: Sequence[Frame], goal: Sequence[float]) -> None:
         """Note that a command is issued that leads to `goal`."""
         self._last_command_ns = self._scheduler.now_ns
-        way = tuple((frame.function, frame.site) for frame in stack)
+        way = tuple((frame.function, frame.site, frame.instance) for frame in stack)
         is_callback = stack[0].root not in (None, "main", "thread")
         loops = [loop for loop in self._loops.values() if loop.thread == get_ident()]
         if is_callback and self._callbacks is not None:
