@@ -32,6 +32,7 @@ line of its `def`, or at the top of a module's code."""
 _GUTTER = re.compile(rb"[ \t\f]*#[ \t]?\|(?:[ \t].*)?")
 _SECTION = re.compile(rb"[ \t\f]*#[ \t]?\|[ \t]+@(?:Function|Component)\b.*")
 _HEADER = re.compile(rb"[ \t\f]*#[ \t]?\|[ \t]+RiskAnnotation[ \t]*")
+_HEADER_WORD = HEADER.encode()
 _ANY_BLOCK = re.compile(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component)")
 
 
@@ -131,7 +132,7 @@ def scan_blocks(source: PythonSource) -> tuple[PlacedBlock, ...]:
     Raises:
         BlockError: as `read_blocks`.
     """
-    if not any(_ANY_BLOCK.search(line) for line in source.lines):
+    if not any(b"|" in line and _ANY_BLOCK.search(line) for line in source.lines):
         return ()
     runs = tuple(_runs(source))
     finder = _OwnerFinder(source)
@@ -147,7 +148,7 @@ def scan_blocks(source: PythonSource) -> tuple[PlacedBlock, ...]:
     strays += [
         number
         for number, line in enumerate(source.lines, start=1)
-        if number not in in_runs and _SECTION.fullmatch(line.rstrip(b"\r\n"))
+        if b"@" in line and number not in in_runs and _SECTION.fullmatch(line.rstrip(b"\r\n"))
     ]
     if strays:
         _forbid_strays(source, strays)
@@ -181,9 +182,9 @@ def _runs(source: PythonSource) -> Iterator[_Run]:
     first = 0
     headers: list[int] = []
     for number, line in enumerate((*source.lines, b""), start=1):
-        bare = _bare(line)
-        if _GUTTER.fullmatch(bare):
-            if _HEADER.fullmatch(bare):
+        bare = _bare(line) if b"|" in line else b""
+        if bare and _GUTTER.fullmatch(bare):
+            if _HEADER_WORD in bare and _HEADER.fullmatch(bare):
                 first = first or number
                 headers.append(number)
         elif first:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
@@ -17,7 +18,6 @@ from tracerisk.adder.lock import (
     ControllerLock,
     WrittenBlock,
     as_written,
-    lock_key,
     written_block,
 )
 from tracerisk.adder.merge import MergePolicy, has_pins, merge
@@ -80,7 +80,7 @@ def _check_once(path: Path | str, limits: CoverageLimits) -> Checked:
     place = Location(str(controller.path), 1)
     lock = lock_of(controller.root)
     was = moved_from(lock, controller)
-    entry = with_moved(lock, controller).controllers.get(lock_key(controller.path, controller.root))
+    entry = with_moved(lock, controller).controllers.get(controller.file)
     if entry is None:
         blocks = read_blocks(controller.source, str(controller.path))
         check_steps(controller, [(placed.block, {}) for placed in blocks], (), before_run=False)
@@ -134,6 +134,8 @@ def check_controllers(
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
+    # What is there by now stays: no collector need look at it again, here or in the processes.
+    gc.freeze()
     with ProcessPoolExecutor(count, mp_context=get_context("fork")) as pool:
         each = limits or [_NO_LIMITS] * len(paths)
         return tuple(pool.map(_checked, paths, each, chunksize=_WORTH_A_PROCESS // 2))
@@ -248,6 +250,8 @@ def _edits(
 ) -> Iterable[CheckFinding]:
     for name, placed in current.items():
         written = base.get(name)
+        if written is not None and _is_as_written(placed.block, written):
+            continue
         computed = None if written is None else as_written(name, written)
         outcome = merge(written, placed.block, computed, policy=MergePolicy())
         for edit in outcome.edits:
@@ -420,9 +424,13 @@ def _are_as_written(entry: ControllerLock, placed: Mapping[FunctionRef, RiskBloc
     return (
         written.keys() == placed.keys()
         and len(ranks) == len(placed)
-        and all(written_block(block) == written[ref] for ref, block in placed.items())
-        and not any(map(has_pins, placed.values()))
+        and all(_is_as_written(block, written[ref]) for ref, block in placed.items())
     )
+
+
+def _is_as_written(block: RiskBlock, written: WrittenBlock) -> bool:
+    """Return whether a block holds the tool's values to the letter, and nothing by hand."""
+    return not has_pins(block) and written_block(block) == written
 
 
 def _order(finding: CheckFinding) -> tuple[str, int, str, str]:
