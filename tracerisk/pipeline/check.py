@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import gc
-import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -46,10 +44,9 @@ from tracerisk.pipeline.freshness import RunInputs, stale_reasons, values_reason
 from tracerisk.pipeline.kept_verdict import block_lines, kept_verdict
 from tracerisk.pipeline.known_controllers import is_gone, lock_of, moved_from, with_moved
 from tracerisk.pipeline.known_functions import check_named_functions, check_steps
+from tracerisk.pipeline.many_at_once import shared_out
 from tracerisk.pipeline.one_writer import one_writer
 from tracerisk.trace import FunctionRef, QualifiedName, Verdict
-
-_WORTH_A_PROCESS = 20  # files that take as long to check as a process takes to start
 
 _OF_LOCK_AND_SOURCE = frozenset({"edited", "missing", "orphaned"})
 
@@ -127,23 +124,13 @@ def check_controllers(
     `limits` are those of each; none for all of them where it is empty.
     Many are shared out among as many processes as there are cores, or `jobs`.
     """
-    count = min(jobs or os.cpu_count() or 1, len(paths) // _WORTH_A_PROCESS)
-    if count < 2:
-        return tuple(map(_checked, paths, limits or [_NO_LIMITS] * len(paths)))
-    # Not needed for a few files, where a hundredth of a second is felt.
-    from concurrent.futures import ProcessPoolExecutor
-    from multiprocessing import get_context
-
-    # What is there by now stays: no collector need look at it again, here or in the processes.
-    gc.freeze()
-    with ProcessPoolExecutor(count, mp_context=get_context("fork")) as pool:
-        each = limits or [_NO_LIMITS] * len(paths)
-        return tuple(pool.map(_checked, paths, each, chunksize=_WORTH_A_PROCESS // 2))
+    each = limits or [_NO_LIMITS] * len(paths)
+    return tuple(shared_out(_checked, list(zip(paths, each, strict=True)), jobs=jobs))
 
 
-def _checked(path: Path, limits: CoverageLimits) -> Checked | TraceRiskError:
+def _checked(what: tuple[Path, CoverageLimits]) -> Checked | TraceRiskError:
     try:
-        return check_controller(path, limits)
+        return check_controller(*what)
     except TraceRiskError as error:
         return error
 
