@@ -30,7 +30,7 @@ from tracerisk.adder.values import (
     computed_probability,
     computed_redundancy,
 )
-from tracerisk.config import Settings
+from tracerisk.config import read_settings
 from tracerisk.hardware.redundancy import Redundancy
 from tracerisk.pipeline.code_digest import code_digest
 from tracerisk.pipeline.freshness import RunInputs, settings_data
@@ -57,11 +57,11 @@ def make(folder: Path, names: Sequence[str]) -> None:
         )
         next_step = computed_next({following: 1})
         blocks[QualifiedName(step)] = RiskBlock(step, computed_count(number), next_step, parts)
-    inputs = RunInputs(settings=settings_data(Settings(), folder))
     lock = Lock()
     for name in names:
-        digest = {name: code_digest(source)}
-        recorded = RunInputs(settings=inputs.settings, sources=digest)
+        (folder / name).write_bytes(source)
+        settings = settings_data(read_settings(folder, name), folder)
+        recorded = RunInputs(settings=settings, sources={name: code_digest(source)})
         outcome = annotate_sources(
             name,
             [SourceBlocks(name, source, blocks)],

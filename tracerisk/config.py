@@ -9,6 +9,7 @@ import re
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
+from functools import lru_cache
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal, NoReturn, get_args
 
@@ -201,6 +202,10 @@ def loads_toml(text: str) -> dict[str, Any]:
     return document
 
 
+# All controllers of a root share one text; what is kept is only read.
+_loaded = lru_cache(maxsize=8)(loads_toml)
+
+
 def _text(path: Path, errors: str = "strict") -> str:
     try:
         return path.read_bytes().decode("utf-8-sig", errors).replace("\r\n", "\n")
@@ -250,7 +255,7 @@ class _Reader:
         self._is_own = is_own
         self._place: tuple[str, ...] = _TABLE
         try:
-            document = loads_toml(text)
+            document = _loaded(text)
         except ValueError as error:
             raise SettingsError(f"is not valid TOML: {error}", Location(str(path))) from error
         tools = document.get("tool", {})

@@ -24,6 +24,15 @@ MODULE = QualifiedName("<module>")
 
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
+_LEAVES = frozenset(
+    {
+        *(ast.Expr, ast.Assign, ast.AugAssign, ast.AnnAssign, ast.Return, ast.Import),
+        *(ast.ImportFrom, ast.Pass, ast.Raise, ast.Assert, ast.Delete, ast.Global),
+        *(ast.Nonlocal, ast.Break, ast.Continue),
+    }
+)
+# A header of one line without strings, comments or brackets that could go on over others.
+_PLAIN_HEADER = re.compile(rb"[ \t]*(?:async[ \t]+)?def[ \t][\w \t(),.=*:>-]*\)[\w \t.>-]*:")
 _CODING = re.compile(rb"[ \t\f]*#.*?coding[:=][ \t]*[-\w.]+")
 
 
@@ -126,6 +135,7 @@ def module_line(source: PythonSource) -> int:
 
 def definitions(tree: ast.Module) -> Iterator[Definition]:
     """Yield every function definition of the module in the order of the source."""
+    # The children that can hold no statement are most of them.
     stack: list[tuple[ast.AST, str]] = [(tree, "")]
     while stack:
         node, prefix = stack.pop()
@@ -141,7 +151,7 @@ def definitions(tree: ast.Module) -> Iterator[Definition]:
             found = getattr(node, part, None)
             if isinstance(found, list):
                 children += found
-        stack += [(child, inner) for child in reversed(children)]
+        stack += [(child, inner) for child in reversed(children) if type(child) not in _LEAVES]
 
 
 def function_at(tree: ast.Module, line: int) -> QualifiedName:
@@ -174,6 +184,9 @@ def header_end(source: PythonSource, definition: Definition) -> int | None:
     """Return the line on which a function's header ends; `None` for a one-line function."""
     if definition.body_line == definition.line:
         return None
+    line = source.lines[definition.line - 1].rstrip()
+    if _PLAIN_HEADER.fullmatch(line) and line.count(b"(") == line.count(b")"):
+        return definition.line
     for token in _tokens_from(source, definition.line):
         if token.type == tokenize.NEWLINE:
             line = definition.line + token.start[0] - 1

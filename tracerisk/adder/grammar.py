@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from tracerisk.adder.block import ComponentEntry, Field, RiskBlock
 from tracerisk.adder.conflicts import is_conflict_marker
@@ -42,8 +42,7 @@ _FUNCTION_KEYS = ("name", "callSequence", "next")
 _COMPONENT_KEYS = ("name", *(kind.key for kind in COMPONENT_KINDS))
 
 
-@dataclass(frozen=True, slots=True)
-class BlockLine:
+class BlockLine(NamedTuple):
     """One line of a block: its number in the file and its text behind the gutter."""
 
     number: int
@@ -134,7 +133,7 @@ class _Parser:
             text = line.text.strip()
             if not text:
                 continue
-            if is_conflict_marker(text):
+            if text[0] in "<>=|" and is_conflict_marker(text):
                 raise self._error(
                     line.number,
                     f"`{text}` is a conflict marker in a risk block; resolve the merge, then "
@@ -350,7 +349,7 @@ def _is_readable(kind: FieldKind, text: str) -> bool:
 
 def _joined(comment: list[str]) -> str | None:
     """Return the parts of a comment as one text in single spaces; `None` for nothing."""
-    return " ".join(" ".join(comment).split()) or None
+    return " ".join(" ".join(comment).split()) or None if comment else None
 
 
 def _split_comment(comment: str | None) -> tuple[str | None, str | None]:

@@ -26,6 +26,7 @@ from tracerisk.adder.values import (
     FieldKind,
     component_fields,
 )
+from tracerisk.bounded import loads_json
 from tracerisk.errors import InputError, Location, one_of
 
 LOCK_NAME = "tracerisk.lock"
@@ -345,15 +346,17 @@ class _Reader:
         except UnicodeDecodeError as error:
             raise self._error("is not UTF-8 text; restore it from version control") from error
         try:
-            return json.loads(text, parse_constant=self._constant, object_pairs_hook=self._object)
+            return loads_json(text, object_pairs_hook=self._object)
         except json.JSONDecodeError as error:
             raise self._error(
                 f"is not JSON ({error.msg}), or was cut short; restore it from version control",
                 error.lineno,
                 error.colno,
             ) from error
-        except RecursionError as error:
-            raise self._error("nests too deeply; restore it from version control") from error
+        except LockError:
+            raise
+        except ValueError as error:
+            raise self._error(f"holds {error}; restore it from version control") from error
 
     def _object(self, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         found = dict(pairs)
@@ -365,9 +368,6 @@ class _Reader:
                 "restore it from version control"
             )
         return found
-
-    def _constant(self, name: str) -> None:
-        raise self._error(f"holds {name}, which is no JSON number; restore the file")
 
     def _controller(self, path: str, value: Any) -> ControllerLock:
         entry = self._mapping(value, path)

@@ -35,6 +35,7 @@ _SECTION = re.compile(rb"[ \t\f]*#[ \t]?\|[ \t]+@(?:Function|Component)\b.*")
 _HEADER = re.compile(
     rb"[ \t\f]*#[ \t]?\|[ \t]+RiskAnnotation(?:[ \t]+" + DIGEST.encode() + rb")?[ \t]*"
 )
+_HEADER_WORD = HEADER.encode()
 _ANY_BLOCK = re.compile(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component)")
 
 
@@ -135,7 +136,7 @@ def scan_blocks(source: PythonSource) -> tuple[PlacedBlock, ...]:
     Raises:
         BlockError: as `read_blocks`.
     """
-    if not any(_ANY_BLOCK.search(line) for line in source.lines):
+    if not any(b"|" in line and _ANY_BLOCK.search(line) for line in source.lines):
         return ()
     runs = tuple(_runs(source))
     finder = _OwnerFinder(source)
@@ -151,7 +152,7 @@ def scan_blocks(source: PythonSource) -> tuple[PlacedBlock, ...]:
     strays += [
         number
         for number, line in enumerate(source.lines, start=1)
-        if number not in in_runs and _SECTION.fullmatch(line.rstrip(b"\r\n"))
+        if b"@" in line and number not in in_runs and _SECTION.fullmatch(line.rstrip(b"\r\n"))
     ]
     if strays:
         _forbid_strays(source, strays)
@@ -185,9 +186,9 @@ def _runs(source: PythonSource) -> Iterator[_Run]:
     first = 0
     headers: list[int] = []
     for number, line in enumerate((*source.lines, b""), start=1):
-        bare = _bare(line)
-        if _GUTTER.fullmatch(bare):
-            if _HEADER.fullmatch(bare):
+        bare = _bare(line) if b"|" in line else b""
+        if bare and _GUTTER.fullmatch(bare):
+            if _HEADER_WORD in bare and _HEADER.fullmatch(bare):
                 first = first or number
                 headers.append(number)
         elif first:

@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any, TypeAlias
 
 from tracerisk.adder.block import ComponentEntry, Field, Transition
@@ -24,6 +25,7 @@ DONE = "done"
 
 Transitions: TypeAlias = tuple[Transition, ...]
 
+_KEPT = 4096  # texts whose value is kept: blocks and lock state most values several times
 _DECIMAL = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _SHARE = r"(?:\d{1,9}(?:\.\d{0,30})?|\.\d{1,30})(?:[eE][+-]?\d{1,3})?"
 _REDUNDANCY = re.compile(
@@ -40,6 +42,7 @@ _TARGET = re.compile(r"[^\s!{},;/]+(?: \([^\s!{}(),;:=/]+(?: [^\s!{}(),;:=/]+)*\
 _COMPONENT_NAME = re.compile(r"[^\s!{}]+( [^\s!{}]+)*")
 
 
+@lru_cache(maxsize=_KEPT)
 def read_probability(text: str) -> float:
     """Return the probability that `text` states.
 
@@ -52,6 +55,7 @@ def read_probability(text: str) -> float:
     return value
 
 
+@lru_cache(maxsize=_KEPT)
 def read_count(text: str) -> int:
     """Return the whole number from 1 up that `text` states.
 
@@ -64,6 +68,7 @@ def read_count(text: str) -> int:
     return value
 
 
+@lru_cache(maxsize=_KEPT)
 def read_redundancy(text: str) -> Redundancy:
     """Return the redundancy that `text` states, such as `required 2, common_cause 0.1`.
 
@@ -124,6 +129,7 @@ def read_transition(text: str) -> Transition:
     raise ValueError("a function (or done) and its share, above 0 and up to 1, such as init 9/10")
 
 
+@lru_cache(maxsize=_KEPT)
 def read_transitions(text: str) -> Transitions:
     """Return all transitions of a `next` field, written with commas: `init 9/10, done 1/10`.
 

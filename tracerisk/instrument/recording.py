@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, BinaryIO, Protocol, get_args
 
+from tracerisk.bounded import loads_json
 from tracerisk.errors import Location, LogError, one_of
 from tracerisk.instrument.source import FunctionSite
 from tracerisk.instrument.tracer import Frame
@@ -283,8 +284,8 @@ def read_recording(path: Path | str) -> Recording:
     for number, line in enumerate(lines, start=1):
         try:
             if line:
-                reader.read(json.loads(line))
-        except (ValueError, KeyError, IndexError, TypeError) as error:
+                reader.read(loads_json(line))
+        except (ValueError, KeyError, IndexError, TypeError, AttributeError) as error:
             if number == len(lines):
                 break
             raise LogError(

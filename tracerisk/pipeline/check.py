@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -17,7 +16,6 @@ from tracerisk.adder.lock import (
     ControllerLock,
     WrittenBlock,
     as_written,
-    lock_key,
     written_block,
 )
 from tracerisk.adder.merge import MergePolicy, has_pins, merge
@@ -47,10 +45,9 @@ from tracerisk.pipeline.freshness import RunInputs, stale_reasons, values_reason
 from tracerisk.pipeline.kept_verdict import block_lines, kept_verdict
 from tracerisk.pipeline.known_controllers import is_gone, lock_of, moved_from, with_moved
 from tracerisk.pipeline.known_functions import check_named_functions, check_steps
+from tracerisk.pipeline.many_at_once import shared_out
 from tracerisk.pipeline.one_writer import one_writer
 from tracerisk.trace import FunctionRef, QualifiedName, Verdict
-
-_WORTH_A_PROCESS = 20  # files that take as long to check as a process takes to start
 
 _OF_LOCK_AND_SOURCE = frozenset({"edited", "missing", "orphaned"})
 
@@ -81,7 +78,7 @@ def _check_once(path: Path | str, limits: CoverageLimits) -> Checked:
     place = Location(str(controller.path), 1)
     lock = lock_of(controller.root)
     was = moved_from(lock, controller)
-    entry = with_moved(lock, controller).controllers.get(lock_key(controller.path, controller.root))
+    entry = with_moved(lock, controller).controllers.get(controller.file)
     if entry is None:
         blocks = read_blocks(controller.source, str(controller.path))
         check_steps(controller, [(placed.block, {}) for placed in blocks], (), before_run=False)
@@ -128,21 +125,13 @@ def check_controllers(
     `limits` are those of each; none for all of them where it is empty.
     Many are shared out among as many processes as there are cores, or `jobs`.
     """
-    count = min(jobs or os.cpu_count() or 1, len(paths) // _WORTH_A_PROCESS)
-    if count < 2:
-        return tuple(map(_checked, paths, limits or [_NO_LIMITS] * len(paths)))
-    # Not needed for a few files, where a hundredth of a second is felt.
-    from concurrent.futures import ProcessPoolExecutor
-    from multiprocessing import get_context
-
-    with ProcessPoolExecutor(count, mp_context=get_context("fork")) as pool:
-        each = limits or [_NO_LIMITS] * len(paths)
-        return tuple(pool.map(_checked, paths, each, chunksize=_WORTH_A_PROCESS // 2))
+    each = limits or [_NO_LIMITS] * len(paths)
+    return tuple(shared_out(_checked, list(zip(paths, each, strict=True)), jobs=jobs))
 
 
-def _checked(path: Path, limits: CoverageLimits) -> Checked | TraceRiskError:
+def _checked(what: tuple[Path, CoverageLimits]) -> Checked | TraceRiskError:
     try:
-        return check_controller(path, limits)
+        return check_controller(*what)
     except TraceRiskError as error:
         return error
 
@@ -249,6 +238,8 @@ def _edits(
 ) -> Iterable[CheckFinding]:
     for name, placed in current.items():
         written = base.get(name)
+        if written is not None and _is_as_written(placed.block, written):
+            continue
         computed = None if written is None else as_written(name, written)
         outcome = merge(written, placed.block, computed, policy=MergePolicy())
         for edit in outcome.edits:
@@ -421,9 +412,13 @@ def _are_as_written(entry: ControllerLock, placed: Mapping[FunctionRef, RiskBloc
     return (
         written.keys() == placed.keys()
         and len(ranks) == len(placed)
-        and all(written_block(block) == written[ref] for ref, block in placed.items())
-        and not any(map(has_pins, placed.values()))
+        and all(_is_as_written(block, written[ref]) for ref, block in placed.items())
     )
+
+
+def _is_as_written(block: RiskBlock, written: WrittenBlock) -> bool:
+    """Return whether a block holds the tool's values to the letter, and nothing by hand."""
+    return not has_pins(block) and written_block(block) == written
 
 
 def _order(finding: CheckFinding) -> tuple[str, int, str, str]:

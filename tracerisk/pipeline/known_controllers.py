@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TypeVar
@@ -189,12 +189,20 @@ def lock_of(root: Path) -> Lock:
         status = path.stat()
     except FileNotFoundError:
         return Lock()
-    return _read_once(path, status.st_mtime_ns, status.st_size)
+    version = (status.st_dev, status.st_ino, status.st_mtime_ns, status.st_size)
+    return _read_once(_LockFile(path, version))
+
+
+@dataclass(frozen=True, slots=True)
+class _LockFile:
+    path: Path = field(compare=False)
+    """By whichever name it was found."""
+    version: tuple[int, ...]
 
 
 @lru_cache(maxsize=8)
-def _read_once(path: Path, mtime_ns: int, size: int) -> Lock:  # noqa: ARG001 - they tell versions
-    return read_lock(path)
+def _read_once(file: _LockFile) -> Lock:
+    return read_lock(file.path)
 
 
 def _shown(path: Path, like: Path) -> Path:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import PurePosixPath
+from typing import Protocol
 
 from tracerisk.adder.lock import LOCK_NAME, ControllerLock, Lock, loads
 from tracerisk.errors import InputError, Location, TraceRiskError
@@ -159,7 +160,19 @@ def _version(
     return ControllerVersion(sources, known.entry if known is not None else None, folder)
 
 
-def in_version(error: TraceRiskError, version: GitVersion) -> InputError:
+class NamedVersion(Protocol):
+    """What messages need to know of a version: its name, and what stands before its files."""
+
+    @property
+    def name(self) -> str:
+        """What messages call it."""
+
+    @property
+    def prefix(self) -> str:
+        """What stands before its files in places."""
+
+
+def in_version(error: TraceRiskError, version: NamedVersion) -> InputError:
     """Return the error with the version that it is about."""
     place = error.location
     if place is not None and version.prefix:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from tracerisk.errors import InputError, TraceRiskError
+from tracerisk.pipeline.many_at_once import shared_out
 from tracerisk.pipeline.review.annotated_files import annotated_files
 from tracerisk.pipeline.review.causes import cause_finder, input_changes
 from tracerisk.pipeline.review.controllers import (
@@ -43,9 +45,17 @@ def review(words: Sequence[str] = (), folder: Path | None = None) -> Review:
         files = annotated_files(repository, what)
         shown = _Shown(repository.top, here)
         controllers = reviewed_controllers(files, what.before, what.after, shown.name)
-        found = [_reviewed(each, (what.before, what.after), shown) for each in controllers]
+    names = _VersionName.of(what.before), _VersionName.of(what.after)
+    found = shared_out(partial(_reviewed, versions=names, shown=shown), controllers)
+    for each in found:
+        if isinstance(each, TraceRiskError):
+            raise each
     # A source may speak of blocks and have none.
-    diffs = [each for each in found if each.before is not None or each.after is not None]
+    diffs = [
+        each
+        for each in found
+        if isinstance(each, RiskDiff) and (each.before is not None or each.after is not None)
+    ]
     return Review(
         before=what.before.name,
         after=what.after.name,
@@ -70,6 +80,18 @@ def diff(
     return _difference(ReviewedController(name or first, None, before, after), None)
 
 
+@dataclass(frozen=True, slots=True)
+class _VersionName:
+    """A version without its repository, as another process can be given it."""
+
+    name: str
+    prefix: str
+
+    @classmethod
+    def of(cls, version: GitVersion) -> _VersionName:
+        return cls(version.name, version.prefix)
+
+
 class _Shown:
     """How messages call files: by the path from where the user stands."""
 
@@ -88,19 +110,22 @@ class _Shown:
 
 
 def _reviewed(
-    controller: ReviewedController, versions: tuple[GitVersion, GitVersion], shown: _Shown
-) -> RiskDiff:
+    controller: ReviewedController, versions: tuple[_VersionName, _VersionName], shown: _Shown
+) -> RiskDiff | TraceRiskError:
     named = ReviewedController(
         shown.name(controller.name),
         None if controller.was is None else shown.name(controller.was),
         shown.version(controller.before),
         shown.version(controller.after),
     )
-    return _difference(named, versions)
+    try:
+        return _difference(named, versions)
+    except TraceRiskError as error:
+        return error
 
 
 def _difference(
-    controller: ReviewedController, versions: tuple[GitVersion, GitVersion] | None
+    controller: ReviewedController, versions: tuple[_VersionName, _VersionName] | None
 ) -> RiskDiff:
     before, old = _built(controller.before, controller.name, versions and versions[0])
     after, new = _built(controller.after, controller.name, versions and versions[1])
@@ -133,7 +158,7 @@ def _difference(
 
 
 def _built(
-    version: ControllerVersion, name: str, of: GitVersion | None
+    version: ControllerVersion, name: str, of: _VersionName | None
 ) -> tuple[RiskVersion | None, dict[str, FunctionRef]]:
     """Return a version's model, `None` without blocks, and its functions by their names in it."""
     try:
