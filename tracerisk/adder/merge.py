@@ -362,9 +362,7 @@ class _Merger:
         author: Author,
         **texts: str | None,
     ) -> None:
-        self.edits.append(
-            PersonEdit(what, path, location, **texts, is_certain=author == "person")
-        )
+        self.edits.append(PersonEdit(what, path, location, **texts, is_certain=author == "person"))
 
 
 def _pinned(current: Field[Any], tool: Field[Any] | None) -> Field[Any]:

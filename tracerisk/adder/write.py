@@ -13,7 +13,6 @@ from pathlib import Path
 
 from tracerisk.errors import InputError, Location
 
-
 _LEFTOVER = re.compile(r"\.(?P<of>.+)\.(?P<process>\d+)-\d+\.tmp")
 
 

@@ -28,6 +28,7 @@ VERBS = {
     "cut-sets": "count, sum and list the minimal cut sets of a fault tree",
     "convert": "write a model as Open-PSA, OpenPRA, Galileo, PRISM or .tra",
     "robots": "list the robots that are shipped, or show what one of them has",
+    "lock-merge": "merge tracerisk.lock for git; --install sets git up for it",
     "doctor": "tell whether everything that tracerisk needs works here",
     "completion": "print the script by which a shell completes this command",
 }
@@ -36,7 +37,7 @@ GROUPS = {
     "for authors of controllers": ("run", "trace", "check", "refresh", "annotate", "strip"),
     "for reviewers of changes": ("diff", "report", "overrides"),
     "for safety engineers": ("hardware", "build", "solve", "cut-sets", "convert"),
-    "to set up": ("robots", "doctor", "completion"),
+    "to set up": ("robots", "doctor", "lock-merge", "completion"),
 }
 """The verbs by who needs them."""
 

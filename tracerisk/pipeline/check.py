@@ -10,20 +10,20 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Literal
 
-from tracerisk.adder.annotate import bases_of
+from tracerisk.adder.annotate import SourceEvidence, bases_of, merge_with_bases
 from tracerisk.adder.block import RiskBlock
+from tracerisk.adder.block_digest import is_as_written
 from tracerisk.adder.definitions import MODULE, definitions, parse_python
 from tracerisk.adder.instance_values import kept_values
 from tracerisk.adder.lock import (
     LOCK_NAME,
     ControllerLock,
     Lock,
-    WrittenBlock,
     as_written,
     lock_key,
     read_lock,
 )
-from tracerisk.adder.merge import MergePolicy, merge
+from tracerisk.adder.merge import MergePolicy, PersonEdit
 from tracerisk.adder.model_names import model_names
 from tracerisk.adder.pinned_redundancy import unfounded_redundancies
 from tracerisk.adder.read import PlacedBlock, read_blocks
@@ -37,6 +37,7 @@ from tracerisk.pipeline.kept_verdict import block_lines, kept_verdict
 from tracerisk.pipeline.known_functions import check_steps
 from tracerisk.pipeline.last_run import kept_contacts
 from tracerisk.pipeline.one_writer import one_writer
+from tracerisk.pipeline.who_wrote import evidence_for
 from tracerisk.trace import (
     GAPS,
     NEVER_RAN,
@@ -53,6 +54,7 @@ _WORTH_A_PROCESS = 20  # files that take as long to check as a process takes to 
 FindingKind = Literal[
     "stale",
     "edited",
+    "undecided",
     "missing",
     "orphaned",
     "over_threshold",
@@ -66,12 +68,12 @@ FindingKind = Literal[
     "coverage",
 ]
 """Why blocks are not to be trusted: what they depend on has changed; a person changed a value
-that is the tool's; a block is gone; its function is gone or renamed; the mission's failure
-probability is above `max_risk`; a value is set by hand without a reason; a redundancy is set by
-hand over units that differed in the last run; the lock knows nothing; in the last run something
-touched that should not, and `fail_on` says that this is to fail; the last run went wrong, did
-not come to an end, or rests on needs that nothing met or on assumptions that nobody accepted;
-of the functions that can command hardware too few ran."""
+that is the tool's; nobody can tell who changed one; a block is gone; its function is gone or
+renamed; the mission's failure probability is above `max_risk`; a value is set by hand without a
+reason; a redundancy is set by hand over units that differed in the last run; the lock knows
+nothing; in the last run something touched that should not, and `fail_on` says that this is to
+fail; the last run went wrong, did not come to an end, or rests on needs that nothing met or on
+assumptions that nobody accepted; of the functions that can command hardware too few ran."""
 
 
 _OF_VERDICT: Mapping[VerdictKind, FindingKind] = {
@@ -80,7 +82,7 @@ _OF_VERDICT: Mapping[VerdictKind, FindingKind] = {
     "faulted": "faulted",
     "stuck": "stuck",
 }
-_OF_LOCK_AND_SOURCE = frozenset({"edited", "missing", "orphaned"})
+_OF_LOCK_AND_SOURCE = frozenset({"edited", "undecided", "missing", "orphaned"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +101,8 @@ class CheckFinding:
     @property
     def exit_code(self) -> ExitCode:
         """What the finding makes of the command's exit code."""
-        return ExitCode.EDIT_IN_THE_WAY if self.kind == "edited" else ExitCode.WOULD_CHANGE
+        is_edit = self.kind in ("edited", "undecided")
+        return ExitCode.EDIT_IN_THE_WAY if is_edit else ExitCode.WOULD_CHANGE
 
     def __str__(self) -> str:
         return f"{self.location}: {self.kind.replace('_', ' ')}: {self.message}"
@@ -233,8 +236,8 @@ def _check_once(path: Path | str, limits: CoverageLimits) -> Checked:
     sources = _sources(controller, entry)
     _check_steps(controller, entry, sources)
     findings = [
-        *_stale(controller, recorded, effective),
-        *_of_blocks(controller, entry, sources),
+        *_stale(controller, entry, recorded, effective),
+        *_of_blocks(controller, entry, sources, evidence_for(controller, entry, effective)),
         *_unjustified(settings, sources),
         *_unequal(entry, sources),
     ]
@@ -336,7 +339,7 @@ def _check_steps(controller: Controller, entry: ControllerLock, sources: Sequenc
 
 
 def _stale(
-    controller: Controller, recorded: RunInputs, settings: Settings
+    controller: Controller, entry: ControllerLock, recorded: RunInputs, settings: Settings
 ) -> Iterable[CheckFinding]:
     reasons = (
         *stale_reasons(recorded, controller, settings),
@@ -345,10 +348,16 @@ def _stale(
     place = Location(str(controller.path), 1)
     if reasons:
         yield CheckFinding("stale", f"{'; '.join(reasons)} since the last run", place)
+    elif entry.others or entry.is_mixed:
+        message = f"{LOCK_NAME} holds the last runs of several branches; `tracerisk refresh`"
+        yield CheckFinding("stale", message, place)
 
 
 def _of_blocks(
-    controller: Controller, entry: ControllerLock, sources: Sequence[_Source]
+    controller: Controller,
+    entry: ControllerLock,
+    sources: Sequence[_Source],
+    evidence: SourceEvidence,
 ) -> Iterable[CheckFinding]:
     for each in sources:
         for old, new in each.renamed.items():
@@ -360,10 +369,7 @@ def _of_blocks(
                 old,
             )
         current = {block.function: block for block in each.placed}
-        candidates = [
-            list(_edits(base, each, current)) for base in bases_of(each.file, entry) or [{}]
-        ]
-        yield from min(candidates, key=len)
+        yield from _edits(entry, each, current, evidence)
         yield from _missing(entry, each, current)
     gone = set(entry.blocks) - {each.file for each in sources}
     for file in sorted(file for file in gone if entry.blocks[file]):
@@ -375,24 +381,58 @@ def _of_blocks(
 
 
 def _edits(
-    base: Mapping[str, WrittenBlock],
+    entry: ControllerLock,
     source: _Source,
     current: Mapping[QualifiedName, PlacedBlock],
+    evidence: SourceEvidence,
 ) -> Iterable[CheckFinding]:
-    base = base_with_names(base, source.renamed)
+    """Yield what is not as the lock says it was written, and whose work that is."""
+    bases = [base_with_names(base, source.renamed) for base in bases_of(source.file, entry)]
     for name, placed in current.items():
-        written = base.get(name)
-        computed = None if written is None else as_written(name, written)
-        outcome = merge(written, placed.block, computed, policy=MergePolicy())
+        written = bases[0].get(name)
+        is_settled = written is not None and is_as_written(placed.block, written)
+        if is_settled or placed.block.added:
+            continue
+        outcome = merge_with_bases(
+            name,
+            bases,
+            placed.block,
+            None if written is None else as_written(name, written),
+            MergePolicy(),
+            lambda: evidence(source.file),
+            source.renamed,
+        )
+        place = Location(source.shown, placed.first_line)
         for edit in outcome.edits:
-            place = edit.location or Location(source.shown, placed.first_line)
-            what = (
-                f"{edit.field} is {edit.found}, was written as {edit.written or 'nothing'}"
-                if edit.kind == "changed"
-                else f"{edit.field} was {edit.kind} by hand"
-            )
-            advice = "write `:=` to keep it, or refresh with --accept-edits or --discard-edits"
-            yield CheckFinding("edited", f"{what}; {advice}", place, edit.field)
+            yield _edit_finding(edit, edit.location or place)
+        if not outcome.edits:
+            message = f"the risk block of {name} {_behind(placed.block, outcome.block)}"
+            yield CheckFinding("stale", f"{message}; `tracerisk refresh` mends it", place, name)
+
+
+def _edit_finding(edit: PersonEdit, place: Location) -> CheckFinding:
+    what = (
+        f"{edit.field} is {edit.found}, was written as {edit.written or 'nothing'}"
+        if edit.kind == "changed"
+        else f"{edit.field} was {edit.kind}{' by hand' if edit.is_certain else ''}"
+    )
+    if edit.is_certain:
+        advice = "write `:=` to keep it, or refresh with --accept-edits or --discard-edits"
+        return CheckFinding("edited", f"{what}; {advice}", place, edit.field)
+    advice = (
+        "nobody can tell whether a person did that or another branch: refresh with "
+        "--discard-edits, or take the block from a version that you trust"
+    )
+    return CheckFinding("undecided", f"{what}; {advice}", place, edit.field)
+
+
+def _behind(found: RiskBlock, due: RiskBlock | None) -> str:
+    """Return in what a block is not as it was last written, by no one's edit."""
+    if due is None:
+        return "is not of the last run"
+    if found.digest is None:
+        return "was written by an earlier version of tracerisk, without a digest"
+    return "holds values of another run or another branch"
 
 
 def _missing(

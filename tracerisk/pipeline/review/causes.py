@@ -105,7 +105,7 @@ def _is_edited(
     file = os.path.relpath(ref.file, after.folder)
     candidates = [
         written[file][ref.name]
-        for written in (after.entry.blocks, after.entry.previous or {})
+        for written in after.entry.all_blocks
         if ref.name in written.get(file, {})
     ]
     return bool(candidates) and all(_differs(field, each) for each in candidates)
