@@ -38,7 +38,10 @@ _ANY_BLOCK = re.compile(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component
 
 
 class MisplacedBlockError(BlockError):
-    """A block stands at another function than its `name` says: `owners` are what it may tell of."""
+    """A block stands at another function than its `name` says: `owners` are what it may tell of.
+
+    `is_written` tells that the block has a digest: the tool wrote it, under that name.
+    """
 
     def __init__(
         self,
@@ -46,8 +49,11 @@ class MisplacedBlockError(BlockError):
         location: Location,
         name: QualifiedName,
         owners: tuple[QualifiedName, ...],
+        *,
+        is_written: bool,
     ) -> None:
         super().__init__(message, location)
+        self.is_written = is_written
         self.name = name
         self.owners = owners
 
@@ -240,6 +246,7 @@ def _placed(source: PythonSource, run: _Run, owners: tuple[_Owner, ...]) -> Iter
                 Location(source.file, start),
                 QualifiedName(normal_name(block.name)),
                 tuple(dict.fromkeys(owner.name for owner in owners)),
+                is_written=block.digest is not None,
             )
         owner = named[0]
         yield PlacedBlock(block, owner.name, owner.line, owner.place, start, after - 1)

@@ -1,8 +1,8 @@
 """Follow functions that were renamed since their blocks were written.
 
-A block stands in its function's body, so it moves with it; only the names in it stay behind. The
-lock knows the name under which a block was written: where no function has it any more, and the
-function that holds the block has another, that one was renamed.
+A block stands in its function's body, so it moves with it; only the names in it stay behind. A
+block with a digest was written under the name that it has, and so was one that the lock knows:
+where no function has that name any more, the function that holds the block was renamed.
 """
 
 from __future__ import annotations
@@ -59,7 +59,8 @@ def _new_name(
     source: bytes, file: str, error: MisplacedBlockError, known: Collection[QualifiedName]
 ) -> QualifiedName | None:
     defined = {each.name for each in definitions(parse_python(source, file).tree)}
-    if error.name not in known or error.name in defined or len(error.owners) != 1:
+    is_written = error.is_written or error.name in known
+    if not is_written or error.name in defined or len(error.owners) != 1:
         return None
     return error.owners[0]
 
