@@ -208,7 +208,9 @@ def test_a_value(field: str, tool: str, content: str, lock_kind: LockKind) -> No
     elif is_edited:
         promises["stop"] = ""
         # Where the lock is gone, or another branch has come in, nobody can tell whose it is.
-        is_certain = lock_kind in ("own", "of another branch")
+        is_certain = lock_kind in ("own", "of another branch") or (
+            lock_kind == "conflict" and texts.elsewhere == texts.before
+        )
         promises["accept"] = f":= {text}  ! computed {now}" if is_certain else ""
     lock = lock_of(lock_kind, computed(), computed(place=block({field: f"= {texts.elsewhere}"})))
     source = file_of(init=plain("init", 1), place=block({field: stands}))

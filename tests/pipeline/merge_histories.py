@@ -433,7 +433,7 @@ class History:
             except LockError as error:
                 # Sides that are no JSON: the message says to take one of them.
                 assert "take one side of the file" in str(error) or "restore" in str(error)
-                self.git("checkout", "HEAD", "--", "tracerisk.lock")
+                (self.folder / "tracerisk.lock").unlink()
                 return self._refresh()
             except TraceRiskError as error:
                 # A rank or a target of two branches; none is typed here.

@@ -212,11 +212,16 @@ def check_controller(path: Path | str, limits: CoverageLimits = _NO_LIMITS) -> C
     Raises BlockError, SourceError or InputError where a block, a source or the lock is malformed.
     """
     found = _check_once(path, limits)
-    if all(finding.kind not in _OF_LOCK_AND_SOURCE for finding in found.findings):
+    if not any(map(_sets_source_against_lock, found.findings)):
         return found
     # Another run may have written between our looks at lock and source; it may not now.
     with one_writer(controller_root(found.path)):
         return _check_once(path, limits)
+
+
+def _sets_source_against_lock(finding: CheckFinding) -> bool:
+    of_a_block = finding.kind == "stale" and bool(finding.subject)
+    return of_a_block or finding.kind in _OF_LOCK_AND_SOURCE
 
 
 def _check_once(path: Path | str, limits: CoverageLimits) -> Checked:
