@@ -41,7 +41,9 @@ def place(arm):
 def leave(arm):
     camera(arm)
 """
-HARDWARE = "  {0}: {{probability: {{value: {1}, per: visit}}, quantity: {2}, twin: {{joints: '*'}}}}\n"
+HARDWARE = (
+    "  {0}: {{probability: {{value: {1}, per: visit}}, quantity: {2}, twin: {{joints: '*'}}}}\n"
+)
 _VALUE = re.compile(r"^( *# \|   (?:probability|quantity|redundancy) )(= )(.*)$", re.MULTILINE)
 _SECTION = re.compile(r"^ *# \| @Component \{\n(?: *# \|   .*\n)* *# \| \}\n", re.MULTILINE)
 
@@ -249,7 +251,7 @@ class History:
     def delete_block(self) -> None:
         source = self.read()
         if ":=" not in source:
-            self.write("c.py", re.sub(r"(?:^ *# \|.*\n)+", "", source, count=1, flags=re.M))
+            self.write("c.py", re.sub(r"(?:^ *# \|.*\n)+", "", source, count=1, flags=re.MULTILINE))
 
     # What brings branches together.
 
@@ -303,7 +305,9 @@ class History:
         self.commit()
 
     def _is_rebasing(self) -> bool:
-        return any((self.folder / ".git" / name).exists() for name in ("rebase-merge", "rebase-apply"))
+        return any(
+            (self.folder / ".git" / name).exists() for name in ("rebase-merge", "rebase-apply")
+        )
 
     def resolve(self) -> None:
         for name in self.has_conflicts():
@@ -432,9 +436,10 @@ class History:
                 continue
             except LockError as error:
                 # Sides that are no JSON: the message says to take one of them.
-                assert "take one side of the file" in str(error) or "restore" in str(error)
+                self.told.append(str(error))
                 (self.folder / "tracerisk.lock").unlink()
-                return self._refresh()
+                self._refresh()
+                return
             except TraceRiskError as error:
                 # A rank or a target of two branches; none is typed here.
                 raise AssertionError(f"{self.told}: {error}") from error
@@ -454,7 +459,7 @@ class History:
     def findings(self) -> list[str]:
         """Return what check finds that a refresh would mend."""
         found = check_controller(self.folder / "c.py").findings
-        return [str(each) for each in found if each.kind not in ("unknown",)]
+        return [str(each) for each in found if each.kind != "unknown"]
 
     def keeps_pins(self, before: str, after: str) -> None:
         def held(text: str) -> set[str]:

@@ -35,7 +35,7 @@ _FUNCTION_WIDTHS = {CALL_SEQUENCE.key: 2, NEXT.key: 2}
 _WHOLE_WIDTH = 2
 _NAME_WIDTH = 2
 _COMPONENT_WIDTHS = {PROBABILITY.key: 2, QUANTITY.key: 1, REDUNDANCY.key: 1}
-_KINDS = {kind.key: kind for kind in (CALL_SEQUENCE, NEXT, *COMPONENT_KINDS)}
+KINDS = {kind.key: kind for kind in (CALL_SEQUENCE, NEXT, *COMPONENT_KINDS)}
 
 
 def digest_of(written: WrittenBlock) -> str:
@@ -115,7 +115,7 @@ def vouched_part(block: RiskBlock) -> WrittenBlock | None:
         return {
             key: text
             for key, text in values.items()
-            if digest.vouches(component, _KINDS[key], _KINDS[key].read(text))
+            if digest.vouches(component, KINDS[key], KINDS[key].read(text))
         }
 
     components = {
@@ -200,7 +200,7 @@ def _renamed(steps: Any, names: Mapping[str, str]) -> Any:
 
 
 def _plain(key: str, text: str) -> str:
-    return _plain_value(key, _KINDS[key].read(text))
+    return _plain_value(key, KINDS[key].read(text))
 
 
 def _plain_value(key: str, value: Any) -> str:
