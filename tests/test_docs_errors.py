@@ -96,9 +96,13 @@ POST = '[tool.tracerisk]\nscenario = "world.yaml"\nfail_on = "unexpected_contact
 
 # What a check does not let pass: what becomes of an annotated source, and of its settings.
 PINNED = ("probability = 1e-07", "probability := 2e-07  ! computed 1e-07")
+_REST = "\n    # |   quantity = 1\n    # |   redundancy = false\n    # | }\n    arm.go("
+# The code has changed too, and there is no git: another branch may have come in.
+MIXED = (f"probability = 1e-07{_REST}", f"probability = 2e-07{_REST}1")
 CHECKS: dict[str, tuple[tuple[str, str], str]] = {
     "stale": (("arm.go()", "arm.go(wait=True)"), ""),
     "edited": (("probability = 1e-07", "probability = 2e-07"), ""),
+    "undecided": (MIXED, ""),
     "missing": (("", ""), ""),
     "orphaned": (("def home(", "def go_home("), ""),
     "over_threshold": (("", ""), "max_risk = 1e-9"),
@@ -195,7 +199,8 @@ def test_what_a_check_finds_is_told_so(code, call, tmp_path):
     if code == "unknown":
         Path("tracerisk.lock").unlink()
     exit_code, out = call("check cell.py")
-    assert exit_code == (ExitCode.EDIT_IN_THE_WAY if code == "edited" else ExitCode.WOULD_CHANGE)
+    is_edit = code in ("edited", "undecided")
+    assert exit_code == (ExitCode.EDIT_IN_THE_WAY if is_edit else ExitCode.WOULD_CHANGE)
     assert_told(code, out, tmp_path)
 
 

@@ -51,6 +51,7 @@ def test_a_lock_is_sorted_json_with_one_value_a_line() -> None:
         "     }\n"
         "    }\n"
         "   },\n"
+        '   "digest": "6b94796cb935958a",\n'
         '   "fingerprint": "abc",\n'
         '   "inputs": {},\n'
         '   "trace": {\n'
@@ -60,7 +61,7 @@ def test_a_lock_is_sorted_json_with_one_value_a_line() -> None:
         "  }\n"
         " },\n"
         ' "schema": "tracerisk.lock",\n'
-        ' "version": 1\n'
+        ' "version": 2\n'
         "}\n"
     )
 
@@ -151,11 +152,11 @@ BAD_LOCKS = {
     "another file": ("[]", ": the lock is missing or no JSON object"),
     "another schema": ("{}", ": is not a lock of tracerisk: it has no `schema` tracerisk.lock"),
     "a later version": (
-        GOOD.replace('"version": 1', '"version": 2'),
-        ": has version 2; this tracerisk reads 1",
+        GOOD.replace('"version": 2', '"version": 3'),
+        ": has version 3; this tracerisk reads 2",
     ),
     "an unknown key": (
-        GOOD.replace('"version": 1', '"version": 1, "host": "x"'),
+        GOOD.replace('"version": 2', '"version": 2, "host": "x"'),
         ": the lock: unknown key host; allowed: controllers, schema, version",
     ),
     "a key twice": (
@@ -228,7 +229,8 @@ def test_a_conflict_of_git_leaves_two_things_that_may_have_been_written(tmp_path
     entry = loads(data, "tracerisk.lock").controllers["src/pick.py"]
     assert entry.fingerprint == ""
     assert entry.blocks == ours.controllers["src/pick.py"].blocks
-    assert entry.previous == theirs.controllers["src/pick.py"].blocks
+    assert entry.others == (theirs.controllers["src/pick.py"].blocks,)
+    assert not entry.is_settled
 
 
 def test_controllers_of_two_branches_merge_without_a_conflict(tmp_path) -> None:
@@ -290,3 +292,28 @@ def place():
     merged = merge(written, placed.block, computed, policy=MergePolicy())
     assert merged.edits == ()
     assert merged.block == placed.block
+
+
+def test_a_lock_of_an_earlier_version_is_read_and_written_anew() -> None:
+    data = json.loads(GOOD)
+    data["version"] = 1
+    del data["controllers"]["c.py"]["digest"]
+    lock = loads(json.dumps(data).encode(), "tracerisk.lock")
+    assert lock.dumps().decode() == GOOD
+
+
+def test_an_entry_with_lines_of_two_branches_is_not_settled() -> None:
+    mixed = loads(GOOD.replace('"robot": "panda"', '"robot": "ur5e"').encode(), "tracerisk.lock")
+    assert not mixed.controllers["c.py"].is_settled
+    # It stays so when another controller's entry is written.
+    again = loads(mixed.with_controller("d.py", ENTRY).dumps(), "tracerisk.lock")
+    assert not again.controllers["c.py"].is_settled
+    assert again.controllers["d.py"].is_settled
+
+
+def test_the_sides_of_a_conflict_may_hold_lines_of_each_other() -> None:
+    block = json.dumps(json.loads(GOOD)["controllers"]["c.py"]["blocks"]["src/pick.py"]["place"])
+    ours, theirs = (f'"place": {block},\n' for _ in range(2))
+    text = GOOD.replace('"place": {', f'<<<<<<< a\n{ours}=======\n{theirs}>>>>>>> b\n"place": {{')
+    entry = loads(text.encode(), "tracerisk.lock").controllers["c.py"]
+    assert entry.blocks == ENTRY.blocks

@@ -150,6 +150,11 @@ def settled(source: bytes, outcome) -> tuple[bytes, Lock]:
     return outcome.sources[0].after if outcome.sources else source, outcome.lock
 
 
+def without_digests(source: bytes) -> str:
+    """Return what the table promises: the digests are a matter of `test_block_digest.py`."""
+    return re.sub(r"(RiskAnnotation) \S+", r"\1", source.decode())
+
+
 def check_outcome(
     source: bytes, now: dict, lock: Lock, edits: str, promised: bytes | None, field: str = ""
 ) -> None:
@@ -161,7 +166,7 @@ def check_outcome(
         assert field in str(outcome.error())
         return
     after, written = settled(source, outcome)
-    assert after.decode() == promised.decode()
+    assert without_digests(after) == promised.decode()
     # Nothing is left to do, whatever is asked for, and through the text of the lock too.
     again = loads(written.dumps(), "tracerisk.lock")
     for policy in POLICIES:
@@ -202,7 +207,11 @@ def test_a_value(field: str, tool: str, content: str, lock_kind: LockKind) -> No
         promises = dict.fromkeys(POLICIES, f":= {texts.by_person}  ! computed {now}; why")
     elif is_edited:
         promises["stop"] = ""
-        promises["accept"] = f":= {text}  ! computed {now}"
+        # Where the lock is gone, or another branch has come in, nobody can tell whose it is.
+        is_certain = lock_kind in ("own", "of another branch") or (
+            lock_kind == "conflict" and texts.elsewhere == texts.before
+        )
+        promises["accept"] = f":= {text}  ! computed {now}" if is_certain else ""
     lock = lock_of(lock_kind, computed(), computed(place=block({field: f"= {texts.elsewhere}"})))
     source = file_of(init=plain("init", 1), place=block({field: stands}))
     for edits, promise in promises.items():
@@ -253,6 +262,8 @@ def test_a_component(was: bool, is_now: bool, content: str, lock_kind: LockKind)
             "= 7.344e-08", f":= 1e-06  ! computed {'7.344e-08' if is_now else 'none'}"
         )
         promises |= {"stop": None, "accept": pinned}
+    if lock_kind == "missing" and promises["stop"] is None:
+        promises["accept"] = None
     source = file_of(init=plain("init", 1), place=block({}, stands))
     for edits, promise in promises.items():
         expected = None
@@ -287,6 +298,8 @@ def test_a_block(was: bool, is_now: bool, content: str, lock_kind: LockKind) -> 
         promises = dict.fromkeys(POLICIES, PINNED if is_now else PINNED_GONE)
     elif content == "as written" and not is_now and not known:
         promises |= {"stop": None, "accept": block({}, mark=":= ")}
+    if lock_kind == "missing" and promises["stop"] is None:
+        promises["accept"] = None
     source = file_of(init=plain("init", 1), place=stands)
     for edits, promise in promises.items():
         expected = None

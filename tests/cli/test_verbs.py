@@ -154,7 +154,7 @@ def test_annotate_check_and_diff_leave_all_as_it_is(annotated, two_steps):
     checked = annotated.run("annotate", "controller.py", "--trace", "trace.json", "--check")
     shown = annotated.run("annotate", "controller.py", "--trace", "trace.json", "--diff")
     assert (checked.code, shown.code) == (1, 0), checked.err + shown.err
-    assert "+    # | RiskAnnotation\n" in shown.out
+    assert "+    # | RiskAnnotation " in shown.out
     assert annotated.files() == before
 
 
@@ -218,7 +218,7 @@ def test_strip_gives_back_the_bytes_and_check_leaves_them(annotated, two_steps):
     assert (checked.code, checked.json["changed"]) == (1, ["controller.py"])
     shown = annotated.run("strip", "controller.py", "--diff")
     assert shown.code == 0
-    assert "-    # | RiskAnnotation\n" in shown.out
+    assert "-    # | RiskAnnotation " in shown.out
     assert annotated.files() == before
     assert annotated.run("strip", "controller.py").code == 0
     assert annotated.read("controller.py").decode() == two_steps

@@ -6,6 +6,7 @@ import contextlib
 import json
 import os
 import random
+import re
 import signal
 import subprocess
 import sys
@@ -54,7 +55,9 @@ def project(request, tmp_path, monkeypatch):
 
 
 def sources() -> dict[str, str]:
-    return {path.name: path.read_text() for path in sorted(Path().glob("c*.py"))}
+    """Return what the controllers hold, without the digests, which change with the figures."""
+    texts = {path.name: path.read_text() for path in sorted(Path().glob("c*.py"))}
+    return {name: re.sub(r"(RiskAnnotation) \S+", r"\1", text) for name, text in texts.items()}
 
 
 def with_figure(texts: dict[str, str], before: str, now: str) -> dict[str, str]:
@@ -143,10 +146,10 @@ def test_a_check_between_the_writes_of_a_refresh_waits_and_takes_nothing_for_an_
 ) -> None:
     from tracerisk.pipeline.one_writer import one_writer
 
-    old = sources()["c00.py"]
+    old = Path("c00.py").read_text()
     set_figure("1e-09")
     assert main(["refresh", "--quiet"]) == 0
-    new = sources()["c00.py"]
+    new = Path("c00.py").read_text()
     with one_writer(Path()):
         # The lock is written by now, and the source is not.
         Path("c00.py").write_text(old)
@@ -177,7 +180,8 @@ def test_a_file_that_changes_under_a_refresh_is_not_overwritten(project) -> None
 
     set_figure("1e-09")
     done = refresh_controller("c00.py")
-    Path("c00.py").write_text(sources()["c00.py"] + "# A person's line.\n")
+    with Path("c00.py").open("a") as stream:
+        stream.write("# A person's line.\n")
     before, lock = sources(), Path("tracerisk.lock").read_bytes()
     assert done.annotated is not None
     with pytest.raises(InputError, match=r"c00\.py: was changed by someone else meanwhile"):

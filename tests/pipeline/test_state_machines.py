@@ -411,7 +411,9 @@ main()
     )
     assert example.run("run", "controller.py").code == 0
     text = (example.folder / "controller.py").read_text()
-    assert [line.split("= ")[1] for line in text.splitlines() if "|   name = home" in line] == ["home"]
+    assert [line.split("= ")[1] for line in text.splitlines() if "|   name = home" in line] == [
+        "home"
+    ]
 
 
 def test_states_of_a_library_of_two_programs_are_told_apart_in_the_program(example):

@@ -57,8 +57,8 @@ class KnownBlock:
         self._bases = bases
         self._digest = DigestReading(current, names)
         self._evidence = evidence
-        # What git keeps has the name of then.
-        self._name = (names or {}).get(current.name, current.name)
+        # What git keeps has the name of now, or that of before a renaming.
+        self._names = {current.name, (names or {}).get(current.name, current.name)}
 
     @property
     def is_known(self) -> bool:
@@ -111,13 +111,12 @@ class KnownBlock:
             return text is not None and kind.same(kind.read(text), value)
 
         evidence = self._evidence()
-        name = self._name
-        if any(is_it(_value(each, component, kind)) for each in evidence.written.get(name, ())):
+        if any(is_it(_value(each, component, kind)) for each in self._written()):
             # A figure of four digits is no coincidence; a small number may be.
             return "tool" if kind is PROBABILITY else "unknown"
         stood = any(
             found is not None and not found.pinned and is_it(found.text or None)
-            for block in evidence.standing.get(name, ())
+            for block in self._standing()
             for found in (_field(block, component, kind),)
         )
         return self._person_or_unknown(evidence, stood)
@@ -125,14 +124,13 @@ class KnownBlock:
     def author_of_component(self, component: str, value: float) -> Author:
         """Return who put in a component that neither the digest nor the lock knows."""
         evidence = self._evidence()
-        name = self._name
-        before = [each.components.get(component) for each in evidence.written.get(name, ())]
+        before = [each.components.get(component) for each in self._written()]
         texts = [each.values.get(PROBABILITY.key) for each in before if each is not None]
         if any(text is not None and PROBABILITY.read(text) == value for text in texts):
             return "tool"
         stood = any(
             each.name == component and not each.added
-            for block in evidence.standing.get(name, ())
+            for block in self._standing()
             for each in block.components
         )
         return "unknown" if texts else self._person_or_unknown(evidence, stood)
@@ -140,13 +138,12 @@ class KnownBlock:
     def author_of_removal(self, component: str) -> Author:
         """Return who took out a component that the tool had written."""
         evidence = self._evidence()
-        name = self._name
-        blocks = evidence.standing.get(name, ())
+        blocks = self._standing()
         entries = [{each.name: each for each in block.components} for block in blocks]
         if any(component in each and each[component].omitted for each in entries):
             # A person had omitted it, and has taken that back.
             return "tool"
-        written = evidence.written.get(name, ())
+        written = self._written()
         if any(component not in each.components for each in written):
             return "unknown"
         return self._person_or_unknown(evidence, any(component not in each for each in entries))
@@ -154,17 +151,24 @@ class KnownBlock:
     def author_of_block(self) -> Author:
         """Return who put in a block of which neither a digest nor the lock knows."""
         evidence = self._evidence()
-        name = self._name
-        if evidence.written.get(name):
+        if self._written():
             return "tool"
-        return self._person_or_unknown(evidence, bool(evidence.standing.get(name)))
+        return self._person_or_unknown(evidence, bool(self._standing()))
+
+    def _written(self) -> list[WrittenBlock]:
+        kept = self._evidence().written
+        return [block for name in sorted(self._names) for block in kept.get(name, ())]
+
+    def _standing(self) -> list[RiskBlock]:
+        kept = self._evidence().standing
+        return [block for name in sorted(self._names) for block in kept.get(name, ())]
 
     def _person_or_unknown(self, evidence: Evidence, stood_before: bool) -> Author:
         """Decide on what no version is known to have had from the tool.
 
         What was committed may have come with a merge whose other branch is gone.
         """
-        if evidence.is_complete and not stood_before and evidence.written:
+        if evidence.is_complete and not stood_before and self._written():
             return "person"
         return "person" if evidence.is_fresh and self._lock_is_that_of_the_block() else "unknown"
 

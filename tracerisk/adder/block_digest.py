@@ -15,8 +15,8 @@ from dataclasses import replace
 from typing import Any
 from zlib import crc32
 
-from tracerisk.adder.block import RiskBlock
-from tracerisk.adder.lock import WrittenBlock, written_block
+from tracerisk.adder.block import Field, RiskBlock
+from tracerisk.adder.lock import WrittenBlock, WrittenComponent, written_block
 from tracerisk.adder.values import (
     CALL_SEQUENCE,
     COMPONENT_KINDS,
@@ -25,6 +25,7 @@ from tracerisk.adder.values import (
     QUANTITY,
     REDUNDANCY,
     FieldKind,
+    component_fields,
     computed_redundancy,
 )
 
@@ -34,14 +35,14 @@ _FUNCTION_WIDTHS = {CALL_SEQUENCE.key: 2, NEXT.key: 2}
 _WHOLE_WIDTH = 2
 _NAME_WIDTH = 2
 _COMPONENT_WIDTHS = {PROBABILITY.key: 2, QUANTITY.key: 1, REDUNDANCY.key: 1}
-_KINDS = {kind.key: kind for kind in (CALL_SEQUENCE, NEXT, *COMPONENT_KINDS)}
+KINDS = {kind.key: kind for kind in (CALL_SEQUENCE, NEXT, *COMPONENT_KINDS)}
 
 
 def digest_of(written: WrittenBlock) -> str:
     """Return the digest of the values that the tool wrote into a block."""
     said = [f"{key}={_plain(key, text)}" for key, text in sorted(written.values.items())]
     groups = []
-    for name, component in written.components.items():
+    for name, component in sorted(written.components.items()):
         mark = "omit " if component.omitted else ""
         values = {key: _plain(key, text) for key, text in component.values.items()}
         said.append(f"{mark}{name} {sorted(values.items())}")
@@ -60,6 +61,69 @@ def with_digest(block: RiskBlock) -> RiskBlock:
     """Return a block, all of whose computed values are the tool's, with their digest."""
     written = written_block(block)
     return replace(block, digest=None if written is None else digest_of(written))
+
+
+def is_as_written(block: RiskBlock, written: WrittenBlock) -> bool:
+    """Return whether a block and its digest are as the tool wrote them, a person's words aside.
+
+    A value newly set by hand need not tell yet what is computed there.
+    """
+    found = written_block(block)
+    if found is None or block.digest != digest_of(written):
+        return False
+    if found == written:
+        return True
+    own = {CALL_SEQUENCE.key: block.call_sequence}
+    own |= {} if block.next is None else {NEXT.key: block.next}
+    entries = {each.name: each for each in block.components if not each.added}
+    return (
+        _fits(own, found.values, written.values)
+        and entries.keys() == written.components.keys()
+        and all(
+            entry.omitted
+            or (
+                not written.components[name].omitted
+                and _fits(
+                    {kind.key: value for kind, value in component_fields(entry)},
+                    found.components[name].values,
+                    written.components[name].values,
+                )
+            )
+            for name, entry in entries.items()
+        )
+    )
+
+
+def _fits(
+    fields: Mapping[str, Field[Any]], found: Mapping[str, str], written: Mapping[str, str]
+) -> bool:
+    """Return whether values are as written; one set by hand may say nothing of that yet."""
+    return all(
+        found.get(key) == written.get(key)
+        or (key in fields and fields[key].pinned and fields[key].computed is None)
+        for key in {*found, *written}
+    )
+
+
+def vouched_part(block: RiskBlock) -> WrittenBlock | None:
+    """Return those computed values of a block for which its digest vouches; `None` without any."""
+    written, digest = written_block(block), DigestReading(block)
+    if written is None or not digest.is_there:
+        return None
+
+    def vouched(component: str | None, values: Mapping[str, str]) -> dict[str, str]:
+        return {
+            key: text
+            for key, text in values.items()
+            if digest.vouches(component, KINDS[key], KINDS[key].read(text))
+        }
+
+    components = {
+        name: WrittenComponent(vouched(name, each.values), each.omitted)
+        for name, each in written.components.items()
+        if digest.has_component(name) or digest.had_omitted(name)
+    }
+    return WrittenBlock(vouched(None, written.values), components)
 
 
 class DigestReading:
@@ -136,7 +200,7 @@ def _renamed(steps: Any, names: Mapping[str, str]) -> Any:
 
 
 def _plain(key: str, text: str) -> str:
-    return _plain_value(key, _KINDS[key].read(text))
+    return _plain_value(key, KINDS[key].read(text))
 
 
 def _plain_value(key: str, value: Any) -> str:

@@ -36,8 +36,9 @@ _READ_VERSIONS = (1, VERSION)  # before 2 neither entries nor blocks had a diges
 
 _FUNCTION_KEYS = {CALL_SEQUENCE.key: CALL_SEQUENCE, NEXT.key: NEXT}
 _COMPONENT_KEYS = {kind.key: kind for kind in COMPONENT_KINDS}
-_CONTROLLER_KEYS = tuple(
-    ["blocks", "digest", "fingerprint", "inputs", "others", "previous", "trace"]
+_CONTROLLER_KEYS = (
+    *("blocks", "digest", "fingerprint", "inputs"),
+    *("others", "previous", "trace"),
 )
 
 
@@ -288,6 +289,7 @@ def loads(data: bytes, file: str) -> Lock:
         return reader.lock(data)
     line, ours, theirs = sides
     try:
+        reader = _Reader(file, is_side=True)
         return _joined(reader.lock(ours), reader.lock(theirs))
     except LockError as error:
         raise LockError(
@@ -319,10 +321,14 @@ def joined_entry(ours: ControllerLock, theirs: ControllerLock) -> ControllerLock
 
 
 class _Reader:
-    """Checks the shape of a lock while turning it into a `Lock`."""
+    """Checks the shape of a lock while turning it into a `Lock`.
 
-    def __init__(self, file: str) -> None:
+    One side of a conflict (`is_side`) may hold lines of the other, and so a name twice.
+    """
+
+    def __init__(self, file: str, *, is_side: bool = False) -> None:
         self._file = file
+        self._is_side = is_side
 
     def _error(self, message: str, line: int | None = None, column: int | None = None) -> LockError:
         return LockError(message, Location(self._file, line, column))
@@ -360,7 +366,7 @@ class _Reader:
 
     def _object(self, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         found = dict(pairs)
-        if len(found) != len(pairs):
+        if len(found) != len(pairs) and not self._is_side:
             names = [name for name, _ in pairs]
             twice = sorted({name for name in names if names.count(name) > 1})
             raise self._error(

@@ -42,7 +42,8 @@ _ANY_BLOCK = re.compile(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component
 class MisplacedBlockError(BlockError):
     """A block stands at another function than its `name` says: `owners` are what it may tell of.
 
-    `is_by_hand`: it is given by hand, so that no lock knows it.
+    `is_by_hand`: it is given by hand, so that no lock knows it. `is_written` tells that the block
+    has a digest: the tool wrote it, under that name.
     """
 
     def __init__(
@@ -53,9 +54,11 @@ class MisplacedBlockError(BlockError):
         owners: tuple[QualifiedName, ...],
         *,
         is_by_hand: bool,
+        is_written: bool,
     ) -> None:
         super().__init__(message, location)
         self.is_by_hand = is_by_hand
+        self.is_written = is_written
         self.name = name
         self.owners = owners
 
@@ -252,6 +255,7 @@ def _placed(source: PythonSource, run: _Run, owners: tuple[_Owner, ...]) -> Iter
                 name,
                 allowed,
                 is_by_hand=block.added,
+                is_written=block.digest is not None,
             )
         owner = named[0]
         yield PlacedBlock(block, name, owner.line, owner.place, start, after - 1)

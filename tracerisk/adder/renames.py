@@ -1,9 +1,9 @@
 """Follow functions that were renamed since their blocks were written.
 
-A block stands in its function's body, so it moves with it; only the names in it stay behind. The
-lock knows the name under which a block was written: where no function has it any more, and the
-function that holds the block has another, that one was renamed. No lock knows a block given by
-hand: it is followed wherever no function has its name.
+A block stands in its function's body, so it moves with it; only the names in it stay behind. A
+block with a digest was written under the name that it has, and so was one that the lock knows:
+where no function has that name any more, the function that holds the block was renamed. A block
+given by hand is followed wherever no function has its name.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def _new_name(
     source: bytes, file: str, error: MisplacedBlockError, known: Collection[QualifiedName]
 ) -> QualifiedName | None:
     defined = {each.name for each in definitions(parse_python(source, file).tree)}
-    is_known = error.name in known or error.is_by_hand
+    is_known = error.is_written or error.is_by_hand or error.name in known
     if not is_known or error.name in defined or len(error.owners) != 1:
         return None
     return error.owners[0]

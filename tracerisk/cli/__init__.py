@@ -30,6 +30,7 @@ VERBS = {
     "convert": "write a model as Open-PSA, OpenPRA, Galileo, PRISM or .tra",
     "robots": "list the robots that are shipped, or show what one of them has",
     "drivers": "list drivers, check the description of one, print its schema",
+    "lock-merge": "merge tracerisk.lock for git; --install sets git up for it",
     "doctor": "tell whether everything that tracerisk needs works here",
     "completion": "print the script by which a shell completes this command",
 }
@@ -46,7 +47,7 @@ GROUPS = {
     ),
     "for reviewers of changes": ("diff", "report", "overrides"),
     "for safety engineers": ("hardware", "build", "solve", "cut-sets", "convert"),
-    "to set up": ("robots", "drivers", "doctor", "completion"),
+    "to set up": ("robots", "drivers", "doctor", "lock-merge", "completion"),
 }
 """The verbs by who needs them."""
 

@@ -31,6 +31,7 @@ from tracerisk.trace import NEVER_RAN, FunctionRef, Reason, Trace
 _RULES: dict[FindingKind, str] = {
     "stale": "stale-block",
     "edited": "edited-block",
+    "undecided": "undecided-block",
     "missing": "missing-block",
     "orphaned": "missing-block",
     "over_threshold": "over-threshold",

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from tracerisk.adder.annotate import bases_of
+from tracerisk.adder.annotate import SourceEvidence, bases_of, merge_with_bases
 from tracerisk.adder.block import Field, RiskBlock
+from tracerisk.adder.block_digest import is_as_written
 from tracerisk.adder.definitions import MODULE, definitions, parse_python
 from tracerisk.adder.instance_values import kept_values
 from tracerisk.adder.lock import (
@@ -18,7 +19,7 @@ from tracerisk.adder.lock import (
     as_written,
     written_block,
 )
-from tracerisk.adder.merge import MergePolicy, has_pins, merge
+from tracerisk.adder.merge import MergePolicy, PersonEdit, has_pins
 from tracerisk.adder.model_names import model_names
 from tracerisk.adder.pinned_redundancy import unfounded_redundancies
 from tracerisk.adder.read import PlacedBlock, read_blocks
@@ -47,9 +48,10 @@ from tracerisk.pipeline.known_controllers import is_gone, lock_of, moved_from, w
 from tracerisk.pipeline.known_functions import check_named_functions, check_steps
 from tracerisk.pipeline.many_at_once import shared_out
 from tracerisk.pipeline.one_writer import one_writer
+from tracerisk.pipeline.who_wrote import evidence_for
 from tracerisk.trace import FunctionRef, QualifiedName, Verdict
 
-_OF_LOCK_AND_SOURCE = frozenset({"edited", "missing", "orphaned"})
+_OF_LOCK_AND_SOURCE = frozenset({"edited", "undecided", "missing", "orphaned"})
 
 
 _NO_LIMITS = CoverageLimits()
@@ -61,11 +63,16 @@ def check_controller(path: Path | str, limits: CoverageLimits = _NO_LIMITS) -> C
     Raises BlockError, SourceError or InputError where a block, a source or the lock is malformed.
     """
     found = _check_once(path, limits)
-    if all(finding.kind not in _OF_LOCK_AND_SOURCE for finding in found.findings):
+    if not any(map(_sets_source_against_lock, found.findings)):
         return found
     # Another run may have written between our looks at lock and source; it may not now.
     with one_writer(controller_root(found.path)):
         return _check_once(path, limits)
+
+
+def _sets_source_against_lock(finding: CheckFinding) -> bool:
+    of_a_block = finding.kind == "stale" and bool(finding.subject)
+    return of_a_block or finding.kind in _OF_LOCK_AND_SOURCE
 
 
 def _check_once(path: Path | str, limits: CoverageLimits) -> Checked:
@@ -92,8 +99,8 @@ def _check_once(path: Path | str, limits: CoverageLimits) -> Checked:
     sources = _sources(controller, entry)
     _check_steps(controller, entry, sources)
     findings = [
-        *_stale(controller, recorded, effective),
-        *_of_blocks(controller, entry, sources),
+        *_stale(controller, entry, recorded, effective),
+        *_of_blocks(controller, entry, sources, evidence_for(controller, entry, effective)),
         *_unjustified(settings, sources),
         *_unequal(entry, sources),
     ]
@@ -192,7 +199,7 @@ def _check_steps(controller: Controller, entry: ControllerLock, sources: Sequenc
 
 
 def _stale(
-    controller: Controller, recorded: RunInputs, settings: Settings
+    controller: Controller, entry: ControllerLock, recorded: RunInputs, settings: Settings
 ) -> Iterable[CheckFinding]:
     reasons = (
         *stale_reasons(recorded, controller, settings),
@@ -201,10 +208,16 @@ def _stale(
     place = Location(str(controller.path), 1)
     if reasons:
         yield CheckFinding("stale", f"{'; '.join(reasons)} since the last run", place)
+    elif entry.others or entry.is_mixed:
+        message = f"{LOCK_NAME} holds the last runs of several branches; `tracerisk refresh`"
+        yield CheckFinding("stale", message, place)
 
 
 def _of_blocks(
-    controller: Controller, entry: ControllerLock, sources: Sequence[_Source]
+    controller: Controller,
+    entry: ControllerLock,
+    sources: Sequence[_Source],
+    evidence: SourceEvidence,
 ) -> Iterable[CheckFinding]:
     for each in sources:
         for old, new in each.renamed.items():
@@ -217,10 +230,10 @@ def _of_blocks(
             )
         current = {block.function: block for block in each.placed}
         bases = [base_with_names(base, each.renamed) for base in bases_of(each.file, entry)]
-        candidates = [
-            [*_edits(base, each, current), *_lost_lines(base, each, current)] for base in bases
-        ]
-        yield from min(candidates, key=len)
+        lost = list(_lost_lines(bases[0], each, current))
+        yield from lost
+        told = {finding.subject.rpartition(".")[0] for finding in lost}
+        yield from _edits(bases, each, current, evidence, told)
         yield from _missing(entry, each, current)
     gone = set(entry.blocks) - {each.file for each in sources}
     for file in sorted(file for file in gone if entry.blocks[file]):
@@ -232,25 +245,61 @@ def _of_blocks(
 
 
 def _edits(
-    base: Mapping[str, WrittenBlock],
+    bases: Sequence[Mapping[str, WrittenBlock]],
     source: _Source,
     current: Mapping[QualifiedName, PlacedBlock],
+    evidence: SourceEvidence,
+    told: Collection[str],
 ) -> Iterable[CheckFinding]:
+    """Yield what is not as the lock says it was written, and whose work that is.
+
+    Of the functions in `told` it is known already that they are stale.
+    """
     for name, placed in current.items():
-        written = base.get(name)
-        if written is not None and _is_as_written(placed.block, written):
+        written = bases[0].get(name)
+        is_settled = written is not None and is_as_written(placed.block, written)
+        if is_settled or placed.block.added:
             continue
-        computed = None if written is None else as_written(name, written)
-        outcome = merge(written, placed.block, computed, policy=MergePolicy())
+        outcome = merge_with_bases(
+            name,
+            bases,
+            placed.block,
+            None if written is None else as_written(name, written),
+            MergePolicy(),
+            lambda: evidence(source.file),
+            source.renamed,
+        )
+        place = Location(source.shown, placed.first_line)
         for edit in outcome.edits:
-            place = edit.location or Location(source.shown, placed.first_line)
-            what = (
-                f"{edit.field} is {edit.found}, was written as {edit.written or 'nothing'}"
-                if edit.kind == "changed"
-                else f"{edit.field} was {edit.kind} by hand"
-            )
-            advice = "write `:=` to keep it, or refresh with --accept-edits or --discard-edits"
-            yield CheckFinding("edited", f"{what}; {advice}", place, edit.field)
+            yield _edit_finding(edit, edit.location or place)
+        if not outcome.edits and name not in told:
+            message = f"the risk block of {name} {_behind(placed.block, outcome.block)}"
+            yield CheckFinding("stale", f"{message}; `tracerisk refresh` mends it", place, name)
+
+
+def _edit_finding(edit: PersonEdit, place: Location) -> CheckFinding:
+    what = (
+        f"{edit.field} is {edit.found}, was written as {edit.written or 'nothing'}"
+        if edit.kind == "changed"
+        else f"{edit.field} was {edit.kind}{' by hand' if edit.is_certain else ''}"
+    )
+    if edit.is_certain:
+        advice = "write `:=` to keep it, or refresh with --accept-edits or --discard-edits"
+        return CheckFinding("edited", f"{what}; {advice}", place, edit.field)
+    advice = (
+        "nobody can tell whether a person did that or another branch: refresh with "
+        "--discard-edits, or take the block from a version that you trust"
+    )
+    return CheckFinding("undecided", f"{what}; {advice}", place, edit.field)
+
+
+def _behind(found: RiskBlock, due: RiskBlock | None) -> str:
+    """Return in what a block is not as it was last written, by no one's edit."""
+    if due is None:
+        return "is not of the last run"
+    if found.digest is None:
+        return "was written by an earlier version of tracerisk, without a digest"
+    return "holds values of another run or another branch"
 
 
 def _lost_lines(

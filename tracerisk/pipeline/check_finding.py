@@ -12,6 +12,7 @@ from tracerisk.trace import Verdict
 FindingKind = Literal[
     "stale",
     "edited",
+    "undecided",
     "missing",
     "orphaned",
     "over_threshold",
@@ -27,8 +28,8 @@ FindingKind = Literal[
     "coverage",
 ]
 """Why blocks are not to be trusted: what they depend on has changed; a person changed a value
-that is the tool's; a block is gone; its function is gone or renamed; the mission's failure
-probability is above `max_risk`; a value is set by hand without a reason; a redundancy is set by
+that is the tool's; nobody can tell who changed one; a block is gone; its function is gone or
+renamed; the mission's failure probability is above `max_risk`; a value is set by hand without a reason; a redundancy is set by
 hand over units that differed in the last run; the lock knows nothing; the lock knows a controller
 that is gone or renamed; the blocks make no model that has a solution; in the last run something
 touched that should not, and `fail_on` says that this is to fail; the last run went wrong, did
@@ -52,7 +53,8 @@ class CheckFinding:
     @property
     def exit_code(self) -> ExitCode:
         """What the finding makes of the command's exit code."""
-        return ExitCode.EDIT_IN_THE_WAY if self.kind == "edited" else ExitCode.WOULD_CHANGE
+        is_edit = self.kind in ("edited", "undecided")
+        return ExitCode.EDIT_IN_THE_WAY if is_edit else ExitCode.WOULD_CHANGE
 
     def __str__(self) -> str:
         return f"{self.location}: {self.kind.replace('_', ' ')}: {self.message}"

@@ -27,7 +27,9 @@ from tracerisk.pipeline.trace_cache import TraceCache
 from tracerisk.trace import Trace, Verdict
 
 # What a refresh mends; the rest is for a person to mend.
-_MENDED = frozenset({"stale", "edited", "missing", "orphaned", "unknown", "gone", "unsolvable"})
+_MENDED = frozenset(
+    {"stale", "edited", "undecided", "missing", "orphaned", "unknown"} | {"gone", "unsolvable"}
+)
 
 How = Literal["fresh", "recomputed", "simulated"]
 """Nothing was to do; values were made anew of a kept trace; the controller was run."""
@@ -75,7 +77,7 @@ def refresh_controller(
         wants_fresh = policy is not None and policy.fresh
         # A published log names no robot: there was no run to judge.
         is_judged = kept_verdict(entry) is not None or entry.trace.get("robot") == ""
-        is_settled = entry.previous is None and not wants_fresh and is_judged
+        is_settled = entry.is_settled and not wants_fresh and is_judged
         found = {finding.kind for finding in check_controller(controller.path).findings}
         if is_settled and not found & _MENDED:
             told = "nothing that it depends on has changed"

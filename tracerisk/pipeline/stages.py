@@ -216,6 +216,7 @@ def annotate(
     holds a redundancy set by hand over units that differ.
     """
     from tracerisk.adder.annotate import annotate_sources
+    from tracerisk.pipeline.who_wrote import evidence_for
 
     check_named_functions(controller, settings, trace)
     computed = compute_blocks(trace, hardware, active=settings.active, profile=profile)
@@ -242,6 +243,7 @@ def annotate(
         ),
         inputs=inputs.data(),
         policy=policy,
+        evidence=evidence_for(controller, entry, settings),
     )
     if isinstance(outcome, EditsInTheWay):
         raise outcome.error()
@@ -294,7 +296,7 @@ def _annotated_files(controller: Controller, trace: Trace, lock: Lock) -> tuple[
     """Return the files that hold, held or will hold blocks of the controller, its script first."""
     files = {function.ref.file for function in trace.functions}
     entry = lock.controllers.get(lock_key(controller.path, controller.root))
-    for blocks in (entry.blocks, entry.previous or {}) if entry is not None else ():
+    for blocks in entry.all_blocks if entry is not None else ():
         files |= {file for file in blocks if blocks[file] and controller.path_of(file).is_file()}
     return (controller.file, *sorted(files - {controller.file}))
 

@@ -67,6 +67,14 @@ RULES: tuple[Rule, ...] = (
         "Write `:=` and a reason behind `;` to keep the value, or refresh with --discard-edits.",
     ),
     Rule(
+        "undecided-block",
+        "UndecidedBlock",
+        "error",
+        "Nobody can tell who wrote a value: a person, or tracerisk on another branch.",
+        "Refresh with --discard-edits to have what is computed now in its place, or take the "
+        "whole block from a version that you trust.",
+    ),
+    Rule(
         "missing-block",
         "MissingBlock",
         "error",

@@ -6,8 +6,10 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from typing import get_args
 
+from tracerisk.adder.block_digest import KINDS, DigestReading
 from tracerisk.adder.lock import WrittenBlock
 from tracerisk.adder.published import is_c_like
+from tracerisk.adder.read import read_blocks
 from tracerisk.pipeline.code_digest import code_digest
 from tracerisk.pipeline.freshness import RunInputs
 from tracerisk.pipeline.review.controllers import ControllerVersion
@@ -22,7 +24,7 @@ def cause_finder(
 ) -> Callable[[ChangedField], tuple[Cause, ...]]:
     """Return what tells the cause of a change that no pin explains.
 
-    A value that is not what the later lock says was last written is a person's edit. Else it is
+    A value that neither its block's digest nor the later lock knows is a person's edit. Else it is
     what the run depended on that differs: the controller's code, the hardware description,
     settings, other files. Where a version has no lock, its code tells.
     `refs` are the functions of the later version by their names in the model.
@@ -30,6 +32,8 @@ def cause_finder(
     of_run = _run_causes(before, after)
 
     def cause_of(field: ChangedField) -> tuple[Cause, ...]:
+        if _is_the_tools(field, after, refs):
+            return of_run
         if _is_edited(field, after, refs):
             return ("edit",)
         return of_run or ("edit",)
@@ -95,6 +99,26 @@ def _codes(version: ControllerVersion) -> set[str]:
     }
 
 
+def _is_the_tools(
+    field: ChangedField, after: ControllerVersion, refs: Mapping[str, FunctionRef]
+) -> bool:
+    """Return whether the digest of its block says that the tool wrote a value, on any branch."""
+    ref = refs.get(field.function)
+    source = None if ref is None or field.is_gone else after.sources.get(ref.file)
+    if ref is None or source is None or is_c_like(ref.file):
+        return False
+    for placed in read_blocks(source, ref.file):
+        if placed.function == ref.name:
+            digest = DigestReading(placed.block)
+            if field.component is not None and field.key is None:
+                return digest.has_component(field.component)
+            if field.key is None or field.after is None:
+                return digest.is_there
+            kind = KINDS[field.key]
+            return digest.vouches(field.component, kind, kind.read(field.after))
+    return False
+
+
 def _is_edited(
     field: ChangedField, after: ControllerVersion, refs: Mapping[str, FunctionRef]
 ) -> bool:
@@ -105,7 +129,7 @@ def _is_edited(
     file = os.path.relpath(ref.file, after.folder)
     candidates = [
         written[file][ref.name]
-        for written in (after.entry.blocks, after.entry.previous or {})
+        for written in after.entry.all_blocks
         if ref.name in written.get(file, {})
     ]
     return bool(candidates) and all(_differs(field, each) for each in candidates)

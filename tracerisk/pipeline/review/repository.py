@@ -138,7 +138,7 @@ class Repository:
     def _skipped(self) -> frozenset[str]:
         if not self._is_sparse:
             return frozenset()
-        listed = self._output("ls-files", "-t", "-z").decode(errors="surrogateescape")
+        listed = self.output("ls-files", "-t", "-z").decode(errors="surrogateescape")
         return frozenset(line[2:] for line in listed.split("\0") if line.startswith("S "))
 
     def merge_base(self, one: str, other: str) -> str | None:
@@ -148,21 +148,25 @@ class Repository:
 
     def empty_tree(self) -> str:
         """Return the name of the tree without files, for a repository without a commit."""
-        return self._output("hash-object", "-t", "tree", "--stdin").decode().strip()
+        return self.output("hash-object", "-t", "tree", "--stdin").decode().strip()
 
     def changed(self, before: str, after: str | None) -> list[ChangedFile]:
         """Return the tracked files that differ, renames not yet told.
 
         `after` is a commit, `None` for the working tree.
         """
-        return _files(self._output(*_difference(before, after)))
+        return _files(self.output(*_difference(before, after)))
 
     def renamed(self, before: str, after: str | None, paths: list[str]) -> list[ChangedFile]:
         """Return the files that differ among the paths, renames told."""
         short = paths if sum(map(len, paths)) + len(paths) < _MOST_PATHS else []
-        return _files(self._output(*_difference(before, after), "-M", "--", *short))
+        return _files(self.output(*_difference(before, after), "-M", "--", *short))
 
-    def _output(self, *arguments: str) -> bytes:
+    def output(self, *arguments: str) -> bytes:
+        """Return what a git command that only reads prints.
+
+        Raises InputError where it fails.
+        """
         found = _run(self.top, *arguments)
         if found.returncode:
             told = found.stderr.decode(errors="replace").strip()

@@ -1,0 +1,542 @@
+"""Random histories of branches on which code, blocks and the lock change, and are brought together.
+
+What each branch typed is written down as it is typed: the model to which every answer of the
+tool is compared. Values are computed from a log that is made of the code, without a simulation.
+"""
+
+from __future__ import annotations
+
+import ast
+import os
+import random
+import re
+import subprocess
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from tracerisk import pipeline
+from tracerisk.adder.lock import LockError
+from tracerisk.adder.merge import MergePolicy
+from tracerisk.adder.read import read_blocks
+from tracerisk.errors import EditInTheWayError, TraceRiskError
+from tracerisk.pipeline.check import check_controller
+from tracerisk.trace_log import read_log
+
+COMPONENTS = ("camera", "gripper", "motor")
+START = """\
+CALLS = "home place home leave"
+
+
+def home(arm):
+    motor(arm)
+    camera(arm)
+
+
+def place(arm):
+    motor(arm)
+
+    gripper(arm)
+
+
+def leave(arm):
+    camera(arm)
+"""
+HARDWARE = (
+    "  {0}: {{probability: {{value: {1}, per: visit}}, quantity: {2}, twin: {{joints: '*'}}}}\n"
+)
+_VALUE = re.compile(r"^( *# \|   (?:probability|quantity|redundancy) )(= )(.*)$", re.MULTILINE)
+_SECTION = re.compile(r"^ *# \| @Component \{\n(?: *# \|   .*\n)* *# \| \}\n", re.MULTILINE)
+
+
+@dataclass
+class Typed:
+    """What persons typed, on any branch: each thing is told from all others by its text."""
+
+    edits: set[str] = field(default_factory=set)
+    pins: set[str] = field(default_factory=set)
+    removed: set[str] = field(default_factory=set)
+    number: int = 0
+
+    def figure(self) -> str:
+        """Return a probability that the tool never computes: it has six digits."""
+        self.number += 1
+        return f"{1 + self.number / 100_000:.5f}e-05"
+
+
+class History:
+    """A repository with a controller, and a person who works on its branches."""
+
+    def __init__(self, folder: Path, seed: int) -> None:
+        self.folder = folder
+        self.chance = random.Random(seed)
+        self.typed = Typed()
+        self.told: list[str] = []
+        self.stops = 0
+        self.git("init", "--quiet", "--initial-branch=b0")
+        self.write("c.py", START)
+        self.write("pyproject.toml", "")
+        self.write(".gitignore", ".tracerisk_cache\n")
+        self.hardware()
+        self.refresh()
+        self.commit()
+        self.branches = ["b0"]
+
+    # What git does.
+
+    def git(self, *arguments: str, fails: bool = False) -> str:
+        settings = {
+            "GIT_CONFIG_GLOBAL": os.devnull,
+            "GIT_CONFIG_NOSYSTEM": "1",
+            "GIT_EDITOR": "true",
+            **{
+                f"GIT_{role}_{what}": "a@example.org"
+                for role in ("AUTHOR", "COMMITTER")
+                for what in ("NAME", "EMAIL")
+            },
+        }
+        done = subprocess.run(
+            ["git", *arguments],
+            cwd=self.folder,
+            env={**os.environ, **settings},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert fails or done.returncode == 0, f"{arguments}: {done.stderr}{done.stdout}"
+        return done.stdout
+
+    def commit(self) -> None:
+        self.git("add", "--all")
+        self.git("commit", "--quiet", "--allow-empty", "-m", "change")
+
+    def read(self, name: str = "c.py") -> str:
+        return (self.folder / name).read_text()
+
+    def write(self, name: str, text: str) -> None:
+        (self.folder / name).write_text(text)
+
+    def has_conflicts(self) -> list[str]:
+        return sorted(set(self.git("diff", "--name-only", "--diff-filter=U").split()))
+
+    # What the person does on a branch.
+
+    def hardware(self) -> None:
+        rows = [
+            HARDWARE.format(name, f"{self.chance.randint(100, 999)}e-10", self.chance.randint(1, 3))
+            for name in COMPONENTS
+        ]
+        self.write("arm.yaml", "components:\n" + "".join(rows))
+
+    def work(self) -> None:
+        """Make one to three changes, refresh or not, and commit."""
+        for _ in range(self.chance.randint(1, 3)):
+            self.chance.choice(
+                (
+                    *(self.change_code,) * 4,
+                    *(self.hardware,) * 2,
+                    *(self.pin,) * 2,
+                    self.edit,
+                    self.omit,
+                    self.add_by_hand,
+                    self.take_out,
+                    self.rename,
+                    self.delete_block,
+                    self.format,
+                )
+            )()
+            if self.chance.random() < 0.7:
+                self.refresh()
+        if self.chance.random() < 0.8:
+            self.refresh()
+        self.commit()
+
+    def change_code(self) -> None:
+        source = self.read()
+        names = functions(source)
+        kind = self.chance.choice(("calls", "component", "component", "new", "delete"))
+        if kind == "calls":
+            calls = [self.chance.choice(names) for _ in range(self.chance.randint(2, 5))]
+            source = re.sub(r"CALLS = .*", f'CALLS = "{" ".join(calls)}"', source)
+        elif kind == "component":
+            line = f"    {self.chance.choice(COMPONENTS)}(arm)\n"
+            source = source.rstrip("\n") + f"\n{line}"
+        elif kind == "new" and len(names) < 6:
+            self.typed.number += 1
+            source += f"\n\ndef step{self.typed.number}(arm):\n    motor(arm)\n"
+            source = re.sub(r'CALLS = "', f'CALLS = "step{self.typed.number} ', source)
+        elif kind == "delete" and len(names) > 2:
+            gone = self.chance.choice(names)
+            source = re.sub(rf"def {gone}\(arm\):\n(?:(?:    .*)?\n)+?(?=def |\Z)", "", source)
+            left = functions(source)
+            source = re.sub(rf"\b{gone}\b(?=.*\")", left[0], source)
+        self.write("c.py", source)
+
+    def rename(self) -> None:
+        source = self.read()
+        old = self.chance.choice(functions(source))
+        self.typed.number += 1
+        new = f"named{self.typed.number}"
+        source = source.replace(f"def {old}(", f"def {new}(")
+        self.write("c.py", re.sub(rf"(?<=[\" ]){old}(?=[\" ].*|\")", new, source, count=0))
+
+    def format(self) -> None:
+        source = self.read().replace("\n\n\n\n", "\n\n\n")
+        self.write("c.py", source.replace("    motor(arm)", "    motor(arm)  # turn", 1))
+
+    def _value(self) -> re.Match[str] | None:
+        found = [each for each in _VALUE.finditer(self.read()) if "probability" in each[1]]
+        return self.chance.choice(found) if found else None
+
+    def pin(self) -> None:
+        found = self._value()
+        if found is None:
+            return
+        figure = self.typed.figure()
+        self.typed.pins.add(figure)
+        source = self.read()
+        text = f"{found[1]}:= {figure}  ! why"
+        self.write("c.py", source[: found.start()] + text + source[found.end() :])
+
+    def edit(self) -> None:
+        found = self._value()
+        if found is None:
+            return
+        figure = self.typed.figure()
+        self.typed.edits.add(figure)
+        source = self.read()
+        text = f"{found[1]}= {figure}"
+        self.write("c.py", source[: found.start()] + text + source[found.end() :])
+
+    def _section(self) -> re.Match[str] | None:
+        found = list(_SECTION.finditer(self.read()))
+        return self.chance.choice(found) if found else None
+
+    def omit(self) -> None:
+        found = self._section()
+        if found is None:
+            return
+        source = self.read()
+        figure = self.typed.figure()
+        self.typed.pins.add(figure)
+        text = found[0].replace("@Component {", f"@Component := omit {{  ! {figure}")
+        self.write("c.py", source[: found.start()] + text + source[found.end() :])
+
+    def add_by_hand(self) -> None:
+        found = self._section()
+        if found is None:
+            return
+        source = self.read()
+        figure = self.typed.figure()
+        self.typed.pins.add(figure)
+        self.typed.number += 1
+        text = found[0].replace("@Component {", "@Component := {")
+        text = re.sub(r"name = .*", f"name = hose{self.typed.number}", text)
+        text = re.sub(r"probability :?= .*", f"probability = {figure}", text)
+        text = re.sub(r"(quantity|redundancy) :?= (\S+).*", r"\1 = \2", text)
+        self.write("c.py", source[: found.end()] + text + source[found.end() :])
+
+    def take_out(self) -> None:
+        """Take out a component, which is a change of what the tool writes, or an omission."""
+        found = self._section()
+        if found is None:
+            return
+        source = self.read()
+        if ":=" in found[0]:
+            return
+        name = re.search(r"name = (\S+)", found[0])
+        assert name is not None
+        self.typed.removed.add(name[1])
+        self.write("c.py", source[: found.start()] + source[found.end() :])
+
+    def delete_block(self) -> None:
+        source = self.read()
+        if ":=" not in source:
+            self.write("c.py", re.sub(r"(?:^ *# \|.*\n)+", "", source, count=1, flags=re.MULTILINE))
+
+    # What brings branches together.
+
+    def branch(self) -> None:
+        name = f"b{len(self.branches)}"
+        self.git("checkout", "--quiet", "-b", name, self.chance.choice(self.branches))
+        self.branches.append(name)
+
+    def bring_together(self) -> None:
+        one, other = self.chance.sample(self.branches, 2)
+        self.git("checkout", "--quiet", one)
+        kind = self.chance.choice(
+            ("merge", "merge", "rebase", "cherry-pick", "revert", "stash", "one side", "squash")
+        )
+        self.told.append(f"{kind} {other} into {one}")
+        style = ("-c", f"merge.conflictStyle={self.chance.choice(('merge', 'diff3'))}")
+        if kind == "merge":
+            self.git(*style, "merge", "--no-edit", other, fails=True)
+        elif kind == "squash":
+            self.git(*style, "merge", "--squash", other, fails=True)
+        elif kind == "rebase":
+            self.git(*style, "rebase", other, fails=True)
+        elif kind == "cherry-pick":
+            self.git(*style, "cherry-pick", "--no-commit", other, fails=True)
+        elif kind == "revert":
+            self.git(*style, "revert", "--no-edit", "--no-commit", "HEAD", fails=True)
+        elif kind == "stash":
+            self.change_code()
+            self.refresh()
+            self.git("stash", "--quiet", fails=True)
+            self.git("checkout", "--quiet", other)
+            self.git(*style, "stash", "pop", fails=True)
+        else:
+            names = self.chance.choice((("c.py",), ("tracerisk.lock",), ("arm.yaml",)))
+            self.git("checkout", other, "--", *names, fails=True)
+        for _ in range(20):
+            self.resolve()
+            if not self._is_rebasing():
+                break
+            self.git("add", "--all")
+            self.git("-c", "core.editor=true", "rebase", "--continue", fails=True)
+        if self._is_rebasing():
+            self.git("rebase", "--abort", fails=True)
+            self.git("checkout", "--quiet", "--force", one)
+        if kind == "stash" and self.chance.random() < 0.5:
+            self.git("stash", "drop", "--quiet", fails=True)
+        self.upset_lock()
+        # The code is one that runs, whoever resolved the conflicts.
+        self.settle_code()
+        self.refresh(self.chance.choice(("as it is", "as it is", "without git", "shallow")))
+        self.commit()
+
+    def _is_rebasing(self) -> bool:
+        return any(
+            (self.folder / ".git" / name).exists() for name in ("rebase-merge", "rebase-apply")
+        )
+
+    def resolve(self) -> None:
+        for name in self.has_conflicts():
+            path = self.folder / name
+            if not path.exists() or name == "arm.yaml":
+                self.git("checkout", "--ours", "--", name, fails=True)
+                continue
+            how = self.chance.choice(("ours", "theirs", "hunks", "hunks"))
+            if name == "tracerisk.lock" and self.chance.random() < 0.4:
+                continue  # its markers stay, as the documentation says
+            if how == "hunks" and "<<<<<<<" in path.read_text():
+                path.write_text(self.by_hunks(path.read_text()))
+            else:
+                self.git("checkout", f"--{how.replace('hunks', 'ours')}", "--", name, fails=True)
+
+    def by_hunks(self, text: str) -> str:
+        """Resolve each conflict by one of its sides."""
+
+        def pick(found: re.Match[str]) -> str:
+            return self.chance.choice((found["ours"], found["theirs"]))
+
+        return re.sub(
+            r"<{7}.*\n(?P<ours>(?:.*\n)*?)(?:\|{7}.*\n(?:.*\n)*?)?={7}\n(?P<theirs>(?:.*\n)*?)>{7}.*\n",
+            pick,
+            text,
+        )
+
+    def upset_lock(self) -> None:
+        path = self.folder / "tracerisk.lock"
+        chance = self.chance.random()
+        if chance < 0.1:
+            path.unlink(missing_ok=True)
+        elif chance < 0.25:
+            commits = self.git("log", "--all", "--format=%H").split()
+            older = self.git("show", f"{self.chance.choice(commits)}:tracerisk.lock", fails=True)
+            if older:
+                path.write_text(older)
+
+    def settle_code(self) -> None:
+        """Take a side whole where the mixture is no program, or its blocks are none."""
+        if not self._is_sound():
+            self.git("checkout", self.chance.choice(self.branches), "--", "c.py", fails=True)
+        assert self._is_sound()
+        source = self.read()
+        names = functions(source)
+        calls = re.search(r'CALLS = "(.*)"', source)
+        assert calls is not None
+        left = [name for name in calls[1].split() if name in names] or names[:1]
+        self.write("c.py", source.replace(calls[0], f'CALLS = "{" ".join(left)}"'))
+
+    def _is_sound(self) -> bool:
+        source = self.read()
+        try:
+            names = functions(source)
+            read_blocks(source.encode(), "c.py")
+        except (SyntaxError, TraceRiskError) as error:
+            # A block of a renamed function is followed by the tool.
+            return "stands at" in str(error) and len(set(names)) == len(names) > 0
+        return len(set(names)) == len(names) > 0 and source.count("CALLS = ") == 1
+
+    # What the tool does, and what it must not.
+
+    def computed_log(self) -> str:
+        source = self.read()
+        active = {
+            node.name: sorted(
+                {
+                    call.func.id
+                    for call in ast.walk(node)
+                    if isinstance(call, ast.Call) and isinstance(call.func, ast.Name)
+                }
+                & set(COMPONENTS)
+            )
+            for node in ast.parse(source).body
+            if isinstance(node, ast.FunctionDef)
+        }
+        found = re.search(r'CALLS = "(.*)"', source)
+        assert found is not None
+        calls = [name for name in found[1].split() if name in active] or [next(iter(active))]
+        rows = [
+            f"Function:{name}()\nActiveComponents:{','.join(active[name])}"
+            for name in dict.fromkeys(calls)
+        ]
+        return "\n".join([*rows, "", "CallSequence:" + ",".join(f"{each}()" for each in calls)])
+
+    def annotated(self, policy: MergePolicy) -> pipeline.Annotated:
+        controller = pipeline.load_controller(self.folder / "c.py")
+        hardware = str(self.folder / "arm.yaml")
+        settings = pipeline.load_settings(controller, {"hardware": hardware})
+        trace = read_log(self.computed_log(), "run.log", controller="c.py")
+        return pipeline.annotate(
+            controller,
+            trace,
+            pipeline.load_hardware(settings, ""),
+            settings,
+            policy=policy,
+            given={"hardware": hardware},
+        )
+
+    def refresh(self, how: str = "as it is") -> None:
+        hidden = self.folder.parent / f"{self.folder.name}-git"
+        shallow = self.folder / ".git" / "shallow"
+        if how == "without git":
+            (self.folder / ".git").rename(hidden)
+        elif how == "shallow" and not shallow.exists():
+            shallow.write_text(self.git("rev-parse", "HEAD"))
+        try:
+            self._refresh()
+        finally:
+            if how == "without git":
+                hidden.rename(self.folder / ".git")
+            elif how == "shallow":
+                shallow.unlink(missing_ok=True)
+
+    def _refresh(self) -> None:
+        self.check()
+        before = self.read()
+        for edits in ("stop", self.chance.choice(("accept", "discard")), "discard"):
+            try:
+                done = self.annotated(MergePolicy(edits))
+            except EditInTheWayError as error:
+                assert edits != "discard"
+                assert self.read() == before
+                self.stops += 1
+                self.judge(str(error))
+                continue
+            except LockError as error:
+                # Sides that are no JSON: the message says to take one of them.
+                self.told.append(str(error))
+                (self.folder / "tracerisk.lock").unlink()
+                self._refresh()
+                return
+            except TraceRiskError as error:
+                # A rank or a target of two branches; none is typed here.
+                raise AssertionError(f"{self.told}: {error}") from error
+            done.write()
+            break
+        after = self.read()
+        self.keeps_pins(before, after)
+        if edits == "stop":
+            lost = {each for each in self.typed.edits if f"= {each}\n" in before} - {
+                each for each in self.typed.edits if each in after
+            }
+            gone = {each for each in lost if not is_in_live_block(before, each)}
+            assert lost == gone, f"{self.told}: typed and lost: {lost}"
+        assert not self.annotated(MergePolicy()).is_changed
+        assert not self.findings(), self.findings()
+
+    def findings(self) -> list[str]:
+        """Return what check finds that a refresh would mend."""
+        found = check_controller(self.folder / "c.py").findings
+        return [str(each) for each in found if each.kind != "unknown"]
+
+    def keeps_pins(self, before: str, after: str) -> None:
+        def held(text: str) -> set[str]:
+            return {each for each in self.typed.pins if each in text}
+
+        assert held(before) <= held(after), f"{self.told}: {held(before) - held(after)} lost"
+
+    def judge(self, told: str) -> None:
+        """Compare what is called a person's with what was typed, and that alone with advice."""
+        certain, _, doubtful = told.partition("of these nobody can tell")
+        assert ":=" not in doubtful
+        assert "--accept-edits" not in doubtful
+        for line in certain.splitlines():
+            self.judge_line(line)
+
+    def judge_line(self, line: str) -> None:
+        changed = re.search(r"(\S+) is (.+?)(?:,| \(last) ?(?:was|written)", line)
+        if changed is not None:
+            assert changed[2] in self.typed.edits, f"{self.told}: {line}"
+        if re.search(r" was removed", line):
+            name = line.split(" was removed")[0].rpartition(".")[2]
+            assert name in self.typed.removed, f"{self.told}: {line}"
+        assert " was added" not in line, f"{self.told}: {line}"
+
+    def check(self) -> None:
+        """Judge what `check` says; where it finds nothing, nothing is stale."""
+        if not (self.folder / "tracerisk.lock").exists():
+            return
+        try:
+            found = check_controller(self.folder / "c.py").findings
+        except TraceRiskError:
+            return
+        for each in found:
+            if each.kind == "edited":
+                self.judge_line(each.message)
+        if not found:
+            done = self.annotated(MergePolicy("discard"))
+            assert values(done.source) == values(self.read().encode()), self.told
+
+
+def functions(source: str) -> list[str]:
+    return [node.name for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)]
+
+
+def is_in_live_block(source: str, figure: str) -> bool:
+    """Return whether a value stands in the block of a function that is called."""
+    calls = re.search(r'CALLS = "(.*)"', source)
+    assert calls is not None
+    for part in re.split(r"^(?=def )", source, flags=re.MULTILINE):
+        name = re.match(r"def (\w+)", part)
+        if figure in part and name is not None:
+            return name[1] in calls[1].split()
+    return False
+
+
+def values(source: bytes) -> dict[str, list[str]]:
+    """Return the tool's values in the blocks of a source."""
+    found: dict[str, list[str]] = {}
+    for placed in read_blocks(source, "c.py"):
+        block = placed.block
+        row = [f"{block.call_sequence.text}", "" if block.next is None else block.next.text]
+        for each in block.components:
+            if not each.added and not each.omitted and not each.probability.pinned:
+                row += [each.name, each.probability.text, each.quantity.text, each.redundancy.text]
+        found[str(placed.function)] = row
+    return found
+
+
+def run_history(folder: Path, seed: int) -> int:
+    """Make one history; return how often the tool stopped."""
+    history = History(folder, seed)
+    for _ in range(history.chance.randint(1, 3)):
+        history.branch()
+        history.work()
+    for _ in range(history.chance.randint(2, 4)):
+        for name in history.chance.sample(history.branches, 2):
+            history.git("checkout", "--quiet", name)
+            history.work()
+        history.bring_together()
+    return history.stops

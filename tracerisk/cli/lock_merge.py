@@ -1,0 +1,67 @@
+"""`tracerisk lock-merge`: merge `tracerisk.lock` for git, and set git up to ask for it."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from tracerisk.cli import options as shared
+from tracerisk.cli.output import note, print_json
+from tracerisk.errors import ExitCode, InputError, Location
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    parser.add_argument(
+        "files",
+        metavar="FILE",
+        nargs="*",
+        help="the lock of the common ancestor, ours (where the merged one is written) and theirs",
+    )
+    parser.add_argument(
+        "--install",
+        action="store_true",
+        help="have git merge tracerisk.lock so in this repository",
+    )
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    if options.install:
+        if options.files:
+            raise InputError("--install takes no files")
+        return _install(options)
+    if len(options.files) != 3:
+        raise InputError(
+            f"expected three locks, BASE OURS THEIRS, and not {len(options.files)}; or --install"
+        )
+    from tracerisk.adder.lock import Lock, read_lock
+    from tracerisk.adder.lock_merge import merge_locks
+    from tracerisk.adder.write import atomic_write
+
+    paths = [Path(file) for file in options.files]
+    for path in paths:
+        if not path.is_file():
+            raise InputError("there is no such file; git gives three locks", Location(str(path)))
+    # git gives an empty file for a side that has none.
+    locks = [read_lock(path) if path.read_bytes().strip() else Lock() for path in paths]
+    merged = merge_locks(*locks)
+    atomic_write(paths[1], merged.dumps())
+    stale = [name for name, entry in merged.controllers.items() if not entry.is_settled]
+    if options.json:
+        print_json("lock-merge", exit_code=int(ExitCode.FINE), stale=stale)
+    for name in stale:
+        note(f"{name}: changed on both branches; `tracerisk refresh`", quiet=options.quiet)
+    return int(ExitCode.FINE)
+
+
+def _install(options: argparse.Namespace) -> int:
+    from tracerisk.pipeline.merge_driver import install_merge_driver
+
+    done = install_merge_driver(Path())
+    if options.json:
+        print_json("lock-merge", exit_code=int(ExitCode.FINE), done=list(done))
+    for told in done:
+        note(told, quiet=options.quiet)
+    return int(ExitCode.FINE)
