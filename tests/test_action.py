@@ -9,6 +9,7 @@ import shutil
 import stat
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -32,10 +33,19 @@ store = Path(os.environ["COMMENTS"])
 comments = json.loads(store.read_text()) if store.exists() else []
 arguments = sys.argv[1:]
 assert arguments[0] == "api" and os.environ["GH_TOKEN"] == "secret"
+if "readonly" in os.environ and "--method" in arguments:
+    sys.exit("HTTP 403: Resource not accessible by integration")
+if arguments[1] == "user":
+    sys.exit("HTTP 403: Resource not accessible by integration")
 path = next(each for each in arguments if each.startswith("repos/"))
 if "--method" not in arguments:
     assert path == "repos/team/cell/issues/7/comments"
-    print(*(each["id"] for each in comments if each["body"].startswith("<!-- tracerisk-diff -->")))
+    wanted = arguments[arguments.index("--jq") + 1]
+    assert 'select(.user.login == "github-actions[bot]" and' in wanted
+    for each in comments:
+        is_ours = each.get("user", "github-actions[bot]") == "github-actions[bot]"
+        if is_ours and each["body"].startswith("<!-- tracerisk-diff -->"):
+            print(each["id"])
 else:
     method = arguments[arguments.index("--method") + 1]
     body = Path(arguments[arguments.index("--field") + 1].removeprefix("body=@")).read_text()
@@ -70,8 +80,20 @@ class Runner:
             f"{tools}{os.pathsep}{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
         )
 
-    def run(self, base: str, *, prefix: Path = Path(sys.prefix), **inputs: str) -> dict[str, str]:
-        """Run every step with the tool below `prefix`; return the exit code of each by its id."""
+    def run(
+        self,
+        base: str,
+        *,
+        prefix: Path = Path(sys.prefix),
+        around: Mapping[str, str] | None = None,
+        may_fail: bool = False,
+        **inputs: str,
+    ) -> dict[str, str]:
+        """Run every step with the tool below `prefix`; return the exit code of each by its id.
+
+        `around` are variables of the environment that the workflow has set.
+        """
+        self.log = ""
         shutil.rmtree(self.temp, ignore_errors=True)
         self.temp.mkdir(parents=True)
         # As install.sh leaves it; building an environment is left to CI's own run of the README.
@@ -99,6 +121,7 @@ class Runner:
                 "RUNNER_TEMP": str(self.temp),
                 "GITHUB_OUTPUT": str(output),
                 "COMMENTS": str(self.comments_file),
+                **(around or {}),
                 **{
                     name: EXPRESSION.sub(lambda found: values[found[1]], str(text))
                     for name, text in step["env"].items()
@@ -106,13 +129,18 @@ class Runner:
             }
             outcome = subprocess.run(
                 ["bash", "-euo", "pipefail", "-c", step["run"]],
-                cwd=self.repository.folder,
+                cwd=self.repository.folder / values["inputs.working-directory"],
                 env=environment,
-                capture_output=True,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
                 text=True,
+                errors="replace",
                 check=False,
             )
-            assert outcome.returncode == 0 or step["id"] == "verdict", outcome.stderr
+            self.log += outcome.stdout
+            if outcome.returncode and may_fail:
+                return codes
+            assert outcome.returncode == 0 or step["id"] == "verdict", outcome.stdout
             codes[step["id"]] = str(outcome.returncode)
             for line in output.read_text().splitlines() if output.exists() else ():
                 name, _, value = line.partition("=")
@@ -186,21 +214,26 @@ def test_alerts_and_report_are_there_though_the_verdict_is_bad(runner, steps):
 
 def test_the_base_and_the_limits_are_handed_on(runner, steps, tmp_path):
     base = commit(runner, steps("= 4e-07"))
-    tool, told = tmp_path / "bin" / "tracerisk", tmp_path / "told"
+    tool, told = tmp_path / "bin" / "python", tmp_path / "told"
     tool.parent.mkdir()
-    tool.write_text(f'#!/bin/sh\necho "$@" >>"{told}"\n')
-    (tool.parent / "python").write_text(f'#!/bin/sh\nexec {sys.executable} "$@"\n')
-    for each in tool.parent.iterdir():
-        each.chmod(stat.S_IRWXU)
+    tool.write_text(
+        f"""#!/bin/sh
+[ "$1 $2 $3" = "-I -m tracerisk" ] || exec {sys.executable} "$@"
+shift 3
+echo "$@" >>"{told}"
+"""
+    )
+    tool.chmod(stat.S_IRWXU)
     limits = {"min-coverage": "0.8", "no-new-accepts": "false"}
     for inputs in ({}, limits):
         runner.run(base, prefix=tmp_path, files="cell.py", comment="false", **inputs)
     lines = told.read_text().splitlines()
     checks = [line.partition(" --sarif")[0] for line in lines if line.startswith("check")]
     diffs = [line for line in lines if line.startswith("diff")]
+    assert all(line.endswith(" -- cell.py") for line in lines)
     assert checks == [
-        f"check --base {base} cell.py",
-        f"check --base {base} --min-coverage 0.8 cell.py",
+        f"check --base {base}",
+        f"check --base {base} --min-coverage=0.8",
     ]
     assert ["--no-new-accepts" in line for line in diffs] == [True, False]
 
@@ -208,3 +241,39 @@ def test_the_base_and_the_limits_are_handed_on(runner, steps, tmp_path):
 def test_expressions_stand_only_where_no_shell_reads_them():
     for step in YAML(typ="safe").load(ACTION)["runs"]["steps"]:
         assert "${{" not in step.get("run", "")
+
+
+def test_a_token_that_may_not_write_costs_the_comment_alone(runner, steps):
+    base = commit(runner, steps("= 4e-07"))
+    codes = runner.run(base, files="cell.py", around={"readonly": "yes"})
+    assert codes["comment"] == "0"
+    assert runner.comments == []
+    assert "::warning title=tracerisk::no comment could be written" in runner.log
+    assert (runner.temp / "tracerisk" / "report" / "cell.html").is_file()
+    assert "verdict" in codes
+
+
+def test_a_comment_of_somebody_else_is_left_alone(runner, steps):
+    theirs = {"id": 1, "body": "<!-- tracerisk-diff -->\nmine", "user": "mallory"}
+    runner.comments_file.write_text(json.dumps([theirs]))
+    base = commit(runner, steps("= 4e-07"))
+    runner.run(base, files="cell.py")
+    first, second = runner.comments
+    assert first == theirs["body"]
+    assert "mission failure rises" in second
+
+
+def test_a_lock_that_cannot_be_read_costs_the_reports_alone(runner, steps):
+    base = commit(runner, steps("= 4e-07"))
+    runner.repository.write("tracerisk.lock", "{")
+    runner.repository.commit()
+    codes = runner.run(base)
+    assert codes["report"] == "0"
+    assert "of the reports could not be made" in runner.log
+    assert codes["verdict"] != "0"
+
+
+def test_other_actions_are_taken_by_their_digests():
+    for step in YAML(typ="safe").load(ACTION)["runs"]["steps"]:
+        if "uses" in step:
+            assert re.fullmatch(r"[\w/-]+@[0-9a-f]{40}", step["uses"])

@@ -197,9 +197,7 @@ class Overlay:
             place = self._target(full) if flags & os.O_TRUNC else self._copied(full)
             return int(self._real["open"](place, flags, *args, **more))
         with self._told(full):
-            return int(
-                self._real["open"](path if place == full else place, flags, *args, **more)
-            )
+            return int(self._real["open"](path if place == full else place, flags, *args, **more))
 
     @contextlib.contextmanager
     def _told(self, full: str) -> Iterator[None]:

@@ -278,4 +278,3 @@ def _compile_own() -> None:
 
         with contextlib.suppress(OSError):
             compileall.compile_dir(str(_PACKAGE), quiet=2)
-

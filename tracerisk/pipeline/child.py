@@ -34,7 +34,6 @@ from tracerisk.pipeline.run_files import (
     EVENTS,
     GIVEN,
     JOINTS_ASKED,
-    LAUNCH,
     ROBOT,
     STACKS,
     STARTED,
@@ -219,10 +218,6 @@ def _run_recorded(
         # The controller's own modules leave no `__pycache__` in its folder.
         sys.dont_write_bytecode = True
         recorder.note(STARTED)
-        lines = (*request.launch_notes, *(each.line for each in request.companions))
-        if lines:
-            read = (file for each in request.companions for file in each.files)
-            recorder.note(LAUNCH, notes=lines, inputs=(*launch.sources, *read))
         os.environ.update(
             {"ROS_DISTRO": "jazzy", "ROS_VERSION": "2"}
             if is_ros2

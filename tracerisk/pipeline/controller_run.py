@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import signal
+import stat
 import subprocess
 import sys
 import tempfile
@@ -19,14 +20,17 @@ from typing import IO, TYPE_CHECKING, Any
 
 from tracerisk import dependencies, errors
 from tracerisk.config import Settings
-from tracerisk.contained.process import end, passed_environment, read_regular
+from tracerisk.contained.process import end, passed_environment, read_regular, regular_within
 from tracerisk.contained.process import start as start_process
 from tracerisk.errors import Location, TraceRiskError
-from tracerisk.instrument.recording import Recording, read_recording
+from tracerisk.instrument.recording import Note, Recording, read_recording
 from tracerisk.limited_process import POLL_S, Limit, OwnTime, StartMark
 from tracerisk.pipeline.run_files import (
     EVENTS,
     JOINTS_ASKED,
+    LAUNCH,
+    MOST_ROWS,
+    MOST_TEXT,
     NEEDS,
     ROBOT,
     SCENARIO,
@@ -112,7 +116,7 @@ def run_controller(
         if progress is not None:
             progress(_STARTING, 0.0)
         process_end = _run_child(request, folder, settings, progress)
-        recording = _recording(folder)
+        recording = _recording(folder, request)
         _raise_failure(recording)
         _raise_unstarted(recording, process_end, settings)
         end = _run_end(recording, process_end, controller)
@@ -240,7 +244,7 @@ def _run_child(
     try:
         passing = None if child.stdout is None else _pass_on(child.stdout)
         start.handed_over()
-        return _watch(child, start, folder, settings, progress)
+        return _watch(child, start, request, settings, progress)
     finally:
         # Whatever the controller started goes with it.
         end(child)
@@ -282,11 +286,12 @@ def _has_descriptor(stream: Any) -> bool:
 def _watch(
     child: subprocess.Popen[bytes],
     start: StartMark,
-    folder: Path,
+    request: RunRequest,
     settings: Settings,
     progress: Progress | None,
 ) -> _ProcessEnd:
     """Wait for the end of the child, or for a limit; these count from its start mark."""
+    folder = Path(request.folder)
     began = time.monotonic()
     own: OwnTime | None = None
     changed_s = 0.0
@@ -308,7 +313,7 @@ def _watch(
             # All of the run is recorded, and what is left of the process does not matter.
             return _ProcessEnd(0)
         if reached is not None:
-            return _stop(child, start.pid, folder, reached)
+            return _stop(child, start.pid, request, reached)
 
 
 def _reached(
@@ -347,11 +352,9 @@ def _simulated_ns(folder: Path) -> int:
     return simulated_ns(folder)
 
 
-def _stop(
-    child: subprocess.Popen[bytes], pid: int | None, folder: Path, limit: str
-) -> _ProcessEnd:
+def _stop(child: subprocess.Popen[bytes], pid: int | None, folder: Path, limit: str) -> _ProcessEnd:
     """End the child, having asked its process `pid` where it stands, if that has begun."""
-    stacks = folder / STACKS
+    stacks = Path(request.folder) / STACKS
     before = _size(stacks)
     deadline = time.monotonic() + _GRACE_S
     if pid is None:
@@ -363,14 +366,13 @@ def _stop(
         time.sleep(POLL_S)
     time.sleep(POLL_S)
     end(child)
-    return _ProcessEnd(child.returncode, limit, _place_in(stacks, folder))
+    return _ProcessEnd(child.returncode, limit, _place_in(stacks, Path(request.root)))
 
 
-def _place_in(stacks: Path, folder: Path) -> Location | None:
+def _place_in(stacks: Path, root: Path) -> Location | None:
     """Return the innermost place of the controller among the stacks that the child told."""
-    root = Path(RunRequest.loads((folder / "request.json").read_text(encoding="utf-8")).root)
     try:
-        text = stacks.read_text(encoding="utf-8", errors="replace")
+        text = read_regular(stacks, MOST_TEXT).decode(errors="replace")
     except OSError:
         return None
     threads = text.split("\n\n")
@@ -384,20 +386,60 @@ def _place_in(stacks: Path, folder: Path) -> Location | None:
     return None
 
 
-def _recording(folder: Path) -> Recording:
+def _recording(folder: Path, request: RunRequest) -> Recording:
+    """Read what the child has left; it was able to put anything there.
+
+    Raises LimitError where a file is too large, LogError where one is malformed, or speaks of
+    sources outside of the workspace.
+    """
+    _check_left(folder)
     events = folder / EVENTS
-    return read_recording(events) if events.exists() else Recording()
+    found = read_recording(events) if events.exists() else Recording()
+    files = {site.ref.file for site in found.functions_ran}
+    files |= {frame.function.file for each in found.commands for frame in each.stack}
+    root = Path(request.root)
+    within = list(map(Path, request.readable)) or [root, *map(Path, request.packages.values())]
+    known = regular_within((str(root / each) for each in files), within)
+    if request.written is not None and len(known) < len(files):
+        strange = sorted(each for each in files if root / each not in known)
+        raise errors.LogError(
+            f"speaks of {strange[0]}, which is no file of the workspace", Location(EVENTS)
+        )
+    # What it was given is not for it to say.
+    notes = tuple(note for note in found.notes if note.kind != LAUNCH)
+    lines = (*request.launch_notes, *(each.line for each in request.companions))
+    if lines and found.note(STARTED) is not None:
+        sources = () if request.launch is None else request.launch.sources
+        files_read = (file for each in request.companions for file in each.files)
+        notes += (Note(LAUNCH, {"notes": lines, "inputs": (*sources, *files_read)}),)
+    return replace(found, notes=notes)
+
+
+def _check_left(folder: Path) -> None:
+    """Remove what is no regular file of a recording; raise LimitError at one that is too large."""
+    for each in sorted(folder.iterdir()):
+        status = each.lstat()
+        if stat.S_ISDIR(status.st_mode):
+            shutil.rmtree(each, ignore_errors=True)
+        elif not stat.S_ISREG(status.st_mode):
+            each.unlink()
+        elif status.st_size > (MOST_ROWS if each.suffix == ".bin" else MOST_TEXT):
+            raise errors.LimitError(
+                f"the run left {each.name} with {status.st_size} bytes, more than are read; "
+                "let it end earlier, with --duration"
+            )
 
 
 def _raise_failure(recording: Recording) -> None:
     """Raise the error with which the child refused to run anything."""
     failed = recording.note("failed")
-    if failed is None:
+    if failed is None or recording.note(STARTED) is not None:
         return
-    kind = getattr(errors, failed["error"], errors.InputError)
-    assert issubclass(kind, TraceRiskError)
-    place = None if failed["location"] is None else Location(*failed["location"])
-    raise kind(failed["message"], place)
+    kind = getattr(errors, str(failed.get("error")), None)
+    if not (isinstance(kind, type) and issubclass(kind, TraceRiskError)):
+        kind = errors.InputError
+    place = failed.get("location")
+    raise kind(str(failed.get("message")), None if place is None else Location(*place))
 
 
 def _raise_unstarted(recording: Recording, process: _ProcessEnd, settings: Settings) -> None:

@@ -11,8 +11,10 @@ from typing import Any
 
 from tracerisk.pipeline.launch.records import LaunchSetup
 
-MOST_BYTES = 2 * 1024**3
-"""What a file of a recording may have that is read at once [bytes]."""
+MOST_TEXT = 512 * 1024**2
+"""How large a file of a recording may be that holds text [bytes]."""
+MOST_ROWS = 8 * 1024**3
+"""How large a file of a recording may be that holds rows of numbers [bytes]."""
 
 EVENTS = "events.jsonl"
 """The recorder's events."""
