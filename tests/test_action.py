@@ -128,7 +128,7 @@ class Runner:
                 },
             }
             outcome = subprocess.run(
-                ["bash", "-euo", "pipefail", "-c", step["run"]],
+                ["/bin/bash", "-euo", "pipefail", "-c", step["run"]],
                 cwd=self.repository.folder / values["inputs.working-directory"],
                 env=environment,
                 stdout=subprocess.PIPE,

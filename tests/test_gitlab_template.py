@@ -100,7 +100,7 @@ def job(repository, server):
             **more,
         }
         return subprocess.run(
-            ["sh", "-c", script], cwd=repository.folder, env=environment, check=False
+            ["/bin/sh", "-c", script], cwd=repository.folder, env=environment, check=False
         ).returncode
 
     return run

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import shutil
-import stat
 import subprocess
 import sys
 import zipfile
 from pathlib import Path
 
 import pytest
-from ruamel.yaml import YAML
+
 from tests.test_action import ACTION, ROOT, Runner
 from tests.test_gitlab_template import job, server  # noqa: F401 - fixtures
 
@@ -53,7 +51,11 @@ class Trap:
         self._names(block)
         repository.git("add", "--all", "--force")
         repository.commit()
-        for each in marks.iterdir():
+        self.set()
+
+    def set(self) -> None:
+        """Forget what was run so far."""
+        for each in self.marks.iterdir():
             each.unlink()
 
     def python(self, name: str) -> str:
@@ -215,7 +217,7 @@ def test_no_file_of_a_checkout_runs_while_the_action_installs(trap, tmp_path):
         archive.writestr("tracerisk-0.dist-info/RECORD", "")
     (tmp_path / "temp").mkdir()
     done = subprocess.run(
-        ["bash", "-p", str(ROOT / "action" / "install.sh")],
+        ["/bin/bash", "-p", str(ROOT / "action" / "install.sh")],
         cwd=trap.folder,
         env={
             **os.environ,
@@ -237,6 +239,7 @@ def test_no_file_of_a_merge_request_runs_in_the_template(trap, server, job, tmp_
         (trap.folder / name).symlink_to(tmp_path / "outside")
     trap.repository.git("add", "--all", "--force")
     trap.repository.commit()
+    trap.set()
     around = hostile_environment(trap)
     around["PATH"] = f".:node_modules/.bin::{Path(sys.executable).parent}:{os.environ['PATH']}"
     job(trap.base, **around, CI_PROJECT_DIR=str(trap.folder))

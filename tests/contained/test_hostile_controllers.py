@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import socket
 import sys
@@ -179,10 +180,8 @@ class World:
         found = []
         for each in self.servers:
             each.settimeout(0)
-            try:
+            with contextlib.suppress(BlockingIOError):
                 found.append(str(each.recv(9) if each.type == socket.SOCK_DGRAM else each.accept()))
-            except BlockingIOError:
-                pass
         return found
 
     def left_running(self) -> list[str]:

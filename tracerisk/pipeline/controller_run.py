@@ -352,7 +352,9 @@ def _simulated_ns(folder: Path) -> int:
     return simulated_ns(folder)
 
 
-def _stop(child: subprocess.Popen[bytes], pid: int | None, folder: Path, limit: str) -> _ProcessEnd:
+def _stop(
+    child: subprocess.Popen[bytes], pid: int | None, request: RunRequest, limit: str
+) -> _ProcessEnd:
     """End the child, having asked its process `pid` where it stands, if that has begun."""
     stacks = Path(request.folder) / STACKS
     before = _size(stacks)

@@ -77,10 +77,11 @@ class Companion:
 @dataclass(frozen=True, slots=True)
 class RunRequest:
     """What the child is asked to run; `folder` is that of the recording.
-    `packages` are those of the workspace and their folders. `argv` holds what `launch` adds to it; `launch_notes` are the lines that tell of `launch`.
-    `companions` are started beside the controller. `written` is the folder into which goes what
-    the controller writes, `None` where it writes as it likes; `readable` and
-    `writable` are what it may reach then.
+
+    `packages` are those of the workspace and their folders. `argv` holds what `launch` adds to
+    it; `launch_notes` are the lines that tell of `launch`. `companions` are started beside the
+    controller. `written` is the folder into which goes what the controller writes, `None` where
+    it writes as it likes; `readable` and `writable` are what it may reach then.
     """
 
     controller: str
