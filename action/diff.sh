@@ -7,7 +7,13 @@ limits=()
 [ -z "${MAX_RISK:-}" ] || limits+=("--max-risk=$MAX_RISK")
 [ "${NO_NEW_ACCEPTS:-}" != true ] || limits+=(--no-new-accepts)
 [ -z "${SILENT_BELOW:-}" ] || limits+=("--silent-below=$SILENT_BELOW")
-head=${HEAD:-HEAD}
+head=HEAD
+if [ -n "${HEAD:-}" ]; then
+    # A pull request that is not checked out: its commits alone, as data.
+    case "${PULL_REQUEST:-}" in '' | *[!0-9]*) exit 2 ;; esac
+    fetch_commit "$HEAD" "refs/pull/$PULL_REQUEST/head"
+    head=$HEAD
+fi
 compare() {
     tracerisk diff --format markdown "${limits[@]}" "$BASE..$head" -- "${files[@]}" \
         >"$folder/comment.md"

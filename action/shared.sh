@@ -46,12 +46,16 @@ keep_code() {
     echo "code=$code" >>"$GITHUB_OUTPUT"
 }
 
-# Have the commit before the pull request here: a checkout of depth 1 lacks it.
-fetch_base() {
-    if ! [[ "$BASE" =~ ^[0-9a-f]{40}([0-9a-f]{24})?$ ]]; then
-        echo "the base of the pull request is no commit: nothing is compared" >&2
+# Have a commit here, which a checkout of depth 1 may lack: of this name, or what a name stands for.
+fetch_commit() {
+    if ! [[ "$1" =~ ^[0-9a-f]{40}([0-9a-f]{24})?$ ]]; then
+        echo "what is to be compared is no commit: nothing is compared" >&2
         exit 2
     fi
-    git cat-file -e "$BASE^{commit}" 2>/dev/null ||
-        git fetch --quiet --no-tags --no-recurse-submodules --depth=1 origin "$BASE"
+    git cat-file -e "$1^{commit}" 2>/dev/null ||
+        git fetch --quiet --no-tags --no-recurse-submodules "${@:3}" origin "${2:-$1}"
+    git cat-file -e "$1^{commit}"
 }
+
+# Have the commit before the pull request here.
+fetch_base() { fetch_commit "$BASE" "$BASE" --depth=1; }

@@ -57,7 +57,8 @@ def refresh_controller(
 ) -> Refreshed:
     """Return what brings the blocks of a controller up to date.
 
-    `sandbox` goes before the setting of that name. It is run as it was run last, with the options of then, where its trace is stale or not kept.
+    It is run as it was run last, with the options of then, where its trace is stale or not kept.
+    `sandbox` goes before the setting of that name.
     Raises EditInTheWayError where a person edited a computed value and the policy says to stop,
     ControllerFailedError where the run fails, and what `run` raises else.
     """
