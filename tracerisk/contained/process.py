@@ -46,10 +46,11 @@ _PASSED = frozenset(
     {
         *("HOME", "LANG", "LANGUAGE", "LD_LIBRARY_PATH", "LOGNAME", "PATH", "SHELL", "TERM"),
         *("TMPDIR", "TZ", "USER", "VIRTUAL_ENV", "COLUMNS", "LINES"),
-        *("MKL_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMEXPR_NUM_THREADS"),
     }
 )
 _SOURCE_ENDINGS = (".py", ".yaml", ".yml", ".json", ".toml", ".urdf", ".xacro", ".srdf", ".xml")
+# What a library computes depends on them, to the last digit.
+_OF_LIBRARIES = ("BLIS_", "LC_", "MKL_", "NUMEXPR_", "NVPL_", "OMP_", "OPENBLAS_")
 _OF_HOST = ("ROS_", "AMENT_", "COLCON_", "RMW_")
 # What people keep beside their sources and no controller needs.
 _SECRET_ENDINGS = (".key", ".pem", ".p12", ".pfx")
@@ -113,7 +114,7 @@ def passed_environment(sandbox: Sandbox) -> dict[str, str]:
         name: value
         for name, value in os.environ.items()
         if name in named
-        or name.startswith("LC_")
+        or name.startswith(_OF_LIBRARIES)
         or (sandbox.mode == "off" and not name.startswith(_OF_HOST))
     }
 
