@@ -38,7 +38,11 @@ if "readonly" in os.environ and "--method" in arguments:
 if arguments[1] == "user":
     sys.exit("HTTP 403: Resource not accessible by integration")
 path = next(each for each in arguments if each.startswith("repos/"))
-if "--method" not in arguments:
+if path.endswith("/pulls"):
+    assert "head=mallory:topic" in arguments and os.environ["HEAD"]
+    assert arguments[arguments.index("--method") + 1] == "GET"
+    print(os.environ["FOUND"])
+elif "--method" not in arguments:
     assert path == "repos/team/cell/issues/7/comments"
     wanted = arguments[arguments.index("--jq") + 1]
     assert 'select(.user.login == "github-actions[bot]" and' in wanted
@@ -63,14 +67,15 @@ else:
 class Runner:
     """Runs the composite steps that are scripts; the steps of other actions are left out."""
 
-    def __init__(self, folder: Path, repository) -> None:
+    def __init__(self, folder: Path, repository, action: Path = ACTION) -> None:
         self.repository = repository
         self.temp = folder / "temp"
         self.comments_file = folder / "comments.json"
-        self.steps = YAML(typ="safe").load(ACTION)["runs"]["steps"]
+        self.steps = YAML(typ="safe").load(action)["runs"]["steps"]
+        self.folder = action.parent
         self.inputs = {
             name: each.get("default", "")
-            for name, each in YAML(typ="safe").load(ACTION)["inputs"].items()
+            for name, each in YAML(typ="safe").load(action)["inputs"].items()
         }
         tools = folder / "tools"
         tools.mkdir()
@@ -87,6 +92,7 @@ class Runner:
         prefix: Path = Path(sys.prefix),
         around: Mapping[str, str] | None = None,
         may_fail: bool = False,
+        head: str = "",
         **inputs: str,
     ) -> dict[str, str]:
         """Run every step with the tool below `prefix`; return the exit code of each by its id.
@@ -103,17 +109,26 @@ class Runner:
         values = {f"inputs.{name}": value for name, value in {**self.inputs, **inputs}.items()}
         values |= {
             "inputs.token": "secret",
-            "github.action_path": str(ROOT),
+            "github.action_path": str(self.folder),
             "github.event_name": "pull_request",
             "github.repository": "team/cell",
             "github.event.pull_request.base.sha": base,
             "github.event.pull_request.number": "7",
             "runner.temp": str(self.temp),
+            "github.event.workflow_run.head_repository.owner.login": "mallory",
+            "github.event.workflow_run.head_branch": "topic",
+            "github.event.workflow_run.head_sha": head,
         }
         codes = {}
         for step in self.steps:
             if "run" not in step or step["id"] == "install":
                 continue
+            if (
+                "find.outputs.number" in step.get("if", "")
+                and not values["steps.find.outputs.number"]
+            ):
+                continue
+            values.setdefault("steps.find.outputs.number", "")
             output = self.temp / f"{step['id']}.output"
             environment = {
                 **os.environ,
@@ -277,3 +292,45 @@ def test_other_actions_are_taken_by_their_digests():
     for step in YAML(typ="safe").load(ACTION)["runs"]["steps"]:
         if "uses" in step:
             assert re.fullmatch(r"[\w/-]+@[0-9a-f]{40}", step["uses"])
+
+
+@pytest.fixture
+def fork(runner, steps, tmp_path):
+    """A pull request whose commits only the server has, and the runner of the trusted workflow."""
+    ours = runner.repository
+    base = ours.git("rev-parse", "HEAD").strip()
+    ours.write("cell.py", steps("= 4e-07"))
+    ours.write("venv.py", "raise SystemExit('a file of the fork ran')")
+    ours.commit()
+    head = ours.git("rev-parse", "HEAD").strip()
+    server = tmp_path / "server.git"
+    ours.git("clone", "--quiet", "--bare", str(ours.folder), str(server))
+    ours.git("push", "--quiet", str(server), f"{head}:refs/pull/7/head", f"+{base}:refs/heads/main")
+    ours.git("reset", "--quiet", "--hard", base)
+    ours.git("remote", "add", "origin", str(server))
+    ours.git("reflog", "expire", "--expire=now", "--all")
+    ours.git("gc", "--quiet", "--prune=now")
+    folder = tmp_path / "trusted"
+    folder.mkdir()
+    trusted = Runner(folder, ours, ROOT / "action" / "comment" / "action.yml")
+
+    def run(found: str = f"7 {base}"):
+        return trusted.run("", head=head, around={"FOUND": found}, files="cell.py")
+
+    return trusted, run
+
+
+def test_a_pull_request_from_a_fork_is_compared_without_being_checked_out(fork):
+    runner, run = fork
+    run()
+    (comment,) = runner.comments
+    assert comment.startswith("<!-- tracerisk-diff -->\n**cell.py: mission failure rises")
+    assert not (runner.repository.folder / "venv.py").exists()
+
+
+@pytest.mark.parametrize("found", ["", "7 main", "7 $(touch x)", "seven " + "0" * 40])
+def test_no_pull_request_gets_no_comment(fork, found):
+    runner, run = fork
+    codes = run(found)
+    assert set(codes) == {"find"}
+    assert runner.comments == []

@@ -98,9 +98,7 @@ def test_a_trace_is_the_same_contained_or_not(tmp_path, monkeypatch):
     for number, mode in enumerate(("require", "off")):
         folder = tmp_path / f"{number}" / "cell"
         folder.mkdir(parents=True)
-        traces.append(
-            trace_controller(load_controller(write_cell(folder)), Settings(sandbox=mode))
-        )
+        traces.append(trace_controller(load_controller(write_cell(folder)), Settings(sandbox=mode)))
     assert traces[0] == traces[1]
 
 
@@ -201,7 +199,7 @@ def test_a_macro_reads_nothing_of_the_home(tmp_path, monkeypatch):
     model = tmp_path / "model" / "arm.xacro"
     model.write_text(
         '<robot name="a" xmlns:xacro="http://www.ros.org/wiki/xacro">'
-        f'<link name="${{xacro.load_yaml(\'{secret}\')[\'a\']}}"/></robot>'
+        f"<link name=\"${{xacro.load_yaml('{secret}')['a']}}\"/></robot>"
     )
     with pytest.raises(Exception, match="Permission denied"):
         expand_xacro(model, {})
