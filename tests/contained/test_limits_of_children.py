@@ -57,15 +57,21 @@ def attacked(tmp_path):
 
 
 def test_a_fifo_in_place_of_a_file_holds_nobody_up(attacked):
-    trace = attacked("os.remove(events); os.mkfifo(events)")
-    assert not trace.end.is_good
+    with pytest.raises(LogError, match="no regular file"):
+        attacked("os.remove(events); os.mkfifo(events)")
+
+
+def test_a_recording_that_is_removed_is_told(attacked):
+    with pytest.raises(LogError, match="has removed it"):
+        attacked("os.remove(events)")
 
 
 def test_a_fifo_that_is_looked_at_during_the_run_holds_nobody_up(attacked):
-    attacked(
-        'header = os.path.join(FOLDER, "samples.json"); os.remove(header); os.mkfifo(header)'
-        "; arm.go([0.0] * 7, wait=True)"
-    )
+    with pytest.raises(LogError):
+        attacked(
+            'header = os.path.join(FOLDER, "samples.json"); os.remove(header); os.mkfifo(header)'
+            "; arm.go([0.0] * 7, wait=True)"
+        )
 
 
 @pytest.mark.parametrize("name", ["events.jsonl", "bodies.jsonl", "samples.json"])

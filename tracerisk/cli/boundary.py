@@ -8,14 +8,13 @@ import sys
 import threading
 import traceback
 import warnings
-from collections.abc import Callable
 from importlib import import_module
 from typing import NoReturn
 
 from tracerisk.cli.output import print_json, scenario_advice
 from tracerisk.errors import ExitCode, TraceRiskError
 
-_format: Callable[..., str] = warnings.formatwarning
+_format = warnings.formatwarning
 _FAULT_ADVICE = "this is a fault of tracerisk; please report it with the lines above"
 
 
@@ -42,11 +41,17 @@ def guarded(options: argparse.Namespace) -> int:
         return _internal_error()
 
 
-def _one_line(message: object, category: type[Warning], *place: object) -> str:
+def _one_line(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    line: str | None = None,
+) -> str:
     """Print our own warnings as everything else that we say."""
     if category.__module__.partition(".")[0] == "tracerisk":
         return f"tracerisk: warning: {message}\n"
-    return _format(message, category, *place)
+    return _format(message, category, filename, lineno, line)
 
 
 def _failed(options: argparse.Namespace, error: TraceRiskError) -> int:

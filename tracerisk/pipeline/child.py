@@ -254,7 +254,7 @@ def _files(request: RunRequest, recorder: Recorder) -> Iterator[None]:
     if request.written is None:
         yield
         return
-    told = set()
+    told: set[tuple[str, str]] = set()
 
     def denied(verb: str, what: str) -> None:
         if (verb, what) in told or len(told) >= _MOST_DENIED:

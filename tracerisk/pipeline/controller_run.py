@@ -136,11 +136,15 @@ def run_controller(
 
 @dataclass(frozen=True, slots=True)
 class _ProcessEnd:
-    """How the process ended: its return code, or the limit that was reached and where."""
+    """How the process ended: its return code, or the limit that was reached and where.
+
+    `has_begun`: the controller's first line was reached.
+    """
 
     code: int
     limit: str | None = None
     location: Location | None = None
+    has_begun: bool = False
 
 
 @contextlib.contextmanager
@@ -244,7 +248,8 @@ def _run_child(
     try:
         passing = None if child.stdout is None else _pass_on(child.stdout)
         start.handed_over()
-        return _watch(child, start, request, settings, progress)
+        ended = _watch(child, start, request, settings, progress)
+        return replace(ended, has_begun=start.pid is not None)
     finally:
         # Whatever the controller started goes with it.
         end(child)
@@ -418,14 +423,15 @@ def _recording(folder: Path, request: RunRequest) -> Recording:
 
 
 def _check_left(folder: Path) -> None:
-    """Remove what is no regular file of a recording; raise LimitError at one that is too large."""
+    """Raise LogError at what is no regular file of a recording, LimitError at a too large one."""
     for each in sorted(folder.iterdir()):
         status = each.lstat()
-        if stat.S_ISDIR(status.st_mode):
-            shutil.rmtree(each, ignore_errors=True)
-        elif not stat.S_ISREG(status.st_mode):
-            each.unlink()
-        elif status.st_size > (MOST_ROWS if each.suffix == ".bin" else MOST_TEXT):
+        if not stat.S_ISREG(status.st_mode):
+            raise errors.LogError(
+                f"{each.name} of the recording is no regular file: the controller's process has "
+                "put it there",
+            )
+        if status.st_size > (MOST_ROWS if each.suffix == ".bin" else MOST_TEXT):
             raise errors.LimitError(
                 f"the run left {each.name} with {status.st_size} bytes, more than are read; "
                 "let it end earlier, with --duration"
@@ -448,6 +454,10 @@ def _raise_unstarted(recording: Recording, process: _ProcessEnd, settings: Setti
     """Raise what kept the process from reaching the controller's first line."""
     if recording.note(STARTED) is not None or process.limit is not None:
         return
+    if process.has_begun:
+        raise errors.LogError(
+            "the recording of the run is gone: the controller's process has removed it"
+        )
     if settings.memory_limit_mb < Settings().memory_limit_mb:
         raise errors.InputError(
             f"{settings.memory_limit_mb} MB are too little to start the simulation; give it more "
