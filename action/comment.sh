@@ -1,19 +1,33 @@
 #!/usr/bin/env bash
 # Keep one comment on the pull request up to date; keep still where there is nothing to say.
-set -euo pipefail
-body="$RUNNER_TEMP/tracerisk/comment.md"
+# A comment that cannot be written fails nothing: alerts, report and verdict come after it.
+source "${0%/*}/shared.sh"
+cd "$RUNNER_TEMP"
+body="$folder/comment.md"
 tag='<!-- tracerisk-diff -->'
 [ -f "$body" ] || exit 0
 
-earlier=$(gh api --paginate "repos/$REPOSITORY/issues/$PULL_REQUEST/comments" \
-    --jq ".[] | select(.body | startswith(\"$tag\")) | .id" | head -n 1)
+give_up() {
+    echo "::warning title=tracerisk::no comment could be written: the token needs pull-requests: write, which a pull request from a fork has not"
+    exit 0
+}
+
+# Whoever holds the token: the one account whose comments are ours. A workflow's own is a bot.
+me=$(gh api user --jq .login 2>/dev/null) || me='github-actions[bot]'
+case "$me" in '' | *[!A-Za-z0-9_\[\]-]*) me='github-actions[bot]' ;; esac
+earlier=$(gh api --paginate "repos/$REPOSITORY/issues/$PULL_REQUEST/comments" --jq \
+    ".[] | select(.user.login == \"$me\" and (.body | startswith(\"$tag\"))) | .id" 2>/dev/null) ||
+    give_up
+earlier=${earlier%%$'\n'*}
 
 if [ ! -s "$body" ]; then
     [ -n "$earlier" ] || exit 0
     printf '%s\n**No change of risk worth telling any more.**\n' "$tag" >"$body"
 fi
 if [ -n "$earlier" ]; then
-    gh api --method PATCH "repos/$REPOSITORY/issues/comments/$earlier" --field "body=@$body" >/dev/null
+    gh api --method PATCH "repos/$REPOSITORY/issues/comments/$earlier" \
+        --field "body=@$body" >/dev/null || give_up
 else
-    gh api --method POST "repos/$REPOSITORY/issues/$PULL_REQUEST/comments" --field "body=@$body" >/dev/null
+    gh api --method POST "repos/$REPOSITORY/issues/$PULL_REQUEST/comments" \
+        --field "body=@$body" >/dev/null || give_up
 fi

@@ -1,14 +1,21 @@
 #!/usr/bin/env bash
 # What the pull request does to the risk, as the text of a comment.
-source "$(dirname "$0")/shared.sh"
+source "${0%/*}/shared.sh"
 fetch_base
 limits=()
-[ -z "${MAX_INCREASE:-}" ] || limits+=(--max-increase "$MAX_INCREASE")
-[ -z "${MAX_RISK:-}" ] || limits+=(--max-risk "$MAX_RISK")
+[ -z "${MAX_INCREASE:-}" ] || limits+=("--max-increase=$MAX_INCREASE")
+[ -z "${MAX_RISK:-}" ] || limits+=("--max-risk=$MAX_RISK")
 [ "${NO_NEW_ACCEPTS:-}" != true ] || limits+=(--no-new-accepts)
-[ -z "${SILENT_BELOW:-}" ] || limits+=(--silent-below "$SILENT_BELOW")
+[ -z "${SILENT_BELOW:-}" ] || limits+=("--silent-below=$SILENT_BELOW")
+head=HEAD
+if [ -n "${HEAD:-}" ]; then
+    # A pull request that is not checked out: its commits alone, as data.
+    case "${PULL_REQUEST:-}" in '' | *[!0-9]*) exit 2 ;; esac
+    fetch_commit "$HEAD" "refs/pull/$PULL_REQUEST/head"
+    head=$HEAD
+fi
 compare() {
-    "$tracerisk" diff --format markdown "${limits[@]}" "$BASE..HEAD" "${files[@]}" \
+    tracerisk diff --format markdown "${limits[@]}" "$BASE..$head" -- "${files[@]}" \
         >"$folder/comment.md"
 }
 keep_code compare

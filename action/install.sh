@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Install tracerisk into an environment of its own, so that it meets no package of the project.
-set -euo pipefail
-folder="$RUNNER_TEMP/tracerisk"
+source "${0%/*}/shared.sh"
 mkdir -p "$folder/sarif"
-python -m venv "$folder/venv"
-"$folder/venv/bin/pip" install --quiet --disable-pip-version-check "$ACTION"
-"$folder/venv/bin/tracerisk" --version
+# Away from the checkout, and isolated: none of its files is a module of ours.
+cd "$RUNNER_TEMP"
+python -I -m venv "$folder/venv"
+"$folder/venv/bin/python" -I -m pip install --quiet --disable-pip-version-check "$ACTION"
+tracerisk --version

@@ -1,17 +1,36 @@
 #!/usr/bin/env bash
 # One report for each controller; a report that cannot be made fails nothing.
-source "$(dirname "$0")/shared.sh"
+source "${0%/*}/shared.sh"
 against=()
 [ -z "${BASE:-}" ] || against=(--against "$BASE")
 mkdir -p "$folder/report"
-"$folder/venv/bin/python" -c '
-import sys
+names="$folder/controllers"
+failed=0
+
+controllers() {
+    "$folder/venv/bin/python" -I -c '
+import os, sys
 from pathlib import Path
 from tracerisk.pipeline.check import controllers_in, controllers_of
-print(*(controllers_of(sys.argv[1:]) if sys.argv[1:] else controllers_in(Path())), sep="\n")
-' "${files[@]}" | while IFS= read -r controller; do
-    page="$folder/report/$(printf '%s' "${controller%.py}" | tr '/' '-').html"
-    if ! "$tracerisk" report "$controller" --output "$page" "${against[@]}"; then
-        echo "::warning title=tracerisk::no report of $controller could be made"
-    fi
-done
+found = controllers_of(sys.argv[1:]) if sys.argv[1:] else controllers_in(Path())
+sys.stdout.buffer.write(b"".join(os.fsencode(str(each)) + b"\0" for each in found))
+' "${files[@]}" >"$names"
+}
+
+reports() {
+    local controller name
+    while IFS= read -r -d '' controller; do
+        name=$(printf '%s' "${controller%.py}" | tr -c 'A-Za-z0-9._\n-' '-' | tr '\n' '-')
+        tracerisk report --output "$folder/report/$name.html" "${against[@]}" -- "$controller" ||
+            failed=$((failed + 1))
+    done <"$names"
+}
+
+if quoted controllers; then
+    quoted reports
+else
+    failed=$((failed + 1))
+fi
+if [ "$failed" -gt 0 ]; then
+    echo "::warning title=tracerisk::$failed of the reports could not be made; see the log"
+fi

@@ -9,6 +9,7 @@ import shutil
 import stat
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -32,10 +33,23 @@ store = Path(os.environ["COMMENTS"])
 comments = json.loads(store.read_text()) if store.exists() else []
 arguments = sys.argv[1:]
 assert arguments[0] == "api" and os.environ["GH_TOKEN"] == "secret"
+if "readonly" in os.environ and "--method" in arguments:
+    sys.exit("HTTP 403: Resource not accessible by integration")
+if arguments[1] == "user":
+    sys.exit("HTTP 403: Resource not accessible by integration")
 path = next(each for each in arguments if each.startswith("repos/"))
-if "--method" not in arguments:
+if path.endswith("/pulls"):
+    assert "head=mallory:topic" in arguments and os.environ["HEAD"]
+    assert arguments[arguments.index("--method") + 1] == "GET"
+    print(os.environ["FOUND"])
+elif "--method" not in arguments:
     assert path == "repos/team/cell/issues/7/comments"
-    print(*(each["id"] for each in comments if each["body"].startswith("<!-- tracerisk-diff -->")))
+    wanted = arguments[arguments.index("--jq") + 1]
+    assert 'select(.user.login == "github-actions[bot]" and' in wanted
+    for each in comments:
+        is_ours = each.get("user", "github-actions[bot]") == "github-actions[bot]"
+        if is_ours and each["body"].startswith("<!-- tracerisk-diff -->"):
+            print(each["id"])
 else:
     method = arguments[arguments.index("--method") + 1]
     body = Path(arguments[arguments.index("--field") + 1].removeprefix("body=@")).read_text()
@@ -53,14 +67,15 @@ else:
 class Runner:
     """Runs the composite steps that are scripts; the steps of other actions are left out."""
 
-    def __init__(self, folder: Path, repository) -> None:
+    def __init__(self, folder: Path, repository, action: Path = ACTION) -> None:
         self.repository = repository
         self.temp = folder / "temp"
         self.comments_file = folder / "comments.json"
-        self.steps = YAML(typ="safe").load(ACTION)["runs"]["steps"]
+        self.steps = YAML(typ="safe").load(action)["runs"]["steps"]
+        self.folder = action.parent
         self.inputs = {
             name: each.get("default", "")
-            for name, each in YAML(typ="safe").load(ACTION)["inputs"].items()
+            for name, each in YAML(typ="safe").load(action)["inputs"].items()
         }
         tools = folder / "tools"
         tools.mkdir()
@@ -70,8 +85,21 @@ class Runner:
             f"{tools}{os.pathsep}{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
         )
 
-    def run(self, base: str, *, prefix: Path = Path(sys.prefix), **inputs: str) -> dict[str, str]:
-        """Run every step with the tool below `prefix`; return the exit code of each by its id."""
+    def run(
+        self,
+        base: str,
+        *,
+        prefix: Path = Path(sys.prefix),
+        around: Mapping[str, str] | None = None,
+        may_fail: bool = False,
+        head: str = "",
+        **inputs: str,
+    ) -> dict[str, str]:
+        """Run every step with the tool below `prefix`; return the exit code of each by its id.
+
+        `around` are variables of the environment that the workflow has set.
+        """
+        self.log = ""
         shutil.rmtree(self.temp, ignore_errors=True)
         self.temp.mkdir(parents=True)
         # As install.sh leaves it; building an environment is left to CI's own run of the README.
@@ -81,17 +109,26 @@ class Runner:
         values = {f"inputs.{name}": value for name, value in {**self.inputs, **inputs}.items()}
         values |= {
             "inputs.token": "secret",
-            "github.action_path": str(ROOT),
+            "github.action_path": str(self.folder),
             "github.event_name": "pull_request",
             "github.repository": "team/cell",
             "github.event.pull_request.base.sha": base,
             "github.event.pull_request.number": "7",
             "runner.temp": str(self.temp),
+            "github.event.workflow_run.head_repository.owner.login": "mallory",
+            "github.event.workflow_run.head_branch": "topic",
+            "github.event.workflow_run.head_sha": head,
         }
         codes = {}
         for step in self.steps:
             if "run" not in step or step["id"] == "install":
                 continue
+            if (
+                "find.outputs.number" in step.get("if", "")
+                and not values["steps.find.outputs.number"]
+            ):
+                continue
+            values.setdefault("steps.find.outputs.number", "")
             output = self.temp / f"{step['id']}.output"
             environment = {
                 **os.environ,
@@ -99,20 +136,26 @@ class Runner:
                 "RUNNER_TEMP": str(self.temp),
                 "GITHUB_OUTPUT": str(output),
                 "COMMENTS": str(self.comments_file),
+                **(around or {}),
                 **{
                     name: EXPRESSION.sub(lambda found: values[found[1]], str(text))
                     for name, text in step["env"].items()
                 },
             }
             outcome = subprocess.run(
-                ["bash", "-euo", "pipefail", "-c", step["run"]],
-                cwd=self.repository.folder,
+                ["/bin/bash", "-euo", "pipefail", "-c", step["run"]],
+                cwd=self.repository.folder / values["inputs.working-directory"],
                 env=environment,
-                capture_output=True,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
                 text=True,
+                errors="replace",
                 check=False,
             )
-            assert outcome.returncode == 0 or step["id"] == "verdict", outcome.stderr
+            self.log += outcome.stdout
+            if outcome.returncode and may_fail:
+                return codes
+            assert outcome.returncode == 0 or step["id"] == "verdict", outcome.stdout
             codes[step["id"]] = str(outcome.returncode)
             for line in output.read_text().splitlines() if output.exists() else ():
                 name, _, value = line.partition("=")
@@ -186,21 +229,26 @@ def test_alerts_and_report_are_there_though_the_verdict_is_bad(runner, steps):
 
 def test_the_base_and_the_limits_are_handed_on(runner, steps, tmp_path):
     base = commit(runner, steps("= 4e-07"))
-    tool, told = tmp_path / "bin" / "tracerisk", tmp_path / "told"
+    tool, told = tmp_path / "bin" / "python", tmp_path / "told"
     tool.parent.mkdir()
-    tool.write_text(f'#!/bin/sh\necho "$@" >>"{told}"\n')
-    (tool.parent / "python").write_text(f'#!/bin/sh\nexec {sys.executable} "$@"\n')
-    for each in tool.parent.iterdir():
-        each.chmod(stat.S_IRWXU)
+    tool.write_text(
+        f"""#!/bin/sh
+[ "$1 $2 $3" = "-I -m tracerisk" ] || exec {sys.executable} "$@"
+shift 3
+echo "$@" >>"{told}"
+"""
+    )
+    tool.chmod(stat.S_IRWXU)
     limits = {"min-coverage": "0.8", "no-new-accepts": "false"}
     for inputs in ({}, limits):
         runner.run(base, prefix=tmp_path, files="cell.py", comment="false", **inputs)
     lines = told.read_text().splitlines()
     checks = [line.partition(" --sarif")[0] for line in lines if line.startswith("check")]
     diffs = [line for line in lines if line.startswith("diff")]
+    assert all(line.endswith(" -- cell.py") for line in lines)
     assert checks == [
-        f"check --base {base} cell.py",
-        f"check --base {base} --min-coverage 0.8 cell.py",
+        f"check --base {base}",
+        f"check --base {base} --min-coverage=0.8",
     ]
     assert ["--no-new-accepts" in line for line in diffs] == [True, False]
 
@@ -208,3 +256,81 @@ def test_the_base_and_the_limits_are_handed_on(runner, steps, tmp_path):
 def test_expressions_stand_only_where_no_shell_reads_them():
     for step in YAML(typ="safe").load(ACTION)["runs"]["steps"]:
         assert "${{" not in step.get("run", "")
+
+
+def test_a_token_that_may_not_write_costs_the_comment_alone(runner, steps):
+    base = commit(runner, steps("= 4e-07"))
+    codes = runner.run(base, files="cell.py", around={"readonly": "yes"})
+    assert codes["comment"] == "0"
+    assert runner.comments == []
+    assert "::warning title=tracerisk::no comment could be written" in runner.log
+    assert (runner.temp / "tracerisk" / "report" / "cell.html").is_file()
+    assert "verdict" in codes
+
+
+def test_a_comment_of_somebody_else_is_left_alone(runner, steps):
+    theirs = {"id": 1, "body": "<!-- tracerisk-diff -->\nmine", "user": "mallory"}
+    runner.comments_file.write_text(json.dumps([theirs]))
+    base = commit(runner, steps("= 4e-07"))
+    runner.run(base, files="cell.py")
+    first, second = runner.comments
+    assert first == theirs["body"]
+    assert "mission failure rises" in second
+
+
+def test_a_lock_that_cannot_be_read_costs_the_reports_alone(runner, steps):
+    base = commit(runner, steps("= 4e-07"))
+    runner.repository.write("tracerisk.lock", "{")
+    runner.repository.commit()
+    codes = runner.run(base)
+    assert codes["report"] == "0"
+    assert "of the reports could not be made" in runner.log
+    assert codes["verdict"] != "0"
+
+
+def test_other_actions_are_taken_by_their_digests():
+    for step in YAML(typ="safe").load(ACTION)["runs"]["steps"]:
+        if "uses" in step:
+            assert re.fullmatch(r"[\w/-]+@[0-9a-f]{40}", step["uses"])
+
+
+@pytest.fixture
+def fork(runner, steps, tmp_path):
+    """A pull request whose commits only the server has, and the runner of the trusted workflow."""
+    ours = runner.repository
+    base = ours.git("rev-parse", "HEAD").strip()
+    ours.write("cell.py", steps("= 4e-07"))
+    ours.write("venv.py", "raise SystemExit('a file of the fork ran')")
+    ours.commit()
+    head = ours.git("rev-parse", "HEAD").strip()
+    server = tmp_path / "server.git"
+    ours.git("clone", "--quiet", "--bare", str(ours.folder), str(server))
+    ours.git("push", "--quiet", str(server), f"{head}:refs/pull/7/head", f"+{base}:refs/heads/main")
+    ours.git("reset", "--quiet", "--hard", base)
+    ours.git("remote", "add", "origin", str(server))
+    ours.git("reflog", "expire", "--expire=now", "--all")
+    ours.git("gc", "--quiet", "--prune=now")
+    folder = tmp_path / "trusted"
+    folder.mkdir()
+    trusted = Runner(folder, ours, ROOT / "action" / "comment" / "action.yml")
+
+    def run(found: str = f"7 {base}"):
+        return trusted.run("", head=head, around={"FOUND": found}, files="cell.py")
+
+    return trusted, run
+
+
+def test_a_pull_request_from_a_fork_is_compared_without_being_checked_out(fork):
+    runner, run = fork
+    run()
+    (comment,) = runner.comments
+    assert comment.startswith("<!-- tracerisk-diff -->\n**cell.py: mission failure rises")
+    assert not (runner.repository.folder / "venv.py").exists()
+
+
+@pytest.mark.parametrize("found", ["", "7 main", "7 $(touch x)", "seven " + "0" * 40])
+def test_no_pull_request_gets_no_comment(fork, found):
+    runner, run = fork
+    codes = run(found)
+    assert set(codes) == {"find"}
+    assert runner.comments == []

@@ -13,6 +13,7 @@ from typing import get_args
 import pytest
 
 from tracerisk import errors
+from tracerisk.contained.kernel import Support
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.pipeline.check_finding import FindingKind
 from tracerisk.trace import GOOD_ENDS, EndCause, RunEnd
@@ -174,6 +175,14 @@ def test_what_is_given_wrongly_is_told_so(code, call, tmp_path):
     assert_told(code, out, tmp_path)
     if not command.startswith("check"):  # which tells of several
         assert f'"code": "{code}"' in call(f"{command} --json")[1]
+
+
+def test_a_sandbox_that_is_required_in_vain_is_told_so(call, tmp_path, monkeypatch):
+    monkeypatch.setattr("tracerisk.contained.process.support", lambda: Support(0, seccomp=False))
+    put({"cell.py": CELL})
+    exit_code, out = call("run cell.py --robot panda --sandbox require")
+    assert exit_code == ExitCode.BAD_INPUT
+    assert_told("sandbox", out, tmp_path)
 
 
 def test_an_edit_in_the_way_is_told_so(call, tmp_path):

@@ -29,6 +29,7 @@ class Server(HTTPServer):
     def __init__(self) -> None:
         super().__init__(("127.0.0.1", 0), Handler)
         self.notes: list[str] = ["looks good"]
+        self.first_author = 4
 
 
 class Handler(BaseHTTPRequestHandler):
@@ -45,8 +46,18 @@ class Handler(BaseHTTPRequestHandler):
         return parse_qs(text)["body"][0]
 
     def do_GET(self) -> None:
+        assert self.headers["PRIVATE-TOKEN"] == "secret"
+        if self.path == "/api/v4/user":
+            self.answer({"id": 5})
+            return
         assert self.path.partition("?")[0] == NOTES
-        self.answer([{"id": i, "body": body} for i, body in enumerate(self.server.notes)])
+        authors = [self.server.first_author, *[5] * len(self.server.notes)]
+        self.answer(
+            [
+                {"id": i, "body": body, "author": {"id": author}}
+                for i, (body, author) in enumerate(zip(self.server.notes, authors, strict=False))
+            ]
+        )
 
     def do_POST(self) -> None:
         assert self.path == NOTES
@@ -76,7 +87,7 @@ def job(repository, server):
     read = YAML(typ="safe").load(TEMPLATE)["tracerisk"]
     (script,) = read["script"]
 
-    def run(base: str, token: str = "secret") -> int:
+    def run(base: str, token: str = "secret", **more: str) -> int:
         environment = {
             **os.environ,
             **read["variables"],
@@ -86,9 +97,10 @@ def job(repository, server):
             "CI_MERGE_REQUEST_IID": "7",
             "CI_MERGE_REQUEST_DIFF_BASE_SHA": base,
             "TRACERISK_TOKEN": token,
+            **more,
         }
         return subprocess.run(
-            ["sh", "-c", script], cwd=repository.folder, env=environment, check=False
+            ["/bin/sh", "-c", script], cwd=repository.folder, env=environment, check=False
         ).returncode
 
     return run

@@ -33,6 +33,9 @@ FailOn = Literal["finding", "unexpected_contact", "planning_failure", "execution
 DEFAULT_DURATION_S = 300.0
 """The simulated time after which a run is over where nobody says otherwise [s]."""
 
+SANDBOX_SETTINGS = ("sandbox", "readable", "writable", "env")
+"""The settings that say how a run is contained."""
+
 _TABLE = ("tool", "tracerisk")
 _CONTROLLERS = "controllers"
 _ROOT_MARKS = ("package.xml", "pyproject.toml", "setup.py", ".git")

@@ -19,7 +19,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from time import clock_gettime, monotonic, process_time, sleep
 from typing import NoReturn
@@ -68,7 +68,7 @@ class Limits:
     """Wall time [s]."""
     memory: Limit = Limit("memory_limit_mb", 8192)
     """Address space of a controller [MB]; a process that reads a file has a quarter of it."""
-    sandbox: Sandbox = Sandbox()
+    sandbox: Sandbox = field(default_factory=Sandbox)
     """What else the process may reach."""
 
     @property

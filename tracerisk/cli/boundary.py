@@ -7,12 +7,14 @@ import signal
 import sys
 import threading
 import traceback
+import warnings
 from importlib import import_module
 from typing import NoReturn
 
 from tracerisk.cli.output import print_json, scenario_advice
 from tracerisk.errors import ExitCode, TraceRiskError
 
+_format = warnings.formatwarning
 _FAULT_ADVICE = "this is a fault of tracerisk; please report it with the lines above"
 
 
@@ -20,6 +22,7 @@ def guarded(options: argparse.Namespace) -> int:
     """Run the chosen verb and return its exit code."""
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, _terminated)
+    warnings.formatwarning = _one_line
     try:
         return int(import_module(f"tracerisk.cli.{options.verb.replace('-', '_')}").run(options))
     except TraceRiskError as error:
@@ -36,6 +39,19 @@ def guarded(options: argparse.Namespace) -> int:
         raise
     except Exception:  # noqa: BLE001 - the one boundary
         return _internal_error()
+
+
+def _one_line(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    line: str | None = None,
+) -> str:
+    """Print our own warnings as everything else that we say."""
+    if category.__module__.partition(".")[0] == "tracerisk":
+        return f"tracerisk: warning: {message}\n"
+    return _format(message, category, filename, lineno, line)
 
 
 def _failed(options: argparse.Namespace, error: TraceRiskError) -> int:

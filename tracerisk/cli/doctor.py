@@ -25,6 +25,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "controller", metavar="FILE", nargs="?", help="a controller, to tell its robot and settings"
     )
     parser.add_argument("--robot", metavar="NAME|FILE", help="the arm; else as a run takes it")
+    shared.add_sandbox(parser)
     shared.add_json(parser)
 
 
@@ -39,10 +40,11 @@ def run(options: argparse.Namespace) -> int:
     _look(found, faults, "engine", _engine)
     _look(found, faults, "physics", _physics)
     _look(found, faults, "robots", _robots)
+    _look(found, faults, "sandbox", _sandbox)
     settings: dict[str, dict[str, Any]] = {}
     if options.controller is not None:
-        found.update(_of_controller(options.controller, options.robot))
-        settings = _settings(options.controller, options.robot)
+        found.update(_of_controller(options.controller, options.robot, options.sandbox))
+        settings = _settings(options.controller, options.robot, options.sandbox)
     code = ExitCode.INTERNAL_FAULT if faults else ExitCode.FINE
     if options.json:
         print_json("doctor", exit_code=int(code), found=found, settings=settings, faults=faults)
@@ -104,18 +106,39 @@ def _robots() -> str:
     return ", ".join(robot_names())
 
 
-def _settings(path: str, robot_name: str | None) -> dict[str, dict[str, Any]]:
+def _sandbox() -> str:
+    """Say which parts of the sandbox work here."""
+    from tracerisk.contained.kernel import support
+
+    here = support()
+    parts = {
+        "files": here.landlock > 0,
+        "network and other calls": here.seccomp,
+        "ports": here.landlock >= 4,
+        "devices": here.landlock >= 5,
+        "signals": here.landlock >= 6 or here.seccomp,
+    }
+    version = f"Landlock {here.landlock}" if here.landlock else "no Landlock"
+    filters = "seccomp" if here.seccomp else "no seccomp"
+    kept = ", ".join(name for name, is_kept in parts.items() if is_kept)
+    if not here.missing:
+        return f"works ({version}, {filters}); kept in: {kept}"
+    return f"does not work: {here.missing} is missing ({version}, {filters})"
+
+
+def _settings(path: str, robot_name: str | None, sandbox: str | None) -> dict[str, dict[str, Any]]:
     """Return each setting of a controller: its value, where it comes from, and the place there."""
     from tracerisk import pipeline
     from tracerisk.config import setting_origins
 
     controller = pipeline.load_controller(path)
-    settings = pipeline.load_settings(controller, {"robot": robot_name})
+    settings = pipeline.load_settings(controller, {"robot": robot_name, "sandbox": sandbox})
     found = {}
     for name, origin in setting_origins(controller.root, controller.file).items():
         place = origin.location
         source = "default" if place is None else "controller" if origin.is_own else "all"
-        if name == "robot" and robot_name is not None:
+        given = {"robot": robot_name, "sandbox": sandbox}
+        if given.get(name) is not None:
             source, place = "command line", None
         found[name] = {
             "value": getattr(settings, name),
@@ -144,13 +167,13 @@ def _source(setting: Mapping[str, Any]) -> str:
     return f"{setting['file']}:{setting['line']}, {given}"
 
 
-def _of_controller(path: str, robot_name: str | None) -> dict[str, str]:
+def _of_controller(path: str, robot_name: str | None, sandbox: str | None) -> dict[str, str]:
     from tracerisk import pipeline
     from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
     from tracerisk.pipeline.robot_choice import choose_launched_robot
 
     controller = pipeline.load_controller(path)
-    settings = pipeline.load_settings(controller, {"robot": robot_name})
+    settings = pipeline.load_settings(controller, {"robot": robot_name, "sandbox": sandbox})
     found = {
         "controller": controller.file,
         "root": str(controller.root),

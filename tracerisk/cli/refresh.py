@@ -29,6 +29,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     shared.add_write_options(parser)
     shared.add_edit_options(parser)
+    shared.add_sandbox(parser)
     shared.add_json(parser)
 
 
@@ -49,7 +50,9 @@ def run(options: argparse.Namespace) -> int:
             continue
         try:
             with progress_bar(quiet=options.quiet) as progress:
-                done = refresh_controller(path, policy=policy, progress=progress)
+                done = refresh_controller(
+                    path, policy=policy, sandbox=options.sandbox, progress=progress
+                )
             would_change = _settle(done, options)
         except TraceRiskError as error:
             # The others are refreshed all the same; what failed is told and decides the code.

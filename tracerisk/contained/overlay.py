@@ -15,6 +15,7 @@ import os
 import pathlib
 import shutil
 import sys
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
@@ -314,11 +315,17 @@ class Overlay:
 
 
 def _named_as(real: Callable[..., Any], function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a plain function that stands for a real one."""
+    """Return a plain function that stands for a real one, but for what it calls itself."""
 
     @functools.wraps(real)
     def replacement(*args: Any, **more: Any) -> Any:
-        return function(*args, **more)
+        if getattr(_inside, "is_so", False):
+            return real(*args, **more)
+        _inside.is_so = True
+        try:
+            return function(*args, **more)
+        finally:
+            _inside.is_so = False
 
     return replacement
 
@@ -345,6 +352,7 @@ class _Entries:
         """Do nothing: all was read."""
 
 
+_inside = threading.local()
 _DESCRIPTORS = ("dir_fd", "src_dir_fd", "dst_dir_fd")
 _OS_NAMES = (
     *("access", "chdir", "chmod", "link", "listdir", "lstat", "mkdir", "mkfifo", "open"),

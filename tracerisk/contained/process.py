@@ -46,10 +46,11 @@ _PASSED = frozenset(
     {
         *("HOME", "LANG", "LANGUAGE", "LD_LIBRARY_PATH", "LOGNAME", "PATH", "SHELL", "TERM"),
         *("TMPDIR", "TZ", "USER", "VIRTUAL_ENV", "COLUMNS", "LINES"),
-        *("MKL_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMEXPR_NUM_THREADS"),
     }
 )
 _SOURCE_ENDINGS = (".py", ".yaml", ".yml", ".json", ".toml", ".urdf", ".xacro", ".srdf", ".xml")
+# What a library computes depends on them, to the last digit.
+_OF_LIBRARIES = ("BLIS_", "LC_", "MKL_", "NUMEXPR_", "NVPL_", "OMP_", "OPENBLAS_")
 _OF_HOST = ("ROS_", "AMENT_", "COLCON_", "RMW_")
 # What people keep beside their sources and no controller needs.
 _SECRET_ENDINGS = (".key", ".pem", ".p12", ".pfx")
@@ -113,7 +114,7 @@ def passed_environment(sandbox: Sandbox) -> dict[str, str]:
         name: value
         for name, value in os.environ.items()
         if name in named
-        or name.startswith("LC_")
+        or name.startswith(_OF_LIBRARIES)
         or (sandbox.mode == "off" and not name.startswith(_OF_HOST))
     }
 
@@ -213,21 +214,21 @@ def _import_paths() -> list[str]:
 
     Those of an isolated process come before them.
     """
-    here = os.path.realpath(os.getcwd()) if os.path.isdir(os.curdir) else ""
-    script = os.path.dirname(os.path.abspath(sys.argv[0])) if sys.argv and sys.argv[0] else ""
+    apart = [Path(os.curdir), *(Path(each).parent for each in sys.argv[:1] if each)]
+    left_out = {os.path.realpath(each) for each in apart}
     return [
         each
         for each in sys.path
-        if each and os.path.isabs(each) and os.path.realpath(each) not in (here, script)
+        if Path(each).is_absolute() and os.path.realpath(each) not in left_out
     ]
 
 
 def _interpreter() -> list[Path]:
     paths = sysconfig.get_paths()
     named = [paths[name] for name in ("stdlib", "platstdlib", "purelib", "platlib")]
-    found = [sys.prefix, sys.base_prefix, sys.exec_prefix, *named, os.path.dirname(sys.executable)]
-    found.append(os.path.dirname(os.path.realpath(sys.executable)))
-    return [Path(each) for each in dict.fromkeys(found)]
+    program = Path(sys.executable)
+    found = [sys.prefix, sys.base_prefix, sys.exec_prefix, *named]
+    return list(dict.fromkeys([*map(Path, found), program.parent, program.resolve().parent]))
 
 
 def _within(place: Path) -> list[tuple[str, bool]]:
@@ -239,7 +240,7 @@ def _within(place: Path) -> list[tuple[str, bool]]:
         path = place.resolve()
         if not path.is_dir():
             return [(str(path), True)]
-        homes = [Path(each).resolve() for each in (os.path.expanduser("~"), _home_on_record())]
+        homes = [Path(each).expanduser().resolve() for each in ("~", _home_on_record())]
         inside = sorted(path.iterdir())
     except (OSError, RuntimeError):
         return []

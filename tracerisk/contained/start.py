@@ -43,7 +43,7 @@ def main() -> None:
 def _import_own(folder: str) -> None:
     """Import tracerisk from where the parent has it, whatever else has its name."""
     spec = importlib.util.spec_from_file_location(
-        "tracerisk", os.path.join(folder, "__init__.py"), submodule_search_locations=[folder]
+        "tracerisk", Path(folder, "__init__.py"), submodule_search_locations=[folder]
     )
     if spec is None or spec.loader is None:
         raise ImportError(f"there is no tracerisk in {folder}")

@@ -285,7 +285,7 @@ def read_recording(path: Path | str) -> Recording:
         try:
             if line:
                 reader.read(loads_json(line))
-        except (ValueError, KeyError, IndexError, TypeError, AttributeError) as error:
+        except (LookupError, ValueError, TypeError, AttributeError, RecursionError) as error:
             if number == len(lines):
                 break
             raise LogError(
@@ -320,6 +320,8 @@ class _Reader:
         }
 
     def read(self, event: dict[str, Any]) -> None:
+        if type(event["ns"]) is not int or not 0 <= event["ns"] < 2**63:
+            raise ValueError("its time is no whole number of nanoseconds")
         self.handlers[event["event"]](event)
         self.last_ns = max(self.last_ns, event["ns"])
 
@@ -334,7 +336,9 @@ class _Reader:
         )
 
     def _function(self, event: dict[str, Any]) -> None:
-        ref = FunctionRef(event["file"], QualifiedName(event["name"]))
+        ref = FunctionRef(_text(event["file"]), QualifiedName(_text(event["name"])))
+        if type(event["line"]) is not int:
+            raise ValueError("its line is no whole number")
         self.functions.append(FunctionSite(ref, event["line"]))
 
     def _ran(self, event: dict[str, Any]) -> None:
@@ -348,11 +352,11 @@ class _Reader:
             frames.append(Frame(site.ref, site.line, activation, (line, column), root, *instance))
         self.commands[event["id"]] = Command(
             event["id"],
-            event["kind"],
-            tuple(event["elements"]),
+            _text(event["kind"]),
+            tuple(map(_text, event["elements"])),
             tuple(frames),
             event["ns"],
-            goal=tuple(event.get("goal", ())),
+            goal=tuple(map(float, event.get("goal", ()))),
         )
 
     def _command_ended(self, event: dict[str, Any]) -> None:
@@ -366,12 +370,12 @@ class _Reader:
         time_s = event["ns"] / _SECOND_NS
         self.findings.append(
             Finding(
-                event["kind"],
-                event["message"],
+                _text(event["kind"]),
+                _text(event["message"]),
                 time_s,
                 _location(event["location"]),
-                object=event.get("object", ""),
-                target=tuple(event.get("target", ())),
+                object=_text(event.get("object", "")),
+                target=tuple(map(float, event.get("target", ()))),
             )
         )
 
@@ -381,16 +385,28 @@ class _Reader:
         self.findings[number] = replace(self.findings[number], recovered_s=time_s)
 
     def _note(self, event: dict[str, Any]) -> None:
-        self.notes.append(Note(event["kind"], event["data"]))
+        if not isinstance(event["data"], dict):
+            raise ValueError("its data are no object")
+        self.notes.append(Note(_text(event["kind"]), event["data"]))
 
     def _end(self, event: dict[str, Any]) -> None:
         if event["cause"] not in get_args(EndCause):
             raise ValueError(f"unknown end {event['cause']!r}")
         if self.end is None:
             self.end = RecordedEnd(
-                event["cause"], event["message"], event["ns"], _location(event["location"])
+                event["cause"], _text(event["message"]), event["ns"], _location(event["location"])
             )
 
 
+def _text(value: Any) -> str:
+    if not isinstance(value, str):
+        raise ValueError(f"{type(value).__name__} where text is")
+    return value
+
+
 def _location(data: Sequence[Any] | None) -> Location | None:
+    if data is not None:
+        file, *numbers = data
+        if not isinstance(file, str) or any(type(n) not in (int, type(None)) for n in numbers):
+            raise ValueError("its place is no file with a line")
     return None if data is None else Location(*data)

@@ -13,7 +13,7 @@ import resource
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from pathlib import Path
 
@@ -29,17 +29,16 @@ from tracerisk.pipeline.companion_run import Companions
 from tracerisk.pipeline.controller_end import ControllerEnd
 from tracerisk.pipeline.entry_point import find_entry_point
 from tracerisk.pipeline.launch.around import ParametersAround
-from tracerisk.pipeline.launch.program import shown
 from tracerisk.pipeline.launch.records import NOTHING_LAUNCHED
 from tracerisk.pipeline.libraries import Libraries
 from tracerisk.pipeline.missing_modules import MissingModules
 from tracerisk.pipeline.run_files import (
+    AROUND,
     ELSEWHERE,
     ENTRY,
     EVENTS,
     GIVEN,
     JOINTS_ASKED,
-    LAUNCH,
     ROBOT,
     STACKS,
     STARTED,
@@ -250,29 +249,14 @@ def _run_recorded(
         # The controller's own modules leave no `__pycache__` in its folder.
         sys.dont_write_bytecode = True
         recorder.note(STARTED)
-        lines = [*request.launch_notes, *(each.line for each in request.companions)]
-        read = [
-            *launch.sources,
-            *(file for each in request.companions for file in each.files),
-        ]
-
-        def tell(*more: str, files: Sequence[Path] = ()) -> None:
-            lines.extend(each for each in more if each not in lines)
-            read.extend(shown(files, root))
-            if lines:
-                recorder.note(LAUNCH, notes=lines, inputs=list(dict.fromkeys(read)))
-
-        tell()
         if not is_ros2 and request.reads_around:
             runtime.graph.parameters.fall_back_on(
                 ParametersAround(
                     script,
                     root,
                     workspace,
-                    lambda name, files: tell(
-                        f"launch: parameter {name} from {shown(files, root)[0]}, which starts "
-                        "other nodes; --no-launch leaves it out",
-                        files=files,
+                    lambda name, files: recorder.note(
+                        AROUND, name=name, files=[str(file) for file in files]
                     ),
                 )
             )
@@ -312,7 +296,7 @@ def _files(request: RunRequest, recorder: Recorder) -> Iterator[None]:
     if request.written is None:
         yield
         return
-    told = set()
+    told: set[tuple[str, str]] = set()
 
     def denied(verb: str, what: str) -> None:
         if (verb, what) in told or len(told) >= _MOST_DENIED:

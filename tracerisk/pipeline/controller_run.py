@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import signal
+import stat
 import subprocess
 import sys
 import tempfile
@@ -19,15 +20,20 @@ from typing import IO, TYPE_CHECKING, Any
 
 from tracerisk import dependencies, errors
 from tracerisk.config import Settings
-from tracerisk.contained.process import end, passed_environment
+from tracerisk.contained.process import end, passed_environment, read_regular, regular_within
 from tracerisk.contained.process import start as start_process
 from tracerisk.errors import Location, TraceRiskError
-from tracerisk.instrument.recording import Recording, read_recording
+from tracerisk.instrument.recording import Note, Recording, read_recording
 from tracerisk.limited_process import POLL_S, Limit, OwnTime, StartMark
+from tracerisk.pipeline.launch.program import shown
 from tracerisk.pipeline.run_files import (
+    AROUND,
     DRAFTS,
     EVENTS,
     JOINTS_ASKED,
+    LAUNCH,
+    MOST_ROWS,
+    MOST_TEXT,
     NEEDS,
     ROBOT,
     SCENARIO,
@@ -125,7 +131,7 @@ def run_controller(
         if progress is not None:
             progress(_STARTING, 0.0)
         process_end = _run_child(request, folder, settings, progress)
-        recording = _recording(folder)
+        recording = _recording(folder, request)
         _raise_failure(recording)
         _raise_unstarted(recording, process_end, settings)
         end = _run_end(recording, process_end, controller)
@@ -146,11 +152,15 @@ def run_controller(
 
 @dataclass(frozen=True, slots=True)
 class _ProcessEnd:
-    """How the process ended: its return code, or the limit that was reached and where."""
+    """How the process ended: its return code, or the limit that was reached and where.
+
+    `has_begun`: the controller's first line was reached.
+    """
 
     code: int
     limit: str | None = None
     location: Location | None = None
+    has_begun: bool = False
 
 
 @contextlib.contextmanager
@@ -254,7 +264,8 @@ def _run_child(
     try:
         passing = None if child.stdout is None else _pass_on(child.stdout)
         start.handed_over()
-        return _watch(child, start, folder, settings, progress)
+        ended = _watch(child, start, request, settings, progress)
+        return replace(ended, has_begun=start.pid is not None)
     finally:
         # Whatever the controller started goes with it.
         end(child)
@@ -296,11 +307,12 @@ def _has_descriptor(stream: Any) -> bool:
 def _watch(
     child: subprocess.Popen[bytes],
     start: StartMark,
-    folder: Path,
+    request: RunRequest,
     settings: Settings,
     progress: Progress | None,
 ) -> _ProcessEnd:
     """Wait for the end of the child, or for a limit; these count from its start mark."""
+    folder = Path(request.folder)
     began = time.monotonic()
     own: OwnTime | None = None
     changed_s = 0.0
@@ -322,7 +334,7 @@ def _watch(
             # All of the run is recorded, and what is left of the process does not matter.
             return _ProcessEnd(0)
         if reached is not None:
-            return _stop(child, start.pid, folder, reached)
+            return _stop(child, start.pid, request, reached)
 
 
 def _reached(
@@ -361,9 +373,11 @@ def _simulated_ns(folder: Path) -> int:
     return simulated_ns(folder)
 
 
-def _stop(child: subprocess.Popen[bytes], pid: int | None, folder: Path, limit: str) -> _ProcessEnd:
+def _stop(
+    child: subprocess.Popen[bytes], pid: int | None, request: RunRequest, limit: str
+) -> _ProcessEnd:
     """End the child, having asked its process `pid` where it stands, if that has begun."""
-    stacks = folder / STACKS
+    stacks = Path(request.folder) / STACKS
     before = _size(stacks)
     deadline = time.monotonic() + _GRACE_S
     if pid is None:
@@ -375,14 +389,13 @@ def _stop(child: subprocess.Popen[bytes], pid: int | None, folder: Path, limit: 
         time.sleep(POLL_S)
     time.sleep(POLL_S)
     end(child)
-    return _ProcessEnd(child.returncode, limit, _place_in(stacks, folder))
+    return _ProcessEnd(child.returncode, limit, _place_in(stacks, Path(request.root)))
 
 
-def _place_in(stacks: Path, folder: Path) -> Location | None:
+def _place_in(stacks: Path, root: Path) -> Location | None:
     """Return the innermost place of the controller among the stacks that the child told."""
-    root = Path(RunRequest.loads((folder / "request.json").read_text(encoding="utf-8")).root)
     try:
-        text = stacks.read_text(encoding="utf-8", errors="replace")
+        text = read_regular(stacks, MOST_TEXT).decode(errors="replace")
     except OSError:
         return None
     threads = text.split("\n\n")
@@ -396,26 +409,81 @@ def _place_in(stacks: Path, folder: Path) -> Location | None:
     return None
 
 
-def _recording(folder: Path) -> Recording:
+def _recording(folder: Path, request: RunRequest) -> Recording:
+    """Read what the child has left; it was able to put anything there.
+
+    Raises LimitError where a file is too large, LogError where one is malformed, or speaks of
+    sources outside of the workspace.
+    """
+    _check_left(folder)
     events = folder / EVENTS
-    return read_recording(events) if events.exists() else Recording()
+    found = read_recording(events) if events.exists() else Recording()
+    files = {site.ref.file for site in found.functions_ran}
+    files |= {frame.function.file for each in found.commands for frame in each.stack}
+    root = Path(request.root)
+    within = list(map(Path, request.readable)) or [root, *map(Path, request.packages.values())]
+    known = regular_within((str(root / each) for each in files), within)
+    if request.written is not None and len(known) < len(files):
+        strange = sorted(each for each in files if root / each not in known)
+        raise errors.LogError(
+            f"speaks of {strange[0]}, which is no file of the workspace", Location(EVENTS)
+        )
+    # What it was given is not for it to say.
+    notes = tuple(note for note in found.notes if note.kind != LAUNCH)
+    lines = [*request.launch_notes, *(each.line for each in request.companions)]
+    files_read = [] if request.launch is None else list(request.launch.sources)
+    files_read += [file for each in request.companions for file in each.files]
+    for each in found.notes:
+        if each.kind == AROUND and (files := regular_within(map(str, each.data["files"]), within)):
+            given = shown(files, root)
+            line = (
+                f"launch: parameter {each.data['name']} from {given[0]}, which starts other "
+                "nodes; --no-launch leaves it out"
+            )
+            lines += [] if line in lines else [line]
+            files_read += given
+    if lines and found.note(STARTED) is not None:
+        inputs = tuple(dict.fromkeys(files_read))
+        notes += (Note(LAUNCH, {"notes": tuple(lines), "inputs": inputs}),)
+    return replace(found, notes=notes)
+
+
+def _check_left(folder: Path) -> None:
+    """Raise LogError at what is no regular file of a recording, LimitError at a too large one."""
+    for each in sorted(folder.iterdir()):
+        status = each.lstat()
+        if not stat.S_ISREG(status.st_mode):
+            raise errors.LogError(
+                f"{each.name} of the recording is no regular file: the controller's process has "
+                "put it there",
+            )
+        if status.st_size > (MOST_ROWS if each.suffix == ".bin" else MOST_TEXT):
+            raise errors.LimitError(
+                f"the run left {each.name} with {status.st_size} bytes, more than are read; "
+                "let it end earlier, with --duration"
+            )
 
 
 def _raise_failure(recording: Recording) -> None:
     """Raise the error with which the child refused to run anything."""
     failed = recording.note("failed")
-    if failed is None:
+    if failed is None or recording.note(STARTED) is not None:
         return
-    kind = getattr(errors, failed["error"], errors.InputError)
-    assert issubclass(kind, TraceRiskError)
-    place = None if failed["location"] is None else Location(*failed["location"])
-    raise kind(failed["message"], place)
+    kind = getattr(errors, str(failed.get("error")), None)
+    if not (isinstance(kind, type) and issubclass(kind, TraceRiskError)):
+        kind = errors.InputError
+    place = failed.get("location")
+    raise kind(str(failed.get("message")), None if place is None else Location(*place))
 
 
 def _raise_unstarted(recording: Recording, process: _ProcessEnd, settings: Settings) -> None:
     """Raise what kept the process from reaching the controller's first line."""
     if recording.note(STARTED) is not None or process.limit is not None:
         return
+    if process.has_begun:
+        raise errors.LogError(
+            "the recording of the run is gone: the controller's process has removed it"
+        )
     if settings.memory_limit_mb < Settings().memory_limit_mb:
         raise errors.InputError(
             f"{settings.memory_limit_mb} MB are too little to start the simulation; give it more "

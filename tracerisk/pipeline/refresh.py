@@ -9,7 +9,8 @@ from typing import Literal
 
 from tracerisk.adder.lock import LOCK_NAME, lock_key, read_lock
 from tracerisk.adder.merge import MergePolicy
-from tracerisk.config import read_settings
+from tracerisk.config import SANDBOX_SETTINGS, read_settings
+from tracerisk.contained.process import SandboxMode
 from tracerisk.errors import ControllerFailedError, Location
 from tracerisk.pipeline.check import check_controller, given_options
 from tracerisk.pipeline.controller import load_controller
@@ -54,11 +55,13 @@ def refresh_controller(
     path: Path | str,
     *,
     policy: MergePolicy | None = None,
+    sandbox: SandboxMode | None = None,
     progress: Callable[[str, float], None] | None = None,
 ) -> Refreshed:
     """Return what brings the blocks of a controller up to date.
 
     It is run as it was run last, with the options of then, where its trace is stale or not kept.
+    `sandbox` goes before the setting of that name.
     Raises EditInTheWayError where a person edited a computed value and the policy says to stop,
     ControllerFailedError where the run fails, and what `run` raises else.
     """
@@ -69,7 +72,9 @@ def refresh_controller(
     recorded = RunInputs.from_data(entry.inputs) if entry is not None else RunInputs()
     settings = read_settings(controller.root, controller.file)
     given = given_options(recorded, controller)
-    settings = settings.with_options(given)
+    # A lock may come from anywhere: how a run is contained is not for it to say.
+    given = {name: value for name, value in given.items() if name not in SANDBOX_SETTINGS}
+    settings = settings.with_options({**given, "sandbox": sandbox})
     cache = TraceCache(controller.root)
     trace: Trace | None = None
     reasons: tuple[str, ...] = ("it was never run",)

@@ -11,8 +11,10 @@ from typing import Any
 
 from tracerisk.pipeline.launch.records import LaunchSetup
 
-MOST_BYTES = 2 * 1024**3
-"""What a file of a recording may have that is read at once [bytes]."""
+MOST_TEXT = 512 * 1024**2
+"""How large a file of a recording may be that holds text [bytes]."""
+MOST_ROWS = 8 * 1024**3
+"""How large a file of a recording may be that holds rows of numbers [bytes]."""
 
 EVENTS = "events.jsonl"
 """The recorder's events."""
@@ -28,6 +30,8 @@ ELSEWHERE = "elsewhere"
 """The note of a module found off the import path: `module`, and `folder` from the root."""
 LAUNCH = "launch"
 """The note of what a launch file has given: `notes`, the lines that say so, and `inputs`, files."""
+AROUND = "around"
+"""A note for each parameter that other launch files of the workspace gave: `name`, `files`."""
 SCENARIO = "scenario"
 """The note of the scenario lines that would give a controller what it lacked: `lines`."""
 JOINTS_ASKED = "joints_asked"

@@ -18,6 +18,7 @@ from types import TracebackType
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.contained.process import read_regular
 from tracerisk.errors import Location, LogError
 from tracerisk.twin.contact_log import ContactLog, ContactLogWriter, read_contacts
 from tracerisk.twin.declared_log import DECLARED_FILES, DeclaredLogWriter
@@ -28,6 +29,7 @@ _END = "end_pose.bin"
 _HEADER = "samples.json"
 _CHANGED = "model_changed.bin"
 _VERSION = 1
+_MOST_HEADER = 16 * 1024**2
 _SEGMENT_ROWS = 16_384  # a multiple of every page size, in rows of 8 bytes
 POSE_EVERY = 20  # steps between two poses of everything that can move
 
@@ -252,12 +254,13 @@ def simulated_ns(directory: Path) -> int:
 
 def _read_header(path: Path) -> SampleHeader:
     try:
-        found = json.loads(path.read_bytes())
+        # Read while the run goes on, which may put anything in its place.
+        found = json.loads(read_regular(path, _MOST_HEADER))
         if found.pop("version") != _VERSION:
             raise LogError(f"is not version {_VERSION} of the samples", Location(str(path)))
         names = ("controls", "joints", "pads", "free_bodies", "free_at")
         return SampleHeader(**{**found, **{name: tuple(found.get(name, ())) for name in names}})
-    except (OSError, KeyError, TypeError, AttributeError, json.JSONDecodeError) as cause:
+    except (OSError, KeyError, TypeError, AttributeError, RecursionError, ValueError) as cause:
         raise LogError(f"is no header of samples: {cause}", Location(str(path))) from cause
 
 

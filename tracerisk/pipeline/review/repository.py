@@ -14,7 +14,12 @@ from tracerisk.errors import InputError, Location
 
 SYMLINK, SUBMODULE = "120000", "160000"
 _ABSENT = "000000"
-_COMMAND = ("git", "--no-pager", "--literal-pathspecs")
+# A repository may come from anywhere: nothing that lies in it names a program that git starts.
+_COMMAND = (
+    *("git", "--no-pager", "--literal-pathspecs"),
+    *("-c", "safe.bareRepository=explicit", "-c", "core.fsmonitor=false"),
+    *("-c", "core.hooksPath=/dev/null"),
+)
 _MOST_PATHS = 60_000  # characters of paths on a command line, well below what Linux takes
 
 
