@@ -49,6 +49,7 @@ from tracerisk.pipeline.workspace import find_workspace, project_top
 from tracerisk.ros.needs import Need
 from tracerisk.ros.scenario_draft import Draft, drafts_of
 from tracerisk.trace import RunEnd, Trace
+from tracerisk.vendors.found import DEFINITIONS
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.controller import Controller
@@ -452,6 +453,8 @@ def _check_left(folder: Path) -> None:
     """Raise LogError at what is no regular file of a recording, LimitError at a too large one."""
     for each in sorted(folder.iterdir()):
         status = each.lstat()
+        if each.name == DEFINITIONS and stat.S_ISDIR(status.st_mode):
+            continue  # read by the child alone
         if not stat.S_ISREG(status.st_mode):
             raise errors.LogError(
                 f"{each.name} of the recording is no regular file: the controller's process has "
