@@ -435,8 +435,8 @@ def _recording(folder: Path, request: RunRequest) -> Recording:
     files_read = [] if request.launch is None else list(request.launch.sources)
     files_read += [file for each in request.companions for file in each.files]
     for each in found.notes:
-        if each.kind == AROUND and (files := regular_within(map(str, each.data["files"]), within)):
-            given = shown(files, root)
+        if each.kind == AROUND and (read := regular_within(map(str, each.data["files"]), within)):
+            given = shown(read, root)
             line = (
                 f"launch: parameter {each.data['name']} from {given[0]}, which starts other "
                 "nodes; --no-launch leaves it out"
