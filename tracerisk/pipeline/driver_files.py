@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from tracerisk.vendors.description import Driver
 
 _MOST_FOLDERS = 5000
-_NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
+_NOT_SEARCHED = frozenset(
+    {"build", "devel", "install", "log", "node_modules", "__pycache__", "test", "tests"}
+)
 
 
 def driver_files(root: Path, settings: Settings) -> tuple[Path, ...]:
