@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import textwrap
+from pathlib import Path
 
 import pytest
 
+from tracerisk.config import Settings
 from tracerisk.errors import DriverError
+from tracerisk.pipeline.driver_files import driver_files
 from tracerisk.vendors.description_reader import read_driver
 
 SRV = "float64[] q\nbool fast\n---\nbool success\nstring message\n"
@@ -224,3 +227,7 @@ assert not buffer.can_transform("base_link", "lost", rospy.Time(0))
     ran = cell.run("trace", "cell.py")
     assert "Traceback" not in ran.err, ran.err
     assert ran.code == 0
+
+
+def test_a_checkout_of_tracerisk_brings_no_description_twice():
+    assert driver_files(Path(__file__).parents[2], Settings()) == ()

@@ -11,14 +11,22 @@ from typing import TYPE_CHECKING
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import DriverError
 from tracerisk.pipeline.workspace import find_workspace, project_top
-from tracerisk.vendors.found import ENDING, installed_files, shipped_drivers, write_definitions
+from tracerisk.vendors.found import (
+    ENDING,
+    installed_files,
+    shipped_drivers,
+    shipped_files,
+    write_definitions,
+)
 
 if TYPE_CHECKING:
     from tracerisk.ros.twin_messages import TwinMessages
     from tracerisk.vendors.description import Driver
 
 _MOST_FOLDERS = 5000
-_NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
+_NOT_SEARCHED = frozenset(
+    {"build", "devel", "install", "log", "node_modules", "__pycache__", "test", "tests"}
+)
 
 
 def driver_files(root: Path, settings: Settings) -> tuple[Path, ...]:
@@ -77,10 +85,12 @@ def _check(driver: Driver, messages: TwinMessages) -> None:
 
 
 def _in_workspace(top: Path) -> list[Path]:
+    # A checkout of tracerisk itself holds those that it ships.
+    shipped = {path.parts[-3:] for path in shipped_files()}
     found: list[Path] = []
     for folder, folders, files in itertools.islice(os.walk(top), _MOST_FOLDERS):
         folders[:] = sorted(
             each for each in folders if not each.startswith(".") and each not in _NOT_SEARCHED
         )
         found += [Path(folder, name) for name in files if name.endswith(ENDING)]
-    return sorted(found)
+    return sorted(path for path in found if path.parts[-3:] not in shipped)

@@ -23,12 +23,17 @@ DEFINITIONS = "definitions"
 _HERE = Path(__file__).parent
 
 
+def shipped_files() -> tuple[Path, ...]:
+    """Return the descriptions that tracerisk ships, sorted."""
+    return tuple(sorted(_HERE.glob(f"*/*{ENDING}")))
+
+
 @cache
 def shipped_drivers() -> tuple[Driver, ...]:
     """Return the drivers that tracerisk describes, sorted by their files."""
     return tuple(
         read_driver(path, shown=path.relative_to(_HERE).as_posix(), origin="shipped")
-        for path in sorted(_HERE.glob(f"*/*{ENDING}"))
+        for path in shipped_files()
     )
 
 
