@@ -265,10 +265,13 @@ class History:
         self.git("checkout", "--quiet", one)
         kind = self.chance.choice(
             ("merge", "merge", "rebase", "cherry-pick", "revert", "stash", "one side", "squash")
+            + ("figures",) * 3
         )
+        if kind == "figures":
+            other = self._figures_and_calls(one)
         self.told.append(f"{kind} {other} into {one}")
         style = ("-c", f"merge.conflictStyle={self.chance.choice(('merge', 'diff3'))}")
-        if kind == "merge":
+        if kind in ("merge", "figures"):
             self.git(*style, "merge", "--no-edit", other, fails=True)
         elif kind == "squash":
             self.git(*style, "merge", "--squash", other, fails=True)
@@ -304,6 +307,26 @@ class History:
         self.refresh(self.chance.choice(("as it is", "as it is", "without git", "shallow")))
         self.commit()
 
+    def _figures_and_calls(self, one: str) -> str:
+        """Change figures on a new branch and the order of calls on this one.
+
+        Git then puts figures of the one into blocks whose first line is of the other.
+        """
+        self.typed.number += 1
+        other = f"figures{self.typed.number}"
+        self.git("checkout", "--quiet", "-b", other)
+        self.hardware()
+        self.refresh()
+        self.commit()
+        self.git("checkout", "--quiet", one)
+        names = functions(self.read())
+        self.chance.shuffle(names)
+        calls = f'CALLS = "{" ".join([*names, names[0]])}"'
+        self.write("c.py", re.sub(r"CALLS = .*", calls, self.read()))
+        self.refresh()
+        self.commit()
+        return other
+
     def _is_rebasing(self) -> bool:
         return any(
             (self.folder / ".git" / name).exists() for name in ("rebase-merge", "rebase-apply")
@@ -315,9 +338,11 @@ class History:
             if not path.exists() or name == "arm.yaml":
                 self.git("checkout", "--ours", "--", name, fails=True)
                 continue
-            how = self.chance.choice(("ours", "theirs", "hunks", "hunks"))
-            if name == "tracerisk.lock" and self.chance.random() < 0.4:
-                continue  # its markers stay, as the documentation says
+            how = self.chance.choice(("ours", "theirs", "hunks", "hunks", "hunks", "hunks"))
+            if name == "tracerisk.lock":
+                if self.chance.random() < 0.4:
+                    continue  # its markers stay, as the documentation says
+                how = self.chance.choice(("ours", "theirs", "hunks"))
             if how == "hunks" and "<<<<<<<" in path.read_text():
                 path.write_text(self.by_hunks(path.read_text()))
             else:
@@ -338,9 +363,9 @@ class History:
     def upset_lock(self) -> None:
         path = self.folder / "tracerisk.lock"
         chance = self.chance.random()
-        if chance < 0.1:
+        if chance < 0.15:
             path.unlink(missing_ok=True)
-        elif chance < 0.25:
+        elif chance < 0.4:
             commits = self.git("log", "--all", "--format=%H").split()
             older = self.git("show", f"{self.chance.choice(commits)}:tracerisk.lock", fails=True)
             if older:

@@ -73,7 +73,7 @@ def is_as_written(block: RiskBlock, written: WrittenBlock) -> bool:
         return False
     if found == written:
         return True
-    own = {CALL_SEQUENCE.key: block.call_sequence}
+    own: dict[str, Field[Any]] = {CALL_SEQUENCE.key: block.call_sequence}
     own |= {} if block.next is None else {NEXT.key: block.next}
     entries = {each.name: each for each in block.components if not each.added}
     return (

@@ -15,7 +15,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from tracerisk.adder.grammar import is_conflict_marker
+from tracerisk.adder.conflicts import is_conflict_marker
 from tracerisk.errors import BlockError, Location, SourceError
 from tracerisk.trace import QualifiedName
 
