@@ -54,8 +54,13 @@ class Typed:
 
     edits: set[str] = field(default_factory=set)
     pins: set[str] = field(default_factory=set)
-    removed: set[str] = field(default_factory=set)
+    removed: set[tuple[str, str]] = field(default_factory=set)
+    first_names: dict[str, str] = field(default_factory=dict)
     number: int = 0
+
+    def first_name(self, function: str) -> str:
+        """Return the name that a function had before all renamings."""
+        return self.first_names.get(function, function)
 
     def figure(self) -> str:
         """Return a probability that the tool never computes: it has six digits."""
@@ -176,6 +181,7 @@ class History:
         old = self.chance.choice(functions(source))
         self.typed.number += 1
         new = f"named{self.typed.number}"
+        self.typed.first_names[new] = self.typed.first_name(old)
         source = source.replace(f"def {old}(", f"def {new}(")
         self.write("c.py", re.sub(rf"(?<=[\" ]){old}(?=[\" ].*|\")", new, source, count=0))
 
@@ -245,7 +251,8 @@ class History:
             return
         name = re.search(r"name = (\S+)", found[0])
         assert name is not None
-        self.typed.removed.add(name[1])
+        function = re.findall(r"@Function.*\n.*name = (\S+)", source[: found.start()])[-1]
+        self.typed.removed.add((self.typed.first_name(function), name[1]))
         self.write("c.py", source[: found.start()] + source[found.end() :])
 
     def delete_block(self) -> None:
@@ -505,8 +512,10 @@ class History:
         if changed is not None:
             assert changed[2] in self.typed.edits, f"{self.told}: {line}"
         if re.search(r" was removed", line):
-            name = line.split(" was removed")[0].rpartition(".")[2]
-            assert name in self.typed.removed, f"{self.told}: {line}"
+            path = line.split(" was removed")[0].split()[-1]
+            function, _, name = path.rpartition(".")
+            pair = self.typed.first_name(function), name
+            assert pair in self.typed.removed, f"{self.told}: {line}"
         assert " was added" not in line, f"{self.told}: {line}"
 
     def check(self) -> None:
