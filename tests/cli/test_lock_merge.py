@@ -135,7 +135,9 @@ def test_whatever_became_of_the_lock_a_mixed_block_is_nobodys_edit(two_branches,
     section = theirs[theirs.index("    # | @Component {\n    # |   name = gripper") :]
     section = section[: section.index("# | }\n") + len("# | }\n")]
     first = ours.index("    # | @Component {")
-    two_branches.write("c.py", ours[:first] + section + ours[first:])
+    mixed = ours[:first] + section + ours[first:]
+    # The code is that of both branches.
+    two_branches.write("c.py", mixed.replace("def home", "import os\n\n\ndef home"))
     if how == "no lock":
         (two_branches.folder / LOCK).unlink()
     else:

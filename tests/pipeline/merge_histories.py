@@ -54,8 +54,13 @@ class Typed:
 
     edits: set[str] = field(default_factory=set)
     pins: set[str] = field(default_factory=set)
-    removed: set[str] = field(default_factory=set)
+    removed: set[tuple[str, str]] = field(default_factory=set)
+    first_names: dict[str, str] = field(default_factory=dict)
     number: int = 0
+
+    def first_name(self, function: str) -> str:
+        """Return the name that a function had before all renamings."""
+        return self.first_names.get(function, function)
 
     def figure(self) -> str:
         """Return a probability that the tool never computes: it has six digits."""
@@ -176,6 +181,7 @@ class History:
         old = self.chance.choice(functions(source))
         self.typed.number += 1
         new = f"named{self.typed.number}"
+        self.typed.first_names[new] = self.typed.first_name(old)
         source = source.replace(f"def {old}(", f"def {new}(")
         self.write("c.py", re.sub(rf"(?<=[\" ]){old}(?=[\" ].*|\")", new, source, count=0))
 
@@ -245,7 +251,8 @@ class History:
             return
         name = re.search(r"name = (\S+)", found[0])
         assert name is not None
-        self.typed.removed.add(name[1])
+        function = re.findall(r"@Function.*\n.*name = (\S+)", source[: found.start()])[-1]
+        self.typed.removed.add((self.typed.first_name(function), name[1]))
         self.write("c.py", source[: found.start()] + source[found.end() :])
 
     def delete_block(self) -> None:
@@ -265,10 +272,13 @@ class History:
         self.git("checkout", "--quiet", one)
         kind = self.chance.choice(
             ("merge", "merge", "rebase", "cherry-pick", "revert", "stash", "one side", "squash")
+            + ("figures",) * 3
         )
+        if kind == "figures":
+            other = self._figures_and_calls(one)
         self.told.append(f"{kind} {other} into {one}")
         style = ("-c", f"merge.conflictStyle={self.chance.choice(('merge', 'diff3'))}")
-        if kind == "merge":
+        if kind in ("merge", "figures"):
             self.git(*style, "merge", "--no-edit", other, fails=True)
         elif kind == "squash":
             self.git(*style, "merge", "--squash", other, fails=True)
@@ -304,6 +314,26 @@ class History:
         self.refresh(self.chance.choice(("as it is", "as it is", "without git", "shallow")))
         self.commit()
 
+    def _figures_and_calls(self, one: str) -> str:
+        """Change figures on a new branch and the order of calls on this one.
+
+        Git then puts figures of the one into blocks whose first line is of the other.
+        """
+        self.typed.number += 1
+        other = f"figures{self.typed.number}"
+        self.git("checkout", "--quiet", "-b", other)
+        self.hardware()
+        self.refresh()
+        self.commit()
+        self.git("checkout", "--quiet", one)
+        names = functions(self.read())
+        self.chance.shuffle(names)
+        calls = f'CALLS = "{" ".join([*names, names[0]])}"'
+        self.write("c.py", re.sub(r"CALLS = .*", calls, self.read()))
+        self.refresh()
+        self.commit()
+        return other
+
     def _is_rebasing(self) -> bool:
         return any(
             (self.folder / ".git" / name).exists() for name in ("rebase-merge", "rebase-apply")
@@ -315,9 +345,11 @@ class History:
             if not path.exists() or name == "arm.yaml":
                 self.git("checkout", "--ours", "--", name, fails=True)
                 continue
-            how = self.chance.choice(("ours", "theirs", "hunks", "hunks"))
-            if name == "tracerisk.lock" and self.chance.random() < 0.4:
-                continue  # its markers stay, as the documentation says
+            how = self.chance.choice(("ours", "theirs", "hunks", "hunks", "hunks", "hunks"))
+            if name == "tracerisk.lock":
+                if self.chance.random() < 0.4:
+                    continue  # its markers stay, as the documentation says
+                how = self.chance.choice(("ours", "theirs", "hunks"))
             if how == "hunks" and "<<<<<<<" in path.read_text():
                 path.write_text(self.by_hunks(path.read_text()))
             else:
@@ -338,9 +370,9 @@ class History:
     def upset_lock(self) -> None:
         path = self.folder / "tracerisk.lock"
         chance = self.chance.random()
-        if chance < 0.1:
+        if chance < 0.15:
             path.unlink(missing_ok=True)
-        elif chance < 0.25:
+        elif chance < 0.4:
             commits = self.git("log", "--all", "--format=%H").split()
             older = self.git("show", f"{self.chance.choice(commits)}:tracerisk.lock", fails=True)
             if older:
@@ -480,8 +512,10 @@ class History:
         if changed is not None:
             assert changed[2] in self.typed.edits, f"{self.told}: {line}"
         if re.search(r" was removed", line):
-            name = line.split(" was removed")[0].rpartition(".")[2]
-            assert name in self.typed.removed, f"{self.told}: {line}"
+            path = line.split(" was removed")[0].split()[-1]
+            function, _, name = path.rpartition(".")
+            pair = self.typed.first_name(function), name
+            assert pair in self.typed.removed, f"{self.told}: {line}"
         assert " was added" not in line, f"{self.told}: {line}"
 
     def check(self) -> None:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import string
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 from zlib import crc32
 
@@ -73,7 +74,7 @@ def is_as_written(block: RiskBlock, written: WrittenBlock) -> bool:
         return False
     if found == written:
         return True
-    own = {CALL_SEQUENCE.key: block.call_sequence}
+    own: dict[str, Field[Any]] = {CALL_SEQUENCE.key: block.call_sequence}
     own |= {} if block.next is None else {NEXT.key: block.next}
     entries = {each.name: each for each in block.components if not each.added}
     return (
@@ -199,6 +200,8 @@ def _renamed(steps: Any, names: Mapping[str, str]) -> Any:
     return tuple(type(each)(names.get(each.target, each.target), each.weight) for each in steps)
 
 
+# Most texts of a project come again and again: `1`, `false`, `done 1`.
+@lru_cache(maxsize=4096)
 def _plain(key: str, text: str) -> str:
     return _plain_value(key, KINDS[key].read(text))
 
