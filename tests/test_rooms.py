@@ -13,7 +13,7 @@ ROOMS = ("cli", "pipeline", "report", "prm", "adder", "ros", "twin", "instrument
 """From the top down."""
 BELOW = (
     *("trace", "trace_display", "trace_json", "trace_log"),
-    *("acceptances", "config", "dependencies", "errors", "limited_process"),
+    *("acceptances", "bounded", "config", "dependencies", "errors", "limited_process"),
     *("yaml_reader", "yaml_nodes"),
 )
 """Modules that every room may import, and that import no room."""

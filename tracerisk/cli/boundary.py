@@ -10,7 +10,7 @@ import traceback
 from importlib import import_module
 from typing import NoReturn
 
-from tracerisk.cli.output import print_json, scenario_advice
+from tracerisk.cli.output import print_json, printable, scenario_advice
 from tracerisk.errors import ExitCode, TraceRiskError
 
 _FAULT_ADVICE = "this is a fault of tracerisk; please report it with the lines above"
@@ -39,7 +39,7 @@ def guarded(options: argparse.Namespace) -> int:
 
 
 def _failed(options: argparse.Namespace, error: TraceRiskError) -> int:
-    print(f"tracerisk: {error.with_code}", file=sys.stderr)
+    print(printable(f"tracerisk: {error.with_code}"), file=sys.stderr)
     if scenario := getattr(error, "scenario", ""):
         print(scenario_advice(scenario), file=sys.stderr)
     if getattr(options, "json", False):
