@@ -326,10 +326,17 @@ def _raise_failure(recording: Recording) -> None:
     failed = recording.note("failed")
     if failed is None:
         return
-    kind = getattr(errors, failed["error"], errors.InputError)
-    assert issubclass(kind, TraceRiskError)
-    place = None if failed["location"] is None else Location(*failed["location"])
-    raise kind(failed["message"], place)
+    if not isinstance(failed, dict):
+        failed = {}
+    # The recording is the controller's to write as well: it names an error, and makes none.
+    kind = getattr(errors, str(failed.get("error")), None)
+    if not isinstance(kind, type) or not issubclass(kind, TraceRiskError):
+        kind = errors.InputError
+    message = str(failed.get("message", "the controller's process refused to run"))
+    match failed.get("location"):
+        case [str(file), int() | None as line, int() | None as column]:
+            raise kind(message, Location(file, line, column))
+    raise kind(message)
 
 
 def _raise_unstarted(recording: Recording, process: _ProcessEnd, settings: Settings) -> None:

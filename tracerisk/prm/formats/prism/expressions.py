@@ -19,9 +19,9 @@ _MOST_BITS = 2048  # of a whole power: more than any double has
 
 
 def _power(base: Value, exponent: Value) -> Value:
-    if isinstance(base, int) and isinstance(exponent, int) and exponent > 0:
-        if base.bit_length() * exponent > _MOST_BITS:
-            raise OverflowError("a power that is too large")
+    is_whole = isinstance(base, int) and isinstance(exponent, int) and exponent > 0
+    if is_whole and int(base).bit_length() * exponent > _MOST_BITS:
+        raise OverflowError("a power that is too large")
     result: Value = pow(base, exponent)
     return result
 
