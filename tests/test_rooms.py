@@ -24,7 +24,7 @@ ROOMS = (
 """From the top down."""
 BELOW = (
     *("trace", "trace_display", "trace_json", "trace_log"),
-    *("acceptances", "config", "contained", "dependencies", "errors", "instance_name"),
+    *("acceptances", "bounded", "config", "contained", "dependencies", "errors", "instance_name"),
     "limited_process",
     *("yaml_reader", "yaml_nodes"),
 )

@@ -163,7 +163,7 @@ BAD_LOCKS = {
         GOOD.replace('"fingerprint": "abc"', '"fingerprint": "abc", "fingerprint": "d"'),
         ": fingerprint stands twice in one object",
     ),
-    "no number": (changed(trace={"a": float("nan")}), ": holds NaN, which is no JSON number"),
+    "no number": (changed(trace={"a": float("nan")}), ": holds a number that is not finite: NaN"),
     "no fingerprint": (changed(fingerprint=3), ": c.py: fingerprint is missing or no text"),
     "an unknown key of a controller": (
         changed(time=3),

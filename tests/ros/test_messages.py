@@ -324,3 +324,18 @@ def test_importing_the_messages_module_parses_nothing():
         "sys.exit(any(n.startswith('rosbags') for n in sys.modules))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("Loop inner\n", "contains itself"),
+        ("float/etc/passwd x\n", "message"),
+        ("uint8 X=1\nuint8 X\n", "two of the name X"),
+    ],
+)
+def test_a_text_that_makes_no_class_is_an_input_error(tmp_path, text, told):
+    (tmp_path / "msg").mkdir()
+    (tmp_path / "msg" / "Loop.msg").write_text(text)
+    with pytest.raises(InputError, match=told):
+        Interfaces({"odd": tmp_path}).message("odd/Loop")

@@ -11,7 +11,7 @@ import warnings
 from importlib import import_module
 from typing import NoReturn
 
-from tracerisk.cli.output import print_json, scenario_advice
+from tracerisk.cli.output import print_json, printable, scenario_advice
 from tracerisk.errors import ExitCode, TraceRiskError
 
 _format = warnings.formatwarning
@@ -55,7 +55,7 @@ def _one_line(
 
 
 def _failed(options: argparse.Namespace, error: TraceRiskError) -> int:
-    print(f"tracerisk: {error.with_code}", file=sys.stderr)
+    print(printable(f"tracerisk: {error.with_code}"), file=sys.stderr)
     if scenario := getattr(error, "scenario", ""):
         print(scenario_advice(scenario), file=sys.stderr)
     if getattr(options, "json", False):

@@ -9,10 +9,12 @@ from pathlib import Path
 
 from tracerisk.config import loads_toml
 
+# Bounded throughout, so that no text takes long.
 # "talker = my_package.talker:main"; the package may be a variable, as in f"{package}.talker:main".
 _ENTRY = re.compile(
-    r"(?P<name>[\w.-]*)\s*=\s*[\w.{}'\"+ ]*?\b(?P<module>\w+)\s*:\s*"
-    r"(?P<function>[A-Za-z_]\w*)\s*(?:['\"\n\]]|$)"
+    r"(?P<name>(?<![\w.-])[\w.-]{0,200})\s{0,20}=\s{0,20}"
+    r"[\w.{}'\"+ ]{0,200}?\b(?P<module>\w{1,200})\s{0,20}:\s{0,20}"
+    r"(?P<function>[A-Za-z_]\w{0,200})\s{0,20}(?:['\"\n\]]|$)"
 )
 
 

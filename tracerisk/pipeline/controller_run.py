@@ -472,11 +472,17 @@ def _raise_failure(recording: Recording) -> None:
     failed = recording.note("failed")
     if failed is None or recording.note(STARTED) is not None:
         return
+    if not isinstance(failed, dict):
+        failed = {}
+    # The recording is the controller's to write as well: it names an error, and makes none.
     kind = getattr(errors, str(failed.get("error")), None)
-    if not (isinstance(kind, type) and issubclass(kind, TraceRiskError)):
+    if not isinstance(kind, type) or not issubclass(kind, TraceRiskError):
         kind = errors.InputError
-    place = failed.get("location")
-    raise kind(str(failed.get("message")), None if place is None else Location(*place))
+    message = str(failed.get("message", "the controller's process refused to run"))
+    match failed.get("location"):
+        case [str(file), int() | None as line, int() | None as column]:
+            raise kind(message, Location(file, line, column))
+    raise kind(message)
 
 
 def _raise_unstarted(recording: Recording, process: _ProcessEnd, settings: Settings) -> None:

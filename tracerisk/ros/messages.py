@@ -92,6 +92,7 @@ class Interfaces:
         self._classes: dict[str, type[Message]] = {}
         self._services: dict[str, type[Service]] = {}
         self._service_parts: set[str] = set()
+        self._in_making: list[str] = []
         self._star_names: dict[tuple[str, str], tuple[str, ...]] = {}
         self._listed: dict[tuple[str, str], tuple[Path, ...]] = {}
 
@@ -221,13 +222,28 @@ class Interfaces:
         return next(found, None)
 
     def _make(self, name: str) -> type[Message]:
-        package, short = name.split("/")
+        package, _, short = name.partition("/")
+        if not package.isidentifier() or not short.isidentifier():
+            raise InputError(f"'{name}' is no message type; write PACKAGE/NAME")
+        if name in self._in_making:
+            raise InputError(f"{name} contains itself, by way of {', '.join(self._in_making)}")
+        self._in_making.append(name)
+        try:
+            return self._made(name, package, short)
+        finally:
+            self._in_making.pop()
+
+    def _made(self, name: str, package: str, short: str) -> type[Message]:
         constants, described = self._definition(package, short)
         fields = tuple(
             self._field(name, field_name, description)
             for field_name, description in described
             if field_name != _PLACEHOLDER
         )
+        named = [*(constant for constant, _, _ in constants), *(field.name for field in fields)]
+        twice = sorted({each for each in named if named.count(each) > 1})
+        if twice:
+            raise InputError(f"{name} has two of the name {', '.join(twice)}; rename one")
         folder = "srv" if name in self._service_parts else "msg"
         body: dict[str, Any] = {
             "__module__": f"{package}.{folder}._{short}",

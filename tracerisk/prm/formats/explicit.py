@@ -12,6 +12,7 @@ import math
 import re
 from collections.abc import Iterator
 
+from tracerisk.bounded import whole_number
 from tracerisk.errors import Location, ModelError, TooLargeError
 from tracerisk.prm.formats.explicit_chain import (
     INITIAL,
@@ -191,7 +192,10 @@ def _whole(word: tuple[int, str], file: str, line: int) -> int:
     column, text = word
     if not text.isascii() or not text.isdigit():
         raise ModelError(f"'{text}' is no whole number of 0 or more", Location(file, line, column))
-    return int(text)
+    try:
+        return whole_number(text)
+    except ValueError as error:
+        raise ModelError(f"cannot read {error}", Location(file, line, column)) from error
 
 
 def _check_sums(

@@ -7,12 +7,24 @@ import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+from tracerisk.bounded import finite_number, whole_number
 from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.formats.prism.tokens import Token
 
 Value = bool | int | float
 State = tuple[Value, ...]
 Compiled = Callable[[State], Value]
+
+_MOST_BITS = 2048  # of a whole power: more than any double has
+
+
+def _power(base: Value, exponent: Value) -> Value:
+    is_whole = isinstance(base, int) and isinstance(exponent, int) and exponent > 0
+    if is_whole and int(base).bit_length() * exponent > _MOST_BITS:
+        raise OverflowError("a power that is too large")
+    result: Value = pow(base, exponent)
+    return result
+
 
 _BINARY: Mapping[str, Callable[[Value, Value], Value]] = {
     "=": operator.eq,
@@ -34,7 +46,7 @@ _FUNCTIONS: Mapping[str, tuple[int | None, Callable[..., Value]]] = {
     "floor": (1, math.floor),
     "ceil": (1, math.ceil),
     "round": (1, lambda x: math.floor(x + 0.5)),
-    "pow": (2, pow),
+    "pow": (2, _power),
     "mod": (2, operator.mod),
     "log": (2, lambda x, base: math.log(x) / math.log(base)),
 }
@@ -153,8 +165,11 @@ def _unary(cursor: Cursor) -> Expression:
         return Expression("minus", location, (_unary(cursor),))
     token = cursor.take()
     if token.kind == "number":
-        whole = token.text.isdigit()
-        literal = int(token.text) if whole else float(token.text)
+        read = whole_number if token.text.isdigit() else finite_number
+        try:
+            literal = read(token.text)
+        except ValueError as error:
+            raise ModelError(f"cannot read {error}", token.location) from error
         return Expression("literal", token.location, literal=literal)
     if token.text in ("true", "false"):
         return Expression("literal", token.location, literal=token.text == "true")

@@ -59,8 +59,17 @@ def read_prism(
     Raises ModelError with the position of what is malformed, not read, or has no value;
     TooLargeError beyond `most_states` states.
     """
+    try:
+        return _chain(text, file, constants or {}, most_states)
+    except RecursionError as error:
+        raise ModelError("an expression nests too deeply", Location(file)) from error
+    except OverflowError as error:
+        raise ModelError(f"an expression has too large a value: {error}", Location(file)) from error
+
+
+def _chain(text: str, file: str, constants: Mapping[str, Value], most_states: int) -> ExplicitChain:
     program = parse_program(text, file)
-    scope = _scope(program, constants or {})
+    scope = _scope(program, constants)
     space = _StateSpace(program, scope)
     states, rows = space.explore(most_states)
     labels: dict[str, frozenset[int]] = {INITIAL: frozenset((0,))}
@@ -301,6 +310,6 @@ class _StateSpace:
 
 
 def _whole(value: Value, location: Location) -> int:
-    if isinstance(value, bool) or value != math.floor(value):
+    if isinstance(value, bool) or not math.isfinite(value) or value != math.floor(value):
         raise ModelError(f"{value!r} is no whole number", location)
     return int(value)
