@@ -10,7 +10,7 @@ import pytest
 
 from tracerisk.config import Settings
 from tracerisk.errors import LimitError, LogError
-from tracerisk.pipeline import controller_run, one_writer
+from tracerisk.pipeline import one_writer, run_folders
 from tracerisk.pipeline.controller import load_controller
 from tracerisk.pipeline.stages import trace_controller
 
@@ -143,7 +143,7 @@ def test_a_recording_that_is_kept_has_regular_files_alone(tmp_path):
     (recording / "link").symlink_to(tmp_path / "secret")
     os.mkfifo(recording / "fifo")
     (kept / "events.jsonl").symlink_to(tmp_path / "secret")
-    controller_run._keep(recording, kept)
+    run_folders.keep_recording(recording, kept)
     assert sorted(each.name for each in kept.iterdir()) == ["events.jsonl"]
     assert (tmp_path / "secret").read_text() == "SECRET"
     assert not (kept / "events.jsonl").is_symlink()
