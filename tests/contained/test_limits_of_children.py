@@ -10,7 +10,7 @@ import pytest
 
 from tracerisk.config import Settings
 from tracerisk.errors import LimitError, LogError
-from tracerisk.pipeline import controller_run, one_writer
+from tracerisk.pipeline import one_writer, run_folders
 from tracerisk.pipeline.controller import load_controller
 from tracerisk.pipeline.stages import trace_controller
 
@@ -25,6 +25,11 @@ def folder():
         if os.path.exists(f"/proc/self/fd/{{n}}")
         and os.readlink(f"/proc/self/fd/{{n}}").endswith("events.jsonl")
     )
+
+def put(text):
+    file = os.open(os.path.join(folder(), "events.jsonl"), os.O_WRONLY | os.O_APPEND)
+    os.write(file, text.encode())
+    os.close(file)
 
 def main():
     rospy.init_node("cell")
@@ -74,7 +79,7 @@ def test_a_fifo_that_is_looked_at_during_the_run_holds_nobody_up(attacked):
         )
 
 
-@pytest.mark.parametrize("name", ["events.jsonl", "bodies.jsonl", "samples.json"])
+@pytest.mark.parametrize("name", ["events.jsonl", "contact_bodies.jsonl", "samples.json"])
 def test_a_file_that_is_too_large_is_not_read(attacked, name):
     with pytest.raises((LimitError, LogError)):
         attacked(f'os.truncate(os.path.join(FOLDER, "{name}"), 1_500_000_000); os._exit(0)')
@@ -92,7 +97,7 @@ def test_a_file_that_is_too_large_is_not_read(attacked, name):
 )
 def test_a_line_that_is_no_event_is_an_error_that_says_so(attacked, line):
     with pytest.raises(LogError, match="not an event of a recording"):
-        attacked(f'open(events, "a").write({line} + "\\n"); os._exit(0)')
+        attacked(f'put({line} + "\\n"); os.kill(os.getpid(), 9)')
 
 
 def test_a_forged_refusal_is_none(attacked):
@@ -100,7 +105,7 @@ def test_a_forged_refusal_is_none(attacked):
         '{"event": "note", "ns": 1, "kind": "failed", "data":'
         ' {"error": "ExitCode", "message": 3, "location": null}}'
     )
-    attacked(f"open(events, 'a').write({forged!r} + chr(10))")
+    attacked(f"put({forged!r} + chr(10)); os.kill(os.getpid(), 9)")
 
 
 def test_what_it_was_given_is_not_for_a_controller_to_say(attacked):
@@ -108,7 +113,7 @@ def test_what_it_was_given_is_not_for_a_controller_to_say(attacked):
         '{"event": "note", "ns": 1, "kind": "launch", "data":'
         ' {"notes": ["forged"], "inputs": ["/dev/zero"]}}'
     )
-    trace = attacked(f"open(events, 'a').write({forged!r} + chr(10))")
+    trace = attacked(f"put({forged!r} + chr(10)); os.kill(os.getpid(), 9)")
     assert trace.inputs == ()
     assert "forged" not in trace.assumptions
 
@@ -138,7 +143,7 @@ def test_a_recording_that_is_kept_has_regular_files_alone(tmp_path):
     (recording / "link").symlink_to(tmp_path / "secret")
     os.mkfifo(recording / "fifo")
     (kept / "events.jsonl").symlink_to(tmp_path / "secret")
-    controller_run._keep(recording, kept)
+    run_folders.keep_recording(recording, kept)
     assert sorted(each.name for each in kept.iterdir()) == ["events.jsonl"]
     assert (tmp_path / "secret").read_text() == "SECRET"
     assert not (kept / "events.jsonl").is_symlink()

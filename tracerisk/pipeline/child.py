@@ -34,6 +34,7 @@ from tracerisk.pipeline.libraries import Libraries
 from tracerisk.pipeline.missing_modules import MissingModules
 from tracerisk.pipeline.run_files import (
     AROUND,
+    DEFINITIONS,
     ELSEWHERE,
     ENTRY,
     EVENTS,
@@ -73,7 +74,7 @@ from tracerisk.twin.robot_file import read_dumped_robot
 from tracerisk.twin.samples import SampleWriter
 from tracerisk.twin.scene import load_scene
 from tracerisk.twin.twin import Twin
-from tracerisk.vendors.found import DEFINITIONS, read_drivers, shipped_drivers, write_definitions
+from tracerisk.vendors.found import read_drivers, shipped_drivers, write_definitions
 from tracerisk.vendors.serving import serve_vendors
 
 _MB = 1024 * 1024

@@ -5,15 +5,12 @@ from __future__ import annotations
 import contextlib
 import os
 import re
-import shutil
 import signal
-import stat
 import subprocess
 import sys
-import tempfile
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
@@ -32,7 +29,6 @@ from tracerisk.pipeline.run_files import (
     EVENTS,
     JOINTS_ASKED,
     LAUNCH,
-    MOST_ROWS,
     MOST_TEXT,
     NEEDS,
     ROBOT,
@@ -43,13 +39,13 @@ from tracerisk.pipeline.run_files import (
     RunRequest,
     WallTime,
 )
+from tracerisk.pipeline.run_folders import check_left, run_folders
 from tracerisk.pipeline.run_trace import make_trace
 from tracerisk.pipeline.run_watch import MISSION_END
 from tracerisk.pipeline.workspace import find_workspace, project_top
 from tracerisk.ros.needs import Need
 from tracerisk.ros.scenario_draft import Draft, drafts_of
 from tracerisk.trace import RunEnd, Trace
-from tracerisk.vendors.found import DEFINITIONS
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.controller import Controller
@@ -102,7 +98,7 @@ def run_controller(
         raise errors.RobotError(f"robot '{robot.name}' has no scene of its own; give --scene")
     launch = choice.setup
     workspace = find_workspace(controller.root)
-    with _folders(keep) as (folder, written):
+    with run_folders(keep) as (folder, written):
         request = RunRequest(
             controller=str(controller.path.resolve()),
             root=str(controller.root.resolve()),
@@ -162,59 +158,6 @@ class _ProcessEnd:
     limit: str | None = None
     location: Location | None = None
     has_begun: bool = False
-
-
-@contextlib.contextmanager
-def _folders(keep: Path | None) -> Iterator[tuple[Path, Path]]:
-    """Yield the folders of a run: that of its recording, and that of what the controller writes.
-
-    Both are gone afterwards; what was recorded goes into `keep`.
-    """
-    if keep is not None:
-        try:
-            keep.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            told = f"is no folder that a recording can be kept in: {error.strerror}"
-            raise errors.InputError(told, Location(str(keep))) from error
-    top = Path(tempfile.mkdtemp(prefix="tracerisk-")).resolve()
-    recording, written = top / "recording", top / "written"
-    try:
-        recording.mkdir()
-        written.mkdir()
-        yield recording, written
-    finally:
-        try:
-            if keep is not None:
-                _keep(recording, keep)
-        finally:
-            _remove(top)
-
-
-def _keep(recording: Path, keep: Path) -> None:
-    """Copy what was recorded; a controller's process can put anything beside it, or in its place.
-
-    Raises InputError where the folder cannot be written.
-    """
-    try:
-        for each in sorted(recording.iterdir()):
-            if not each.is_symlink() and each.is_file():
-                (keep / each.name).unlink(missing_ok=True)
-                shutil.copyfile(each, keep / each.name, follow_symlinks=False)
-    except OSError as error:
-        told = f"cannot keep the recording: {error.strerror}"
-        raise errors.InputError(told, Location(str(keep))) from error
-
-
-def _remove(folder: Path) -> None:
-    """Remove a folder, however deep a controller has made it."""
-    try:
-        shutil.rmtree(folder)
-    except (OSError, RecursionError):
-        for command in (["chmod", "-R", "u+rwx"], ["rm", "-rf"]):
-            with contextlib.suppress(OSError):
-                subprocess.run(
-                    [*command, "--", str(folder)], stderr=subprocess.DEVNULL, check=False
-                )
 
 
 def _workspace(request: RunRequest) -> tuple[str, ...]:
@@ -416,7 +359,7 @@ def _recording(folder: Path, request: RunRequest) -> Recording:
     Raises LimitError where a file is too large, LogError where one is malformed, or speaks of
     sources outside of the workspace.
     """
-    _check_left(folder)
+    check_left(folder)
     events = folder / EVENTS
     found = read_recording(events) if events.exists() else Recording()
     files = {site.ref.file for site in found.functions_ran}
@@ -447,24 +390,6 @@ def _recording(folder: Path, request: RunRequest) -> Recording:
         inputs = tuple(dict.fromkeys(files_read))
         notes += (Note(LAUNCH, {"notes": tuple(lines), "inputs": inputs}),)
     return replace(found, notes=notes)
-
-
-def _check_left(folder: Path) -> None:
-    """Raise LogError at what is no regular file of a recording, LimitError at a too large one."""
-    for each in sorted(folder.iterdir()):
-        status = each.lstat()
-        if each.name == DEFINITIONS and stat.S_ISDIR(status.st_mode):
-            continue  # read by the child alone
-        if not stat.S_ISREG(status.st_mode):
-            raise errors.LogError(
-                f"{each.name} of the recording is no regular file: the controller's process has "
-                "put it there",
-            )
-        if status.st_size > (MOST_ROWS if each.suffix == ".bin" else MOST_TEXT):
-            raise errors.LimitError(
-                f"the run left {each.name} with {status.st_size} bytes, more than are read; "
-                "let it end earlier, with --duration"
-            )
 
 
 def _raise_failure(recording: Recording) -> None:

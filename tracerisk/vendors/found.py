@@ -17,8 +17,6 @@ ENDING = ".driver.yaml"
 """How the names of files end that describe a driver: `acme.driver.yaml`."""
 ENTRY_POINTS = "tracerisk.drivers"
 """The entry points of installed packages; each names a package that holds descriptions."""
-DEFINITIONS = "definitions"
-"""The folder of a recording with the messages that descriptions define."""
 
 _HERE = Path(__file__).parent
 
