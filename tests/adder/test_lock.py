@@ -313,7 +313,8 @@ def test_an_entry_with_lines_of_two_branches_is_not_settled() -> None:
 
 def test_the_sides_of_a_conflict_may_hold_lines_of_each_other() -> None:
     block = json.dumps(json.loads(GOOD)["controllers"]["c.py"]["blocks"]["src/pick.py"]["place"])
-    ours, theirs = (f'"place": {block},\n' for _ in range(2))
-    text = GOOD.replace('"place": {', f'<<<<<<< a\n{ours}=======\n{theirs}>>>>>>> b\n"place": {{')
+    side = f'"place": {block},\n'
+    conflict = f"\n<<<<<<< a\n{side}=======\n{side}>>>>>>> b\n"
+    text = GOOD.replace('"place": {', f'{conflict}"place": {{')
     entry = loads(text.encode(), "tracerisk.lock").controllers["c.py"]
     assert entry.blocks == ENTRY.blocks
