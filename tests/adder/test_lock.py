@@ -51,7 +51,7 @@ def test_a_lock_is_sorted_json_with_one_value_a_line() -> None:
         "     }\n"
         "    }\n"
         "   },\n"
-        '   "digest": "6b94796cb935958a",\n'
+        '   "digest": "573c960204dec5b9",\n'
         '   "fingerprint": "abc",\n'
         '   "inputs": {},\n'
         '   "trace": {\n'
@@ -303,7 +303,9 @@ def test_a_lock_of_an_earlier_version_is_read_and_written_anew() -> None:
 
 
 def test_an_entry_with_lines_of_two_branches_is_not_settled() -> None:
-    mixed = loads(GOOD.replace('"robot": "panda"', '"robot": "ur5e"').encode(), "tracerisk.lock")
+    mixed = loads(
+        GOOD.replace('"fingerprint": "abc"', '"fingerprint": "b"').encode(), "tracerisk.lock"
+    )
     assert not mixed.controllers["c.py"].is_settled
     # It stays so when another controller's entry is written.
     again = loads(mixed.with_controller("d.py", ENTRY).dumps(), "tracerisk.lock")
@@ -313,7 +315,8 @@ def test_an_entry_with_lines_of_two_branches_is_not_settled() -> None:
 
 def test_the_sides_of_a_conflict_may_hold_lines_of_each_other() -> None:
     block = json.dumps(json.loads(GOOD)["controllers"]["c.py"]["blocks"]["src/pick.py"]["place"])
-    ours, theirs = (f'"place": {block},\n' for _ in range(2))
-    text = GOOD.replace('"place": {', f'<<<<<<< a\n{ours}=======\n{theirs}>>>>>>> b\n"place": {{')
+    side = f'"place": {block},\n'
+    conflict = f"\n<<<<<<< a\n{side}=======\n{side}>>>>>>> b\n"
+    text = GOOD.replace('"place": {', f'{conflict}"place": {{')
     entry = loads(text.encode(), "tracerisk.lock").controllers["c.py"]
     assert entry.blocks == ENTRY.blocks

@@ -77,6 +77,7 @@ class History:
         self.typed = Typed()
         self.told: list[str] = []
         self.stops = 0
+        folder.mkdir(exist_ok=True)
         self.git("init", "--quiet", "--initial-branch=b0")
         self.write("c.py", START)
         self.write("pyproject.toml", "")

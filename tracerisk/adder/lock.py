@@ -234,8 +234,14 @@ def _controller_data(entry: ControllerLock) -> dict[str, Any]:
 
 
 def _data_digest(data: Mapping[str, Any]) -> str:
-    """Return the digest of an entry: where a merge mixes lines of two, it does not fit."""
-    kept = {key: value for key, value in data.items() if key != "digest"}
+    """Return the digest of an entry's values and of what they depended on.
+
+    Where a merge mixes lines of two branches, it does not fit.
+    """
+    inputs = data.get("inputs")
+    depended_on = dict(inputs) if isinstance(inputs, Mapping) else {}
+    depended_on.pop("given", None)  # says how it was asked for what `settings` hold
+    kept = [data.get("blocks"), data.get("fingerprint"), depended_on]
     text = json.dumps(kept, sort_keys=True, ensure_ascii=False)
     return hashlib.blake2b(text.encode(errors="surrogatepass"), digest_size=8).hexdigest()
 
