@@ -184,8 +184,8 @@ def header_end(source: PythonSource, definition: Definition) -> int | None:
     """Return the line on which a function's header ends; `None` for a one-line function."""
     if definition.body_line == definition.line:
         return None
-    line = source.lines[definition.line - 1].rstrip()
-    if _PLAIN_HEADER.fullmatch(line) and line.count(b"(") == line.count(b")"):
+    header = source.lines[definition.line - 1].rstrip()
+    if _PLAIN_HEADER.fullmatch(header) and header.count(b"(") == header.count(b")"):
         return definition.line
     for token in _tokens_from(source, definition.line):
         if token.type == tokenize.NEWLINE:

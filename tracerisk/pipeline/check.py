@@ -317,13 +317,15 @@ def _lost_lines(
             place = Location(source.shown, placed.first_line)
             message = f"the `next` lines of {name} are gone; `tracerisk refresh` writes them again"
             yield CheckFinding("missing", message, place, f"{name}.{NEXT.key}")
-        values = [(name, CALL_SEQUENCE, block.call_sequence, written.values)]
+        values: list[tuple[str, FieldKind, Field[Any], Mapping[str, str]]] = [
+            (name, CALL_SEQUENCE, block.call_sequence, written.values)
+        ]
         if block.next is not None:
             values.append((name, NEXT, block.next, written.values))
         for component in block.components:
             known = written.components.get(component.name)
             if known is not None:
-                path = QualifiedName(f"{name}.{component.name}")
+                path = f"{name}.{component.name}"
                 values += [
                     (path, kind, field, known.values) for kind, field in component_fields(component)
                 ]
