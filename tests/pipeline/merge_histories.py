@@ -381,6 +381,10 @@ class History:
 
     def settle_code(self) -> None:
         """Take a side whole where the mixture is no program, or its blocks are none."""
+        for name in ("c.py", "arm.yaml", "pyproject.toml"):
+            # The first commit of all may have been reverted.
+            if not (self.folder / name).exists():
+                self.git("checkout", self.chance.choice(self.branches), "--", name)
         if not self._is_sound():
             self.git("checkout", self.chance.choice(self.branches), "--", "c.py", fails=True)
         assert self._is_sound()
