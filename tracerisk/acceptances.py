@@ -9,6 +9,7 @@ from tracerisk.errors import one_of
 from tracerisk.trace import Acceptance
 
 ACCEPTABLE: tuple[str, ...] = (
+    "access-denied",
     "attach-failed",
     "callback-raised",
     "command-aborted",

@@ -133,7 +133,9 @@ def _sentence(diff: RiskDiff) -> str:
     alike = [each for each in diff.causes if (each.contribution or 0.0) * diff.increase > 0.0]
     if alike:
         told += f", mostly through {alike[0].summary}{_because(alike[0])}"
-        told += f", {_share(alike[0], diff)} of the {'rise' if new > old else 'fall'}"
+        share = _share(alike[0], diff)
+        if len(diff.causes) > 1 or share != "100 %":
+            told += f", {share} of the {'rise' if new > old else 'fall'}"
     return told + _per_cycle(diff)
 
 

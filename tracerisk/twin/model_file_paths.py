@@ -57,6 +57,8 @@ class ModelFolder:
         try:
             resolved = path.resolve()
             is_there = resolved.is_file()
+            if resolved.is_symlink():
+                resolved.stat()  # From Python 3.13 on a circle of links is resolved to itself.
         except (OSError, RuntimeError, ValueError) as error:
             # Links in a circle, names too long, zero bytes.
             raise RobotError(f"<{tag}>: '{name[:80]}' names no file: {error}", location) from error

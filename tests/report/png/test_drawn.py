@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-import os
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -136,19 +136,20 @@ def test_where_nothing_can_be_drawn_it_is_told_what_to_install(pictures, monkeyp
         assert word in str(caught.value)
 
 
-def test_both_ways_are_tried_where_the_renderer_is_off(tmp_path):
-    """A machine without either library, played by one on which neither can be loaded."""
-    (tmp_path / "mujoco.py").write_text("raise ImportError('no GL for you')\n")
-    script = (
-        "from tracerisk.report.png.drawn import drawn\n"
-        "from tracerisk.errors import RenderError\n"
-        "try:\n    drawn([])\nexcept RenderError as error:\n    print(error)\n"
-    )
-    environment = {**os.environ, "MUJOCO_GL": "disable", "PYTHONPATH": str(tmp_path)}
-    done = subprocess.run(
-        [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True
-    )
-    assert "(egl: ImportError: no GL for you; osmesa: ImportError: no GL for you)" in done.stdout
+def test_both_ways_are_tried_where_the_renderer_is_off(monkeypatch):
+    """A machine without either library, played by a process that ends as it would there."""
+    asked = []
+
+    def no_gl(module, *arguments, environment, **others):
+        asked.append(environment["MUJOCO_GL"])
+        return subprocess.CompletedProcess([], 1, b"", b"Traceback:\nImportError: no GL for you\n")
+
+    monkeypatch.setenv("MUJOCO_GL", "disable")
+    monkeypatch.setattr("tracerisk.report.png.drawn.run_limited", no_gl)
+    told = re.escape("(egl: ImportError: no GL for you; osmesa: ImportError: no GL for you)")
+    with pytest.raises(RenderError, match=told):
+        drawn([])
+    assert asked == ["egl", "osmesa"]
 
 
 def test_making_pictures_loads_neither_renderer_nor_pillow():

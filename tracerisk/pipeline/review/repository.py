@@ -240,6 +240,6 @@ def _no_repository(told: bytes) -> str:
             "is in no git repository; tracerisk diff compares two versions that git knows: run "
             "it in a clone"
         )
-    if "work tree" in text:
+    if "work tree" in text or "bare repository" in text:
         return "is in a repository without a working tree; run tracerisk diff in a clone with one"
     return f"git cannot read the repository: {text}"
