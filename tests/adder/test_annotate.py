@@ -241,8 +241,24 @@ def test_an_edit_after_a_kill_is_still_an_edit(kill_after: int, project, now) ->
 
 def test_going_back_to_an_older_value_by_hand_is_an_edit(project, now) -> None:
     folder, _ = project
-    old = (folder / "pick.py").read_bytes()
     write_all(on_disk(folder, now).writes(folder / LOCK_NAME))
-    (folder / "pick.py").write_bytes(old)
+    path = folder / "pick.py"
+    source = path.read_bytes()
+    assert source.count(b"probability = 9e-08") == 1
+    path.write_bytes(source.replace(b"probability = 9e-08", b"probability = 7.344e-08"))
     outcome = on_disk(folder, now)
     assert isinstance(outcome, EditsInTheWay)
+    assert [edit.field for edit in outcome.edits] == ["place.gripper.probability"]
+    assert all(edit.is_certain for edit in outcome.edits)
+
+
+def test_going_back_to_an_older_version_of_the_file_is_no_edit(project, now) -> None:
+    folder, _ = project
+    old = (folder / "pick.py").read_bytes()
+    write_all(on_disk(folder, now).writes(folder / LOCK_NAME))
+    expected = contents(folder)
+    # Each block has its digest with it, by which it is known to be all the tool's.
+    (folder / "pick.py").write_bytes(old)
+    assert contents(folder) != expected
+    write_all(on_disk(folder, now).writes(folder / LOCK_NAME))
+    assert contents(folder) == expected

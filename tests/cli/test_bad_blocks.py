@@ -134,8 +134,8 @@ BAD = {
         "the risk block of `place` stands at `home`; write `name = home`, or move or delete",
     ),
     "a block in the middle of a function": (
-        "    # | RiskAnnotation\n",
-        "    arm.stop()\n    # | RiskAnnotation\n",
+        "    # | RiskAnnotation ",
+        "    arm.stop()\n    # | RiskAnnotation ",
         3,
         "a risk block stands where no function begins; allowed: the first lines of a function's",
     ),

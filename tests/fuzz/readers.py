@@ -46,7 +46,7 @@ label "done" = s = n;
 """
 EVENTS = b"""\
 {"event":"function","ns":0,"file":"c.py","name":"turn","line":1}
-{"event":"note","ns":5,"kind":"answer","data":"a"}
+{"event":"note","ns":5,"kind":"input","data":{"answer":"a"}}
 """
 
 

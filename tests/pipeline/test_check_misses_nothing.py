@@ -11,8 +11,10 @@ import pytest
 
 from tracerisk.adder.annotate import Changed, SourceBlocks, annotate_sources
 from tracerisk.adder.block import ComponentEntry, RiskBlock
-from tracerisk.adder.lock import Lock
+from tracerisk.adder.block_digest import digest_of
+from tracerisk.adder.lock import Lock, loads
 from tracerisk.adder.merge import MergePolicy
+from tracerisk.adder.read import read_blocks
 from tracerisk.adder.values import (
     computed_count,
     computed_next,
@@ -102,6 +104,20 @@ def change(project, name: str, before: str, after: str) -> None:
     project.write(name, re.sub(before, after, text, count=1))
 
 
+def write_lock(project, lock: dict) -> None:
+    """Write a changed lock, its digest and those of the blocks of a.py, as a run would."""
+    del lock["controllers"]["a.py"]["digest"]
+    changed = loads(json.dumps(lock).encode(), "tracerisk.lock")
+    project.write("tracerisk.lock", changed.dumps())
+    text = project.read("a.py").decode()
+    for placed in read_blocks(text.encode(), "a.py"):
+        written = changed.controllers["a.py"].blocks["a.py"][placed.function]
+        line = f"# | RiskAnnotation {placed.block.digest}\n"
+        assert text.count(line) == 1
+        text = text.replace(line, f"# | RiskAnnotation {digest_of(written)}\n")
+    project.write("a.py", text)
+
+
 def test_deleted_next_lines_are_missing(project):
 
     change(project, "a.py", r"    # \|   next = grip 1\n", "")
@@ -112,8 +128,8 @@ def test_a_published_block_without_next_misses_nothing(project):
     lock = json.loads(project.read("tracerisk.lock"))
     for each in lock["controllers"]["a.py"]["blocks"]["a.py"].values():
         del each["next"]
-    project.write("tracerisk.lock", json.dumps(lock))
     project.write("a.py", re.sub(rb".*next = .*\n", b"", project.read("a.py")))
+    write_lock(project, lock)
     assert kinds(project) == (0, [])
 
 
@@ -157,7 +173,7 @@ def test_a_component_omitted_by_its_name_alone_is_no_crash(project):
     # As the lock keeps it where nothing is computed for the function any more.
     lock = json.loads(project.read("tracerisk.lock"))
     lock["controllers"]["a.py"]["blocks"]["a.py"]["turn"]["components"]["motor"] = {"omitted": True}
-    project.write("tracerisk.lock", json.dumps(lock))
+    write_lock(project, lock)
     assert kinds(project) == (0, [])
 
 

@@ -131,7 +131,11 @@ def test_a_model_of_the_settings_stands_at_the_root_and_its_bytes_are_in_the_loc
     assert example.run("run", "steps/controller.py").code == 0
     changed = set(lock.splitlines()) ^ set(example.read("tracerisk.lock").splitlines())
     named = sorted(line.split(b'"')[1] for line in changed)
-    assert named == [b"fingerprint", b"fingerprint", b"robots/motors.xml", b"robots/motors.xml"]
+    assert named == [
+        *(b"digest", b"digest"),
+        *(b"fingerprint", b"fingerprint"),
+        *(b"robots/motors.xml", b"robots/motors.xml"),
+    ]
 
 
 def test_doctor_tells_what_was_read(example):

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.machine_load import run_under_load
+from tests.other_python import python_with
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes are found in /proc")
 
@@ -250,25 +251,28 @@ STOPPED = {
 }
 STOP = """\
 import os, signal, sys
+def stop(): os.kill(os.getpid(), signal.SIGSTOP)
 if {module!r} in sys.orig_argv:
-    os.kill(os.getpid(), signal.SIGSTOP)
+    {how}
 """
+HOWS = {"its parent": "stop()", "itself": "os.register_at_fork(after_in_child=stop)"}
+"""What runs a module of ours has a parent which ends what it leaves: see `contained.start`."""
 
 
+@pytest.mark.parametrize("which", HOWS)
 @pytest.mark.parametrize("module", STOPPED)
 def test_a_process_that_is_stopped_past_its_limit_ends_the_command(
-    module, example, tmp_path_factory
+    module, which, example, tmp_path_factory
 ):
     files, entry, options, told = STOPPED[module]
     for file, content in files.items():
         example.write(file, content)
     before = example.files()
     stop = tmp_path_factory.mktemp("stop")
-    (stop / "sitecustomize.py").write_text(STOP.format(module=module))
-    path = os.pathsep.join([str(stop), *filter(None, [os.environ.get("PYTHONPATH")])])
-    outcome = example.run(
-        "run", entry, "--wall-limit", "10", *options, environment={"PYTHONPATH": path}
-    )
+    text = STOP.format(module=module, how=HOWS[which])
+    (stop / "sitecustomize.py").write_text(text)
+    python = python_with(tmp_path_factory.mktemp("python"), stop)
+    outcome = example.run("run", entry, "--wall-limit", "10", *options, python=python)
     assert outcome.code == 4, outcome.err
     assert told in outcome.err
     assert "10 s of wall time" in outcome.err

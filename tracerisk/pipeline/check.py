@@ -230,9 +230,13 @@ def _of_blocks(
             )
         current = {block.function: block for block in each.placed}
         bases = [base_with_names(base, each.renamed) for base in bases_of(each.file, entry)]
-        lost = list(_lost_lines(bases[0], each, current))
-        yield from lost
-        told = {finding.subject.rpartition(".")[0] for finding in lost}
+        told = set()
+        for name, placed in current.items():
+            written = bases[0].get(name)
+            lost = () if written is None else tuple(_lost_lines(written, each, placed))
+            yield from lost
+            if lost:
+                told.add(name)
         yield from _edits(bases, each, current, evidence, told)
         yield from _missing(entry, each, current)
     gone = set(entry.blocks) - {each.file for each in sources}
@@ -249,7 +253,7 @@ def _edits(
     source: _Source,
     current: Mapping[QualifiedName, PlacedBlock],
     evidence: SourceEvidence,
-    told: Collection[str],
+    told: Collection[QualifiedName],
 ) -> Iterable[CheckFinding]:
     """Yield what is not as the lock says it was written, and whose work that is.
 
@@ -303,41 +307,35 @@ def _behind(found: RiskBlock, due: RiskBlock | None) -> str:
 
 
 def _lost_lines(
-    base: Mapping[str, WrittenBlock],
-    source: _Source,
-    current: Mapping[QualifiedName, PlacedBlock],
+    written: WrittenBlock, source: _Source, placed: PlacedBlock
 ) -> Iterable[CheckFinding]:
     """Yield what the tool wrote and is not there, or not so: `next` lines, `computed` values."""
-    for name, placed in current.items():
-        written = base.get(name)
-        if written is None:
-            continue
-        block = placed.block
-        if block.next is None and NEXT.key in written.values:
-            place = Location(source.shown, placed.first_line)
-            message = f"the `next` lines of {name} are gone; `tracerisk refresh` writes them again"
-            yield CheckFinding("missing", message, place, f"{name}.{NEXT.key}")
-        values: list[tuple[str, FieldKind, Field[Any], Mapping[str, str]]] = [
-            (name, CALL_SEQUENCE, block.call_sequence, written.values)
-        ]
-        if block.next is not None:
-            values.append((name, NEXT, block.next, written.values))
-        for component in block.components:
-            known = written.components.get(component.name)
-            if known is not None:
-                path = f"{name}.{component.name}"
-                values += [
-                    (path, kind, field, known.values) for kind, field in component_fields(component)
-                ]
-        for path, kind, field, texts in values:
-            was = texts.get(kind.key, NOTHING_COMPUTED)
-            if not _is_computed_as_written(kind, field, was):
-                message = (
-                    f"{path}.{kind.key}: `! computed {field.computed}` was written as {was}; "
-                    "`tracerisk refresh` writes it again"
-                )
-                place = field.location or Location(source.shown, placed.first_line)
-                yield CheckFinding("stale", message, place, f"{path}.{kind.key}")
+    name, block = placed.function, placed.block
+    if block.next is None and NEXT.key in written.values:
+        place = Location(source.shown, placed.first_line)
+        message = f"the `next` lines of {name} are gone; `tracerisk refresh` writes them again"
+        yield CheckFinding("missing", message, place, f"{name}.{NEXT.key}")
+    values: list[tuple[str, FieldKind, Field[Any], Mapping[str, str]]] = [
+        (name, CALL_SEQUENCE, block.call_sequence, written.values)
+    ]
+    if block.next is not None:
+        values.append((name, NEXT, block.next, written.values))
+    for component in block.components:
+        known = written.components.get(component.name)
+        if known is not None:
+            path = f"{name}.{component.name}"
+            values += [
+                (path, kind, field, known.values) for kind, field in component_fields(component)
+            ]
+    for path, kind, field, texts in values:
+        was = texts.get(kind.key, NOTHING_COMPUTED)
+        if not _is_computed_as_written(kind, field, was):
+            message = (
+                f"{path}.{kind.key}: `! computed {field.computed}` was written as {was}; "
+                "`tracerisk refresh` writes it again"
+            )
+            place = field.location or Location(source.shown, placed.first_line)
+            yield CheckFinding("stale", message, place, f"{path}.{kind.key}")
 
 
 def _is_computed_as_written(kind: FieldKind, field: Field[Any], was: str) -> bool:
