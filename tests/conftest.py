@@ -91,9 +91,14 @@ class Example:
             if path.is_file() and not {"__pycache__", ".tracerisk_cache"} & set(path.parts)
         }
 
-    def run(self, *arguments: str, environment: dict[str, str] | None = None) -> Outcome:
+    def run(
+        self,
+        *arguments: str,
+        environment: dict[str, str] | None = None,
+        python: str | Path = sys.executable,
+    ) -> Outcome:
         done = subprocess.run(
-            [sys.executable, "-m", "tracerisk", *arguments],
+            [python, "-m", "tracerisk", *arguments],
             cwd=self.folder,
             capture_output=True,
             env={**os.environ, **(environment or {})},

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import re
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
+from tests.other_python import python_with
 from tracerisk import dependencies
 from tracerisk.errors import DependencyError, ExitCode
 
@@ -18,35 +17,35 @@ CONTROLLER = "def home(arm):\n    arm.go()\n"
 
 @pytest.fixture
 def command(tmp_path):
-    """Runs tracerisk where some modules cannot be imported; returns code and both outputs."""
+    """Runs tracerisk where a module cannot be imported; returns the code, both outputs, Python."""
 
-    def call(*words: str, broken: str) -> tuple[int, str]:
+    def call(*words: str, broken: str) -> tuple[int, str, Path]:
         folder = tmp_path / "broken"
         folder.mkdir()
         (folder / f"{broken}.py").write_text(
             f"raise ImportError('lib{broken}.so: cannot open shared object file', name='{broken}')\n"
         )
-        (tmp_path / "cell.py").write_text(CONTROLLER)
-        path = os.pathsep.join([str(folder), str(Path(dependencies.__file__).parents[1])])
+        (tmp_path / "cell").mkdir()
+        (tmp_path / "cell" / "cell.py").write_text(CONTROLLER)
+        python = python_with(tmp_path / "python", folder)
         done = subprocess.run(
-            [sys.executable, "-m", "tracerisk", *words],
-            cwd=tmp_path,
-            env=os.environ | {"PYTHONPATH": path},
+            [python, "-m", "tracerisk", *words],
+            cwd=tmp_path / "cell",
             capture_output=True,
             text=True,
         )
-        return done.returncode, done.stdout + done.stderr
+        return done.returncode, done.stdout + done.stderr, python
 
     return call
 
 
 @pytest.mark.parametrize("module", ["mujoco", "daqp", "libcst"])
 def test_a_run_names_the_module_the_interpreter_and_what_to_do(command, module):
-    code, out = command("run", "cell.py", "--robot", "panda", broken=module)
+    code, out, python = command("run", "cell.py", "--robot", "panda", broken=module)
     assert code == ExitCode.BAD_INPUT
     last = out.strip().splitlines()[-1]
     assert last.startswith(f"tracerisk: module '{module}' cannot be imported by Python 3.")
-    assert f"({sys.executable}): lib{module}.so: cannot open shared object file; install" in last
+    assert f"({python}): lib{module}.so: cannot open shared object file; install" in last
     assert f"pip install --force-reinstall --only-binary=:all: {module}`" in last
     assert last.endswith("[dependency]")
     assert "this is a fault of tracerisk" not in out
@@ -57,7 +56,7 @@ def test_a_run_names_the_module_the_interpreter_and_what_to_do(command, module):
 
 
 def test_doctor_names_each_package_that_cannot_be_imported(command):
-    code, out = command("doctor", broken="daqp")
+    code, out, _ = command("doctor", broken="daqp")
     assert code == ExitCode.INTERNAL_FAULT
     assert "daqp: FAILS: module 'daqp' cannot be imported" in out
     assert "mujoco 3." in out

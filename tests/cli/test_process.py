@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.machine_load import descendants
+
 LONG = """\
 open({mark!r}, "w").write(str(os.getpid()))
     while True: home(arm); act(arm)"""
@@ -56,41 +58,46 @@ def started(example, *arguments: str) -> Iterator[subprocess.Popen[bytes]]:
 
 @pytest.fixture
 def simulating(example, quick, tmp_path_factory):
-    """A command whose controller runs, the process of the controller, and the folder before."""
+    """A command whose controller runs, the processes it has started, and the folder before."""
     mark = tmp_path_factory.mktemp("mark") / "process"
+    # Anywhere else, what a controller writes is gone after the run.
+    example.write("pyproject.toml", f"[tool.tracerisk]\nwritable = ['{mark.parent}']\n")
     source = quick().replace("    act(arm)\n", f"    {LONG.format(mark=str(mark))}\n")
     example.write("controller.py", source)
     before = example.files()
     (example.folder / "tmp").mkdir()
     with started(example, "run", "controller.py", "--duration", "100000") as process:
         until(lambda: mark.exists() and mark.read_text() != "")
-        yield process, int(mark.read_text()), before
+        controller = int(mark.read_text())
+        theirs = descendants(process.pid)
+        assert controller in theirs
+        yield process, theirs, before
 
 
 def test_ctrl_c_ends_the_command_and_the_controller(simulating, example):
-    process, controller, before = simulating
+    process, theirs, before = simulating
     os.killpg(process.pid, signal.SIGINT)
     _, err = process.communicate(timeout=30)
     assert process.returncode == 130
     assert err.decode().splitlines() == ["tracerisk: interrupted"]
-    assert not is_alive(controller)
+    assert not any(map(is_alive, theirs))
     assert example.files() == before, "no source, no lock, no temporary file"
 
 
 def test_termination_ends_the_controller_too(simulating, example):
-    process, controller, before = simulating
+    process, theirs, before = simulating
     process.terminate()
     process.communicate(timeout=30)
     assert process.returncode == 128 + signal.SIGTERM
-    assert not is_alive(controller)
+    assert not any(map(is_alive, theirs))
     assert example.files() == before
 
 
 def test_a_command_that_is_killed_leaves_no_controller_behind(simulating):
-    process, controller, _ = simulating
+    process, theirs, _ = simulating
     process.kill()
     process.wait(timeout=30)
-    until(lambda: not is_alive(controller))
+    until(lambda: not any(map(is_alive, theirs)))
 
 
 def test_two_runs_of_two_controllers_in_one_folder_both_reach_the_lock(example, two_steps):

@@ -12,7 +12,7 @@ import pytest
 
 from tracerisk.config import Settings, read_settings
 from tracerisk.contained.kernel import Support, support
-from tracerisk.contained.process import Sandbox, SandboxWarning
+from tracerisk.contained.process import Sandbox, SandboxWarning, start
 from tracerisk.errors import RobotError, SandboxError
 from tracerisk.limited_process import DEFAULT_LIMITS
 from tracerisk.pipeline.controller import load_controller
@@ -136,6 +136,24 @@ def test_what_settings_name_is_reached(tmp_path, monkeypatch):
     assert trace.end.cause == "raised"
     assert trace.verdict is not None
     assert "access-denied" in {each.code for each in trace.verdict.reasons}
+
+
+@pytest.mark.parametrize("name", ["site-packages", "scripts"])
+def test_only_the_script_of_a_kernel_lies_among_what_is_imported(tmp_path, monkeypatch, name):
+    folder = tmp_path / name
+    folder.mkdir()
+    (folder / "seen_here.py").write_text("print('imported')")
+    monkeypatch.setattr(sys, "argv", [str(folder / "ipykernel_launcher.py")])
+    monkeypatch.syspath_prepend(str(folder))
+    child = start(
+        "seen_here",
+        sandbox=Sandbox("off" if support().missing else "require"),
+        environment={},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+    )
+    out, _ = child.communicate(timeout=60)
+    assert out.decode().split() == (["imported"] if name == "site-packages" else [])
 
 
 def test_modules_of_the_current_folder_are_none_of_ours(tmp_path):

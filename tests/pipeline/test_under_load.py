@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 
@@ -270,8 +269,8 @@ def test_a_process_that_is_stopped_past_its_limit_ends_the_command(
     before = example.files()
     stop = tmp_path_factory.mktemp("stop")
     text = STOP.format(module=module, how=HOWS[which])
-    (stop / "sitecustomize.py").write_text(text)
-    python = python_with(tmp_path_factory.mktemp("python"), stop)
+    (stop / "stops_at_start.py").write_text(text)
+    python = python_with(tmp_path_factory.mktemp("python"), stop, at_start="stops_at_start")
     outcome = example.run("run", entry, "--wall-limit", "10", *options, python=python)
     assert outcome.code == 4, outcome.err
     assert told in outcome.err

@@ -52,6 +52,7 @@ _SOURCE_ENDINGS = (".py", ".yaml", ".yml", ".json", ".toml", ".urdf", ".xacro", 
 # What a library computes depends on them, to the last digit.
 _OF_LIBRARIES = ("BLIS_", "LC_", "MKL_", "NUMEXPR_", "NVPL_", "OMP_", "OPENBLAS_")
 _OF_HOST = ("ROS_", "AMENT_", "COLCON_", "RMW_")
+_INSTALLED = ("site-packages", "dist-packages")
 # What people keep beside their sources and no controller needs.
 _SECRET_ENDINGS = (".key", ".pem", ".p12", ".pfx")
 _SECRET_NAMES = ("id_rsa", "id_dsa", "id_ecdsa", "id_ed25519", "credentials.json")
@@ -214,8 +215,10 @@ def _import_paths() -> list[str]:
 
     Those of an isolated process come before them.
     """
-    apart = [Path(os.curdir), *(Path(each).parent for each in sys.argv[:1] if each)]
-    left_out = {os.path.realpath(each) for each in apart}
+    scripts = [Path(each).parent for each in sys.argv[:1] if each]
+    # The script of a notebook's kernel lies among the packages that are installed.
+    apart = [each for each in scripts if each.name not in _INSTALLED]
+    left_out = {os.path.realpath(each) for each in (os.curdir, *apart)}
     return [
         each
         for each in sys.path
