@@ -218,7 +218,7 @@ def _import_paths() -> list[str]:
     scripts = [Path(each).parent for each in sys.argv[:1] if each]
     # The script of a notebook's kernel lies among the packages that are installed.
     apart = [each for each in scripts if each.name not in _INSTALLED]
-    left_out = {os.path.realpath(each) for each in (os.curdir, *apart)}
+    left_out = {os.path.realpath(each) for each in (os.curdir, *map(str, apart))}
     return [
         each
         for each in sys.path
