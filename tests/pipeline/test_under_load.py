@@ -258,7 +258,7 @@ HOWS = {"its parent": "stop()", "itself": "os.register_at_fork(after_in_child=st
 """What runs a module of ours has a parent which ends what it leaves: see `contained.start`."""
 
 
-@pytest.mark.parametrize("which", HOWS)
+@pytest.mark.parametrize("which", [pytest.param("its parent", marks=pytest.mark.slow), "itself"])
 @pytest.mark.parametrize("module", STOPPED)
 def test_a_process_that_is_stopped_past_its_limit_ends_the_command(
     module, which, example, tmp_path_factory
