@@ -154,7 +154,9 @@ def _difference(
             after is not None,
         )
     told = run_changes(controller.before, controller.after, renamed)
-    return replace(found, of_run=told, verdicts=verdicts)
+    found = replace(found, of_run=told, verdicts=verdicts)
+    # Where a run went wrong, no cause of a difference is one.
+    return found if found.is_comparable else replace(found, causes=())
 
 
 def _built(
