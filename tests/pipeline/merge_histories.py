@@ -195,23 +195,19 @@ class History:
         return self.chance.choice(found) if found else None
 
     def pin(self) -> None:
-        found = self._value()
-        if found is None:
-            return
-        figure = self.typed.figure()
-        self.typed.pins.add(figure)
-        source = self.read()
-        text = f"{found[1]}:= {figure}  ! why"
-        self.write("c.py", source[: found.start()] + text + source[found.end() :])
+        self._type(self.typed.pins, ":= {}  ! why")
 
     def edit(self) -> None:
+        self._type(self.typed.edits, "= {}")
+
+    def _type(self, figures: set[str], text: str) -> None:
         found = self._value()
         if found is None:
             return
         figure = self.typed.figure()
-        self.typed.edits.add(figure)
+        figures.add(figure)
         source = self.read()
-        text = f"{found[1]}= {figure}"
+        text = found[1] + text.format(figure)
         self.write("c.py", source[: found.start()] + text + source[found.end() :])
 
     def _section(self) -> re.Match[str] | None:

@@ -3,15 +3,14 @@ from __future__ import annotations
 import sys
 import textwrap
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.ran import Ran
 from tracerisk.instrument.loader import prepared_controller
-from tracerisk.instrument.ownership import attribute
-from tracerisk.instrument.recording import Recorder, Recording, read_recording
+from tracerisk.instrument.recording import Recorder, read_recording
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.ros.finder import StandInFinder
 from tracerisk.ros.graph import Graph
@@ -86,28 +85,6 @@ def run_node(scheduler: Scheduler, graph: Graph) -> Callable[..., Any]:
             return scheduler.run_main(main)
 
     return run_controller
-
-
-@dataclass
-class Ran:
-    """What a program on the twin left: its global names, the recording and the twin."""
-
-    names: dict[str, Any]
-    recording: Recording
-    twin: Any
-
-    def __getitem__(self, name: str) -> Any:
-        return self.names[name]
-
-    @property
-    def findings(self) -> list[str]:
-        return [finding.message for finding in self.recording.findings]
-
-    @property
-    def owners(self) -> list[str]:
-        """The owner of each visit, in their order."""
-        attribution = attribute(self.recording, end_ns=self.twin.time_ns)
-        return [visit.function.name for visit in attribution.visits]
 
 
 @pytest.fixture

@@ -3,15 +3,13 @@ from __future__ import annotations
 import sys
 import textwrap
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import pytest
 
+from tests.ran import Ran
 from tracerisk.instrument.loader import prepared_controller
-from tracerisk.instrument.ownership import attribute
-from tracerisk.instrument.recording import Recorder, Recording, read_recording
+from tracerisk.instrument.recording import Recorder, read_recording
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.ros.finder import StandInFinder
 from tracerisk.ros.graph import Graph
@@ -32,25 +30,8 @@ from tracerisk.vendors.serving import serve_vendors
 SECOND = 1_000_000_000
 
 
-@dataclass
-class Ran:
-    """What a program on the twin left: its global names, the recording and the twin."""
-
-    names: dict[str, Any]
-    recording: Recording
-    twin: Any
-
-    def __getitem__(self, name: str) -> Any:
-        return self.names[name]
-
-    @property
-    def findings(self) -> list[str]:
-        return [finding.message for finding in self.recording.findings]
-
-    @property
-    def owners(self) -> list[str]:
-        attribution = attribute(self.recording, end_ns=self.twin.time_ns)
-        return [visit.function.name for visit in attribution.visits]
+class RanOnArm(Ran):
+    """A program that moves a maker's arm."""
 
     @property
     def commands(self) -> list[str]:
@@ -62,7 +43,7 @@ class Ran:
 
 
 @pytest.fixture
-def run_on(tmp_path: Path) -> Callable[..., Ran]:
+def run_on(tmp_path: Path) -> Callable[..., RanOnArm]:
     """Run a program of either ROS on a robot, traced and in virtual time, as the command does."""
 
     def run_program(
@@ -73,7 +54,7 @@ def run_on(tmp_path: Path) -> Callable[..., Ran]:
         scene: str | None = None,
         duration_s: float = 120.0,
         driver: str | None = None,
-    ) -> Ran:
+    ) -> RanOnArm:
         script = tmp_path / "program.py"
         script.write_text(textwrap.dedent(program))
         robot = load_robot(robot_name)
@@ -105,6 +86,6 @@ def run_on(tmp_path: Path) -> Callable[..., Ran]:
                 except RunOver as over:
                     if over.cause not in ("quiescent", "duration"):
                         raise
-            return Ran(dict(namespace), read_recording(events), twin)
+            return RanOnArm(dict(namespace), read_recording(events), twin)
 
     return run_program

@@ -133,8 +133,8 @@ def annotate_sources(
 
     `controller` is the path of the controller relative to the lock's folder. A block of a
     function that is not computed any more goes, unless a person set something in it.
-    `evidence` tells of a file, by its name in `sources`, what git and the inputs of the last run
-    say of who wrote it; without one, all is as the lock says.
+    `evidence` takes the name of a file in `sources` and returns what git and the inputs of the
+    last run say about who wrote it; without it the lock alone decides.
 
     Raises:
         BlockError, SourceError: if a source or a block in it cannot be read, or a redundancy is

@@ -1,8 +1,8 @@
 """Who wrote what stands in a block: the tool, on whichever branch, or a person.
 
-What the tool wrote is known from the block's own digest, from the lock, and, where these two do
-not suffice, from the versions that git keeps. A value that none of them knows is a person's only
-where nothing else can have brought it there; else nobody can tell whose it is.
+The block's own digest is asked first, then the lock, then the versions that git keeps. A value
+that none of them knows is a person's only if no branch can have brought it there; otherwise its
+author is unknown.
 """
 
 from __future__ import annotations

@@ -65,9 +65,9 @@ def with_digest(block: RiskBlock) -> RiskBlock:
 
 
 def is_as_written(block: RiskBlock, written: WrittenBlock) -> bool:
-    """Return whether a block and its digest are as the tool wrote them, a person's words aside.
+    """Return whether a block and its digest are as the tool wrote them, apart from pins.
 
-    A value newly set by hand need not tell yet what is computed there.
+    A newly pinned value need not say yet what is computed there.
     """
     found = written_block(block)
     if found is None or block.digest != digest_of(written):

@@ -36,10 +36,7 @@ _READ_VERSIONS = (1, VERSION)  # before 2 neither entries nor blocks had a diges
 
 _FUNCTION_KEYS = {CALL_SEQUENCE.key: CALL_SEQUENCE, NEXT.key: NEXT}
 _COMPONENT_KEYS = {kind.key: kind for kind in COMPONENT_KINDS}
-_CONTROLLER_KEYS = (
-    *("blocks", "digest", "fingerprint", "inputs"),
-    *("others", "previous", "trace"),
-)
+_CONTROLLER_KEYS = ("blocks", "digest", "fingerprint", "inputs", "others", "previous", "trace")
 
 
 class LockError(InputError):

@@ -64,16 +64,19 @@ class StateEntries:
 
 def _state_of(frame: FrameType) -> Any:
     """Return the object whose method a frame runs, if it is a state or behaviour."""
-    code = frame.f_code
-    if not code.co_argcount:
+    file = frame.f_code.co_filename
+    if is_hidden(file) and _MACHINES_OF_OURS not in file:
         return None
-    if is_hidden(code.co_filename) and _MACHINES_OF_OURS not in code.co_filename:
-        return None
-    own = frame.f_locals.get(code.co_varnames[0])
+    own = _first_argument(frame)
     kind = type(own)
     if kind is type or not any(_BASE.fullmatch(each.__name__) for each in kind.__mro__[1:]):
         return None
     return own
+
+
+def _first_argument(frame: FrameType) -> Any:
+    code = frame.f_code
+    return frame.f_locals.get(code.co_varnames[0]) if code.co_argcount else None
 
 
 def _label(state: Any, frame: FrameType) -> str:
@@ -82,7 +85,7 @@ def _label(state: Any, frame: FrameType) -> str:
     for _ in range(_MACHINE_WITHIN):
         if above is None:
             break
-        machine = above.f_locals.get(above.f_code.co_varnames[0]) if above.f_code.co_argcount else 0
+        machine = _first_argument(above)
         key = _key_in(machine, state) if machine is not state else None
         if key:
             return plain_label(key)

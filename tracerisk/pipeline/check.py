@@ -17,7 +17,6 @@ from tracerisk.adder.lock import (
     ControllerLock,
     WrittenBlock,
     as_written,
-    written_block,
 )
 from tracerisk.adder.merge import MergePolicy, PersonEdit, has_pins
 from tracerisk.adder.model_names import model_names
@@ -461,13 +460,9 @@ def _are_as_written(entry: ControllerLock, placed: Mapping[FunctionRef, RiskBloc
     return (
         written.keys() == placed.keys()
         and len(ranks) == len(placed)
-        and all(_is_as_written(block, written[ref]) for ref, block in placed.items())
+        and not any(map(has_pins, placed.values()))
+        and all(is_as_written(block, written[ref]) for ref, block in placed.items())
     )
-
-
-def _is_as_written(block: RiskBlock, written: WrittenBlock) -> bool:
-    """Return whether a block holds the tool's values to the letter, and nothing by hand."""
-    return not has_pins(block) and written_block(block) == written
 
 
 def _order(finding: CheckFinding) -> tuple[str, int, str, str]:

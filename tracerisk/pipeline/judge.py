@@ -169,6 +169,17 @@ def _of_end(run: RecordedRun) -> Iterator[Reason]:
         )
 
 
+def _command_reason(code: str, words: str, command: IssuedCommand, object_name: str) -> Reason:
+    return _reason(
+        code,
+        words,
+        function=command.function,
+        object_name=object_name,
+        time_s=command.issue_s,
+        location=command.location,
+    )
+
+
 # Commands and what else failed, with their retries
 
 
@@ -179,14 +190,8 @@ def _of_commands(run: RecordedRun) -> Iterator[Reason]:
             continue
         told = _finding_of(command, run.findings)
         words = told.message if told else f"a command to {', '.join(command.elements)} was aborted"
-        yield _reason(
-            "command-aborted",
-            words,
-            function=command.function,
-            object_name=told.object if told and told.object else ", ".join(command.elements),
-            time_s=command.issue_s,
-            location=command.location,
-        )
+        name = told.object if told and told.object else ", ".join(command.elements)
+        yield _command_reason("command-aborted", words, command, name)
 
 
 def _retry(command: IssuedCommand, later: Sequence[IssuedCommand]) -> IssuedCommand | None:
@@ -231,14 +236,8 @@ def _of_limits(commands: Sequence[IssuedCommand]) -> Iterator[Reason]:
     """Yield goals past a joint's limit of which no other command's end tells."""
     for command in commands:
         if command.past_limit and command.outcome != "aborted":
-            yield _reason(
-                "past-limit",
-                f"a goal takes joint '{command.past_limit}' {command.past_words}",
-                function=command.function,
-                object_name=command.past_limit,
-                time_s=command.issue_s,
-                location=command.location,
-            )
+            words = f"a goal takes joint '{command.past_limit}' {command.past_words}"
+            yield _command_reason("past-limit", words, command, command.past_limit)
 
 
 def _of_findings(run: RecordedRun) -> Iterator[Reason]:
@@ -305,15 +304,7 @@ def _is_settled(finding: Finding, spans: Iterable[_Span]) -> bool:
 
 def _of_grippers(run: RecordedRun) -> Iterator[Reason]:
     for fault in gripper_faults(run):
-        command = fault.command
-        yield _reason(
-            fault.code,
-            fault.words,
-            function=command.function,
-            object_name=command.gripper,
-            time_s=command.issue_s,
-            location=command.location,
-        )
+        yield _command_reason(fault.code, fault.words, fault.command, fault.command.gripper)
 
 
 def _of_falls(run: RecordedRun) -> Iterator[Reason]:

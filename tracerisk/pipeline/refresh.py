@@ -29,7 +29,7 @@ from tracerisk.trace import Trace, Verdict
 
 # What a refresh mends; the rest is for a person to mend.
 _MENDED = frozenset(
-    {"stale", "edited", "undecided", "missing", "orphaned", "unknown"} | {"gone", "unsolvable"}
+    {"stale", "edited", "undecided", "missing", "orphaned", "unknown", "gone", "unsolvable"}
 )
 
 How = Literal["fresh", "recomputed", "simulated"]

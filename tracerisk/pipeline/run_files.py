@@ -127,8 +127,8 @@ class RunRequest:
     def loads(cls, text: str) -> RunRequest:
         """Read what `dumps` wrote."""
         data = json.loads(text)
-        names = ("argv", "states", "answers", "params", "drivers", "launch_notes", "readable")
-        lists = {name: tuple(data[name]) for name in (*names, "writable")}
+        names = [each.name for each in dataclasses.fields(cls) if isinstance(data[each.name], list)]
+        lists = {name: tuple(data[name]) for name in names}
         launch = None if data["launch"] is None else LaunchSetup.from_json(data["launch"])
         companions = tuple(Companion.from_json(each) for each in data["companions"])
         return cls(**{**data, **lists, "launch": launch, "companions": companions})

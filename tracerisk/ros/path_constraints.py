@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.ros.poses import compose, conjugate, multiply, rpy_from_quaternion, unit_quaternion
-from tracerisk.twin.motion import JointTrajectory, Pose
+from tracerisk.twin.motion import Pose
 
 _BOX, _SPHERE, _CYLINDER = 1, 2, 3  # shape_msgs/SolidPrimitive
 _SLACK = 1e-6
@@ -112,21 +112,6 @@ class PathRule:
         is_broken = not any(_is_inside(shape, seen) for shape, seen in shapes)
         for each in nearest:
             yield _Part(is_broken, each, words)
-
-
-def violation(
-    constraints: Any, trajectory: JointTrajectory, forward: Forward, frame: Frame
-) -> str | None:
-    """Return the first breach of `constraints` on the points of a trajectory, or None.
-
-    `forward` and `frame` are those of `PathRule`.
-    """
-    rule = PathRule(constraints, forward, frame)
-    for time, row in zip(trajectory.time, trajectory.position, strict=True):
-        positions = dict(zip(trajectory.joints, map(float, row), strict=True))
-        if (told := rule.breach(positions)) is not None:
-            return f"after {time:.2f} s {told}"
-    return None
 
 
 @dataclass(frozen=True, slots=True)

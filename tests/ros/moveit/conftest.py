@@ -2,13 +2,13 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tracerisk.instrument.recording import Recorder, Recording, read_recording
+from tests.ran import Ran
+from tracerisk.instrument.recording import Recorder, read_recording
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.ros.finder import StandInFinder
 from tracerisk.ros.graph import Graph
@@ -24,22 +24,6 @@ import copy, math, sys
 import geometry_msgs.msg, moveit_commander, moveit_msgs.msg, sensor_msgs.msg
 from moveit_commander import MoveGroupCommander, MoveItCommanderException
 """
-
-
-@dataclass
-class Ran:
-    """What a program left: its global names, what was recorded and the twin."""
-
-    names: dict[str, Any]
-    recording: Recording
-    twin: Twin
-
-    def __getitem__(self, name: str) -> Any:
-        return self.names[name]
-
-    @property
-    def findings(self) -> list[str]:
-        return [finding.message for finding in self.recording.findings]
 
 
 @pytest.fixture(scope="session")

@@ -6,13 +6,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
 import pytest
 
+from tests.ran import Ran
 from tracerisk.instrument.loader import prepared_controller
-from tracerisk.instrument.ownership import attribute
-from tracerisk.instrument.recording import Recorder, Recording, read_recording
+from tracerisk.instrument.recording import Recorder, read_recording
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.ros.finder import StandInFinder
 from tracerisk.ros.graph import Graph
@@ -56,32 +55,19 @@ PREAMBLE_LINES = PREAMBLE.count("\n")
 
 
 @dataclass
-class Ran:
-    """What a program left: its global names, the recording, the twin, and how it ended."""
+class RanAndOver(Ran):
+    """How it ended, too."""
 
-    names: dict[str, Any]
-    recording: Recording
-    twin: Twin
     over: RunOver | None
-
-    def __getitem__(self, name: str) -> Any:
-        return self.names[name]
-
-    @property
-    def findings(self) -> list[str]:
-        return [finding.message for finding in self.recording.findings]
-
-    @property
-    def owners(self) -> list[str]:
-        attribution = attribute(self.recording, end_ns=self.twin.time_ns)
-        return [visit.function.name for visit in attribution.visits]
 
 
 @pytest.fixture
-def run(tmp_path: Path) -> Callable[..., Ran]:
+def run(tmp_path: Path) -> Callable[..., RanAndOver]:
     """Run a program of MoveItPy on the Panda, traced and in virtual time, as the command does."""
 
-    def run_program(program: str, packages: Mapping[str, Path] = MappingProxyType({})) -> Ran:
+    def run_program(
+        program: str, packages: Mapping[str, Path] = MappingProxyType({})
+    ) -> RanAndOver:
         script = tmp_path / "program.py"
         script.write_text(PREAMBLE + textwrap.dedent(program))
         robot = load_robot("panda")
@@ -109,6 +95,6 @@ def run(tmp_path: Path) -> Callable[..., Ran]:
                     scheduler.run_main(main)
                 except RunOver as ended:
                     over = ended
-            return Ran(dict(namespace), read_recording(events), twin, over)
+            return RanAndOver(dict(namespace), read_recording(events), twin, over)
 
     return run_program

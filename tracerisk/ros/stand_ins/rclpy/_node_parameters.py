@@ -169,7 +169,6 @@ class NodeParameters:
             ParameterNotDeclaredException: it is not declared.
             ParameterUninitializedException: it has a type and no value yet.
         """
-        run().runtime.graph.parameters.ask(name)
         if name in self._parameters:
             parameter = self._parameters[name]
             if parameter.type_ is not _NOT_SET or self._descriptors[name].dynamic_typing:
@@ -177,6 +176,8 @@ class NodeParameters:
             kind = Parameter.Type(self._descriptors[name].type).name.lower()
             run().scheduler.miss(Need("parameter", name, kind))
             raise ParameterUninitializedException(name)
+        # What is declared was asked for when it was declared.
+        run().runtime.graph.parameters.ask(name)
         if self._allow_undeclared_parameters:
             return Parameter(name, _NOT_SET, None)
         raise ParameterNotDeclaredException(name)

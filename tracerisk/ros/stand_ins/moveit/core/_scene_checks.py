@@ -6,12 +6,10 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import numpy as np
-
 from tracerisk.ros.move_group import MoveGroupServer
-from tracerisk.ros.path_constraints import violation
+from tracerisk.ros.path_constraints import PathRule
 from tracerisk.ros.planning_scene import PlanningScene as Objects
-from tracerisk.twin.motion import JointTrajectory, Pose
+from tracerisk.twin.motion import Pose
 
 from .._library import log_error
 from .collision_detection import AllowedCollisionMatrix, CollisionRequest, CollisionResult
@@ -54,12 +52,8 @@ class SceneChecks:
         self, state: RobotState, constraints: Any, verbose: bool = False
     ) -> bool:
         """Tell whether a state keeps to Constraints."""
-        positions = state.joint_positions
-        values = np.array([list(positions.values())])
-        point = JointTrajectory(tuple(positions), np.zeros(1), values, np.zeros_like(values))
-        broken = violation(
-            constraints, point, self._server.forward, lambda name: self._frame(name, state)
-        )
+        rule = PathRule(constraints, self._server.forward, lambda name: self._frame(name, state))
+        broken = rule.breach(state.joint_positions)
         if broken is not None and verbose:
             log_error(broken)
         return broken is None
