@@ -94,6 +94,27 @@ def test_cut_sets_are_the_smallest_sets_that_bring_the_top_about(tree, most):
     assert sets.count() == len(expected)
 
 
+def test_a_part_that_always_happens_is_in_no_prime_implicant():
+    # `always` is a tautology of inputs of its own, which no rule of simplification sees.
+    tree = FaultTree(
+        "top",
+        (
+            Gate("either", GateKind.OR, ("c", "d")),
+            Gate("odd", GateKind.XOR, ("d", "either")),
+            Gate("even", GateKind.NOT, ("odd",)),
+            Gate("both", GateKind.XOR, ("c", "d", "a", "even")),
+            Gate("always", GateKind.ATLEAST, ("even", "either", "b", "both"), k=2),
+            Gate("top", GateKind.OR, ("a", "always")),
+        ),
+        tuple(BasicEvent(name, name) for name in "abcd"),
+    )
+    assert all(truth(tree)[1].values())
+    sets = prime_implicants(tree)
+    assert listed(sets.most_probable()) == [(frozenset(), frozenset())]
+    assert sets.count() == 1
+    assert tree.probability(dict.fromkeys("abcd", 0.3)).p == 1.0
+
+
 @settings(max_examples=120, deadline=None)
 @given(tree=trees([OR, AND, ATLEAST, NOT, XOR]))
 def test_prime_implicants_are_the_largest_cubes_within_the_truth_table(tree):

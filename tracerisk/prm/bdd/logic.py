@@ -9,7 +9,7 @@ An OR is the complement of an AND of complements, so that the graph needs one ki
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -55,6 +55,18 @@ class LogicGraph:
             return GateKind.AND, arguments
         return GateKind.OR, tuple(-argument for argument in arguments)
 
+    def with_constants(self, constants: Mapping[int, int]) -> LogicGraph:
+        """Return the graph in which each node of `constants` is TRUE or FALSE, as they say."""
+        builder = LogicBuilder(self.events)
+        made = list(range(len(self.arguments)))
+        for node in self.reachable():
+            arguments = self.arguments[node]
+            if node in constants:
+                made[node] = constants[node]
+            elif arguments:
+                made[node] = builder.conjunction(_renamed(each, made) for each in arguments)
+        return builder.graph(_renamed(self.top, made))
+
     def reachable(self) -> list[int]:
         """Return the nodes below and including the top, each after its arguments."""
         wanted = bytearray(len(self.arguments))
@@ -67,6 +79,10 @@ class LogicGraph:
                     wanted[abs(argument)] = 1
         found.reverse()
         return found
+
+
+def _renamed(literal: int, made: Sequence[int]) -> int:
+    return made[literal] if literal > 0 else -made[-literal]
 
 
 class LogicBuilder:

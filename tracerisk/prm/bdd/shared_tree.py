@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import ModelError, TooLargeError, one_of
 from tracerisk.prm.bdd.diagram import DEFAULT_LIMITS, Diagram, Limits, build_diagram, module_pair
-from tracerisk.prm.bdd.logic import FIRST_EVENT, TRUE, LogicGraph, logic_graph
+from tracerisk.prm.bdd.logic import FALSE, FIRST_EVENT, TRUE, LogicGraph, logic_graph
 from tracerisk.prm.bdd.modules import Module, grouped, modules
 from tracerisk.prm.bdd.simplify import simplified
 from tracerisk.prm.probability import Probability
@@ -30,18 +30,35 @@ class SharedTree:
     def __init__(self, tree: FaultTree, limits: Limits = DEFAULT_LIMITS) -> None:
         self.limits = limits
         self.graph: LogicGraph = grouped(simplified(logic_graph(tree)))
+        self.modules: tuple[Module, ...]
+        self.diagrams: dict[int, Diagram]
+        try:
+            self._compile()
+            # A part that always or never happens is seen only by its diagram.
+            while constants := self._constants():
+                self.graph = grouped(simplified(self.graph.with_constants(constants)))
+                self._compile()
+        except TooLargeError as error:
+            raise TooLargeError(
+                f"fault tree '{tree.top}': {error.message}", lower=error.lower, upper=error.upper
+            ) from error
+
+    def _compile(self) -> None:
         self.modules = modules(self.graph)
-        self.diagrams: dict[int, Diagram] = {}
-        for module in self.modules:
-            if not module.is_simple:
-                try:
-                    self.diagrams[module.root] = build_diagram(self.graph, module, limits)
-                except TooLargeError as error:
-                    raise TooLargeError(
-                        f"fault tree '{tree.top}': {error.message}",
-                        lower=error.lower,
-                        upper=error.upper,
-                    ) from error
+        self.diagrams = {
+            module.root: build_diagram(self.graph, module, self.limits)
+            for module in self.modules
+            if not module.is_simple
+        }
+
+    def _constants(self) -> dict[int, int]:
+        """Return the modules that always or never happen, with TRUE or FALSE."""
+        edges = {0: TRUE, 1: FALSE}
+        return {
+            node: edges[diagram.root]
+            for node, diagram in self.diagrams.items()
+            if diagram.root in edges
+        }
 
     def probability(self, values: EventValues) -> Probability:
         """Return the top event's probability, exact to rounding."""
