@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import random
 import signal
 import subprocess
 import sys
@@ -126,6 +127,35 @@ def test_two_runs_of_one_controller_at_once_give_what_one_gives(annotated_run, e
     assert (one.returncode, two.returncode) == (0, 0), one_err + two_err
     for name in ("controller.py", "tracerisk.lock"):
         assert example.read(name) == run.read(name)
+
+
+@pytest.mark.slow
+def test_many_runs_checks_and_refreshes_at_once_leave_everything_whole(
+    annotated_run, example, two_steps
+):
+    run, _ = annotated_run
+    names = [f"c{number}.py" for number in range(4)]
+    for name in names:
+        example.write(name, two_steps)
+    (example.folder / "tmp").mkdir()
+    asked = [("run", name) for name in names for _ in range(5)]
+    asked += [("check", name) for name in names for _ in range(12)] + [("check",)] * 2
+    asked += [("refresh", name) for name in names] + [("refresh",)]
+    random.Random(7).shuffle(asked)
+    with contextlib.ExitStack() as stack:
+        begun = [stack.enter_context(started(example, *words, "--quiet")) for words in asked]
+        ends = [process.communicate(timeout=1800) for process in begun]
+    # A check that came first found what was not annotated yet; none found anything broken.
+    for words, process, (_, told) in zip(asked, begun, ends, strict=True):
+        allowed = (0,) if words[0] == "run" else (0, 1, 2)
+        assert process.returncode in allowed, (words, told)
+        assert b"Traceback" not in told
+    assert {example.read(name) for name in names} == {run.read("controller.py")}
+    assert example.run("check").code == 0
+    left = {path.name for path in example.folder.iterdir()}
+    assert left == {*names, "tmp", "tracerisk.lock", ".tracerisk_cache"}
+    assert list((example.folder / "tmp").iterdir()) == []
+    assert list(example.folder.rglob("*.tmp")) == []
 
 
 def test_a_run_keeps_what_another_wrote_into_the_lock_meanwhile(example, two_steps):
