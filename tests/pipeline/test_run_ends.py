@@ -119,8 +119,11 @@ IDLE = "rate = rospy.Rate(10)\nwhile not rospy.is_shutdown():\n    rate.sleep()\
     [
         "rospy.spin()\n",
         IDLE,
-        "import time\nwhile True:\n    time.sleep(1.0)\n",
-        "rospy.Subscriber('/joint_states', rospy.AnyMsg, lambda m: None)\nrospy.spin()\n",
+        pytest.param("import time\nwhile True:\n    time.sleep(1.0)\n", marks=pytest.mark.slow),
+        pytest.param(
+            "rospy.Subscriber('/joint_states', rospy.AnyMsg, lambda m: None)\nrospy.spin()\n",
+            marks=pytest.mark.slow,
+        ),
         "rospy.Timer(rospy.Duration(1.0), lambda e: None)\nrospy.spin()\n",
     ],
 )

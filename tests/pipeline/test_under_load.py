@@ -204,6 +204,7 @@ def same_under_load(example, at_rest):
     return check
 
 
+@pytest.mark.slow
 def test_a_sample_leaves_the_same_bytes_under_load(same_under_load):
     same_under_load("glue_bead.py", files_of("glue_bead.py"), "glue_bead.py")
 
@@ -213,6 +214,7 @@ def test_the_launch_file_is_taken_under_load(same_under_load):
     assert b"launch/turn.launch.py" in left["tracerisk.lock"]
 
 
+@pytest.mark.slow
 def test_the_robot_of_a_xacro_is_taken_under_load(same_under_load):
     left = same_under_load("expanded", EXPANDED, "scripts/reach.py")
     assert b'"robot":"bent"' in left["trace.json"].replace(b" ", b"")
@@ -259,7 +261,13 @@ HOWS = {"its parent": "stop()", "itself": "os.register_at_fork(after_in_child=st
 
 
 @pytest.mark.parametrize("which", [pytest.param("its parent", marks=pytest.mark.slow), "itself"])
-@pytest.mark.parametrize("module", STOPPED)
+@pytest.mark.parametrize(
+    "module",
+    [
+        pytest.param(each, marks=[] if each == "tracerisk.pipeline.child" else pytest.mark.slow)
+        for each in STOPPED
+    ],
+)
 def test_a_process_that_is_stopped_past_its_limit_ends_the_command(
     module, which, example, tmp_path_factory
 ):
@@ -380,7 +388,8 @@ if __name__ == "__main__":
 
 
 @pytest.mark.parametrize(
-    ("names", "code"), [("alpha beta gamma", 0), ("alpha beta gamma delta", 4)]
+    ("names", "code"),
+    [pytest.param("alpha beta gamma", 0, marks=pytest.mark.slow), ("alpha beta gamma delta", 4)],
 )
 def test_simulated_time_bounds_the_attempts_with_companions(names, code, example):
     example.write("package.xml", PACKAGE.format("chain"))
