@@ -2,21 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from tracerisk import trace_json
+import tracerisk
+from tracerisk import config, trace_json
 from tracerisk.adder.lock import Lock, loads
+from tracerisk.adder.published import read_c_blocks
 from tracerisk.adder.read import read_blocks
 from tracerisk.hardware.reader import read_hardware
+from tracerisk.hardware.sysml.reader import read_sysml
 from tracerisk.instrument.recording import read_recording
 from tracerisk.pipeline.console_scripts import console_scripts
-from tracerisk.prm.formats import galileo, model_json
+from tracerisk.prm import build_model
+from tracerisk.prm.formats import galileo, linked_json, model_json
 from tracerisk.prm.formats.explicit import read_explicit
 from tracerisk.prm.formats.open_psa.reader import loads_open_psa
-from tracerisk.prm.formats.openpra.reader import loads_openpra
+from tracerisk.prm.formats.openpra import dumps_openpra, loads_openpra
 from tracerisk.prm.formats.prism.reader import read_prism
+from tracerisk.prm.linked import linked
+from tracerisk.ros.scenario import read_scenario
+from tracerisk.ros.scenario_parameters import read_parameters
+from tracerisk.trace import (
+    Element,
+    Exposure,
+    FunctionRef,
+    QualifiedName,
+    RunEnd,
+    Trace,
+    TracedFunction,
+    Visit,
+)
+from tracerisk.twin.robot_reader import read_robot
+from tracerisk.twin.srdf import read_srdf
+from tracerisk.vendors.description_reader import read_driver
 
 BLOCK = b"""\
 def turn(arm):
@@ -48,6 +68,98 @@ EVENTS = b"""\
 {"event":"function","ns":0,"file":"c.py","name":"turn","line":1}
 {"event":"note","ns":5,"kind":"input","data":{"answer":"a"}}
 """
+PARAMETERS = b"""\
+/**:
+  ros__parameters: {speed: 0.5, joints: [a, b], deep: {x: on}}
+arm: &arm
+  home: [0, -1.5, 0x1f, 1e3]
+other: *arm
+"""
+SCENARIO = b"""\
+parameters: {/pick/parts: 2}
+services:
+  - {name: /camera/enable, type: std_srvs/Trigger, after: 0.5, reply: {success: true}}
+publish:
+  - topic: /camera/part
+    type: geometry_msgs/PoseStamped
+    messages: [{header: {stamp: now}, pose: {position: [0.4, 0.10, 0.1]}}]
+frames:
+  - {frame: camera, parent: world, xyz: [0.5, 0, 1.2], rpy: [0, 3.1416, 0]}
+objects:
+  - {name: crate, box: [0.2, 0.2, 0.1], xyz: [-0.5, 0, 0.05]}
+answers: ["", ""]
+"""
+DRIVER = b"""\
+driver: acme
+packages: [acme_msgs]
+units: {angle: deg}
+codes: {succeeded: 0, invalid_goal: 12, aborted: 20, failed: 99}
+services:
+  acme/move_axes:
+    type: MoveAxes
+    move: {joints: axis_deg, speed: {field: override_percent, unit: percent}}
+    response: {error_code: $code, error_text: $message}
+definitions:
+  acme_msgs/srv/MoveAxes: |
+    float32[6] axis_deg
+    float32 override_percent
+    ---
+    int32 error_code
+    string error_text
+"""
+SRDF = b"""\
+<robot name="arm"><group name="arm"><chain base_link="a" tip_link="b"/></group>
+<group_state name="home" group="arm"><joint name="j1" value="0.5"/></group_state>
+<end_effector name="hand" parent_link="b" group="hand"/><disable_collisions link1="a" link2="b"/>
+</robot>
+"""
+C_BLOCK = b"""\
+/***
+ * RiskAnnotation
+ * @Function {
+ *   name = turn
+ *   callSequence = 1
+ * }
+ * @Component {
+ *   name = motor
+ *   probability = 9.5e-08
+ *   quantity = 7
+ *   redundancy = false
+ * }
+ ***/
+void turn() {}
+"""
+SETTINGS = b"""\
+[tool.tracerisk]
+robot = "panda"
+states = ["place"]
+min_coverage = 0.9
+[[tool.tracerisk.accept]]
+code = "unmet-need"
+function = "place"
+object = "/x"
+words = "known"
+"""
+OPEN_PSA = (
+    b'<opsa-mef><define-fault-tree name="f"><define-gate name="g"><or>'
+    b'<basic-event name="a"/><basic-event name="b"/></or></define-gate>'
+    b'<define-basic-event name="a"><float value="0.1"/></define-basic-event>'
+    b'<define-basic-event name="b"><float value="0.2"/></define-basic-event>'
+    b"</define-fault-tree></opsa-mef>"
+)
+MODEL = build_model([each.block for each in read_blocks(BLOCK, "c.py")], name="m")
+TURN = FunctionRef("c.py", QualifiedName("turn"))
+TRACE = Trace(
+    controller="c.py",
+    robot="panda",
+    scene="empty",
+    end=RunEnd("ended", "the controller returned", 12.5),
+    elements=(Element("j1", "joint"), Element("hand", "gripper", actuators=("tendon",))),
+    functions=(TracedFunction(TURN, 7, 1),),
+    visits=(Visit(TURN, 0.1, 12.4, "succeeded", {"j1": Exposure(1.0, 2.0, active_s=3.0)}),),
+)
+SYSML = Path(__file__).parents[1] / "hardware" / "sysml"
+ROBOTS = Path(tracerisk.__file__).parent / "twin" / "robots"
 
 
 @dataclass(frozen=True)
@@ -71,12 +183,12 @@ def _file(name: str, read: Callable[[Path], object]) -> Callable[[bytes, Path], 
     return of
 
 
-READERS: Mapping[str, Reader] = {
+READERS: dict[str, Reader] = {
     "blocks": Reader(lambda data, _: read_blocks(data, "c.py"), (BLOCK,)),
     "lock": Reader(lambda data, _: loads(data, "tracerisk.lock").dumps(), (Lock().dumps(),)),
     "trace": Reader(
         lambda data, _: trace_json.loads(_text(data), "t.json"),
-        (b'{"schema": "tracerisk.trace", "version": 1, "visits": [1e3, -2]}',),
+        (trace_json.dumps(TRACE).encode(),),
     ),
     "recording": Reader(_file("events.jsonl", read_recording), (EVENTS,)),
     "prism": Reader(lambda data, _: read_prism(_text(data), most_states=200), (PRISM,)),
@@ -92,21 +204,15 @@ READERS: Mapping[str, Reader] = {
     ),
     "open_psa": Reader(
         lambda data, _: loads_open_psa(data, "m.xml"),
-        (
-            b'<opsa-mef><define-fault-tree name="f"><define-gate name="g"><or>'
-            b'<basic-event name="a"/><basic-event name="b"/></or></define-gate>'
-            b'<define-basic-event name="a"><float value="0.1"/></define-basic-event>'
-            b'<define-basic-event name="b"><float value="0.2"/></define-basic-event>'
-            b"</define-fault-tree></opsa-mef>",
-        ),
+        (OPEN_PSA,),
     ),
     "openpra": Reader(
         lambda data, _: loads_openpra(data, "m.json"),
-        (b'{"name": "m", "faultTrees": [{"name": "f", "gates": []}]}',),
+        (dumps_openpra(loads_open_psa(OPEN_PSA, "m.xml")).encode(),),
     ),
     "model": Reader(
         lambda data, _: model_json.loads(_text(data), "m.json"),
-        (b'{"schema": "tracerisk-model", "version": 1, "name": "m", "states": []}',),
+        (model_json.dumps(MODEL).encode(),),
     ),
     "hardware": Reader(
         _file("arm.yaml", read_hardware),
@@ -118,5 +224,25 @@ READERS: Mapping[str, Reader] = {
     "console_scripts": Reader(
         _file("setup.py", lambda path: list(console_scripts(path.parent))),
         (b"entry_points={'console_scripts': ['talker = pkg.talker:main']}\n",),
+    ),
+    "sysml": Reader(
+        _file("arm.sysml", read_sysml),
+        tuple(path.read_bytes() for path in sorted(SYSML.glob("*.sysml"))),
+    ),
+    "c_blocks": Reader(lambda data, _: read_c_blocks(data, "c.cpp"), (C_BLOCK,)),
+    "linked": Reader(
+        lambda data, _: linked_json.loads(_text(data), "m.json"),
+        (linked_json.dumps(linked(MODEL)).encode(),),
+    ),
+    "parameters": Reader(_file("p.yaml", read_parameters), (PARAMETERS,)),
+    "scenario": Reader(_file("s.yaml", read_scenario), (SCENARIO,)),
+    "driver": Reader(_file("d.yaml", read_driver), (DRIVER,)),
+    "robot": Reader(
+        _file("r.yaml", read_robot),
+        ((ROBOTS / "so100.yaml").read_bytes(),),
+    ),
+    "srdf": Reader(lambda data, _: read_srdf(data, "arm.srdf"), (SRDF,)),
+    "settings": Reader(
+        _file("pyproject.toml", lambda path: config.read_settings(path.parent)), (SETTINGS,)
     ),
 }
