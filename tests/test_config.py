@@ -189,3 +189,9 @@ def test_what_is_wrong_in_a_table_is_told_with_its_line(tmp_path, text, line, me
     with pytest.raises(SettingsError, match=message) as caught:
         read_settings(tmp_path, "a.py")
     assert caught.value.location.line == line
+
+
+def test_settings_that_nest_too_deeply_are_an_error_with_their_file(tmp_path):
+    write(tmp_path, "states = " + "[" * 100_000)
+    with pytest.raises(SettingsError, match=r"pyproject.toml: .*nests too deeply"):
+        read_settings(tmp_path)

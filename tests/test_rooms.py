@@ -25,8 +25,8 @@ ROOMS = (
 BELOW = (
     *("trace", "trace_display", "trace_json", "trace_log"),
     *("acceptances", "bounded", "config", "contained", "dependencies", "errors", "instance_name"),
-    "limited_process",
-    *("yaml_reader", "yaml_nodes"),
+    *("limited_process", "limits", "printable"),
+    *("yaml_bounds", "yaml_nodes", "yaml_reader"),
 )
 """Modules that every room may import, and that import no room."""
 RANK = {room: rank for rank, room in enumerate(ROOMS)} | dict.fromkeys(BELOW, len(ROOMS))

@@ -158,3 +158,10 @@ def test_bad_log_is_an_error_with_file_and_line(text, message):
     with pytest.raises(LogError) as caught:
         read_log(text, "run.log", controller="arm.py")
     assert message in str(caught.value)
+
+
+@pytest.mark.parametrize("number", ["1e400", "9" * 350, "9" * 5000, "NaN"])
+def test_a_number_of_a_trace_that_no_float_holds_is_an_error(number):
+    text = trace_json.dumps(TRACE).replace("12.5", number)
+    with pytest.raises(LogError, match=r"^t\.json"):
+        trace_json.loads(text, "t.json")

@@ -25,6 +25,11 @@ def test_a_number_without_a_dot_is_read_without_a_word(tmp_path, version):
         ("a: [1\n", "a.yaml:2:1: is not valid YAML: "),
         ("? [a: b]\n: c\n", "a.yaml: cannot be read as YAML: "),
         ("a: 2026-13-01\n", "a.yaml: cannot be read as YAML: "),
+        (
+            "a: " + "[" * 100_000,
+            "a.yaml:1:104: is not valid YAML: is nested deeper than 100 levels",
+        ),
+        ("a:\n " + "- " * 50_000, "a.yaml:2:202: is not valid YAML: is nested deeper than 100 "),
         ("1: 2\n", "a.yaml:1:1: key 1 is not a string; put it in quotes"),
         ("- 1\n", "a.yaml:1: expected a mapping at the top, found "),
     ],

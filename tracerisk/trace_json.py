@@ -145,7 +145,10 @@ def _read_dataclass(kind: type, value: Any, path: str) -> Any:
 
 def _read_plain(kind: type, value: Any, path: str) -> Any:
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
-        value = float(value)
+        try:
+            value = float(value)
+        except OverflowError:  # above the largest double
+            raise _MismatchError(path, "expected a finite number") from None
     if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
         raise _MismatchError(path, f"expected {kind.__name__}, found {type(value).__name__}")
     if isinstance(value, float) and not math.isfinite(value):

@@ -234,17 +234,18 @@ def read_yaml(
     `shown` is the name for messages, the path by default; `version` that of YAML: in 1.1 `yes`
     is true.
     Raises `error` with file and line when the file is absent, is not UTF-8, is larger than
-    16 MB, is not YAML, holds a key twice, or does not hold a mapping with string keys.
+    16 MB, is not YAML, is nested deeper than 100 levels, holds a key twice, or does not hold a
+    mapping with string keys.
     """
     # Imported here: the verbs that read no YAML start faster without it.
-    from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
+
+    from tracerisk.yaml_bounds import bounded_yaml
 
     file = shown if shown is not None else str(path)
     text = _text(path, file, error)
     try:
-        yaml = YAML(typ="rt", pure=True)
-        yaml.version = version
+        yaml = bounded_yaml("rt", version)
         with warnings.catch_warnings():
             # `1e3`, which YAML 1.1 wants written `1.0e3`.
             warnings.simplefilter("ignore")

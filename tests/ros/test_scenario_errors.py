@@ -186,7 +186,7 @@ BODY = "objects:\n  - name: cube\n    box: [0.1, 0.1, 0.1]\n"
         ("answers: yes\n", "expected a list, one answer for each input()"),
         ("answers: [true]\n", "expected strings or numbers, found True; put it in quotes"),
         ("parameters: {a: }\n", "s.yaml:1:14: parameters.a: has no value; give it one"),
-        ("parameters: {a: 99999999999}\n", "is no value of a parameter: int exceeds"),
+        ("parameters: {a: 99999999999}\n", "cannot hold a whole number of more than 32 bits"),
         (BODY.replace("cube", "table"), "the scene has a 'table' already; take another name"),
         (BODY + "    sphere: {radius: 1}\n", "expected exactly one of box, cylinder and sphere"),
         (BODY.replace("box: [0.1, 0.1, 0.1]", "xyz: [0, 0, 0]"), "expected exactly one of box"),
@@ -219,3 +219,22 @@ def test_a_parameter_file_is_told_of_with_its_line(tmp_path):
     path.write_text("/**:\n  ros__parameters:\n    speed:\n")
     with pytest.raises(ScenarioError, match=r"p.yaml:3:5: .*speed: has no value"):
         read_parameters(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("a: 1\nb: !!set {x, z}\n", "p.yaml:2:1: b: cannot hold a set (!!set); allowed: true or"),
+        ("a: {b: [1, !!set {x}]}\n", "p.yaml:1:5: a.b: cannot hold a set (!!set); allowed: "),
+        ("a: 2001-01-01\n", "p.yaml:1:1: a: cannot hold the date 2001-01-01; put it in quotes"),
+        ("a: 9999999999\n", "p.yaml:1:1: a: cannot hold a whole number of more than 32 bits; "),
+        ("a: !mine b\n", "p.yaml:1:1: a: cannot hold a value of the type !mine; allowed: "),
+        ("a: [1, null]\n", "p.yaml:1:1: a: cannot hold an entry without a value; allowed: "),
+    ],
+)
+def test_what_no_parameter_of_a_file_can_be_is_told_with_what_can(tmp_path, text, told):
+    path = tmp_path / "p.yaml"
+    path.write_text(text)
+    with pytest.raises(ScenarioError) as error:
+        read_parameters(path)
+    assert str(error.value).removeprefix(f"{tmp_path}/").startswith(told)

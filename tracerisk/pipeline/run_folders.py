@@ -69,7 +69,12 @@ def _remove(folder: Path) -> None:
 
 
 def check_left(folder: Path) -> None:
-    """Raise LogError at what is no regular file of a recording, LimitError at a too large one."""
+    """Raise LogError at what is no regular file of a recording, LimitError at a too large one.
+
+    Of a folder that is gone there is nothing to say: its recording is empty.
+    """
+    if not folder.is_dir():
+        return
     for each in sorted(folder.iterdir()):
         status = each.lstat()
         if each.name == DEFINITIONS and stat.S_ISDIR(status.st_mode):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
 from typing import Any
 
@@ -100,8 +101,31 @@ def _check(tree: YamlMap, key: str, value: Any) -> None:
         return
     try:
         ParameterTree().set("/value", plain(value))
-    except (TypeError, OverflowError) as error:
-        tree.fail(key, f"is no value of a parameter: {error}")
+    except (TypeError, OverflowError):
+        tree.fail(
+            key,
+            f"cannot hold {_unfit(value)}; allowed: true or false, numbers (whole ones of 32 "
+            "bits), strings, binary data, lists and mappings",
+        )
+
+
+def _unfit(value: Any) -> str:
+    """Return what of a value no parameter can be, as users call it."""
+    if isinstance(value, Mapping):
+        value = list(value.values())
+    if isinstance(value, list | tuple):
+        return next((found for each in value if (found := _unfit(each))), "")
+    if isinstance(value, Set):
+        return "a set (!!set)"
+    if isinstance(value, date):
+        return f"the date {value}; put it in quotes if it is a string"
+    if value is None:
+        return "an entry without a value"
+    if isinstance(value, int) and not -(2**31) <= value < 2**31:
+        return "a whole number of more than 32 bits"
+    if isinstance(value, bool | int | float | str | bytes):
+        return ""
+    return f"a value of the type {getattr(value, 'tag', None) or type(value).__name__}"
 
 
 def into_tree(parameters: tuple[Parameter, ...], tree: ParameterTree) -> None:

@@ -18,11 +18,11 @@ def load_yaml(text: str) -> Any:
     Raises:
         ruamel.yaml.error.YAMLError: it is no YAML.
     """
-    from ruamel.yaml import YAML
     from ruamel.yaml.error import YAMLError
 
-    yaml = YAML(typ="safe", pure=True)
-    yaml.version = (1, 1)
+    from tracerisk.yaml_bounds import bounded_yaml
+
+    yaml = bounded_yaml("safe", (1, 1))
     yaml.allow_duplicate_keys = True
     root = yaml.compose(text)
     if root is None:
