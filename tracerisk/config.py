@@ -14,9 +14,8 @@ from pathlib import Path, PurePosixPath
 from typing import Any, Literal, NoReturn, get_args
 
 from tracerisk.acceptances import read_acceptances
-from tracerisk.contained.process import Sandbox, SandboxMode
 from tracerisk.errors import Location, SettingsError, one_of
-from tracerisk.limited_process import Limit, Limits
+from tracerisk.limits import Limit, Limits, Sandbox, SandboxMode
 from tracerisk.trace import Acceptance
 
 if sys.version_info >= (3, 11):
@@ -201,7 +200,10 @@ def _sources(root: Path, file: str | None) -> Iterator[_Reader]:
 
 def loads_toml(text: str) -> dict[str, Any]:
     """Return a TOML document; raise ValueError, with the place, where it is not valid."""
-    document: dict[str, Any] = tomllib.loads(text)
+    try:
+        document: dict[str, Any] = tomllib.loads(text)
+    except RecursionError as error:
+        raise ValueError("it nests too deeply") from error
     return document
 
 

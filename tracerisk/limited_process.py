@@ -19,13 +19,13 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from time import clock_gettime, monotonic, process_time, sleep
 from typing import NoReturn
 
-from tracerisk.contained.process import Sandbox, end, passed_environment, start
+from tracerisk.contained.process import end, passed_environment, start
 from tracerisk.errors import LimitError, Location
+from tracerisk.limits import Limit, Limits
 
 POLL_S = 0.02
 """How often a process is looked at [s]."""
@@ -40,45 +40,6 @@ _MB = 1024 * 1024
 # A process whose parent is gone ends by itself, well after the parent would have ended it.
 _SPARE_CPU_S = 60
 _TASKS = "/proc/{}/task"
-
-
-@dataclass(frozen=True, slots=True)
-class Limit:
-    """A limit, and the setting of `[tool.tracerisk]` that raises it."""
-
-    setting: str
-    """The name of the setting."""
-    value: float
-    """Its value, in the unit at the end of its name."""
-
-    @property
-    def told(self) -> str:
-        """How to raise the limit: option and setting with its value."""
-        option = self.setting.rpartition("_")[0].replace("_", "-")
-        return f"raise it with --{option} or the setting {self.setting} (now {self.value:g})"
-
-
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """What a process that reads a file or draws may take; the defaults are those of `Settings`."""
-
-    own: Limit = Limit("stall_limit_s", 30.0)
-    """Time that it computes or sleeps [s]."""
-    wall: Limit = Limit("wall_limit_s", 1800.0)
-    """Wall time [s]."""
-    memory: Limit = Limit("memory_limit_mb", 8192)
-    """Address space of a controller [MB]; a process that reads a file has a quarter of it."""
-    sandbox: Sandbox = field(default_factory=Sandbox)
-    """What else the process may reach."""
-
-    @property
-    def memory_bytes(self) -> int:
-        """The address space of a process that reads a file [bytes]."""
-        return max(1, int(self.memory.value)) * _MB // 4
-
-
-DEFAULT_LIMITS = Limits()
-"""The limits where no settings are at hand."""
 
 
 class StartMark:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import ast
+from pathlib import Path
+
 import pytest
 
-from tracerisk.cli.output import MOST_CHARACTERS, printable
+from tracerisk import cli
+from tracerisk.printable import MOST_CHARACTERS, printable
 
 
 @pytest.mark.parametrize(
@@ -34,3 +38,32 @@ def test_a_file_name_is_no_workflow_command(example):
     lines = (outcome.out + outcome.err).splitlines()
     assert any(name in line for line in lines)
     assert not any(line.lstrip().startswith("::") for line in lines)
+
+
+def test_a_verb_prints_only_through_what_makes_it_printable():
+    """Whole documents (a model, a schema, a completion) are written as they are."""
+    bare = []
+    for file in Path(cli.__file__).parent.glob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            is_call = isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+            if is_call and node.func.id == "print" and "printable" not in ast.unparse(node):
+                bare.append(f"{file.name}: {ast.unparse(node)}")
+    assert sorted(bare) == [
+        "__init__.py: print('tracerisk: interrupted', file=sys.stderr)",
+        "__init__.py: print(f'tracerisk {__version__}')",
+        "build.py: print(text, end='')",
+        "completion.py: print(shtab.complete(parser, shell=options.shell))",
+        "drivers.py: print(text, end='')",
+        "hardware.py: print(text, end='')",
+    ]
+
+
+def test_the_exception_of_a_controller_is_only_shown_and_not_without_end(example):
+    example.write("loud.py", "raise ValueError('\\x1b[2J\\n::error::pwned ' + 'x' * 50_000_000)\n")
+    outcome = example.run("run", "loud.py")
+    assert outcome.code == 4
+    text = outcome.out + outcome.err
+    assert "ValueError: \\x1b[2J" in text
+    assert "\x1b" not in text
+    assert len(text) < 4 * MOST_CHARACTERS
+    assert not any(line.lstrip().startswith("::") for line in text.splitlines())

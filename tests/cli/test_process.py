@@ -257,6 +257,23 @@ def test_verbs_without_a_simulation_import_no_simulator_and_no_libcst(call, anno
     assert not HEAVY & modules
 
 
+NOT_FOR_CHECK = {
+    *("asyncio", "concurrent", "ctypes", "email", "http", "importlib.metadata", "logging"),
+    *("multiprocessing", "numpy", "platform", "rich", "ruamel", "socket", "ssl", "subprocess"),
+    *("tempfile", "urllib.request", "xml", "yaml"),
+    *("tracerisk.adder.annotate", "tracerisk.adder.insert", "tracerisk.contained"),
+    *("tracerisk.limited_process", "tracerisk.prm", "tracerisk.report", "tracerisk.ros"),
+    *("tracerisk.twin", "tracerisk.instrument", "tracerisk.pipeline.review"),
+}
+"""What a check of a file that is up to date has no use for: most of its time is imports."""
+
+
+def test_check_imports_only_what_it_needs(annotated):
+    modules = modules_of(annotated, LISTING.format(arguments=["check", "controller.py"]))
+    assert "tracerisk.pipeline.check" in modules
+    assert not NOT_FOR_CHECK & modules
+
+
 def test_help_imports_nothing_of_the_stages(example):
     modules = modules_of(example, LISTING.format(arguments=["--help"]))
     ours = {name for name in modules if name.startswith("tracerisk.")}

@@ -12,9 +12,9 @@ import pytest
 
 from tracerisk.config import Settings, read_settings
 from tracerisk.contained.kernel import Support, support
-from tracerisk.contained.process import Sandbox, SandboxWarning, start
+from tracerisk.contained.process import SandboxWarning, is_contained, start
 from tracerisk.errors import RobotError, SandboxError
-from tracerisk.limited_process import DEFAULT_LIMITS
+from tracerisk.limits import DEFAULT_LIMITS, Sandbox
 from tracerisk.pipeline.controller import load_controller
 from tracerisk.pipeline.launch.launch_process import read_launch
 from tracerisk.pipeline.stages import trace_controller
@@ -240,8 +240,8 @@ def test_a_kernel_without_it_is_warned_of_once_and_refused_where_it_is_required(
     monkeypatch.setattr(process, "support", lambda: Support(0, seccomp=True))
     process._warn_once.cache_clear()
     with pytest.warns(SandboxWarning, match="Landlock .* is missing") as told:
-        assert [Sandbox().is_on for _ in range(2)] == [False, False]
+        assert [is_contained(Sandbox()) for _ in range(2)] == [False, False]
     assert len(told) == 1
-    assert not Sandbox("off").is_on
+    assert not is_contained(Sandbox("off"))
     with pytest.raises(SandboxError, match="required and does not work here"):
-        _ = Sandbox("require").is_on
+        is_contained(Sandbox("require"))

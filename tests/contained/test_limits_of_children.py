@@ -10,7 +10,7 @@ import pytest
 
 from tracerisk.config import Settings
 from tracerisk.errors import LimitError, LogError
-from tracerisk.pipeline import one_writer, run_folders
+from tracerisk.pipeline import controller_run, one_writer, run_folders
 from tracerisk.pipeline.controller import load_controller
 from tracerisk.pipeline.stages import trace_controller
 
@@ -69,6 +69,22 @@ def test_a_fifo_in_place_of_a_file_holds_nobody_up(attacked):
 def test_a_recording_that_is_removed_is_told(attacked):
     with pytest.raises(LogError, match="has removed it"):
         attacked("os.remove(events)")
+
+
+def test_a_recording_folder_that_is_removed_is_told(attacked):
+    with pytest.raises(LogError, match="has removed it"):
+        attacked("import shutil; shutil.rmtree(FOLDER); arm.go([0.0] * 7, wait=True)")
+
+
+def test_a_process_that_dies_before_it_begins_is_told_with_its_last_line(attacked, monkeypatch):
+    start = controller_run.start_process
+    monkeypatch.setattr(
+        controller_run,
+        "start_process",
+        lambda _, *more, **how: start("tracerisk.gone", *more, **how),
+    )
+    with pytest.raises(RuntimeError, match=r"code 1 before it began: .*tracerisk\.gone"):
+        attacked("pass")
 
 
 def test_a_fifo_that_is_looked_at_during_the_run_holds_nobody_up(attacked):

@@ -10,7 +10,7 @@ import pytest
 from tracerisk import pipeline
 from tracerisk.config import Settings
 from tracerisk.errors import LimitError
-from tracerisk.limited_process import DEFAULT_LIMITS, Limit
+from tracerisk.limits import DEFAULT_LIMITS, Limit
 from tracerisk.pipeline.robot_choice import choose_robot
 from tracerisk.twin.mjcf_model import mesh_shapes
 from tracerisk.twin.xacro_files import expand_xacro

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from tracerisk.adder.authors import Evidence
+from tracerisk.adder.bases import SourceEvidence, bases_of, merge_with_bases
 from tracerisk.adder.block import RiskBlock
 from tracerisk.adder.block_digest import with_digest
 from tracerisk.adder.insert import insert_blocks
 from tracerisk.adder.instance_values import InstanceValues
 from tracerisk.adder.lock import ControllerLock, Lock, WrittenBlock, written_block
-from tracerisk.adder.merge import Merged, MergePolicy, PersonEdit, edits_error, in_the_way, merge
+from tracerisk.adder.merge import MergePolicy, PersonEdit, edits_error, in_the_way
 from tracerisk.adder.model_names import model_names
 from tracerisk.adder.person_words import check_targets, give_way, is_next_by_hand, ranks_by_hand
 from tracerisk.adder.pinned_redundancy import check_redundancies
@@ -105,9 +106,6 @@ class EditsInTheWay:
         """Return the error that names every edited field."""
         return edits_error(self.edits)
 
-
-SourceEvidence: TypeAlias = Callable[[str], Evidence]
-"""What is known of a source beyond its blocks and the lock, by the name of its file."""
 
 Annotation: TypeAlias = Unchanged | Changed | EditsInTheWay
 
@@ -231,38 +229,6 @@ def _with_free_ranks(
         )
         for source in sources
     ]
-
-
-def bases_of(file: str, entry: ControllerLock | None) -> list[Mapping[str, WrittenBlock]]:
-    """Return what was last written into a source, then all else that it may hold.
-
-    That is what it held before a write that was cut short, and what other branches had written.
-    """
-    if entry is None:
-        return [{}]
-    return [blocks.get(file, {}) for blocks in entry.all_blocks]
-
-
-def merge_with_bases(
-    name: QualifiedName,
-    bases: Sequence[Mapping[str, WrittenBlock]],
-    current: RiskBlock | None,
-    computed: RiskBlock | None,
-    policy: MergePolicy,
-    evidence: Callable[[], Evidence],
-    renamed: Mapping[QualifiedName, QualifiedName],
-) -> Merged:
-    """Merge the block of one function; `bases` are of its file, under the names of now."""
-    base, *others = [each.get(name) for each in bases]
-    return merge(
-        base,
-        current,
-        computed,
-        policy=policy,
-        others=[each for each in others if each is not None and each != base],
-        evidence=evidence,
-        names={str(new): str(old) for old, new in renamed.items()},
-    )
 
 
 def _merge_source(

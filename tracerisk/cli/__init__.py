@@ -199,7 +199,9 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         self.print_usage(sys.stderr)
-        print(f"{self.prog}: {message} [usage]", file=sys.stderr)
+        from tracerisk.printable import printable
+
+        print(printable(f"{self.prog}: {message} [usage]"), file=sys.stderr)
         if self.verb is not None:
             from tracerisk.cli.output import print_json
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from tracerisk.cli.output import print_text, terminal_width, use_color
+from tracerisk.cli.output import note, print_text, terminal_width, use_color
 from tracerisk.errors import ExitCode
 
 if TYPE_CHECKING:
@@ -45,5 +44,5 @@ def risk_exit(assessment: Assessment, max_risk: float | None) -> ExitCode:
     risk = assessment.mission.failure_probability
     if max_risk is None or risk <= max_risk:
         return ExitCode.FINE
-    print(f"tracerisk: mission failure {risk:.4g} is over --max-risk {max_risk:g}", file=sys.stderr)
+    note(f"tracerisk: mission failure {risk:.4g} is over --max-risk {max_risk:g}")
     return ExitCode.WOULD_CHANGE

@@ -11,7 +11,7 @@ import warnings
 from importlib import import_module
 from typing import NoReturn
 
-from tracerisk.cli.output import print_json, printable, scenario_advice
+from tracerisk.cli.output import note, print_json, scenario_advice
 from tracerisk.errors import ExitCode, TraceRiskError
 
 _format = warnings.formatwarning
@@ -55,9 +55,9 @@ def _one_line(
 
 
 def _failed(options: argparse.Namespace, error: TraceRiskError) -> int:
-    print(printable(f"tracerisk: {error.with_code}"), file=sys.stderr)
+    note(f"tracerisk: {error.with_code}")
     if scenario := getattr(error, "scenario", ""):
-        print(scenario_advice(scenario), file=sys.stderr)
+        note(scenario_advice(scenario))
     if getattr(options, "json", False):
         print_json(options.verb, exit_code=int(error.exit_code), error=_error_data(error))
     return int(error.exit_code)
@@ -65,7 +65,7 @@ def _failed(options: argparse.Namespace, error: TraceRiskError) -> int:
 
 def _internal_error() -> int:
     traceback.print_exc()
-    print(f"tracerisk: {_FAULT_ADVICE}", file=sys.stderr)
+    note(f"tracerisk: {_FAULT_ADVICE}")
     return int(ExitCode.INTERNAL_FAULT)
 
 

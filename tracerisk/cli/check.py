@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_json, printable, write_sarif
+from tracerisk.cli.output import note, print_json, show, write_sarif
 from tracerisk.cli.verdict import verdict_json
 from tracerisk.cli.without_controllers import note_without_controllers
 from tracerisk.errors import ExitCode, InputError, TraceRiskError
@@ -93,9 +93,9 @@ def run(options: argparse.Namespace) -> int:
         return int(code)
     for each in checked:
         if not options.quiet:
-            print(printable(f"{each.path}: {verdict_line(each.verdict)}"))
+            show(f"{each.path}: {verdict_line(each.verdict)}")
     for line in [*map(str, findings), *(error.with_code for error in errors)]:
-        print(printable(line))
+        show(line)
     for line in _notes(checked):
         note(line, quiet=options.quiet)
     bad = len(errors) + sum(1 for each in checked if each.findings)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.cli import options as shared
-from tracerisk.cli.output import print_json, terminal_width, write_sarif
+from tracerisk.cli.output import note, print_json, terminal_width, write_sarif
 from tracerisk.errors import ExitCode, InputError
 from tracerisk.trace import verdict_line
 
@@ -92,7 +92,7 @@ def run(options: argparse.Namespace) -> int:
         sys.stdout.buffer.write(_rendered(found, options.format).encode(errors="replace"))
         sys.stdout.flush()
     for line in exceeded:
-        print(f"tracerisk: {line}", file=sys.stderr)
+        note(f"tracerisk: {line}")
     return int(code)
 
 

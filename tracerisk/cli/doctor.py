@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk import __version__
 from tracerisk.cli import options as shared
-from tracerisk.cli.output import print_json
+from tracerisk.cli.output import print_json, show
 from tracerisk.dependencies import needed, version_of
 from tracerisk.errors import DependencyError, ExitCode, LimitError, TraceRiskError
 
@@ -50,13 +50,13 @@ def run(options: argparse.Namespace) -> int:
         print_json("doctor", exit_code=int(code), found=found, settings=settings, faults=faults)
         return int(code)
     for name, text in found.items():
-        print(f"{name}: {text}")
+        show(f"{name}: {text}")
     if settings:
-        print("settings:")
+        show("settings:")
     for name, setting in settings.items():
-        print(f"  {name} = {_shown(setting['value'])}  ({_source(setting)})")
+        show(f"  {name} = {_shown(setting['value'])}  ({_source(setting)})")
     for name, text in faults.items():
-        print(f"{name}: FAILS: {text}")
+        show(f"{name}: FAILS: {text}")
     return int(code)
 
 

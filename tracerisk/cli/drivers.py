@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_json
+from tracerisk.cli.output import note, print_json, show
 
 if TYPE_CHECKING:
     from tracerisk.vendors.description import Driver
@@ -50,10 +50,10 @@ def run(options: argparse.Namespace) -> int:
         print_json("drivers", action=options.action, drivers=[_as_json(each) for each in drivers])
         return 0
     for driver in drivers:
-        print(f"{driver.name} ({driver.file}): {_counted(driver)}")
+        show(f"{driver.name} ({driver.file}): {_counted(driver)}")
         if options.action == "check":
             for each in driver.interfaces:
-                print(f"  {each.kind.rstrip('s').replace('_', ' ')} {each.name} ({each.types[0]})")
+                show(f"  {each.kind.rstrip('s').replace('_', ' ')} {each.name} ({each.types[0]})")
     return 0
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, note_warnings, print_json
+from tracerisk.cli.output import note, note_warnings, print_json, show
 from tracerisk.errors import InputError, Location
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ def _show(options: argparse.Namespace) -> int:
         return 0
     from tracerisk.report.hardware_table import hardware_table
 
-    print("\n".join((f"{hardware.file}:", *hardware_table(hardware, bound))))
+    show(f"{hardware.file}:", *hardware_table(hardware, bound))
     return 0
 
 

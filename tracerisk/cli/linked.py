@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import what_if as asked
-from tracerisk.cli.output import print_json, print_text, terminal_width, use_color
+from tracerisk.cli.output import note, print_json, print_text, terminal_width, use_color
 from tracerisk.errors import ExitCode, InputError, one_of
 
 if TYPE_CHECKING:
@@ -106,7 +105,7 @@ def _spread(model: LinkedModel, figure: str, options: argparse.Namespace) -> Unc
 def _risk_exit(figure: str, risk: float, max_risk: float | None) -> ExitCode:
     if max_risk is None or risk <= max_risk:
         return ExitCode.FINE
-    print(f"tracerisk: {figure} {risk:.4g} is over --max-risk {max_risk:g}", file=sys.stderr)
+    note(f"tracerisk: {figure} {risk:.4g} is over --max-risk {max_risk:g}")
     return ExitCode.WOULD_CHANGE
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
@@ -164,7 +163,7 @@ def _risk_exit(solved: Solved, options: argparse.Namespace) -> ExitCode:
         raise InputError(f"--max-risk: say with --figure which is a risk; {one_of(solved.figures)}")
     over = [(name, solved.figures[name]) for name in names if solved.figures[name] > limit]
     for name, value in over:
-        print(f"tracerisk: {name} {value:.4g} is over --max-risk {limit:g}", file=sys.stderr)
+        note(f"tracerisk: {name} {value:.4g} is over --max-risk {limit:g}")
     return ExitCode.WOULD_CHANGE if over else ExitCode.FINE
 
 

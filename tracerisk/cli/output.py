@@ -6,13 +6,13 @@ import contextlib
 import difflib
 import json
 import os
-import re
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import InputError, Location
+from tracerisk.printable import printable
 
 if TYPE_CHECKING:
     from tracerisk.hardware.model import Hardware
@@ -27,27 +27,6 @@ _PLAIN_SIGNS = str.maketrans(
     {"\N{BOX DRAWINGS LIGHT HORIZONTAL}": "-", **dict.fromkeys("\u2588\u2589\u258a\u258b", "#")}
     | dict.fromkeys("\u258c\u258d\u258e\u258f", " ")
 )
-
-
-MOST_CHARACTERS = 20_000
-"""The length up to which a message is printed: an exception of a controller may be endless."""
-
-# Control characters but line feed and tab, and those that turn the direction of writing.
-_UNSAFE = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
-_COMMAND = re.compile(r"^(?=\s*(?:::|##\[))", re.MULTILINE)
-
-
-def printable(text: str) -> str:
-    """Return a message that a terminal and a log of CI only show.
-
-    Names of files and texts of exceptions are others': control characters are escaped, no line
-    begins as a workflow command does (`::error`, `##[error]`), and what is endless is cut.
-    """
-    left = len(text) - MOST_CHARACTERS
-    if left > 0:
-        text = f"{text[:MOST_CHARACTERS]} ... and {left} more characters"
-    escaped = _UNSAFE.sub(lambda found: ascii(found[0])[1:-1], text)
-    return _COMMAND.sub("./", escaped)
 
 
 def print_json(verb: str, *, exit_code: int = 0, **data: Any) -> None:
@@ -84,10 +63,16 @@ def scenario_advice(lines: str) -> str:
     return f"These lines of a scenario file (--scenario) would give it:\n\n{lines}"
 
 
+def show(*lines: str, to_errors: bool = False) -> None:
+    """Print lines of text, on standard output unless they are an error's."""
+    for line in lines:
+        print(printable(line), file=sys.stderr if to_errors else sys.stdout)
+
+
 def note(message: str, *, quiet: bool = False) -> None:
     """Print a line for the person at the terminal, on standard error."""
     if not quiet:
-        print(printable(message), file=sys.stderr)
+        show(message, to_errors=True)
 
 
 def note_warnings(hardware: Hardware, *, quiet: bool = False) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_json
+from tracerisk.cli.output import note, print_json, show
 from tracerisk.errors import ExitCode, InputError
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
         )
         return int(code)
     for line in _table(found):
-        print(line)
+        show(line)
     for each in beyond:
         note(f"{each.location}: {each.field} has drifted by {_drift(each)}, above {limit:g} %")
     without = sum(1 for each in found if each.reason is None)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import options as shared
-from tracerisk.cli.output import print_json
+from tracerisk.cli.output import print_json, show
 
 if TYPE_CHECKING:
     from tracerisk.twin.robot import Controller, Gripper, Joint, Robot
@@ -52,7 +52,7 @@ def run(options: argparse.Namespace) -> int:
         if options.json:
             print_json("robots", robot=_as_json(robot))
         else:
-            print("\n".join(_described(robot)))
+            show(*_described(robot))
         return 0
     from tracerisk.twin.robot_index import shipped_names
 
@@ -60,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print_json("robots", robots=[_listed_as_json(each) for each in names])
     else:
-        print("\n".join(_listed(names)))
+        show(*_listed(names))
     return 0
 
 

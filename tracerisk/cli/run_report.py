@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 from tracerisk.adder.computed import ComputedBlocks
 from tracerisk.adder.model_names import model_names
-from tracerisk.cli.output import scenario_advice, write_file
+from tracerisk.cli.output import note, scenario_advice, write_file
 from tracerisk.config import FailOn
 from tracerisk.errors import ExitCode
 from tracerisk.trace import NOTES, Element, Finding, QualifiedName, Trace
@@ -79,7 +78,7 @@ def finding_exit(trace: Trace, fail_on: FailOn | None) -> ExitCode:
     if not counted:
         return ExitCode.FINE
     told = "1 finding" if len(counted) == 1 else f"{len(counted)} findings"
-    print(f"tracerisk: {told}, and --fail-on {fail_on}", file=sys.stderr)
+    note(f"tracerisk: {told}, and --fail-on {fail_on}")
     return ExitCode.WOULD_CHANGE
 
 
@@ -131,16 +130,16 @@ def _by_kind(
 def print_failure(trace: Trace) -> int:
     """Tell how a run ended badly and what it had shown so far; return the exit code."""
     place = "" if trace.end.location is None else f"{trace.end.location}: "
-    print(f"tracerisk: {place}{trace.end.message} [{trace.end.code}]", file=sys.stderr)
+    note(f"tracerisk: {place}{trace.end.message} [{trace.end.code}]")
     if trace.verdict is not None:
-        print(f"verdict: {trace.verdict.kind}", file=sys.stderr)
+        note(f"verdict: {trace.verdict.kind}")
     seconds = 0.0 if trace.end.simulated_s is None else trace.end.simulated_s
-    print(f"The trace so far, {seconds:.1f} s simulated:", file=sys.stderr)
+    note(f"The trace so far, {seconds:.1f} s simulated:")
     for line in [*trace_lines(trace), *(f"  {line}" for line in finding_lines(trace))]:
-        print(line, file=sys.stderr)
-    print("No source was changed.", file=sys.stderr)
+        note(line)
+    note("No source was changed.")
     if trace.end.scenario:
-        print(scenario_advice(trace.end.scenario), file=sys.stderr)
+        note(scenario_advice(trace.end.scenario))
     return int(failure_code(trace))
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_json, progress_bar
+from tracerisk.cli.output import note, print_json, progress_bar, show
 from tracerisk.cli.run_report import failure_code, print_failure
 from tracerisk.cli.verdict import verdict_json
 from tracerisk.errors import ControllerFailedError, ExitCode, InputError, Location
@@ -160,16 +160,16 @@ def _print_draft(
         told = f"arguments {' '.join(draft.arguments.words)}"
         rows.insert(0, (told, None, draft.arguments.told))
     if rows:
-        print("Asked for, and given by the scenario as assumed:")
+        show("Asked for, and given by the scenario as assumed:")
     for told, place, words in rows:
-        print(f"  {told}{_at(place)}: {words}")
+        show(f"  {told}{_at(place)}: {words}")
     if draft.missing:
-        print("Asked for, and given by no scenario:")
+        show("Asked for, and given by no scenario:")
     for each in draft.missing:
-        print(f"  {each.need.told}{_at(each.location)}: {each.words}")
+        show(f"  {each.need.told}{_at(each.location)}: {each.words}")
     _print_asked(asked, "in the source beside, and had in the run or not reached")
     if not rows and not draft.missing and not asked:
-        print("It asks its world for nothing.")
+        show("It asks its world for nothing.")
     if options.write:
         note(
             f"written: {output}; run it with --scenario, and delete the mark `# assumed` of what "
@@ -184,9 +184,9 @@ def _print_draft(
 
 def _print_asked(asked: tuple[Missed, ...], where: str) -> None:
     if asked:
-        print(f"Asked for {where}:")
+        show(f"Asked for {where}:")
     for each in asked:
-        print(f"  {each.need.told}{_at(each.location)}")
+        show(f"  {each.need.told}{_at(each.location)}")
 
 
 def _at(place: Location | None) -> str:

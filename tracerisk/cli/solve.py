@@ -10,7 +10,7 @@ from tracerisk.cli import what_if as asked
 from tracerisk.cli.assessment import print_assessment, risk_exit
 from tracerisk.cli.hardware_spread import notes_data, spreads_of_files, tell
 from tracerisk.cli.model_files import OWN, format_of
-from tracerisk.cli.output import print_json
+from tracerisk.cli.output import print_json, show
 from tracerisk.cli.sources import linked_model, model_of_files
 from tracerisk.cli.verdict import sources_verdict
 from tracerisk.errors import InputError
@@ -82,7 +82,7 @@ def run(options: argparse.Namespace) -> int:
         )
     else:
         for line in () if verdicts is None else verdicts.lines:
-            print(line)
+            show(line)
         tell(spreads, options)
         asked.print_set(changes)
         print_assessment(assessment)

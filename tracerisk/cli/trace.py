@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_json, progress_bar, scenario_advice, write_file
+from tracerisk.cli.output import note, print_json, progress_bar, scenario_advice, show, write_file
 from tracerisk.cli.run_report import (
     failure_of,
     finding_lines,
@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
         print_verdict(trace.verdict, options)
         note(headline(trace), quiet=options.quiet)
         for line in [*trace_lines(trace), *object_lines(trace), *finding_lines(trace)]:
-            print(line)
+            show(line)
         if trace.end.scenario:
             note(scenario_advice(trace.end.scenario), quiet=options.quiet)
         for line in trace.assumptions:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from tracerisk.cli.output import show
 from tracerisk.cli.sources import read_file
 from tracerisk.errors import ExitCode
 from tracerisk.trace import Verdict, verdict_line
@@ -27,10 +27,8 @@ def print_verdict(verdict: Verdict | None, options: argparse.Namespace) -> None:
     if quiet and verdict_exit(verdict) == ExitCode.FINE:
         return
     # Where a diff of the sources is on standard output, nothing else is.
-    stream = sys.stdout if is_text and not quiet else sys.stderr
-    print(verdict_line(verdict), file=stream)
-    for line in verdict_details(verdict):
-        print(f"  {line}", file=stream)
+    lines = (verdict_line(verdict), *(f"  {line}" for line in verdict_details(verdict)))
+    show(*lines, to_errors=quiet or not is_text)
 
 
 def verdict_details(verdict: Verdict | None) -> list[str]:

@@ -18,16 +18,13 @@ import sysconfig
 import tempfile
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from tracerisk.contained.kernel import support
 from tracerisk.errors import SandboxError
-
-SandboxMode = Literal["auto", "require", "off"]
-"""Whether strangers' code is contained: where that works, always, or never."""
+from tracerisk.limits import Sandbox
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _START = Path(__file__).with_name("start.py")
@@ -62,37 +59,23 @@ class SandboxWarning(UserWarning):
     """Strangers' code runs uncontained."""
 
 
-@dataclass(frozen=True, slots=True)
-class Sandbox:
-    """How strangers' code is contained.
+def is_contained(sandbox: Sandbox) -> bool:
+    """Return whether a sandbox contains here; warns once where it should and cannot.
 
-    `readable` and `writable` are files and folders that it may reach besides, `env` the names of
-    variables of the environment that it gets besides.
+    Raises SandboxError where it is required and cannot.
     """
-
-    mode: SandboxMode = "auto"
-    readable: tuple[str, ...] = ()
-    writable: tuple[str, ...] = ()
-    env: tuple[str, ...] = ()
-
-    @property
-    def is_on(self) -> bool:
-        """Whether it contains here; warns once where it should and cannot.
-
-        Raises SandboxError where it is required and cannot.
-        """
-        if self.mode == "off":
-            return False
-        missing = support().missing
-        if not missing:
-            return True
-        if self.mode == "require":
-            raise SandboxError(
-                f"the sandbox is required and does not work here: {missing} is missing; "
-                "tracerisk doctor lists its parts"
-            )
-        _warn_once(missing)
+    if sandbox.mode == "off":
         return False
+    missing = support().missing
+    if not missing:
+        return True
+    if sandbox.mode == "require":
+        raise SandboxError(
+            f"the sandbox is required and does not work here: {missing} is missing; "
+            "tracerisk doctor lists its parts"
+        )
+    _warn_once(missing)
+    return False
 
 
 @lru_cache(maxsize=1)
@@ -144,7 +127,7 @@ def start(
         "parent": os.getpid(),
         "readable": None,
     }
-    if sandbox is not None and sandbox.is_on:
+    if sandbox is not None and is_contained(sandbox):
         _compile_own()
         given = [*reads, *map(Path, sandbox.readable)]
         own = [_PACKAGE, *_interpreter(), *(Path(each) for each in paths)]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from tracerisk.adder.annotate import SourceEvidence, bases_of, merge_with_bases
+from tracerisk.adder.bases import SourceEvidence, bases_of, merge_with_bases
 from tracerisk.adder.block import Field, RiskBlock
 from tracerisk.adder.block_digest import is_as_written
 from tracerisk.adder.definitions import MODULE, definitions, parse_python

@@ -19,6 +19,7 @@ from tracerisk.instrument.source import MODULE_NAME
 from tracerisk.instrument.tracer import Frame
 from tracerisk.pipeline.entry_point import find_entry_point
 from tracerisk.pipeline.run_files import COMPANION, Companion
+from tracerisk.printable import cut
 from tracerisk.ros.node_process import NodeProcess
 from tracerisk.ros.runtime import Runtime
 from tracerisk.ros.scenario_parameters import into_tree
@@ -132,4 +133,4 @@ def _execute(script: Path, root: Path) -> None:
 
 
 def _one_text(error: BaseException) -> str:
-    return "".join(traceback.format_exception_only(error)).strip()
+    return cut("".join(traceback.format_exception_only(error)).strip())

@@ -20,6 +20,7 @@ from tracerisk.instrument.recording import Recorder
 from tracerisk.pipeline.missing_modules import MissingModules
 from tracerisk.pipeline.run_files import NEEDS, SCENARIO
 from tracerisk.pipeline.unmet_needs import JudgedEnd
+from tracerisk.printable import cut, printable
 from tracerisk.ros.controller_frames import is_library
 from tracerisk.ros.virtual_time import RunOver
 from tracerisk.trace import EndCause
@@ -230,10 +231,12 @@ class ControllerEnd:
 def _one_text(error: BaseException) -> str:
     if isinstance(error, SyntaxError):
         return f"{type(error).__name__}: {error.msg}"
-    return "".join(traceback.format_exception_only(error)).strip()
+    return cut("".join(traceback.format_exception_only(error)).strip())
 
 
 def _print_traceback(error: BaseException) -> None:
     # The controller may have closed its standard error.
     with contextlib.suppress(OSError, ValueError, AttributeError):
-        traceback.print_exception(error)
+        # A line of it is a line of the source, or the text of an error: that may be endless.
+        lines = map(printable, traceback.format_exception(error))
+        print("".join(lines), end="", file=sys.stderr)  # noqa: T201 - as Python does

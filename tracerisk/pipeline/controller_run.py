@@ -7,21 +7,27 @@ import os
 import re
 import signal
 import subprocess
-import sys
-import threading
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
 from tracerisk import dependencies, errors
 from tracerisk.config import Settings
-from tracerisk.contained.process import end, passed_environment, read_regular, regular_within
+from tracerisk.contained.process import (
+    end,
+    is_contained,
+    passed_environment,
+    read_regular,
+    regular_within,
+)
 from tracerisk.contained.process import start as start_process
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.recording import Note, Recording, read_recording
-from tracerisk.limited_process import POLL_S, Limit, OwnTime, StartMark
+from tracerisk.limited_process import POLL_S, OwnTime, StartMark
+from tracerisk.limits import Limit
+from tracerisk.pipeline.child_output import PassingOn
 from tracerisk.pipeline.launch.program import shown
 from tracerisk.pipeline.run_files import (
     AROUND,
@@ -120,7 +126,7 @@ def run_controller(
             drafts_all=drafts_all,
             packages={name: str(each) for name, each in workspace.packages.items()},
         )
-        if settings.limits.sandbox.is_on:
+        if is_contained(settings.limits.sandbox):
             reads = (*_workspace(request), *settings.readable, *settings.writable)
             writes = (str(folder), str(written), *settings.writable)
             request = replace(request, written=str(written), readable=reads, writable=writes)
@@ -151,13 +157,14 @@ def run_controller(
 class _ProcessEnd:
     """How the process ended: its return code, or the limit that was reached and where.
 
-    `has_begun`: the controller's first line was reached.
+    `has_begun`: the controller's first line was reached. `last_line` is what it printed last.
     """
 
     code: int
     limit: str | None = None
     location: Location | None = None
     has_begun: bool = False
+    last_line: str = ""
 
 
 def _workspace(request: RunRequest) -> tuple[str, ...]:
@@ -201,51 +208,22 @@ def _run_child(
         options=("-u",),
         pass_fds=(start.descriptor,),
         stdin=subprocess.DEVNULL,
-        stdout=_output(progress),
-        stderr=None if progress is None else subprocess.STDOUT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
     )
-    passing: threading.Thread | None = None
+    assert child.stdout is not None
+    passing = PassingOn(child.stdout, is_drawn=progress is not None)
+    passing.start()
     try:
-        passing = None if child.stdout is None else _pass_on(child.stdout)
         start.handed_over()
         ended = _watch(child, start, request, settings, progress)
-        return replace(ended, has_begun=start.pid is not None)
+        has_begun = start.pid is not None
     finally:
         # Whatever the controller started goes with it.
         end(child)
         start.close()
-        if passing is not None:
-            passing.join(_GRACE_S)
-
-
-def _output(progress: Progress | None) -> int:
-    """Return where a controller's output goes: to us while progress is drawn on the terminal."""
-    if progress is not None:
-        return subprocess.PIPE
-    return sys.stderr.fileno() if _has_descriptor(sys.stderr) else subprocess.DEVNULL
-
-
-def _pass_on(output: IO[bytes]) -> threading.Thread:
-    """Print what a controller prints, line by line, where progress does not draw over it."""
-
-    def pass_on() -> None:
-        with output:
-            for line in output:
-                # Looked up each time: what draws the progress takes its place while it draws.
-                sys.stderr.write(line.decode("utf-8", "replace"))
-                sys.stderr.flush()
-
-    thread = threading.Thread(target=pass_on, daemon=True)
-    thread.start()
-    return thread
-
-
-def _has_descriptor(stream: Any) -> bool:
-    try:
-        stream.fileno()
-    except (AttributeError, OSError, ValueError):
-        return False
-    return True
+        passing.join(_GRACE_S)
+    return replace(ended, has_begun=has_begun, last_line=passing.last_line)
 
 
 def _watch(
@@ -314,7 +292,10 @@ def _size(path: Path) -> int:
 def _simulated_ns(folder: Path) -> int:
     from tracerisk.twin.samples import simulated_ns
 
-    return simulated_ns(folder)
+    try:
+        return simulated_ns(folder)
+    except OSError:  # removed while it was looked at
+        return -1
 
 
 def _stop(
@@ -429,7 +410,10 @@ def _raise_unstarted(recording: Recording, process: _ProcessEnd, settings: Setti
             "of memory; free some"
         )
     dependencies.check(dependencies.SIMULATION)
-    raise RuntimeError(f"the process of the run ended with code {process.code} before it began")
+    said = f": {process.last_line}" if process.last_line else ""
+    raise RuntimeError(
+        f"the process of the run ended with code {process.code} before it began{said}"
+    )
 
 
 def _run_end(recording: Recording, process: _ProcessEnd, controller: Controller) -> RunEnd:

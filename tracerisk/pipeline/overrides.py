@@ -9,7 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, Literal
 
-from tracerisk.adder.annotate import bases_of
+from tracerisk.adder.bases import bases_of
 from tracerisk.adder.block import ComponentEntry, Field, RiskBlock, Transition
 from tracerisk.adder.lock import LOCK_NAME, ControllerLock, WrittenBlock, lock_key, read_lock
 from tracerisk.adder.published import is_c_like, read_c_blocks, read_plain_blocks

@@ -10,8 +10,8 @@ from typing import Literal
 from tracerisk.adder.lock import LOCK_NAME, lock_key, read_lock
 from tracerisk.adder.merge import MergePolicy
 from tracerisk.config import SANDBOX_SETTINGS, read_settings
-from tracerisk.contained.process import SandboxMode
 from tracerisk.errors import ControllerFailedError, Location
+from tracerisk.limits import SandboxMode
 from tracerisk.pipeline.check import check_controller, given_options
 from tracerisk.pipeline.controller import load_controller
 from tracerisk.pipeline.freshness import RunInputs, stale_reasons

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import Location, RobotError
-from tracerisk.limited_process import Limits
+from tracerisk.limits import Limits
 from tracerisk.pipeline.controller import Controller
 from tracerisk.pipeline.launch.choose import NOTHING_CHOSEN, LaunchChoice
 from tracerisk.pipeline.launch.spoken import with_parameters

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from tracerisk.errors import RobotError
-from tracerisk.limited_process import Limits
+from tracerisk.limits import Limits
 from tracerisk.twin.description_files import DescriptionFile
 from tracerisk.twin.spoken_names import LaunchedDescription
 from tracerisk.twin.xacro_files import Expanded, expanded_xacro

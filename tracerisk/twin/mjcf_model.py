@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import Location, RobotError
-from tracerisk.limited_process import DEFAULT_LIMITS, Limits, run_limited
+from tracerisk.limited_process import run_limited
+from tracerisk.limits import DEFAULT_LIMITS, Limits
 from tracerisk.twin.mjcf_document import MjcfDocument, told_of_mujoco
 from tracerisk.twin.model_file_frames import matrix_of, roll_pitch_yaw
 from tracerisk.twin.shapes import Shape

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tracerisk.errors import Location, RobotError, one_of
-from tracerisk.limited_process import DEFAULT_LIMITS, Limits
+from tracerisk.limits import DEFAULT_LIMITS, Limits
 from tracerisk.twin.known_arms import completed_as_ours, named_as_ours
 from tracerisk.twin.mjcf import mjcf_robot
 from tracerisk.twin.mjcf_document import read_mjcf_document

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tracerisk.errors import RobotError, TraceRiskError
-from tracerisk.limited_process import DEFAULT_LIMITS, Limits
+from tracerisk.limits import DEFAULT_LIMITS, Limits
 from tracerisk.twin.description_files import (
     DescriptionFile,
     description_files,

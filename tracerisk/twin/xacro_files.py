@@ -12,7 +12,8 @@ from typing import Any
 from tracerisk.config import controller_root
 from tracerisk.contained.process import regular_within
 from tracerisk.errors import Location, RobotError
-from tracerisk.limited_process import DEFAULT_LIMITS, Limits, run_limited
+from tracerisk.limited_process import run_limited
+from tracerisk.limits import DEFAULT_LIMITS, Limits
 from tracerisk.twin.xacro_child import REFUSED
 
 _LONGEST_REASON = 200

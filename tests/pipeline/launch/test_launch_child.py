@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.errors import LimitError
-from tracerisk.limited_process import DEFAULT_LIMITS, Limit
+from tracerisk.limits import DEFAULT_LIMITS, Limit
 from tracerisk.pipeline.launch.launch_process import read_launch
 from tracerisk.pipeline.workspace import find_workspace
 

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, one_of
-from tracerisk.limited_process import Limits
+from tracerisk.limits import Limits
 from tracerisk.pipeline.controller import Controller
 from tracerisk.pipeline.launch.asked import Asked, asked_by
 from tracerisk.pipeline.launch.find import LaunchFile, find_launch_files, ros_of

@@ -8,7 +8,8 @@ from pathlib import Path
 from tracerisk.config import controller_root
 from tracerisk.contained.process import regular_within
 from tracerisk.errors import Location
-from tracerisk.limited_process import DEFAULT_LIMITS, Limits, run_limited
+from tracerisk.limited_process import run_limited
+from tracerisk.limits import DEFAULT_LIMITS, Limits
 from tracerisk.pipeline.launch.records import LaunchReading, RobotSource, StartedNode
 from tracerisk.pipeline.workspace import Workspace
 

@@ -15,7 +15,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from tracerisk.errors import RenderError
-from tracerisk.limited_process import Limit, Limits, run_limited
+from tracerisk.limited_process import run_limited
+from tracerisk.limits import Limit, Limits
 from tracerisk.report.png.pictures import Picture
 
 BACKENDS = ("egl", "osmesa")
