@@ -251,6 +251,7 @@ def test_labels_that_cannot_be_written_are_refused(labels, message):
         ("dtmc\n0 1 nan\n", "m.tra:2:5: 'nan' is no probability or rate"),
         ("dtmc\n0 1 0.5\n\n0 1 0.5\n", "m.tra:4:1: the transition from 0 to 1 stands twice"),
         ("dtmc\n1 1 1\n0 1 0.9\n", "m.tra:3: the probabilities from state 0 sum to 0.9"),
+        ("dtmc\n1 1 1\n00 1 0.9\n", "m.tra:3: the probabilities from state 0 sum to 0.9"),
         (
             "2 3\n0 1 1\n1 1 1\n",
             "m.tra:3: 3 transitions are announced and 2 are there; the file is",

@@ -204,7 +204,8 @@ def _check_sums(
     for state, row in enumerate(rows):
         total = math.fsum(row.values())
         if row and abs(total - 1.0) > 1e-9:
-            first = next(number for number, words in lines if words[0][1] == str(state))
+            # A number may be written with zeros in front.
+            first = next(n for n, words in lines if (words[0][1].lstrip("0") or "0") == str(state))
             raise ModelError(
                 f"the probabilities from state {state} sum to {total!r}; they must sum to 1",
                 Location(file, first),
