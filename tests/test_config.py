@@ -195,3 +195,14 @@ def test_settings_that_nest_too_deeply_are_an_error_with_their_file(tmp_path):
     write(tmp_path, "states = " + "[" * 100_000)
     with pytest.raises(SettingsError, match=r"pyproject.toml: .*nests too deeply"):
         read_settings(tmp_path)
+
+
+@pytest.mark.parametrize("key", ["robot", "scene", "scenario", "hardware"])
+def test_a_name_that_is_too_long_for_a_file_is_a_name(tmp_path, key):
+    write(tmp_path, f'{key} = "{"p" * 5000}"')
+    assert getattr(read_settings(tmp_path), key) == "p" * 5000
+
+
+def test_the_home_of_a_user_who_is_not_there_stays_as_it_is_written(tmp_path):
+    write(tmp_path, 'readable = ["~nobody-of-this-name/data"]')
+    assert read_settings(tmp_path).readable == (str(tmp_path / "~nobody-of-this-name/data"),)

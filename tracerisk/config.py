@@ -5,6 +5,7 @@ A controller may carry settings of its own in a block of inline script metadata 
 
 from __future__ import annotations
 
+import contextlib
 import re
 import sys
 from collections.abc import Iterator, Mapping
@@ -282,7 +283,7 @@ class _Reader:
             place = (*_TABLE, _CONTROLLERS, name)
             if not isinstance(own, dict):
                 self.fail(_CONTROLLERS, f"{name} is no table of settings")
-            if not (self._folder / name).is_file():
+            if not _is_file(self._folder / name):
                 raise SettingsError(
                     f"{_CONTROLLERS}: there is no controller {name} below this file's folder",
                     Location(str(self._path), self._line(None, place)),
@@ -309,12 +310,12 @@ class _Reader:
     def _placed(self, key: str, value: Any) -> Any:
         """Return a setting with the names of files as paths."""
         if key in ("params", "drivers", "readable", "writable"):
-            return tuple(str(self._folder / Path(name).expanduser()) for name in value)
+            return tuple(str(self._folder / _in_home(name)) for name in value)
         is_name = key in ("robot", "scene", "scenario", "hardware", "launch")
         if not is_name or not isinstance(value, str):
             return value
         # A name with an ending is that of a file, be it there or not; no shipped one has it.
-        is_file = (self._folder / value).is_file() or Path(value).suffix
+        is_file = _is_file(self._folder / value) or Path(value).suffix
         return str(self._folder / value) if is_file or key == "launch" else value
 
     def _values(self, table: Mapping[str, Any], place: tuple[str, ...]) -> dict[str, Any]:
@@ -394,3 +395,17 @@ class _Reader:
             elif in_table and pattern is not None and pattern.match(line):
                 return number
         return None
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:  # too long for a path
+        return False
+
+
+def _in_home(name: str) -> Path:
+    """Return a path with `~` as the home folder; as it is where no user has the name."""
+    with contextlib.suppress(RuntimeError):
+        return Path(name).expanduser()
+    return Path(name)
