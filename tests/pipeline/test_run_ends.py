@@ -271,3 +271,31 @@ def test_a_run_that_waits_for_its_last_motion_when_the_time_is_over_is_no_deadlo
     outcome = example.run("trace", "c.py", "--json", "--duration", "8")
     assert outcome.code == 0, outcome.err
     assert outcome.json["trace"]["end"]["cause"] == "duration"
+
+
+@pytest.mark.parametrize(
+    ("end", "code"), [("", 0), ("sys.exit(0)\n", 0), ("import os\nos._exit(0)\n", 0)]
+)
+def test_a_motion_that_is_under_way_when_the_controller_ends_is_carried_out(run, end, code):
+    awaited = run("there()\n")["trace"]
+    left = run(
+        "arm.set_joint_value_target([0.2, -0.785, 0, -2.356, 0, 1.571, 0.785])\n"
+        f"arm.go(wait=False)\n{end}",
+        code=code,
+    )["trace"]
+    assert [visit["outcome"] for visit in left["visits"]] == ["succeeded"]
+    moved = [each["active"]["panda_joint1"]["moving_s"] for each in (awaited, left)]
+    assert moved[0] > 0.3
+    assert moved[1] == pytest.approx(moved[0], rel=0.01)
+
+
+def test_a_motion_outlasts_a_controller_no_longer_than_the_run_may_last(run):
+    data = run(
+        "arm.set_max_velocity_scaling_factor(0.001)\n"
+        "arm.set_joint_value_target([0.2, -0.785, 0, -2.356, 0, 1.571, 0.785])\n"
+        "arm.go(wait=False)\n",
+        "--duration",
+        "5",
+    )
+    assert data["trace"]["end"]["simulated_s"] == pytest.approx(5.0, abs=0.1)
+    assert data["trace"]["visits"][-1]["outcome"] == "unfinished"

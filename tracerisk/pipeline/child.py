@@ -213,7 +213,14 @@ def _run_recorded(
     stand_ins = StandInFinder(interfaces)
     missing = MissingModules(script, root, stand_ins.provides)
     end = ControllerEnd(
-        recorder, twin, root, request.memory_limit_mb, run_over, needs.judge, missing
+        recorder,
+        twin,
+        root,
+        request.memory_limit_mb,
+        run_over,
+        needs.judge,
+        missing,
+        scheduler.outlast,
     )
     kinds = stand_ins.provides.items()
     libraries = {name for name, kind in kinds if kind.startswith("library")} - VENDOR_LIBRARIES

@@ -27,13 +27,15 @@ from tracerisk.trace import EndCause
 from tracerisk.twin.twin import Twin
 
 _CONTEXTS = 20
+_BY_ITSELF = frozenset({"ended", "exited", "raised"})
 
 
 class ControllerEnd:
     """Tells the recording how the run of the controller below `root` ended, once.
 
     `judge` tells what the end is in the light of what the controller lacked, and `run_over` is
-    told the cause before it is recorded. `missing` tells of modules that are not there.
+    told the cause before it is recorded. `missing` tells of modules that are not there. `outlast`
+    carries out what a controller that ended by itself had left under way.
     """
 
     def __init__(
@@ -45,7 +47,9 @@ class ControllerEnd:
         run_over: Callable[[str], None] = lambda _: None,
         judge: Callable[[EndCause, str, Location | None], JudgedEnd] = JudgedEnd,
         missing: MissingModules | None = None,
+        outlast: Callable[[], None] = lambda: None,
     ) -> None:
+        self._outlast = outlast
         self._judge = judge
         self._missing = missing
         self._run_over = run_over
@@ -80,6 +84,8 @@ class ControllerEnd:
         if self._told:
             return
         self._told = True
+        if cause in _BY_ITSELF:
+            self._outlast()
         self._recorder.note(
             "objects", found=[dataclasses.asdict(each) for each in self._twin.object_offsets()]
         )

@@ -75,6 +75,7 @@ class TrajectoryExecution:
         self._recorder: Recorder = runtime.recorder
         self._live: list[Execution] = []
         self._watching = False
+        runtime.scheduler.when_alone.append(self.poll)
 
     def start(
         self, trajectory: JointTrajectory, *, start_tolerance: float = START_TOLERANCE

@@ -46,6 +46,7 @@ class TwinCommands:
         self._recorder: Recorder | None = runtime.recorder
         self._live: list[LiveCommand] = []
         self._is_watching = False
+        self.scheduler.when_alone.append(self._end_alone)
 
     def stack(self) -> tuple[Frame, ...]:
         """Return the stack of the running code."""
@@ -120,6 +121,11 @@ class TwinCommands:
         # A motion that something else put an end to is over at once; one that came to rest may
         # be followed by the next set-point of its stream.
         return outcome == "preempted" or self.scheduler.now_ns >= command.keep_until_ns
+
+    def _end_alone(self) -> None:
+        for command in self._live:
+            command.keep_until_ns = 0  # no set-point follows
+        self.poll()
 
     def _watch(self) -> None:
         while True:

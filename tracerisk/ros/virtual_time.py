@@ -118,6 +118,7 @@ class Scheduler:
         self._over: RunOver | None = None
         self._fault: BaseException | None = None
         self.on_over: Callable[[], None] | None = None
+        self.when_alone: list[Callable[[], None]] = []
         self.has_companions = False
         self.process: NodeProcess | None = None
         self.on_process_change: Callable[[NodeProcess | None], None] | None = None
@@ -557,6 +558,18 @@ class Scheduler:
             if reached_ns <= before_ns:
                 raise RuntimeError(f"the world does not move beyond {reached_ns} ns")
         self._now_ns = max(self._now_ns, min(reached_ns, target_ns))
+
+    def outlast(self) -> None:
+        """Let the world end what is under way when the controller is gone; no thread runs.
+
+        What is in `when_alone` is called at first, and whenever a motion has ended.
+        """
+        for told in self.when_alone:
+            told()
+        while self.world.busy and self._now_ns < self.duration_ns:
+            self._advance(self.duration_ns)
+            for told in self.when_alone:
+                told()
 
     # Ends
 
