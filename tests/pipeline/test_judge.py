@@ -219,6 +219,11 @@ def test_what_of_the_robot_is_assumed_makes_the_run_partial():
     assert (verdict.kind, verdict.reasons[0].object) == ("partial", "generic")
 
 
+def test_a_gripper_that_is_commanded_as_another_one_is_assumed():
+    verdict = judge(recorded(findings=(finding("foreign_gripper", object="hand"),)))
+    assert (verdict.kind, verdict.reasons[0].code) == ("partial", "robot-assumed")
+
+
 # Grasps
 
 

@@ -185,6 +185,20 @@ widest = hand.get_result()
     assert [each.elements for each in result.recording.commands] == [("panda_hand",)] * 2
 
 
+@pytest.mark.parametrize(("position", "is_told"), [(-0.01, False), (0.08, False), (0.8, True)])
+def test_a_position_of_another_gripper_is_told(ran, position, is_told):
+    result = ran(f"""
+hand.wait_for_server()
+goal = GripperCommandGoal()
+goal.command.position = {position}
+hand.send_goal_and_wait(goal)
+""")
+    told = [each for each in result.recording.findings if each.kind == "foreign_gripper"]
+    assert len(told) == is_told
+    for each in told:
+        assert "asked for 0.8, far past its range [0, 0.04], and went to 0.04" in each.message
+
+
 def test_the_gripper_of_franka_moves_homes_and_misses_a_grasp(ran):
     result = ran("""
 from franka_gripper.msg import (

@@ -255,6 +255,27 @@ def test_a_trajectory_of_the_fingers_moves_the_gripper(free: Twin):
     assert free.joint_state().position[-1] == pytest.approx(0.035, abs=5e-4)
 
 
+def test_fingers_take_the_time_that_a_trajectory_gives_them(free: Twin):
+    fingers = ("panda_finger_joint1", "panda_finger_joint2")
+    motion = free.follow(
+        JointTrajectory(fingers, np.array([3.0]), np.full((1, 2), 0.03), np.zeros((1, 2)))
+    )
+    assert free.advance(5_000_000_000) == pytest.approx(3e9, abs=2e8)
+    assert motion.outcome == "succeeded"
+
+
+def test_fingers_go_through_every_point_of_a_trajectory(free: Twin):
+    fingers = ("panda_finger_joint1", "panda_finger_joint2")
+    begin = free.joint_state().position[-1]
+    away = begin + 0.02 if begin < 0.02 else begin - 0.02
+    points = np.array([[away, away], [begin, begin]])
+    motion = free.follow(JointTrajectory(fingers, np.array([2.0, 4.0]), points, np.zeros((2, 2))))
+    free.advance(2_000_000_000)
+    assert free.joint_state().position[-2:] == pytest.approx((away, away), abs=1e-3)
+    assert free.advance(6_000_000_000) == pytest.approx(4e9, abs=2e8)
+    assert motion.outcome == "succeeded"
+
+
 def test_a_trajectory_moves_a_gripper_that_is_called_as_its_finger_is(panda: Robot):
     finger = panda.grippers[0].joints[0]
     named = replace(panda, grippers=(replace(panda.grippers[0], name=finger),))
@@ -265,6 +286,15 @@ def test_a_trajectory_moves_a_gripper_that_is_called_as_its_finger_is(panda: Rob
     assert motion.outcome == "succeeded"
     state = dict(zip(twin.joint_state().names, twin.joint_state().position, strict=True))
     assert state[finger] == pytest.approx(0.01, abs=1e-3)
+
+
+@pytest.mark.parametrize(("pressed", "measured"), [(-0.0005, 0.0), (-0.01, -0.01)])
+def test_a_finger_that_is_pressed_on_its_stop_is_measured_there(panda: Robot, pressed, measured):
+    finger = panda.grippers[0].joints[0]
+    begin = {**panda.initial_state, finger: pressed}
+    twin = Twin.build(replace(panda, initial_state=begin), load_scene("empty"))
+    state = dict(zip(twin.joint_state().names, twin.joint_state().position, strict=True))
+    assert state[finger] == pytest.approx(measured, abs=1e-9)
 
 
 def test_planning_moves_nothing(free: Twin):

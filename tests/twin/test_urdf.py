@@ -162,6 +162,40 @@ def test_fingers_make_a_gripper_that_moves_as_its_first_joint():
     assert set(gripper.pads) == {"left_finger", "right_finger"}
 
 
+def linked(name: str, parent: str, mimics: str = "") -> str:
+    mimic = f'<mimic joint="{mimics}"/>' if mimics else ""
+    return f"""<link name="{name}_bar"><inertial><mass value="0.02"/>
+      <inertia ixx="1e-5" iyy="1e-5" izz="1e-5" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    <joint name="{name}" type="revolute"><origin xyz="0 0 0.03"/><parent link="{parent}"/>
+      <child link="{name}_bar"/><axis xyz="1 0 0"/>
+      <limit lower="0" upper="1.1" effort="5" velocity="1"/>{mimic}</joint>"""
+
+
+def with_links(*joints: str) -> str:
+    head, _, _ = RATED.partition('  <link name="left_finger">')
+    return head + "".join(joints) + "</robot>"
+
+
+def test_fingers_of_two_links_that_mimic_one_joint_are_one_gripper():
+    text = with_links(
+        linked("r1", "tool"),
+        linked("r2", "r1_bar", "r1"),
+        linked("l1", "tool", "r1"),
+        linked("l2", "l1_bar", "r1"),
+    )
+    found = read_urdf(text, "tiny.urdf")
+    assert [joint.name for joint in found.arm_joints] == ["shoulder", "elbow"]
+    (gripper,) = found.grippers
+    assert gripper.joints == ("r1", "r2", "l1", "l2")
+    assert set(gripper.pads) == {"r2_bar", "l2_bar"}
+
+
+def test_a_joint_that_levels_the_tool_makes_its_leader_no_finger():
+    text = with_links(linked("lift", "tool"), linked("level", "lift_bar", "lift"))
+    found = read_urdf(text, "tiny.urdf")
+    assert "lift" in [joint.name for joint in found.arm_joints]
+
+
 def test_figures_that_are_missing_are_assumed_and_the_robot_says_so():
     tiny = robot(URDF.replace("{elbow}", ""))
     assert tiny.approximate

@@ -81,6 +81,7 @@ _OF_FINDING = {
     "thread_failed": "thread-raised",
     "error_logged": "error-logged",
     "unprovided": "unmet-need",
+    "foreign_gripper": "robot-assumed",
     "denied": "access-denied",
     "unused": UNUSED_INPUT,
     "companion_failed": "companion-failed",

@@ -13,6 +13,7 @@ from tracerisk.twin.motion import PlanningError
 from tracerisk.twin.robot import Gripper, Robot
 
 GRIPPER_COMMAND = "control_msgs/GripperCommand"
+_FAR_OUT = 2.0  # ranges past its end: nobody closes so hard, it is another unit
 FRANKA_PACKAGES = ("franka_gripper", "franka_msgs")
 """Where Move, Grasp, Homing and Stop are defined: in ROS 1, and in ROS 2."""
 
@@ -147,6 +148,15 @@ class GripperServer:
         goal.accept()
         # A servo pushes on where the fingers cannot go: beyond their range is its end.
         reachable = min(max(float(position), gripper.least), gripper.opening)
+        if abs(position - reachable) > _FAR_OUT * (gripper.opening - gripper.least):
+            self._commands.tell(
+                "foreign_gripper",
+                f"gripper '{gripper.name}' was asked for {position:g}, far past its range "
+                f"[{gripper.least:g}, {gripper.opening:g}], and went to {reachable:g}: the "
+                "controller may mean another gripper; name its robot with --robot",
+                goal.stack,
+                object_name=gripper.name,
+            )
         try:
             motion = self._commands.twin.move_gripper(gripper.name, reachable, max_effort=effort)
         except PlanningError as error:

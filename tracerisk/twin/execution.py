@@ -21,6 +21,8 @@ from tracerisk.twin.robot import Gripper, Joint, Robot
 from tracerisk.twin.timing import along_path, resample
 
 Array = NDArray[np.float64]
+TimedWay = tuple[Array, Array, Array]
+"""Times [s], positions and velocities, as `resample` takes them."""
 
 GOAL_TOLERANCE = 0.005  # of a joint at the end of its motion [rad or m]
 STOPPED_FRACTION = 0.01  # of the rated velocity: what counts as standing still
@@ -270,6 +272,7 @@ class GripperTrack:
         begin: float,
         target: float,
         max_effort: float,
+        timed: TimedWay | None = None,
     ) -> None:
         self.motion: Motion | None = motion
         self.actuators: Sequence[int] = (actuator,)
@@ -278,8 +281,10 @@ class GripperTrack:
         self._target = target
         speed = np.array([gripper.speed])
         rise = np.array([min(joint.acceleration_limit for joint in members)])
-        times, position, velocity = along_path(np.array([[begin], [target]]), speed, rise)
-        path, slope = resample(times, position, velocity, STEP_S)
+        way = along_path(np.array([[begin], [target]]), speed, rise)
+        if timed is not None:
+            way = _no_faster(timed, way, gripper.speed)
+        path, slope = resample(*way, STEP_S)
         share = 1.0 / len(joints)
         friction = sum(joint.servo.friction for joint in members)
         lead = (gripper.damping + friction) / gripper.stiffness
@@ -340,6 +345,16 @@ class GripperTrack:
 
     def _here(self, measured: Measured) -> float:
         return float((self._signs * measured.position(self.joints)).mean())
+
+
+def _no_faster(asked: TimedWay, fastest: TimedWay, speed: float) -> TimedWay:
+    """Return the way of fingers as asked, slower where they cannot go so fast."""
+    time, position, velocity = asked
+    if len(time) <= 2:
+        return asked if time[-1] > fastest[0][-1] else fastest
+    rushed = np.abs(np.diff(position[:, 0])) / (speed * np.diff(time))
+    slower = max(1.0, float(rushed.max()))
+    return time * slower, position, velocity / slower
 
 
 def check_trajectory(trajectory: JointTrajectory, robot: Robot) -> None:

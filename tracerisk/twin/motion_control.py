@@ -14,6 +14,7 @@ from tracerisk.twin.execution import (
     GoalTolerance,
     GripperTrack,
     Motion,
+    TimedWay,
     Track,
     check_trajectory,
 )
@@ -76,7 +77,7 @@ class MotionControl:
         """Follow a trajectory; a live motion on any of its joints is preempted.
 
         A first point later than time 0 is reached from the present set-point.
-        Fingers go to the last point only, as a gripper's controller takes it.
+        Fingers go through its points too, no faster than they can.
         Raises PlanningError("bad_request") for a trajectory that is none.
         """
         check_trajectory(trajectory, self._robot)
@@ -105,9 +106,18 @@ class MotionControl:
             self._add(track)
         for gripper in self._robot.grippers:
             if gripper.name in motion.elements:
-                last = trajectory.position[-1].tolist()
-                target = gripper.position(dict(zip(trajectory.joints, last, strict=True)))
-                self._add(self._gripper_track(motion, gripper, target, None))
+                position, velocity = (
+                    np.array(
+                        [
+                            [gripper.position(dict(zip(trajectory.joints, row, strict=True)))]
+                            for row in rows.tolist()
+                        ]
+                    )
+                    for rows in (trajectory.position, trajectory.velocity)
+                )
+                timed = (trajectory.time, position, velocity)
+                target = float(position[-1, 0])
+                self._add(self._gripper_track(motion, gripper, target, None, timed))
         return motion
 
     def move_gripper(
@@ -180,7 +190,12 @@ class MotionControl:
         self._tracks.append(track)
 
     def _gripper_track(
-        self, motion: Motion, gripper: Gripper, position: float, max_effort: float | None
+        self,
+        motion: Motion,
+        gripper: Gripper,
+        position: float,
+        max_effort: float | None,
+        timed: TimedWay | None = None,
     ) -> GripperTrack:
         effort = gripper.effort if max_effort is None else max_effort
         if not 0.0 < effort < math.inf:
@@ -203,6 +218,7 @@ class MotionControl:
             begin=gripper.position(self._positions()),
             target=min(max(position, gripper.least), gripper.opening),
             max_effort=min(effort, gripper.effort),
+            timed=timed,
         )
 
     def _led_in(self, trajectory: JointTrajectory) -> JointTrajectory:

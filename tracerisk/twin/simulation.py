@@ -25,6 +25,7 @@ from tracerisk.twin.wrench import Wrench, load_on, touch_on
 import mujoco  # isort: skip
 
 _CHUNK = 500  # steps at most between two looks at what happened
+_STOP_GIVES = 0.002  # how far a joint is pressed past its limit [rad or m]
 
 Array = NDArray[np.float64]
 
@@ -69,6 +70,11 @@ class Simulation:
                 *(gripper.name for gripper in robot.grippers),
             )
         }
+        turns = [joint.type == "continuous" for joint in robot.joints]
+        self._stops = (
+            np.where(turns, -np.inf, [joint.lower for joint in robot.joints]),
+            np.where(turns, np.inf, [joint.upper for joint in robot.joints]),
+        )
         self._n_pose = int(model.nq)
         self._steps = 0
         self._samples = samples
@@ -168,10 +174,16 @@ class Simulation:
         return found
 
     def joint_state(self) -> JointState:
-        """Return positions, velocities and motor torques of all joints."""
+        """Return positions, velocities and motor torques of all joints.
+
+        A stop gives way a little in the simulation; what is measured there is the limit.
+        """
+        position = self.position()
+        inside = np.clip(position, *self._stops)
+        position = np.where(np.abs(position - inside) < _STOP_GIVES, inside, position)
         return JointState(
             names=tuple(self.joint_index),
-            position=tuple(self.position().tolist()),
+            position=tuple(position.tolist()),
             velocity=tuple(self.velocity().tolist()),
             effort=tuple(self._data.qfrc_actuator[self._dofs].tolist()),
         )

@@ -47,11 +47,10 @@ def _looks_so(joint: UrdfJoint, tree: Tree) -> bool:
         return False
     if _FINGER.search(joint.name) or _FINGER_LINK.search(joint.child):
         return True
-    if joint.mimic is not None:
-        leader = tree.joint(joint.mimic[0])
-        return leader is not None and not any(tree.movers_below(joint.child))
-    if any(each.mimic and each.mimic[0] == joint.name for each in tree.moving):
-        return not any(tree.movers_below(joint.child))
+    together = _linkage(joint, tree)
+    if len(together) > 1:
+        below = {each.name for each in tree.movers_below(joint.child)}
+        return not below or (below <= together and _is_forked(together, tree))
     beside = [each for each in tree.below(joint.parent) if each.moves and each != joint]
     return (
         joint.type == "prismatic"
@@ -60,6 +59,32 @@ def _looks_so(joint: UrdfJoint, tree: Tree) -> bool:
             each.type == "prismatic" and not any(tree.movers_below(each.child)) for each in beside
         )
     )
+
+
+def _linkage(joint: UrdfJoint, tree: Tree) -> frozenset[str]:
+    """Return the joints that move as one with a joint, itself included: who mimics whom."""
+    found = {joint.name}
+    pairs = [(each.name, each.mimic[0]) for each in tree.moving if each.mimic is not None]
+    for _ in pairs:
+        more = {name for pair in pairs if found & set(pair) for name in pair}
+        if more <= found:
+            break
+        found |= more
+    return frozenset(name for name in found if tree.joint(name) is not None)
+
+
+def _is_forked(together: frozenset[str], tree: Tree) -> bool:
+    """Say whether joints that move as one begin side by side, as fingers of two links do.
+
+    Where each carries the next they level a tool, and are an arm.
+    """
+    members = [joint for joint in tree.moving if joint.name in together]
+    first = [
+        joint
+        for joint in members
+        if not any(each.name in together for each in tree.way(joint.parent))
+    ]
+    return len(first) > 1
 
 
 def grippers_of(
