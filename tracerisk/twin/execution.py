@@ -279,11 +279,12 @@ class GripperTrack:
         self.joints = joints
         self._gripper = gripper
         self._target = target
-        speed = np.array([gripper.speed])
+        most = gripper.speed if timed is None else gripper.velocity_limit
+        speed = np.array([most])
         rise = np.array([min(joint.acceleration_limit for joint in members)])
         way = along_path(np.array([[begin], [target]]), speed, rise)
         if timed is not None:
-            way = _no_faster(timed, way, gripper.speed)
+            way = _no_faster(timed, way, most)
         path, slope = resample(*way, STEP_S)
         share = 1.0 / len(joints)
         friction = sum(joint.servo.friction for joint in members)
