@@ -13,6 +13,10 @@ workspace, and libraries that speak to hardware past ROS, cannot be installed so
 
 With `--scenarios DIR` each runs with the file that `tracerisk scenario --write` makes of it, as it
 is; the files stay in that folder. Its seconds are those of the run with the file.
+
+`corpus_truth.csv` beside it is the judgement by hand of 40 rows that give a trace, the first by
+the SHA-256 of `repo:path`: whether the robot is the author's or an assumption that is reported,
+whether the steps are the author's functions, and whether all motions are made or reported.
 """
 
 from __future__ import annotations

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import hashlib
 import importlib.metadata
 import importlib.util
 import sys
@@ -55,3 +57,15 @@ def test_a_row_of_the_corpus_is_traced_only_if_its_run_came_to_a_good_end(
 def test_a_run_that_moved_nothing_is_no_trace(corpus):
     row = corpus._row("repo:pick.py", 1.0, {"exit_code": 0, "trace": {"functions": []}})
     assert not row.is_traced
+
+
+def test_at_least_nine_in_ten_of_the_rows_judged_by_hand_are_true():
+    with (ROOT / "benchmarks" / "corpus_truth.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    keys = [hashlib.sha256(f"{row['repo']}:{row['path']}".encode()).hexdigest() for row in rows]
+    assert len(set(keys)) == 40
+    assert keys == sorted(keys)
+    judged = [{row[what] for what in ("robot", "steps", "motions")} for row in rows]
+    assert all(words <= {"true", "false"} for words in judged)
+    assert sum(words == {"true"} for words in judged) >= 36
+    assert all(row["note"] for row in rows)

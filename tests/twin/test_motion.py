@@ -264,6 +264,16 @@ def test_fingers_take_the_time_that_a_trajectory_gives_them(free: Twin):
     assert motion.outcome == "succeeded"
 
 
+def test_fingers_that_are_asked_to_go_too_fast_take_longer(free: Twin):
+    fingers = ("panda_finger_joint1", "panda_finger_joint2")
+    begin = free.joint_state().position[-1]
+    goal = 0.035 if begin < 0.02 else 0.005
+    least_s = abs(goal - begin) / free.robot.grippers[0].velocity_limit
+    free.follow(JointTrajectory(fingers, np.array([0.01]), np.full((1, 2), goal), np.zeros((1, 2))))
+    assert 1e9 * least_s < free.advance(5_000_000_000) < 3e9 * least_s
+    assert free.joint_state().position[-1] == pytest.approx(goal, abs=1e-3)
+
+
 def test_fingers_go_through_every_point_of_a_trajectory(free: Twin):
     fingers = ("panda_finger_joint1", "panda_finger_joint2")
     begin = free.joint_state().position[-1]

@@ -279,12 +279,12 @@ class GripperTrack:
         self.joints = joints
         self._gripper = gripper
         self._target = target
-        most = gripper.speed if timed is None else gripper.velocity_limit
-        speed = np.array([most])
-        rise = np.array([min(joint.acceleration_limit for joint in members)])
-        way = along_path(np.array([[begin], [target]]), speed, rise)
-        if timed is not None:
-            way = _no_faster(timed, way, most)
+        if timed is not None and len(timed[0]) > 1:
+            way = _no_faster(timed, gripper.velocity_limit)
+        else:
+            speed = np.array([gripper.speed])
+            rise = np.array([min(joint.acceleration_limit for joint in members)])
+            way = along_path(np.array([[begin], [target]]), speed, rise)
         path, slope = resample(*way, STEP_S)
         share = 1.0 / len(joints)
         friction = sum(joint.servo.friction for joint in members)
@@ -348,13 +348,12 @@ class GripperTrack:
         return float((self._signs * measured.position(self.joints)).mean())
 
 
-def _no_faster(asked: TimedWay, fastest: TimedWay, speed: float) -> TimedWay:
+def _no_faster(asked: TimedWay, speed: float) -> TimedWay:
     """Return the way of fingers as asked, slower where they cannot go so fast."""
     time, position, velocity = asked
-    if len(time) <= 2:
-        return asked if time[-1] > fastest[0][-1] else fastest
-    rushed = np.abs(np.diff(position[:, 0])) / (speed * np.diff(time))
-    slower = max(1.0, float(rushed.max()))
+    mean = np.abs(np.diff(position[:, 0])) / np.diff(time)
+    # From rest to rest the middle of the way is half as fast again as its mean.
+    slower = max(1.0, 1.5 * float(mean.max()) / speed)
     return time * slower, position, velocity / slower
 
 
