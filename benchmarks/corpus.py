@@ -11,6 +11,12 @@ workspace, and libraries that speak to hardware past ROS, cannot be installed so
 
     python benchmarks/corpus.py --list controllers.csv --sources DIR [--jobs N] [--only TEXT]
 
+`corpus_classes.csv` beside this program lists rows with a class and the reason for it. Class `a`
+cannot give a trace by what it is: another language version, hardware past ROS, no arm commanded,
+a defect of its own that raises on a real ROS too. Of the other rows those count whose verdict is
+`complete` or `partial` with a command carried out, within the time allowed; one that ends `faulted`
+counts only in class `f`: the same fails on a real ROS.
+
 With `--scenarios DIR` each runs with the file that `tracerisk scenario --write` makes of it, as it
 is; the files stay in that folder. Its seconds are those of the run with the file.
 
@@ -37,6 +43,8 @@ from pathlib import Path
 from typing import Any
 
 TIMEOUT_S = 240.0
+ALLOWED_S = 120.0
+CLASSES = Path(__file__).with_name("corpus_classes.csv")
 DRAFTING_S = 1200.0  # a scenario is found by several runs
 RULES = {"quiescent", "duration", "cycles"}
 _MISSED = re.compile(r"No module named '([\w.]+)'")
@@ -52,8 +60,15 @@ class Row:
     functions: int
     components: tuple[str, ...]
     cause: str
+    verdict: str = ""
+    """What the run says of itself; empty where it says nothing."""
     is_traced: bool = False
     """Whether the run came to a good end, with a relevant function."""
+
+    def counts(self, kind: str) -> bool:
+        """Whether a row of this class (`a`, `f` or none) gave what was wanted of it in time."""
+        wanted = {"complete", "partial", "faulted"} if kind == "f" else {"complete", "partial"}
+        return self.is_traced and self.verdict in wanted and self.seconds <= ALLOWED_S
 
 
 def run(repo: str, commit: str, path: str, sources: Path, scenarios: Path | None) -> Row:
@@ -112,7 +127,8 @@ def _row(name: str, seconds: float, found: dict[str, Any]) -> Row:
         cause = f"{error['file']}:{error['line']}: {cause}"
     is_traced = functions > 0 and found["exit_code"] in (0, 1)
     outcome = _outcome(found, error, end)
-    return Row(name, outcome, seconds, functions, tuple(active), cause, is_traced)
+    verdict = str((found.get("verdict") or {}).get("kind", ""))
+    return Row(name, outcome, seconds, functions, tuple(active), cause, verdict, is_traced)
 
 
 def _outcome(found: dict[str, Any], error: dict[str, Any], end: str | None) -> str:
@@ -129,6 +145,33 @@ def _outcome(found: dict[str, Any], error: dict[str, Any], end: str | None) -> s
     if end is None:
         return "refused"
     return end
+
+
+def classes(path: Path = CLASSES) -> dict[str, str]:
+    """The class of each row that has one, by `repo:path`.
+
+    Raises:
+        ValueError: A class that is neither `a` nor `f`, or a row without a reason.
+    """
+    with path.open(encoding="utf-8") as stream:
+        found = list(csv.DictReader(stream))
+    for each in found:
+        if each["class"] not in ("a", "f") or not each["reason"]:
+            raise ValueError(f"{path.name}: {each['repo']}:{each['path']}: no class or no reason")
+    return {f"{each['repo']}:{each['path']}": each["class"] for each in found}
+
+
+def shares(rows: list[Row], kinds: dict[str, str]) -> str:
+    """How many of the rows that can give a trace did so in time, and which took too long."""
+    able = [row for row in rows if kinds.get(row.name) != "a"]
+    good = sum(row.counts(kinds.get(row.name, "")) for row in able)
+    share = f" ({good / len(able):.1%})" if able else ""
+    late = [row.name for row in rows if row.seconds > ALLOWED_S]
+    told = f"took longer: {', '.join(late)}" if late else "none took longer"
+    return (
+        f"{good} of {len(able)} rows outside class a{share} are complete or partial "
+        f"within {ALLOWED_S:g} s; {told}"
+    )
 
 
 def main() -> None:
@@ -157,18 +200,21 @@ def main() -> None:
                 wanted,
             )
         )
-    print("| controller | outcome | s | functions | active | cause |\n|---|---|---|---|---|---|")
+    kinds = classes()
+    print("| controller | class | outcome | verdict | s | functions | active | cause |")
+    print("|---|---|---|---|---|---|---|---|")
     for row in rows:
         active = ", ".join(row.components)
         print(
-            f"| {row.name} | {row.outcome} | {row.seconds:.1f} | {row.functions} "
-            f"| {active} | {row.cause.replace('|', '/')} |"
+            f"| {row.name} | {kinds.get(row.name, '')} | {row.outcome} | {row.verdict} "
+            f"| {row.seconds:.1f} | {row.functions} | {active} | {row.cause.replace('|', '/')} |"
         )
     traced = sum(row.is_traced for row in rows)
     counts = ", ".join(
         f"{n} {outcome}" for outcome, n in Counter(r.outcome for r in rows).most_common()
     )
     print(f"\n{traced} of {len(rows)} gave a trace with a relevant function; {counts}")
+    print(f"\n{shares(rows, kinds)}")
     missed = Counter(found[1] for row in rows if (found := _MISSED.search(row.cause)))
     if missed:
         told = ", ".join(f"{name} ({n})" for name, n in sorted(missed.items()))

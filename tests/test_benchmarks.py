@@ -69,3 +69,45 @@ def test_at_least_nine_in_ten_of_the_rows_judged_by_hand_are_true():
     assert all(words <= {"true", "false"} for words in judged)
     assert sum(words == {"true"} for words in judged) >= 36
     assert all(row["note"] for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("kind", "verdict", "seconds", "counts"),
+    [
+        ("", "complete", 3.0, True),
+        ("", "partial", 120.0, True),
+        ("", "partial", 121.0, False),
+        ("", "faulted", 3.0, False),
+        ("f", "faulted", 3.0, True),
+        ("f", "stuck", 3.0, False),
+    ],
+)
+def test_a_row_of_the_corpus_counts_by_its_verdict_and_its_time(
+    corpus, kind, verdict, seconds, counts
+):
+    trace = {"functions": [{"name": "pick"}], "end": {"cause": "ended"}}
+    code = {"complete": 0, "partial": 0, "faulted": 1, "stuck": 4}[verdict]
+    found = {"exit_code": code, "trace": trace, "verdict": {"kind": verdict}}
+    row = corpus._row("repo:pick.py", seconds, found)
+    assert row.counts(kind) is counts
+
+
+def test_the_shares_leave_out_the_rows_that_cannot_give_a_trace(corpus):
+    trace = {"functions": [{"name": "pick"}], "end": {"cause": "ended"}}
+    found = {"exit_code": 0, "trace": trace, "verdict": {"kind": "complete"}}
+    rows = [
+        corpus._row("repo:pick.py", 1.0, found),
+        corpus._row("repo:slow.py", 150.0, found),
+        corpus._row("repo:two.py", 1.0, {"exit_code": 2}),
+    ]
+    told = corpus.shares(rows, {"repo:two.py": "a"})
+    assert told.startswith("1 of 2 rows outside class a (50.0%)")
+    assert told.endswith("took longer: repo:slow.py")
+
+
+def test_each_row_with_a_class_has_a_reason(corpus, tmp_path):
+    assert set(corpus.classes().values()) <= {"a", "f"}
+    file = tmp_path / "classes.csv"
+    file.write_text("repo,path,class,reason\nsome/arm,pick.py,a,\n")
+    with pytest.raises(ValueError, match=r"some/arm:pick\.py: no class or no reason"):
+        corpus.classes(file)
