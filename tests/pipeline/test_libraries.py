@@ -223,6 +223,14 @@ def test_a_module_of_one_program_holds_its_steps(example):
     assert never == ["Arm.never"]
 
 
+def test_a_hidden_file_is_no_program_of_the_project(example):
+    for name, text in FILES.items():
+        example.write(f"project/{name}", text)
+    root = example.folder / "project"
+    (root / ".other").write_text("#!/usr/bin/env python3\nimport demo.steps\n")
+    assert not Libraries(root / "demo/main.py", root).holds(root / "demo/steps.py")
+
+
 def test_links_out_of_the_project_and_sources_that_cannot_be_read_harm_nothing(example, tmp_path):
     for name, text in FILES.items():
         example.write(f"project/{name}", text)

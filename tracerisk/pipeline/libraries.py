@@ -178,7 +178,8 @@ def _sources(top: Path) -> Iterator[Path]:
                 for each in folders
                 if not each.startswith(".") and each not in NOT_SEARCHED and each not in TESTS
             )
-            for name in sorted(files):
+            # A hidden file is none that a program imports, and a contained run may not read it.
+            for name in sorted(each for each in files if not each.startswith(".")):
                 path = Path(folder, name)
                 is_python = path.suffix == ".py" and _TEST_FILE.fullmatch(path.stem) is None
                 if is_python or (not path.suffix and _begins_as_script(path)):

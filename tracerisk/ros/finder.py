@@ -21,6 +21,7 @@ from types import MappingProxyType, ModuleType, TracebackType
 from typing import TYPE_CHECKING, Any, Literal
 
 from tracerisk.ros.cfg_modules import cfg_module
+from tracerisk.ros.compiled_modules import compiled_module
 from tracerisk.ros.messages import Interfaces
 from tracerisk.ros.vendor_libraries import VENDOR_LIBRARIES, is_installed, missing_module
 
@@ -185,7 +186,7 @@ class _MissingRosFinder(MetaPathFinder):
         target: ModuleType | None = None,  # noqa: ARG002
     ) -> ModuleSpec | None:
         if path is not None:
-            return cfg_module(fullname, path)
+            return cfg_module(fullname, path) or compiled_module(fullname, path)
         message = missing_module(fullname, self._stand_ins.provides)
         if message is not None:
             raise ModuleNotFoundError(message, name=fullname)

@@ -99,7 +99,7 @@ def _check_joints(names: tuple[str, ...], twin: Twin) -> None:
         raise TrajectoryRefusedError(TrajectoryCode.INVALID_JOINTS, "the trajectory has no joints")
     for name in names:
         if name not in known:
-            twin.on_unknown_joints(names)
+            twin.on_unknown_joints(tuple(each for each in names if each))
             raise TrajectoryRefusedError(
                 TrajectoryCode.INVALID_JOINTS,
                 f"robot '{twin.robot.name}' has no joint '{name}'; {one_of(known, name)}",

@@ -215,6 +215,15 @@ def test_a_parameter_file_with_the_nodes_name_stands_in_for_a_launch_file(ros2, 
     )
 
 
+def test_a_parameter_file_beside_the_tests_is_taken_if_no_other_is_for_the_node(ros2, given):
+    ros2.write("test/a.yaml", "pick:\n  ros__parameters: {colour: red}\n")
+    assert ros2.choose("arm_task/pick.py").setup is None
+    ros2.write("test/b.yaml", "pick:\n  ros__parameters: {speed: 3.0}\n")
+    assert given(ros2.choose("arm_task/pick.py")) == {"speed": 3.0}
+    ros2.write("config/b.yaml", "pick:\n  ros__parameters: {speed: 2.0}\n")
+    assert given(ros2.choose("arm_task/pick.py")) == {"speed": 2.0}
+
+
 def test_a_parameter_file_of_another_package_is_taken_if_it_gives_what_is_asked(ros2, given):
     ros2.write("package.xml", "<package><name>arm_task</name></package>")
     for name, text in {

@@ -18,6 +18,7 @@ from tracerisk.pipeline.workspace import Workspace
 from tracerisk.twin.description_files import distance
 
 _FOLDERS = ("config", "params", "param", "cfg")
+_FURTHER = ("launch", "yaml", "resource", "test", "tests")  # where a test's launch file finds some
 _MOST_FILES = 200
 _MOST_BYTES = 256 * 1024
 
@@ -27,9 +28,10 @@ def setup_of_parameter_file(
 ) -> LaunchSetup | None:
     """Return the parameters of a file that is for the controller's node; `None` for none.
 
-    That is one of its package with a section for exactly this node, else one of another package,
-    the nearest first, else one of its package for every node; the latter two only if they give
-    what the source asks for. Of several that with most of these parameters, and of equal ones the
+    That is one of its package with a section for exactly this node, else such a one of another
+    folder than those of parameters (`launch`, `test`, ...), else one of another package, the
+    nearest first, else one of its package for every node; all but the first only if they give what
+    the source asks for. Of several that with most of these parameters, and of equal ones the
     one sorted first.
     """
     own = workspace.packages.get(program.package, root).resolve()
@@ -38,6 +40,8 @@ def setup_of_parameter_file(
         key=lambda each: (distance(program.script, each), each),
     )
     found = _for_node([own], asked, _is_for_any)
+    further = _for_node([own], asked, _is_for_any, _FURTHER)
+    found = found or [each for each in further if each[0]]
     found = found or [each for each in _for_node(elsewhere, asked, _is_for_any) if each[0]]
     found = found or [each for each in _for_node([own], asked, _is_for_every) if each[0]]
     if not found:
@@ -71,11 +75,12 @@ def _for_node(
     folders: Iterable[Path],
     asked: Asked,
     is_meant: Callable[[LaunchParameter, tuple[str, ...]], bool],
+    within: tuple[str, ...] = _FOLDERS,
 ) -> list[_Found]:
     """Return the files with parameters that are meant, and how many of them are asked for."""
     found = []
     for folder in folders:
-        for path in parameter_files(folder):
+        for path in parameter_files(folder, within):
             mine = tuple(each for each in _parameters(path) if is_meant(each, asked.nodes))
             if mine:
                 found.append((len(asked.names & {each.name for each in mine}), path, mine))
@@ -90,10 +95,10 @@ def _is_for_any(parameter: LaunchParameter, nodes: tuple[str, ...]) -> bool:
     return parameter.node is not None and parameter.node.rpartition("/")[2] in nodes
 
 
-def parameter_files(folder: Path) -> Iterator[Path]:
+def parameter_files(folder: Path, within: tuple[str, ...] = _FOLDERS) -> Iterator[Path]:
     """Yield the YAML files of a package that may hold parameters, at most 200."""
     count = 0
-    for name in _FOLDERS:
+    for name in within:
         for path in sorted((folder / name).rglob("*.yaml")) if (folder / name).is_dir() else ():
             count += 1
             if count > _MOST_FILES:
