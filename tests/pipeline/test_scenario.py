@@ -349,17 +349,70 @@ def test_a_long_sleep_is_no_loop_that_only_waits(example):
 
 
 def test_a_question_that_is_asked_again_and_again_ends_the_run(example, quick):
-    example.write("c.py", quick() + 'while input("Which arm? ") != "left": pass\n')
+    example.write("c.py", quick() + 'while not input("Which arm? ").istitle(): pass\n')
     outcome = example.run("run", "c.py", "--json", "--robot", "panda")
     assert outcome.code == 4
     error = outcome.json["error"]
     assert "the answer to 'Which arm?' was asked for 200 times" in error["message"]
-    assert (
-        error["scenario"]
-        == "answers:\n  - left  # assumed: as the code compares the answer to 'Which arm?'\n"
-    )
-    example.write("s.yaml", "answers: [right, left]\n")
-    assert example.run("trace", "c.py", "--scenario", "s.yaml").code == 0
+    assert error["scenario"] == "answers:\n  - '1'  # assumed: an answer to 'Which arm?'\n"
+
+
+MENU = """\
+rospy.init_node("menu")
+group = moveit_commander.MoveGroupCommander("panda_arm")
+
+def ask():
+    while True:
+        try:
+            values = [float(each) for each in input("joints: ").split()]
+        except ValueError:
+            continue
+        if len(values) != 7:
+            print("seven, please")
+            continue
+        return values
+
+while True:
+    choice = input("What next? ")
+    if choice == "move":
+        group.go(ask(), wait=True)
+    elif choice == "q":
+        break
+"""
+
+
+def test_a_question_that_does_not_take_enter_gets_what_its_code_compares(example):
+    example.write("c.py", "import moveit_commander, rospy\n" + MENU)
+    outcome = example.run("run", "c.py", "--json", "--check")
+    trace = outcome.json["trace"]
+    assert trace["end"]["cause"] == "ended"
+    assert len(trace["visits"]) == 1
+    verdict = outcome.json["verdict"]
+    assert verdict["kind"] == "partial"
+    found = {(each["code"], each["object"]): each for each in verdict["reasons"]}
+    for question in ("'What next?'", "'joints:'"):
+        reason = found["input-assumed", question]
+        assert f"{question} does not take Enter" in reason["words"]
+        assert reason["location"]["file"] == "c.py"
+
+
+PACED = """\
+import itertools, moveit_commander, rospy
+rospy.init_node("paced")
+group = moveit_commander.MoveGroupCommander("panda_arm")
+for turn in itertools.cycle((0.0, 0.1)):
+    if input("Go on? ") == "n":
+        break
+    group.go([turn, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785], wait=True)
+"""
+
+
+def test_a_question_whose_enter_moves_the_arm_gets_no_other_answer(example):
+    example.write("c.py", PACED)
+    trace = example.run("trace", "c.py", "--json", "--duration", "20").json["trace"]
+    assert len(trace["visits"]) > 0
+    assert trace["end"]["cause"] != "ended"
+    assert not [each for each in trace["findings"] if each["kind"] == "answer_assumed"]
 
 
 def test_a_loop_that_waits_for_a_parameter_is_told_of_it(example):

@@ -55,9 +55,11 @@ from tracerisk.ros.finder import StandInFinder
 from tracerisk.ros.graph import Graph
 from tracerisk.ros.messages import Interfaces
 from tracerisk.ros.messages2 import Interfaces2
+from tracerisk.ros.needs import asking_place
 from tracerisk.ros.patches import virtual_time
 from tracerisk.ros.runtime import Runtime, activate
 from tracerisk.ros.scenario import Scenario, read_scenario
+from tracerisk.ros.scenario_draft import known_answers
 from tracerisk.ros.scenario_objects import with_objects
 from tracerisk.ros.scenario_parameters import read_parameters
 from tracerisk.ros.scenario_world import ScenarioWorld
@@ -245,6 +247,8 @@ def _run_recorded(
             scheduler.touch,
             scheduler.miss,
             lambda message: scheduler.end("deadlock", message),
+            assume=lambda: known_answers(asking_place(), values),
+            progress=lambda: watch.last_command_ns,
         ),
         prepared_controller(
             script, tracer, request.argv, root=root, entry=entry.function if entry else None

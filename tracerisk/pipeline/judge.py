@@ -84,6 +84,7 @@ _OF_FINDING = {
     "foreign_gripper": "robot-assumed",
     "denied": "access-denied",
     "unused": UNUSED_INPUT,
+    "answer_assumed": "input-assumed",
     "companion_failed": "companion-failed",
 }
 _OF_COMMANDS = frozenset({"execution_failure", "goal_rejected"})

@@ -133,6 +133,11 @@ class RunWatch:
         return self._last_command_ns is not None
 
     @property
+    def last_command_ns(self) -> int | None:
+        """When something was commanded last [ns]; None before the first time."""
+        return self._last_command_ns
+
+    @property
     def is_commanding(self) -> bool:
         """Whether a command is live."""
         return bool(self._iteration_of)

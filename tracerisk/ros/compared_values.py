@@ -69,15 +69,15 @@ def compared_in_callback(place: Location | None, argument: int = 0) -> Compared:
 
     `argument` counts the callback's parameters behind `self`.
     """
-    tree = _tree(place)
+    tree = source_tree(place)
     if tree is None or place is None:
         return Compared()
     functions = _functions(tree)
-    for call in _calls_at(tree, place.line):
+    for call in calls_at(tree, place.line):
         for value in (*call.args, *(each.value for each in call.keywords)):
             # The callback itself, or within `partial(self.on, ...)`.
             for node in ast.walk(value):
-                function: _Function | None = functions.get(_last_name(node))
+                function: _Function | None = functions.get(last_name(node))
                 if isinstance(node, ast.Lambda):
                     function = node
                 name = None if function is None else _parameter(function, argument)
@@ -88,7 +88,7 @@ def compared_in_callback(place: Location | None, argument: int = 0) -> Compared:
 
 def compared_in_file(place: Location | None) -> Compared:
     """Return the literals with which a file compares attributes, by their last name."""
-    tree = _tree(place)
+    tree = source_tree(place)
     return Compared() if tree is None else Compared(_frozen(_by_field(tree)))
 
 
@@ -97,18 +97,19 @@ def compared_results(place: Location | None, call: str) -> tuple[Any, ...]:
 
     Numbers come where the result is made one and nothing is compared with it.
     """
-    tree = _tree(place)
+    tree = source_tree(place)
     if tree is None or place is None:
         return ()
-    for node in _calls_at(tree, place.line):
-        if _last_name(node.func) != call:
+    for node in calls_at(tree, place.line):
+        if last_name(node.func) != call:
             continue
-        names, casts = _holders(tree, node)
+        names, casts = held_by(tree, node)
+        refused = _refused(tree)
         found = [
             value
             for each in ast.walk(tree)
             if isinstance(each, ast.Compare | ast.Match)
-            for subject, value in _comparisons(each)
+            for subject, value in _comparisons(refused.get(id(each), each))
             if subject is not None and (_same(subject, node) or _dotted(_bare(subject)) in names)
         ]
         if found:
@@ -118,18 +119,37 @@ def compared_results(place: Location | None, call: str) -> tuple[Any, ...]:
     return ()
 
 
+_OTHER_SIDE: Mapping[type[ast.cmpop], type[ast.cmpop]] = {
+    ast.Lt: ast.GtE, ast.LtE: ast.Gt, ast.Gt: ast.LtE, ast.GtE: ast.Lt,
+}  # fmt: skip
+
+
+def _refused(tree: ast.AST) -> dict[int, ast.Compare]:
+    """Return what holds instead of each comparison (by `id`) that turns a number away.
+
+    That is the test of an `if` that raises, or goes on to the next round of a loop.
+    """
+    return {
+        id(test): ast.Compare(test.left, [_OTHER_SIDE[type(test.ops[0])]()], test.comparators)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.If) and isinstance(node.body[-1], ast.Continue | ast.Raise)
+        for test in [node.test]
+        if isinstance(test, ast.Compare) and len(test.ops) == 1 and type(test.ops[0]) in _OTHER_SIDE
+    }
+
+
 def used_as(place: Location | None, call: str) -> str:
     """Return as what the result of the `call` at `place` is used: `int`, `bool`, ..., or empty.
 
     By the conversions around it, and by what it is joined, reckoned or counted with.
     """
-    tree = _tree(place)
+    tree = source_tree(place)
     if tree is None or place is None:
         return ""
-    for node in _calls_at(tree, place.line):
-        if _last_name(node.func) != call:
+    for node in calls_at(tree, place.line):
+        if last_name(node.func) != call:
             continue
-        names, casts = _holders(tree, node)
+        names, casts = held_by(tree, node)
         for kind in ("int", "float", "str"):
             if kind in casts:
                 return kind
@@ -154,7 +174,7 @@ def _use(node: ast.AST, is_it: Callable[[ast.AST], bool]) -> str:
     if isinstance(node, ast.FormattedValue) and is_it(node.value):
         return "str"
     if isinstance(node, ast.Call) and any(is_it(each) for each in node.args):
-        name = _last_name(node.func)
+        name = last_name(node.func)
         if name == "range":
             return "int"
         if name in ("Rate", "Duration", "sleep"):
@@ -170,10 +190,10 @@ def _asserted(test: ast.expr) -> ast.expr:
 
 def written_name(place: Location | None, call: str) -> str:
     """Return the text that the `call` at `place` has as its first argument; empty for none."""
-    tree = _tree(place)
-    for node in () if tree is None or place is None else _calls_at(tree, place.line):
+    tree = source_tree(place)
+    for node in () if tree is None or place is None else calls_at(tree, place.line):
         first = node.args[0] if node.args else None
-        if _last_name(node.func) == call and isinstance(first, ast.Constant):
+        if last_name(node.func) == call and isinstance(first, ast.Constant):
             return str(first.value) if isinstance(first.value, str) else ""
     return ""
 
@@ -187,7 +207,8 @@ def ordered_answers(values: Iterable[Any]) -> tuple[str, ...]:
 _Found = dict[tuple[str, ...], list[Any]]
 
 
-def _tree(place: Location | None) -> ast.Module | None:
+def source_tree(place: Location | None) -> ast.Module | None:
+    """Return the tree of the source in which a place is; None where it cannot be read."""
     if place is None:
         return None
     try:
@@ -211,7 +232,8 @@ def _frozen(found: _Found) -> dict[tuple[str, ...], tuple[Any, ...]]:
     return {path: tuple(dict.fromkeys(values)) for path, values in found.items()}
 
 
-def _calls_at(tree: ast.AST, line: int | None) -> Iterator[ast.Call]:
+def calls_at(tree: ast.AST, line: int | None) -> Iterator[ast.Call]:
+    """Yield the calls of a tree that stand, or go on, at a line."""
     calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
     for call in calls if line is not None else ():
         if call.lineno <= (line or 0) <= (call.end_lineno or call.lineno):
@@ -259,7 +281,7 @@ def _flow(
     for node in ast.walk(function):
         _compare(node, known, found)
         if isinstance(node, ast.Call) and depth < _DEEPEST:
-            callee = functions.get(_last_name(node.func))
+            callee = functions.get(last_name(node.func))
             given = {
                 name: path
                 for index, value in enumerate(node.args)
@@ -349,7 +371,7 @@ def _bare(node: ast.expr) -> ast.expr:
     while isinstance(node, ast.Call):
         if isinstance(node.func, ast.Attribute) and node.func.attr in _METHODS:
             node = node.func.value
-        elif _last_name(node.func) in _CASTS and len(node.args) == 1:
+        elif last_name(node.func) in _CASTS and len(node.args) == 1:
             node = node.args[0]
         else:
             break
@@ -380,7 +402,8 @@ def _dotted(node: ast.AST) -> str:
     return node.id if isinstance(node, ast.Name) else ""
 
 
-def _last_name(node: ast.AST) -> str:
+def last_name(node: ast.AST) -> str:
+    """Return the last part of a dotted name; empty for what is none."""
     if isinstance(node, ast.Attribute):
         return node.attr
     return node.id if isinstance(node, ast.Name) else ""
@@ -390,7 +413,7 @@ def _same(subject: ast.expr, call: ast.Call) -> bool:
     return _bare(subject) is call
 
 
-def _holders(tree: ast.AST, call: ast.Call) -> tuple[set[str], set[str]]:
+def held_by(tree: ast.AST, call: ast.Call) -> tuple[set[str], set[str]]:
     """Return the names that are given what a call returns, and the conversions around it."""
     names: set[str] = set()
     casts: set[str] = set()
@@ -401,8 +424,8 @@ def _holders(tree: ast.AST, call: ast.Call) -> tuple[set[str], set[str]]:
                 continue
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
             names |= {_dotted(each) for each in targets if _dotted(each)}
-        if isinstance(node, ast.Call) and _last_name(node.func) in _CASTS and node.args:
+        if isinstance(node, ast.Call) and last_name(node.func) in _CASTS and node.args:
             inner = node.args[0]
             if any(each is call for each in ast.walk(inner)) or _dotted(inner) in names:
-                casts.add(_last_name(node.func))
+                casts.add(last_name(node.func))
     return names, casts

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -19,6 +18,7 @@ from tracerisk.ros.compared_values import (
 )
 from tracerisk.ros.needs import Missed, Need, NeedKind
 from tracerisk.ros.scenario_fields import fields_of, type_of
+from tracerisk.ros.split_answers import numbers_answer, roll_pitch_yaw
 from tracerisk.ros.usable_values import UsableValues
 
 SECTIONS: Mapping[NeedKind, str] = {
@@ -106,6 +106,14 @@ def drafts(
     for each in found:
         once.setdefault((each.section, each.key), each)
     return tuple(sorted(once.values(), key=lambda each: _is_last(each.need)))
+
+
+def known_answers(place: Location | None, values: UsableValues) -> tuple[str, ...]:
+    """Return the answers that the code knows to its question at `place`, in turn; () for none."""
+    numbers = numbers_answer(place, values)
+    if numbers is not None:
+        return (numbers,)
+    return ordered_answers(compared_results(place, "input"))
 
 
 def drafts_of(data: Iterable[Mapping[str, Any]]) -> Iterator[Draft]:
@@ -248,23 +256,15 @@ def _frame(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
         "frame": need.name,
         "parent": values.robot.base_link,
         "xyz": list(pose.position),
-        "rpy": [round(each, 4) + 0.0 for each in _rpy(pose.orientation)],
+        "rpy": [round(each, 4) + 0.0 for each in roll_pitch_yaw(pose.orientation)],
     }
     return need.name, entry, f"a pose that {values.robot.name} reaches"
 
 
-def _rpy(turn: tuple[float, float, float, float]) -> tuple[float, float, float]:
-    x, y, z, w = turn
-    pitch = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
-    roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
-    yaw = math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
-    return roll, pitch, yaw
-
-
 def _answer(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
-    del interfaces, values
+    del interfaces
     need = missed.need
-    answers = ordered_answers(compared_results(missed.location, "input"))
+    answers = known_answers(missed.location, values)
     if not answers:
         answers = ("y",) if _YES_OR_NO.search(need.name) else ("1",)
         return need.name, list(answers), f"an answer to {need.name}"
