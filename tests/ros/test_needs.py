@@ -119,6 +119,11 @@ def test_other_poses_are_as_good_and_apart(values):
     assert drafts([need], Interfaces(), values)[0].others == ()
 
 
+def test_a_goal_for_joints_leaves_out_what_its_server_counts_by_itself(values):
+    goal = values.fields(Interfaces2().action("control_msgs/FollowJointTrajectory").Goal)
+    assert set(goal) == {"trajectory", "goal_time_tolerance"}
+
+
 def test_joints_are_the_robots_own_and_away_from_where_it_begins(values):
     message = values.fields(Interfaces2().message("sensor_msgs/JointState"))
     assert message["name"] == [joint.name for joint in values.robot.joints]
