@@ -301,3 +301,27 @@ def test_what_is_not_allowed_loses_nothing(example, quick, options, told):
     assert outcome.code == 2, outcome.out
     assert told in outcome.err
     assert example.files() == before
+
+
+def test_a_stand_in_for_a_robot_of_which_the_workspace_has_the_srdf_alone(example):
+    example.write(
+        "config/lifter.srdf",
+        '<robot name="lifter"><group name="lift"><joint name="mast"/><joint name="boom"/>'
+        '<joint name="jib"/></group></robot>',
+    )
+    example.write("package.xml", "<package><name>lifter</name></package>")
+    example.write(
+        "c.py",
+        "import moveit_commander, rospy\nrospy.init_node('n')\n"
+        "arm = moveit_commander.MoveGroupCommander('lift')\n"
+        "def move():\n    arm.go([0.1, 0.2, 0.3], wait=True)\nmove()\n",
+    )
+    ran = example.run("run", "c.py", "--check")
+    assert ran.code == 2
+    assert "the robot of the workspace cannot be read" in ran.err
+    outcome = example.run("scenario", "c.py", "--write", "--json")
+    assert outcome.code == 0, outcome.err
+    assert example.read("c.scenario.yaml").startswith(b"robot: generic  # assumed: a stand-in")
+    ran = example.run("run", "c.py", "--check", "--json", "--scenario", "c.scenario.yaml")
+    assert ("input-assumed", "robot") in reasons(ran)
+    assert {"mast", "boom", "jib"} <= set(ran.json["trace"]["active"])

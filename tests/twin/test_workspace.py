@@ -13,8 +13,9 @@ from tracerisk.errors import RobotError
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.shipped import hardware_of
 from tracerisk.pipeline.robot_choice import choose_robot
+from tracerisk.twin.assumed_names import with_assumed_names
 from tracerisk.twin.builder import compile_model
-from tracerisk.twin.generic import generic_arm, names_asked, with_assumed_names
+from tracerisk.twin.generic import generic_arm, names_asked
 from tracerisk.twin.joint_limits import limited_as_beside
 from tracerisk.twin.known_arms import completed_as_ours
 from tracerisk.twin.prefix import with_prefix

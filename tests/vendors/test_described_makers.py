@@ -127,6 +127,7 @@ from sensor_msgs.msg import JointState
 rospy.init_node('sawyer')
 names = rospy.get_param('/robot_config/right_config/joint_names')
 kind = rospy.get_param('/manifest/robot_class')
+version = rospy.get_param('/manifest/robot_software/version/HLR_VERSION_STRING')
 limbs = rospy.get_param('/robot_config/assembly_names')
 state = rospy.wait_for_message('/robot/state', RobotAssemblyState)
 joints = rospy.wait_for_message('/robot/joint_states', JointState)
@@ -149,6 +150,7 @@ far = solve(asked)
     )
     assert ran["names"] == [f"right_j{i}" for i in range(7)]
     assert (ran["kind"], sorted(ran["limbs"])) == ("sawyer", ["head", "right", "torso"])
+    assert ran["version"] == "5.3.0"  # a library compares it with its own
     assert (ran["state"].enabled, ran["state"].homed) == (True, True)
     assert list(ran["found"].result_type) == [1]
     assert ran["after"].pose.position.z == pytest.approx(ran["height"] - 0.05, abs=5e-3)

@@ -155,7 +155,7 @@ def _print_draft(
 ) -> None:
     rows = [(each.need.told, each.location, each.words) for each in draft.given]
     if draft.robot is not None:
-        rows.insert(0, (f"robot {draft.robot}", None, "one of several that fit"))
+        rows.insert(0, (f"robot {draft.robot.name}", None, draft.robot.told))
     if draft.arguments is not None:
         told = f"arguments {' '.join(draft.arguments.words)}"
         rows.insert(0, (told, None, draft.arguments.told))
@@ -212,7 +212,7 @@ def _print_json(
         **verdict_json(verdict),
         error=None if draft.error is None else draft.error.message,
         end=end,
-        robot=draft.robot,
+        robot=None if draft.robot is None else draft.robot.name,
         arguments=None if draft.arguments is None else list(draft.arguments.words),
         given=[drafted(each) for each in draft.given],
         missing=[drafted(each) for each in draft.missing],

@@ -71,7 +71,7 @@ from tracerisk.ros.usable_values import UsableValues
 from tracerisk.ros.vendor_libraries import VENDOR_LIBRARIES
 from tracerisk.ros.version_choice import ros_version
 from tracerisk.ros.virtual_time import Scheduler
-from tracerisk.twin.generic import with_assumed_names
+from tracerisk.twin.assumed_names import with_assumed_names
 from tracerisk.twin.robot_file import read_dumped_robot
 from tracerisk.twin.samples import SampleWriter
 from tracerisk.twin.scene import load_scene

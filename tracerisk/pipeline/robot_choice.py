@@ -71,7 +71,7 @@ def choose_robot(
     Raises RobotError when the settings name none that is known, several fit equally well, or that
     of the workspace cannot be read.
     """
-    from tracerisk.twin.generic import generic_arm, names_asked
+    from tracerisk.twin.generic import NAME as GENERIC
     from tracerisk.twin.robot import load_robot
 
     told = "as the settings say"
@@ -80,8 +80,10 @@ def choose_robot(
 
         return searched_robot(controller, settings, launch, also_named)
     whole = with_own_modules(controller)
-    if settings.robot == "generic":
-        return RobotChoice(replace(generic_arm(names_asked(whole.source)), chosen_by=told))
+    if settings.robot == GENERIC:
+        from tracerisk.pipeline.robot_search import stand_in
+
+        return stand_in(controller, told)
     if is_model_file(settings.robot):
         read = read_model(controller.root, settings.robot, settings.limits)
         return RobotChoice(replace(read.robot, chosen_by=told), files=read.files)

@@ -20,6 +20,7 @@ from tracerisk.twin.mentions import mentioned
 from tracerisk.twin.robot import Robot
 from tracerisk.twin.robot_index import shipped_names
 from tracerisk.twin.spoken_names import Spoken
+from tracerisk.twin.srdf_stand_in import spoken_srdf, srdf_stand_in
 from tracerisk.twin.workspace import (
     UnreadableRobotError,
     WorkspaceRobot,
@@ -63,6 +64,22 @@ def searched_robot(
     Raises RobotError where several fit equally well, or that of the workspace cannot be read.
     """
     return _Search(controller, settings, launch, also_named).run()
+
+
+def stand_in(controller: Controller, chosen_by: str) -> RobotChoice:
+    """Return a generic robot: with the parts of the workspace's SRDF that the controller names.
+
+    Where no SRDF has any, it is an arm with the joints that the controller names.
+    """
+    asked = _Asked.by(controller)
+    packages = find_workspace(controller.root).packages
+    spoken = Spoken(asked.strings, joints=asked.listed)
+    found = spoken_srdf((controller.root, *packages.values()), spoken, controller.path)
+    robot = None if found is None else srdf_stand_in(found[0], asked.names)
+    if found is None or robot is None:
+        return RobotChoice(replace(generic_arm(asked.names), chosen_by=chosen_by))
+    told = f"{chosen_by}, with the names of {found[0].file}"
+    return RobotChoice(equipped(replace(robot, chosen_by=told), asked.whole), files=(found[1],))
 
 
 class _Search:

@@ -19,6 +19,7 @@ from tracerisk.pipeline.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.controller import Controller
 from tracerisk.pipeline.controller_run import ControllerRun
 from tracerisk.pipeline.launch.program import program_of
+from tracerisk.pipeline.robot_guess import RobotGuess, guessed_robot
 from tracerisk.pipeline.scenario_text import with_entries
 from tracerisk.pipeline.workspace import find_workspace, project_top
 from tracerisk.pipeline.written_values import WrittenValues
@@ -28,7 +29,6 @@ from tracerisk.ros.scenario_lines import entry_lines, word_lines
 from tracerisk.ros.scenario_marks import MARK
 from tracerisk.ros.version_choice import ros_version
 from tracerisk.trace import Trace
-from tracerisk.twin.detect import SeveralRobotsError
 
 if TYPE_CHECKING:
     from tracerisk.hardware.model import Hardware
@@ -56,7 +56,7 @@ class ScenarioDraft:
     text: str
     given: tuple[Draft, ...]
     missing: tuple[Draft, ...]
-    robot: str | None = None
+    robot: RobotGuess | None = None
     arguments: CommandLine | None = None
     trace: Trace | None = None
     error: TraceRiskError | None = None
@@ -68,7 +68,7 @@ class _Entries:
 
     drafts: dict[_Key, Draft] = field(default_factory=dict)
     repeats: dict[_Key, int] = field(default_factory=dict)
-    robot: str | None = None
+    robot: RobotGuess | None = None
     arguments: CommandLine | None = None
 
     def copy(self) -> _Entries:
@@ -78,7 +78,7 @@ class _Entries:
     def sections(self) -> Mapping[str, list[str]]:
         sections: dict[str, list[str]] = {}
         if self.robot is not None:
-            sections["robot"] = [f"{self.robot}  {MARK}: one of several that fit"]
+            sections["robot"] = [f"{self.robot.name}  {MARK}: {self.robot.told}"]
         if self.arguments is not None:
             sections["arguments"] = word_lines(self.arguments.words, self.arguments.told)
         for key, draft in self.drafts.items():
@@ -227,7 +227,9 @@ class _Rounds:
             settings = replace(
                 self._settings,
                 scenario=str(path),
-                robot=self._settings.robot or self._known.robot or entries.robot,
+                robot=self._settings.robot
+                or self._known.robot
+                or (None if entries.robot is None else entries.robot.name),
             )
             try:
                 trace = trace_attempts(
@@ -248,8 +250,8 @@ class _Rounds:
     def _mended(self, attempt: _Attempt) -> _Entries | None:
         """Return the entries without what kept the controller from being run; None for nothing."""
         error, entries = attempt.error, attempt.entries.copy()
-        if isinstance(error, SeveralRobotsError) and entries.robot is None and error.names:
-            entries.robot = error.names[0]
+        if entries.robot is None and (guess := guessed_robot(error)) is not None:
+            entries.robot = guess
             return entries
         if isinstance(error, ScenarioError) and error.location is not None:
             key = self._entry_at(entries, error.location.line or 0)

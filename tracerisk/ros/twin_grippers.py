@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -14,6 +15,7 @@ from tracerisk.twin.robot import Gripper, Robot
 
 GRIPPER_COMMAND = "control_msgs/GripperCommand"
 _FAR_OUT = 2.0  # ranges past its end: nobody closes so hard, it is another unit
+_SIDES = {"l": "left", "left": "left", "r": "right", "right": "right"}
 FRANKA_PACKAGES = ("franka_gripper", "franka_msgs")
 """Where Move, Grasp, Homing and Stop are defined: in ROS 1, and in ROS 2."""
 
@@ -22,7 +24,7 @@ def gripper_of(robot: Robot, name: str) -> Gripper | None:
     """Return the gripper that an action or topic of this name drives, None where none is meant.
 
     Of several, it is that of the robot's controller which the name contains, else the one whose
-    own name it contains.
+    own name it contains, else the only one on the side that it says.
     """
     if len(robot.grippers) <= 1:
         return next(iter(robot.grippers), None)
@@ -32,7 +34,18 @@ def gripper_of(robot: Robot, name: str) -> Gripper | None:
             for gripper in robot.grippers:
                 if set(controller.joints) & set(gripper.joints):
                     return gripper
-    return next((each for each in robot.grippers if each.name in name), None)
+    named = next((each for each in robot.grippers if each.name in name), None)
+    sides = _sides(name)
+    if named is not None or len(sides) != 1:
+        return named
+    beside = [each for each in robot.grippers if _sides(each.name, *each.joints) == sides]
+    return beside[0] if len(beside) == 1 else None
+
+
+def _sides(*names: str) -> set[str]:
+    """Return the sides that names say in a word of their own: left, or right."""
+    words = {word for name in names for word in re.split(r"[^A-Za-z]+", name.lower())}
+    return {_SIDES[word] for word in words & _SIDES.keys()}
 
 
 def gripper_ends(robot: Robot, gripper: Gripper) -> tuple[float, float]:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from tracerisk.twin.generic import with_assumed_names
+from tracerisk.twin.assumed_names import with_assumed_names
 from tracerisk.twin.robot import load_robot
 
 
