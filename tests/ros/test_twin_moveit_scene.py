@@ -65,3 +65,16 @@ def test_objects_are_added_moved_attached_and_cleared(run_on_twin):
     attached = "'a' cannot be removed from the world: it is attached to link 'panda_hand'"
     assert any(attached in message for message in ran.findings)
     assert any("unknown frame 'table'" in message for message in ran.findings)
+
+
+def test_the_map_of_a_camera_can_be_cleared(run_on_twin):
+    ran = run_on_twin(
+        """
+import rospy
+from std_srvs.srv import Empty
+rospy.init_node("clears")
+rospy.wait_for_service("/clear_octomap", timeout=1.0)
+answer = rospy.ServiceProxy("/clear_octomap", Empty)()
+"""
+    )
+    assert ran["answer"] is not None

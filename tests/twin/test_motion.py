@@ -286,6 +286,15 @@ def test_fingers_go_through_every_point_of_a_trajectory(free: Twin):
     assert motion.outcome == "succeeded"
 
 
+def test_fingers_that_a_trajectory_sends_beyond_their_range_stop_at_its_end(free: Twin):
+    fingers = free.robot.grippers[0].joints
+    far = np.full((1, len(fingers)), -0.09)
+    motion = free.follow(JointTrajectory(fingers, np.array([1.0]), far, np.zeros_like(far)))
+    free.advance(FOREVER)
+    assert motion.outcome == "succeeded"
+    assert free.joint_state().position[-1] == pytest.approx(0.0, abs=5e-4)
+
+
 def test_a_trajectory_moves_a_gripper_that_is_called_as_its_finger_is(panda: Robot):
     finger = panda.grippers[0].joints[0]
     named = replace(panda, grippers=(replace(panda.grippers[0], name=finger),))

@@ -163,8 +163,8 @@ def test_a_ned_of_ros_2_moves_by_its_commands(run_on):
         """
 import rclpy
 from niryo_ned_ros2_interfaces.action import RobotMove, Tool
-from niryo_ned_ros2_interfaces.msg import ArmMoveCommand, ToolCommand
-from niryo_ned_ros2_interfaces.srv import SetInt
+from niryo_ned_ros2_interfaces.msg import ArmMoveCommand, DigitalIOState, ToolCommand
+from niryo_ned_ros2_interfaces.srv import ControlConveyor, SetInt
 from rclpy.action import ActionClient
 rclpy.init()
 node = rclpy.create_node('ned')
@@ -180,6 +180,11 @@ def ask(kind, name, **fields):
 slow = node.create_client(SetInt, '/niryo_robot_arm_commander/set_max_velocity_scaling_factor')
 slow.wait_for_service()
 rclpy.spin_until_future_complete(node, slow.call_async(SetInt.Request(value=20)))
+belt = node.create_client(ControlConveyor, '/niryo_robot/conveyor/control_conveyor')
+belt.wait_for_service()
+ran = belt.call_async(ControlConveyor.Request(id=9, control_on=True, speed=100, direction=1))
+rclpy.spin_until_future_complete(node, ran)
+belt_status = ran.result().status
 begun = node.get_clock().now().nanoseconds
 joints = ask(RobotMove, '/niryo_robot_arm_commander/robot_action',
              cmd_type=0, joints=[0.5, 0.2, -0.5, 0.0, 0.0, 0.0])
@@ -187,10 +192,17 @@ took = (node.get_clock().now().nanoseconds - begun) * 1e-9
 shift = ask(RobotMove, '/niryo_robot_arm_commander/robot_action', cmd_type=6)
 grip = ask(Tool, '/niryo_robot_tools_commander/action_server/tool_action', cmd_type=2)
 other = ask(Tool, '/tools/tool_action', cmd_type=10)
+again = ask(Tool, '/niryo_robot_tools_commander/action_server', cmd_type=1)
+states = []
+node.create_subscription(DigitalIOState, '/niryo_robot_rpi/digital_io_state', states.append, 10)
+rclpy.spin_once(node, timeout_sec=1.0)
+inputs = [each.value for each in states[0].digital_inputs]
 """,
         ros=2,
     )
     assert [ran[name].status for name in ("joints", "shift", "grip", "other")] == [1, -52, 1, -52]
+    assert (ran["again"].status, ran["belt_status"]) == (1, 1)
+    assert ran["inputs"] == [False] * 5
     assert ran["took"] > 1.5
     assert ran.position("joint_1") == pytest.approx(0.5, abs=0.01)
 

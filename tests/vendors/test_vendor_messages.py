@@ -35,6 +35,7 @@ ROS2 = [
     "interbotix_perception_msgs",
     "interbotix_xs_msgs",
     "linkattacher_msgs",
+    "ros_gz_interfaces",
     "ur_msgs",
     "xarm_msgs",
 ]

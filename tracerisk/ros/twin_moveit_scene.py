@@ -1,4 +1,4 @@
-"""The planning scene on the graph: its two services, and the topics by which objects are told."""
+"""The planning scene on the graph: its services, and the topics by which objects are told."""
 
 from __future__ import annotations
 
@@ -37,6 +37,7 @@ class SceneInterfaces:
         self._graph.offer(
             "get_planning_scene", "moveit_msgs/GetPlanningScene", self._get, node=_NODE
         )
+        self._graph.offer("clear_octomap", "std_srvs/Empty", self._clear_octomap, node=_NODE)
         self._graph.watch(self._on_change)
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
@@ -55,6 +56,11 @@ class SceneInterfaces:
         answer = self._messages.response("moveit_msgs/ApplyPlanningScene")
         answer.success = self._server.changes.apply_scene(request.scene)
         return answer
+
+    def _clear_octomap(self, request: Any) -> Any:
+        """Answer as a move_group whose map is empty, for no camera fills it."""
+        del request
+        return self._messages.response("std_srvs/Empty")
 
     def _get(self, request: Any) -> Any:
         answer = self._messages.response("moveit_msgs/GetPlanningScene")

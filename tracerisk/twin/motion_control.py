@@ -115,6 +115,9 @@ class MotionControl:
                     )
                     for rows in (trajectory.position, trajectory.velocity)
                 )
+                # A controller of trajectories knows no limits: the fingers stop at theirs.
+                reached = np.clip(position, gripper.least, gripper.opening)
+                position, velocity = reached, np.where(reached == position, velocity, 0.0)
                 timed = (trajectory.time, position, velocity)
                 target = float(position[-1, 0])
                 self._add(self._gripper_track(motion, gripper, target, None, timed))
