@@ -74,6 +74,17 @@ def test_python_2_has_one_hint(told):
     assert "install" not in line
 
 
+def test_a_module_of_its_own_that_is_python_2_goes_before_what_is_missing(told):
+    line = told("import ikpy", "from turns import turn", turns="def turn():\n    print 'x'\n")
+    assert "turns.py:2:5: this is Python 2: `print 'x'`" in line
+    assert "install" not in line
+
+
+def test_a_ros_package_of_the_package_index_has_one_command(told):
+    line = told("from rospy_message_converter import message_converter")
+    assert f"`pip install rospy-message-converter` in {HERE}" in line
+
+
 def test_a_name_of_python_2_that_is_met_late_has_the_same_hint(told):
     line = told("for n in xrange(3):\n    pass")
     assert "c.py is Python 2: `xrange` (line 1); convert it first" in line

@@ -232,3 +232,39 @@ told = client.get_result().error_string
     assert (ran["done"], ran["unknown"]) == (3, 4)
     assert ran.position("arm_1_joint") == pytest.approx(0.6, abs=0.01)
     assert "no named state or motion 'rech'; did you mean 'reach'?" in ran["told"]
+
+
+def test_sawyers_motion_controller_goes_through_joints_or_to_a_pose(run_on):
+    ran = run_on(
+        "sawyer",
+        """
+import actionlib, rospy
+from geometry_msgs.msg import PoseStamped
+from intera_core_msgs.msg import EndpointState
+from intera_motion_msgs.msg import MotionCommandAction, MotionCommandGoal, Waypoint
+rospy.init_node('mover')
+client = actionlib.SimpleActionClient('/motion/motion_command', MotionCommandAction)
+client.wait_for_server()
+def go(*points, command='start'):
+    goal = MotionCommandGoal(command=command)
+    goal.trajectory.joint_names = ['right_j%d' % i for i in range(7)]
+    for point in points:
+        point.options.max_joint_speed_ratio = 0.5
+    goal.trajectory.waypoints = list(points)
+    client.send_goal_and_wait(goal)
+    return client.get_result().result
+there = dict(active_endpoint='right_hand', joint_positions=[0.0, -0.9, 0.0, 1.8, 0.0, -0.9, 0.0])
+# The same point twice is no motion of its own.
+joints = go(Waypoint(**there), Waypoint(**there))
+state = rospy.wait_for_message('/robot/limb/right/endpoint_state', EndpointState)
+before = state.pose.position.z
+place = PoseStamped(pose=state.pose)
+place.pose.position.z += 0.05
+pose = go(Waypoint(active_endpoint='right_hand', pose=place))
+after = rospy.wait_for_message('/robot/limb/right/endpoint_state', EndpointState)
+height = after.pose.position.z - before
+kept = go(Waypoint(**there), command='generate')
+""",
+    )
+    assert (ran["joints"], ran["pose"], ran["kept"]) == (True, True, False)
+    assert ran["height"] == pytest.approx(0.05, abs=5e-3)

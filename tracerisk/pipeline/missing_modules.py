@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
-from tracerisk.errors import TraceRiskError
+from tracerisk.errors import SourceError, TraceRiskError
 from tracerisk.instrument.python_2 import python_2_hint, walk_with_guards
+from tracerisk.instrument.source import parse_source
 from tracerisk.pipeline.controller import load_controller
 from tracerisk.pipeline.own_modules import own_modules
 from tracerisk.ros.vendor_libraries import remedy
@@ -29,12 +30,13 @@ class MissingModules:
     def told(self, failed: str) -> str:
         """Return what to say where the import of `failed` did: of all that would, with remedies.
 
-        Python 2 has one hint of its own.
+        Python 2 has one hint of its own, and so has a module of its own that is no Python 3:
+        whoever installs the others gets no further.
         """
         files = self._files()
         for path in files:
             shown = self._shown(path)
-            hint = python_2_hint(_read(path), shown)
+            hint = python_2_hint(_read(path), shown) or _unreadable(path, shown)
             if hint is not None:
                 return hint
         top = failed.partition(".")[0]
@@ -69,6 +71,15 @@ class MissingModules:
                     yield from (alias.name.partition(".")[0] for alias in node.names)
                 elif isinstance(node, ast.ImportFrom) and not is_guarded and not node.level:
                     yield (node.module or "").partition(".")[0]
+
+
+def _unreadable(path: Path, shown: str) -> str | None:
+    """Return what keeps a source from being parsed, `None` for nothing."""
+    try:
+        parse_source(_read(path), shown)
+    except SourceError as error:
+        return str(error)
+    return None
 
 
 def _absent(names: Iterable[str], known: str) -> Iterator[str]:

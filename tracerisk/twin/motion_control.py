@@ -77,7 +77,7 @@ class MotionControl:
         """Follow a trajectory; a live motion on any of its joints is preempted.
 
         A first point later than time 0 is reached from the present set-point.
-        Fingers go through its points too, no faster than they can.
+        Fingers go through its points too, no faster and no further than they can.
         Raises PlanningError("bad_request") for a trajectory that is none.
         """
         check_trajectory(trajectory, self._robot)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import one_of
@@ -21,6 +22,7 @@ from tracerisk.vendors.requests import Goal, Request
 if TYPE_CHECKING:
     from tracerisk.ros.runtime import Runtime
 
+_SAME = 1e-6  # postures of which no joint is further apart are one [rad or m]
 _MOTIONS = "motions"  # the parameters of play_motion: motions/NAME/{joints, points}
 
 Make = Callable[[], JointTrajectory | None]
@@ -322,6 +324,10 @@ class DescribedMotions:
             self._limits(speed, "velocity_limit"),
             self._limits(rise, "acceleration_limit"),
         )
+        # A point where the arm is already takes no time, in which it would have to stop.
+        before = [self._arm.positions(), *map(list, goals)]
+        moved = [goal for last, goal in pairwise(before) if _differ(last, goal)]
+        goals = moved or goals[-1:]
         if len(goals) == 1:
             return self._ramped(goals[0], speeds, rises, duration_s)
         here, times, total = self._arm.positions(), [], 0.0
@@ -377,3 +383,10 @@ class DescribedMotions:
         return JointTrajectory(
             found.joints, found.time * longer, found.position, found.velocity / longer
         )
+
+
+def _differ(one: Sequence[float], other: Sequence[float]) -> bool:
+    """Tell whether two postures are apart; of other lengths they are, for a check to report."""
+    if len(one) != len(other):
+        return True
+    return any(abs(a - b) > _SAME for a, b in zip(one, other, strict=True))
