@@ -325,3 +325,20 @@ def test_a_stand_in_for_a_robot_of_which_the_workspace_has_the_srdf_alone(exampl
     ran = example.run("run", "c.py", "--check", "--json", "--scenario", "c.scenario.yaml")
     assert ("input-assumed", "robot") in reasons(ran)
     assert {"mast", "boom", "jib"} <= set(ran.json["trace"]["active"])
+
+
+def test_a_topic_for_want_of_which_it_fails(example):
+    example.write(
+        "c.py",
+        HEAD + "state = []\nrospy.Subscriber('/cell/config', String, state.append)\n"
+        "end = rospy.get_time() + 5.0\n"
+        "while not state:\n"
+        "    if rospy.get_time() > end:\n        raise OSError('no configuration')\n"
+        "    rospy.sleep(0.1)\n"
+        "turn(0.2)\n",
+    )
+    outcome = example.run("scenario", "c.py", "--write", "--json")
+    assert outcome.code == 0, outcome.err
+    assert [each["name"] for each in outcome.json["given"]] == ["/cell/config"]
+    ran = example.run("run", "c.py", "--check", "--json", "--scenario", "c.scenario.yaml")
+    assert ran.json["verdict"]["kind"] == "partial"

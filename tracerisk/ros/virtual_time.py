@@ -85,7 +85,8 @@ class Scheduler:
     outside, so that a standstill is no hang. `failed_threads` names those that died of an error.
     `on_stuck` is called in the main thread when it has swallowed the end of the run a thousand
     times; it should end the process.
-    `on_over` (an attribute) is called when the run is over before the controller has ended.
+    `on_over` (an attribute) is called when the run is over before the controller has ended, and
+    when its main program has failed, before its exit calls.
     `process` (an attribute) is the companion whose code runs, None for the controller's;
     `has_companions` says that there may be any, and `on_process_change` is told of each change.
     """
@@ -377,6 +378,8 @@ class Scheduler:
             except BaseException as error:
                 # A real Ctrl-C ends at once; rospy's interruption only derives from it.
                 if type(error) is not KeyboardInterrupt:
+                    if self.on_over is not None:
+                        self.on_over()
                     self._finish_as_interpreter()
                 raise
             self._finish_as_interpreter()
