@@ -259,6 +259,15 @@ def read_yaml(
     except (TypeError, ValueError, RecursionError) as cause:
         # Keys that are mappings, dates that are none, what is nested without an end.
         raise error(f"cannot be read as YAML: {cause}", Location(file)) from cause
+    except AttributeError as cause:
+        # The library takes a value with one of these tags for a mapping without looking.
+        tags = ("!!set", "!!omap")
+        lines = enumerate(text.splitlines(), start=1)
+        line = next((n for n, words in lines if any(tag in words for tag in tags)), None)
+        raise error(
+            "holds a value that is none of its tag (!!set, !!omap); write it without the tag",
+            Location(file, line),
+        ) from cause
     return _top(node, file, error)
 
 
