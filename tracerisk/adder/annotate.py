@@ -144,11 +144,12 @@ def annotate_sources(
     evidence = evidence or (lambda _: Evidence(is_fresh=entry is not None))
     sources = _with_free_ranks([_with_renames(source, entry) for source in sources])
     merged = {source.file: _merge_source(source, entry, policy, evidence) for source in sources}
-    if policy.edits == "accept":
+    edits = _in_the_way(merged, policy)
+    if not edits and policy.edits == "accept":
         # An edited rank is a person's by now, as one that was set by hand before.
         sources = _with_free_ranks(sources, _by_function(merged))
         merged = {source.file: _merge_source(source, entry, policy, evidence) for source in sources}
-    edits = in_the_way((edit for one in merged.values() for edit in one.edits), policy)
+        edits = _in_the_way(merged, policy)
     if edits:
         return EditsInTheWay(edits)
     merged = _with_digests(_left_blocks_last(sources, merged))
@@ -183,6 +184,10 @@ def annotate_sources(
     if not changed and new_lock.dumps() == lock.dumps():
         return Unchanged(lock)
     return Changed(tuple(changed), new_lock, lock.with_controller(controller, pending))
+
+
+def _in_the_way(merged: Mapping[str, _MergedSource], policy: MergePolicy) -> tuple[PersonEdit, ...]:
+    return in_the_way((edit for one in merged.values() for edit in one.edits), policy)
 
 
 def _with_renames(source: SourceBlocks, entry: ControllerLock | None) -> SourceBlocks:

@@ -7,7 +7,7 @@ author is unknown.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -33,13 +33,15 @@ class Evidence:
     `is_fresh`: nothing that the values depend on has changed since the lock was written, so that
     no other branch has come in. `is_complete`: git kept every version of the source.
     `written` are the blocks that the tool wrote in those versions, by function; `standing` all
-    blocks in them, whoever wrote what they say.
+    blocks in them, whoever wrote what they say. `versions` are the functions that have a block in
+    each of them.
     """
 
     is_fresh: bool = True
     is_complete: bool = False
     written: Mapping[str, Sequence[WrittenBlock]] = field(default_factory=dict)
     standing: Mapping[str, Sequence[RiskBlock]] = field(default_factory=dict)
+    versions: Collection[frozenset[str]] = ()
 
 
 class KnownBlock:
@@ -58,7 +60,7 @@ class KnownBlock:
         self._digest = DigestReading(current, names)
         self._evidence = evidence
         # What git keeps has the name of now, or that of before a renaming.
-        self._names = {current.name, (names or {}).get(current.name, current.name)}
+        self._names = frozenset({current.name, (names or {}).get(current.name, current.name)})
 
     @property
     def is_known(self) -> bool:
@@ -110,64 +112,78 @@ class KnownBlock:
         def is_it(text: str | None) -> bool:
             return text is not None and kind.same(kind.read(text), value)
 
-        evidence = self._evidence()
         if any(is_it(_value(each, component, kind)) for each in self._written()):
             # A figure of four digits is no coincidence; a small number may be.
             return "tool" if kind is PROBABILITY else "unknown"
-        stood = any(
+        # Nor is it one of another function: a merge may have put its lines here.
+        names = self._all_names() if kind is PROBABILITY else self._possible_names()
+        stood = any(is_it(_value(each, component, kind)) for each in self._written(names)) or any(
             found is not None and not found.pinned and is_it(found.text or None)
-            for block in self._standing()
+            for block in self._standing(names)
             for found in (_field(block, component, kind),)
         )
-        return self._person_or_unknown(evidence, stood)
+        return self._person_or_unknown(stood)
 
     def author_of_component(self, component: str, value: float) -> Author:
         """Return who put in a component that neither the digest nor the lock knows."""
-        evidence = self._evidence()
         before = [each.components.get(component) for each in self._written()]
         texts = [each.values.get(PROBABILITY.key) for each in before if each is not None]
         if any(text is not None and PROBABILITY.read(text) == value for text in texts):
             return "tool"
-        stood = any(
+        names = self._possible_names()
+        stood = any(component in each.components for each in self._written(names)) or any(
             each.name == component and not each.added
-            for block in self._standing()
+            for block in self._standing(names)
             for each in block.components
         )
-        return "unknown" if texts else self._person_or_unknown(evidence, stood)
+        return "unknown" if texts else self._person_or_unknown(stood)
 
     def author_of_removal(self, component: str) -> Author:
         """Return who took out a component that the tool had written."""
-        evidence = self._evidence()
-        blocks = self._standing()
-        entries = [{each.name: each for each in block.components} for block in blocks]
+        entries = [{each.name: each for each in block.components} for block in self._standing()]
         if any(component in each and each[component].omitted for each in entries):
             # A person had omitted it, and has taken that back.
             return "tool"
-        written = self._written()
-        if any(component not in each.components for each in written):
+        if any(component not in each.components for each in self._written()):
             return "unknown"
-        return self._person_or_unknown(evidence, any(component not in each for each in entries))
+        names = self._possible_names()
+        was_without = any(component not in each.components for each in self._written(names)) or any(
+            all(each.name != component for each in block.components)
+            for block in self._standing(names)
+        )
+        return self._person_or_unknown(was_without)
 
     def author_of_block(self) -> Author:
         """Return who put in a block of which neither a digest nor the lock knows."""
-        evidence = self._evidence()
         if self._written():
             return "tool"
-        return self._person_or_unknown(evidence, bool(self._standing()))
+        return self._person_or_unknown(bool(self._standing()))
 
-    def _written(self) -> list[WrittenBlock]:
+    def _written(self, names: Collection[str] = ()) -> list[WrittenBlock]:
         kept = self._evidence().written
-        return [block for name in sorted(self._names) for block in kept.get(name, ())]
+        return [block for name in sorted(names or self._names) for block in kept.get(name, ())]
 
-    def _standing(self) -> list[RiskBlock]:
+    def _standing(self, names: Collection[str] = ()) -> list[RiskBlock]:
         kept = self._evidence().standing
-        return [block for name in sorted(self._names) for block in kept.get(name, ())]
+        return [block for name in sorted(names or self._names) for block in kept.get(name, ())]
 
-    def _person_or_unknown(self, evidence: Evidence, stood_before: bool) -> Author:
-        """Decide on what no version is known to have had from the tool.
+    def _all_names(self) -> frozenset[str]:
+        return self._names.union(*self._evidence().versions)
+
+    def _possible_names(self) -> frozenset[str]:
+        """Return the names that the function may have on some branch, for it may be renamed there.
+
+        A function that ever stood beside it is another one.
+        """
+        beside = (names for names in self._evidence().versions if names & self._names)
+        return (self._all_names() - frozenset().union(*beside)) | self._names
+
+    def _person_or_unknown(self, stood_before: bool) -> Author:
+        """Decide on what no version is known to have had from the tool in this block.
 
         What was committed may have come with a merge whose other branch is gone.
         """
+        evidence = self._evidence()
         if evidence.is_complete and not stood_before and self._written():
             return "person"
         return "person" if evidence.is_fresh and self._lock_is_that_of_the_block() else "unknown"

@@ -28,11 +28,13 @@ class Kept:
     is_complete: bool = False
     written: dict[str, list[WrittenBlock]] = field(default_factory=dict)
     standing: dict[str, list[RiskBlock]] = field(default_factory=dict)
+    versions: set[frozenset[str]] = field(default_factory=set)
 
     def add_source(self, content: bytes, file: str) -> None:
         """Add a version of the source; raises as `read_blocks` does."""
-        for placed in read_blocks(content, file):
-            block = placed.block
+        blocks = [placed.block for placed in read_blocks(content, file)]
+        self.versions.add(frozenset(block.name for block in blocks))
+        for block in blocks:
             self.standing.setdefault(block.name, []).append(block)
             part = vouched_part(block)
             if part is not None:

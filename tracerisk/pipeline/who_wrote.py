@@ -34,6 +34,6 @@ def evidence_for(
         from tracerisk.pipeline.kept_by_git import kept_by_git
 
         kept = kept_by_git(controller.root.resolve(), file)
-        return Evidence(is_fresh(), kept.is_complete, kept.written, kept.standing)
+        return Evidence(is_fresh(), kept.is_complete, kept.written, kept.standing, kept.versions)
 
     return of_file
