@@ -17,6 +17,16 @@ from tracerisk.adder.values import NEXT, PROBABILITY, QUANTITY, computed_next
 
 STOP, ACCEPT, DISCARD = MergePolicy(), MergePolicy("accept"), MergePolicy("discard")
 SOURCE = b"def place():\n    go()\n"
+NEXT_HALF = "next = place 1/2\n    # |   next = done 1/2\n"
+COMPONENT = """\
+    # | @Component {{
+    # |   name = {}
+    # |   probability = {}
+    # |   quantity = 1
+    # |   redundancy = false
+    # | }}
+"""
+GRIPPER, HOSE = COMPONENT.format("gripper", "7.344e-08"), COMPONENT.format("hose", "6.543e-08")
 
 
 def file_with(block) -> bytes:
@@ -169,6 +179,38 @@ def test_git_tells_who_wrote_what_neither_digest_nor_lock_knows(
     told = {"tool": [], "person": [True], "unknown": [False]}[author]
     assert [edit.is_certain for edit in merged.edits] == [*told, *told][: len(merged.edits)]
     assert bool(merged.edits) == (author != "tool")
+
+
+# What stood in the block of `elsewhere`, which is what `place` may be called on another branch, or
+# is another function that stood beside it; what stands in that of `place`; and who wrote that.
+ELSEWHERE = {
+    "a figure of a branch that renamed it": (False, "= 7.344e-08", "= 4.444e-08", "unknown"),
+    "a figure of the function beside it": (True, "= 7.344e-08", "= 4.444e-08", "unknown"),
+    "`next` of a branch that renamed it": (False, "next = done 1\n", NEXT_HALF, "unknown"),
+    "`next` of the function beside it": (True, "next = done 1\n", NEXT_HALF, "person"),
+    "a component that a branch that renamed it lacks": (False, GRIPPER, "", "unknown"),
+    "a component that the function beside it lacks": (True, GRIPPER, "", "person"),
+    "a component of a branch that renamed it": (False, GRIPPER, GRIPPER + HOSE, "unknown"),
+    "a component of the function beside it": (True, GRIPPER, GRIPPER + HOSE, "person"),
+}
+
+
+@pytest.mark.parametrize("case", ELSEWHERE)
+def test_what_a_renamed_function_had_on_another_branch_is_no_persons(case: str, block) -> None:
+    is_beside, before, after, author = ELSEWHERE[case]
+    found = changed(block, before, after)
+    theirs = replace(found, name="elsewhere")
+    names = {"place", "elsewhere"}
+    kept = Evidence(
+        is_fresh=False,
+        is_complete=True,
+        written={"place": [written_block(block)], "elsewhere": [written_block(theirs)]},
+        standing={"place": [block], "elsewhere": [theirs]},
+        versions=[frozenset(names)] if is_beside else [frozenset({name}) for name in names],
+    )
+    merged = merge(written_block(block), found, block, policy=STOP, evidence=lambda: kept)
+    (edit,) = merged.edits
+    assert edit.is_certain == (author == "person")
 
 
 def test_an_omission_that_was_taken_back_is_no_omission(block, make_block) -> None:

@@ -367,6 +367,14 @@ def test_one_rank_set_by_hand_for_two_is_an_error_with_both_places() -> None:
     )
 
 
+@pytest.mark.parametrize("edits", ["stop", "accept"])
+def test_one_rank_of_two_branches_is_set_by_nobodys_hand(edits: str) -> None:
+    outcome = annotate(three("= 4", "= 4", "= 3"), THREE, Lock(), edits)
+    assert isinstance(outcome, EditsInTheWay)
+    found = {(edit.field, edit.is_certain) for edit in outcome.edits}
+    assert found == {("init.callSequence", False), ("place.callSequence", False)}
+
+
 @pytest.mark.parametrize("edits", POLICIES)
 def test_a_next_set_by_hand_leads_to_a_block(edits: str) -> None:
     source = file_of(init=plain("init", 1), place=block({"place.next": ":= inti 1/2, done 1/2"}))

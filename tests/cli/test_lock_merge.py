@@ -41,11 +41,18 @@ def two_branches(repository):
     return repository
 
 
-def refresh(repository, components: str, *, figure: str = "1e-08", file: str = "c.py"):
+def refresh(
+    repository,
+    components: str,
+    *,
+    figure: str = "1e-08",
+    file: str = "c.py",
+    called: str = "home",
+):
     if not (repository.folder / file).exists():
         repository.write(file, CODE)
     repository.write("arm.yaml", HARDWARE.format(motor=figure))
-    repository.write("run.log", LOG.format(components))
+    repository.write("run.log", LOG.format(components).replace("home", called))
     options = ("--log", "run.log", "--hardware", "arm.yaml", "--quiet")
     done = repository.run("annotate", file, *options)
     assert done.code == 0, done.err
@@ -160,6 +167,28 @@ def test_whatever_became_of_the_lock_a_mixed_block_is_nobodys_edit(two_branches,
     assert b":=" not in two_branches.read("c.py")
     assert two_branches.run("annotate", "c.py", *options, "--discard-edits").code == 0
     assert b"gripper" not in two_branches.read("c.py")
+
+
+def test_a_figure_of_a_branch_that_did_not_rename_the_function_is_nobodys_edit(repository):
+    """Ours renamed the function; a figure of theirs came into its block, and no line else."""
+    refresh(repository, "motor")
+    repository.commit()
+    repository.git("branch", "theirs")
+    repository.write("c.py", repository.read("c.py").decode().replace("home", "rest"))
+    refresh(repository, "motor", figure="3e-08", called="rest")
+    repository.commit()
+    ours = repository.read("c.py").decode()
+    repository.git("checkout", "--quiet", "theirs")
+    refresh(repository, "motor", figure="5e-08")
+    repository.commit()
+    repository.git("checkout", "--quiet", "-")
+    repository.write("c.py", ours.replace("= 3e-08", "= 5e-08").replace("arm.go()", "arm.turn()"))
+    checked = repository.run("check", "c.py")
+    assert checked.code == 3, checked.out
+    assert "rest.motor.probability is 5e-08" in checked.out
+    assert "nobody can tell" in checked.out
+    assert ":=" not in checked.out
+    assert ": edited" not in checked.out
 
 
 def test_blocks_of_an_earlier_version_are_told_and_written_anew(repository):
