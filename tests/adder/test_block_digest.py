@@ -195,14 +195,17 @@ ELSEWHERE = {
 }
 
 
+@pytest.mark.parametrize("is_fresh", [True, False])
 @pytest.mark.parametrize("case", ELSEWHERE)
-def test_what_a_renamed_function_had_on_another_branch_is_no_persons(case: str, block) -> None:
+def test_what_a_renamed_function_had_on_another_branch_is_no_persons(
+    case: str, is_fresh: bool, block
+) -> None:
     is_beside, before, after, author = ELSEWHERE[case]
     found = changed(block, before, after)
     theirs = replace(found, name="elsewhere")
     names = {"place", "elsewhere"}
     kept = Evidence(
-        is_fresh=False,
+        is_fresh=is_fresh,
         is_complete=True,
         written={"place": [written_block(block)], "elsewhere": [written_block(theirs)]},
         standing={"place": [block], "elsewhere": [theirs]},
@@ -243,6 +246,28 @@ def test_a_renamed_target_is_known_under_its_earlier_name(make_block) -> None:
     renamed = changed(block, "next = home", "next = rest")
     assert not DigestReading(renamed).vouches(None, NEXT, renamed.next.value)
     assert DigestReading(renamed, {"rest": "home"}).vouches(None, NEXT, renamed.next.value)
+
+
+def test_git_knows_a_target_by_the_name_that_it_had_before_a_renaming(make_block) -> None:
+    block = with_digest(make_block())
+    elsewhere = replace(block, next=computed_next({"home": 1, "done": 1}))
+    found = changed(block, "next = done 1\n", NEXT_HALF.replace("place", "rest"))
+    for is_fresh in (True, False):
+        kept = Evidence(
+            is_fresh=is_fresh,
+            is_complete=True,
+            written={"place": [written_block(block), written_block(elsewhere)]},
+        )
+        merged = merge(
+            written_block(block),
+            found,
+            block,
+            policy=STOP,
+            evidence=lambda kept=kept: kept,
+            names={"rest": "home"},
+        )
+        (edit,) = merged.edits
+        assert (edit.field, edit.is_certain) == ("place.next", False)
 
 
 def test_a_block_is_as_written_but_for_a_persons_words(block) -> None:

@@ -109,15 +109,20 @@ class KnownBlock:
     def author_of_value(self, component: str | None, kind: FieldKind, value: Any) -> Author:
         """Return who wrote a value that neither the digest nor the lock knows."""
 
+        earlier = self._digest.earlier(kind, value)
+
         def is_it(text: str | None) -> bool:
-            return text is not None and kind.same(kind.read(text), value)
+            read = None if text is None else kind.read(text)
+            return text is not None and (kind.same(read, value) or kind.same(read, earlier))
 
         if any(is_it(_value(each, component, kind)) for each in self._written()):
             # A figure of four digits is no coincidence; a small number may be.
             return "tool" if kind is PROBABILITY else "unknown"
         # Nor is it one of another function: a merge may have put its lines here.
         names = self._all_names() if kind is PROBABILITY else self._possible_names()
-        stood = any(is_it(_value(each, component, kind)) for each in self._written(names)) or any(
+        if any(is_it(_value(each, component, kind)) for each in self._written(names)):
+            return "unknown"
+        stood = any(
             found is not None and not found.pinned and is_it(found.text or None)
             for block in self._standing(names)
             for found in (_field(block, component, kind),)
@@ -131,12 +136,14 @@ class KnownBlock:
         if any(text is not None and PROBABILITY.read(text) == value for text in texts):
             return "tool"
         names = self._possible_names()
-        stood = any(component in each.components for each in self._written(names)) or any(
+        if any(component in each.components for each in self._written(names)):
+            return "unknown"
+        stood = any(
             each.name == component and not each.added
             for block in self._standing(names)
             for each in block.components
         )
-        return "unknown" if texts else self._person_or_unknown(stood)
+        return self._person_or_unknown(stood)
 
     def author_of_removal(self, component: str) -> Author:
         """Return who took out a component that the tool had written."""
@@ -144,10 +151,10 @@ class KnownBlock:
         if any(component in each and each[component].omitted for each in entries):
             # A person had omitted it, and has taken that back.
             return "tool"
-        if any(component not in each.components for each in self._written()):
-            return "unknown"
         names = self._possible_names()
-        was_without = any(component not in each.components for each in self._written(names)) or any(
+        if any(component not in each.components for each in self._written(names)):
+            return "unknown"
+        was_without = any(
             all(each.name != component for each in block.components)
             for block in self._standing(names)
         )

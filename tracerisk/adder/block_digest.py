@@ -161,7 +161,7 @@ class DigestReading:
         """Return whether the tool wrote this value, of a component or of the function itself."""
         if not self._is_believed:
             return False
-        said = f"{kind.key}={_plain_value(kind.key, self._earlier(kind, value))}"
+        said = f"{kind.key}={_plain_value(kind.key, self.earlier(kind, value))}"
         if component is None:
             return _is_at(self._first, 0, _FUNCTION_WIDTHS, kind.key, said)
         named = (
@@ -173,7 +173,8 @@ class DigestReading:
             for group in named
         )
 
-    def _earlier(self, kind: FieldKind, value: Any) -> Any:
+    def earlier(self, kind: FieldKind, value: Any) -> Any:
+        """Return a value with the earlier names of the functions that it names."""
         return _renamed(value, self._names) if kind is NEXT and self._names else value
 
 
