@@ -112,13 +112,14 @@ class KnownBlock:
         earlier = self._digest.earlier(kind, value)
 
         def is_it(text: str | None) -> bool:
-            read = None if text is None else kind.read(text)
-            return text is not None and (kind.same(read, value) or kind.same(read, earlier))
+            return text is not None and any(
+                kind.same(kind.read(text), each) for each in (value, earlier)
+            )
 
         if any(is_it(_value(each, component, kind)) for each in self._written()):
             # A figure of four digits is no coincidence; a small number may be.
             return "tool" if kind is PROBABILITY else "unknown"
-        # Nor is it one of another function: a merge may have put its lines here.
+        # Nor is the figure of another function one: a merge may have put its lines here.
         names = self._all_names() if kind is PROBABILITY else self._possible_names()
         if any(is_it(_value(each, component, kind)) for each in self._written(names)):
             return "unknown"
@@ -178,9 +179,9 @@ class KnownBlock:
         return self._names.union(*self._evidence().versions)
 
     def _possible_names(self) -> frozenset[str]:
-        """Return the names that the function may have on some branch, for it may be renamed there.
+        """Return the names that the function may have on some branch: one may have renamed it.
 
-        A function that ever stood beside it is another one.
+        A function that ever had a block beside it is another one.
         """
         beside = (names for names in self._evidence().versions if names & self._names)
         return (self._all_names() - frozenset().union(*beside)) | self._names
