@@ -227,3 +227,64 @@ def test_a_call_for_which_the_code_knows_several_values_is_sent_with_each(tmp_pa
     found = drafts([Missed(need, 0, 0, place)], Interfaces(), values)
     assert [each.value["goal"]["pointing_frame"] for each in found] == ["left", "right"]
     assert len({each.key for each in found}) == 2
+
+
+NAMED = """\
+import rospy
+from std_msgs.msg import Int32, String
+
+RED, count = 3, 0
+GREEN = 2
+PLACES = {RED: [0.4, -0.7], GREEN: [0.2, -0.7]}
+
+class Task:
+    PICK = "pick"
+    PLACE = "place"
+
+class Node:
+    def __init__(self):
+        self.postures = {"up": [0.1], "down": [0.2]}
+        self.last = 0
+        rospy.Subscriber("/part", Int32, self.on_part)
+        rospy.Subscriber("/posture", String, self.on_posture)
+        rospy.Subscriber("/task", String, self.on_task)
+        rospy.Subscriber("/count", Int32, self.on_count)
+
+    def on_part(self, message):
+        self.go(message.data)
+
+    def go(self, part):
+        return PLACES[part][0]
+
+    def on_posture(self, message):
+        if message.data not in self.postures: return
+        self.go(self.postures.get(message.data))
+
+    def on_task(self, message):
+        if message.data == Task.PICK: pass
+        elif message.data == Task.PLACE: pass
+
+    def on_count(self, message):
+        if message.data == self.last: return
+        self.last = message.data
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "type_name", "expected"),
+    [
+        ("part", "std_msgs/Int32", [2]),
+        ("posture", "std_msgs/String", ["up", "down"]),
+        ("task", "std_msgs/String", ["pick", "place"]),
+        # What is given again has no one value to compare with.
+        ("count", "std_msgs/Int32", [1]),
+    ],
+)
+def test_a_value_is_one_that_the_code_has_a_name_for(tmp_path, values, name, type_name, expected):
+    path = tmp_path / "c.py"
+    path.write_text(NAMED)
+    line = next(i for i, text in enumerate(NAMED.splitlines(), 1) if f'"/{name}"' in text)
+    missed = Missed(Need("topic", f"/{name}", type_name), 0, 0, Location(str(path), line))
+    (draft,) = drafts([missed], Interfaces(), values)
+    sent = draft.value.get("messages") or [draft.value["message"]]
+    assert [each["data"] for each in sent] == expected

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import Location
+from tracerisk.ros.named_literals import with_named_literals
 
 _DEEPEST = 3  # of functions to which a value is handed on
 _METHODS = frozenset({"lower", "upper", "strip", "rstrip", "lstrip", "title", "casefold"})
@@ -223,7 +224,7 @@ def _parsed(file: str, changed_ns: int, size: int) -> ast.Module | None:
     """Return the tree of a source as it is; `changed_ns` and `size` tell it from what it was."""
     del changed_ns, size
     try:
-        return ast.parse(Path(file).read_bytes())
+        return with_named_literals(ast.parse(Path(file).read_bytes()))
     except (OSError, SyntaxError, ValueError, RecursionError):
         return None
 
@@ -328,6 +329,9 @@ def _comparisons(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
             if isinstance(key, ast.Constant):
                 yield node.slice, key.value
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args:
+        if node.func.attr == "get" and isinstance(node.func.value, ast.Dict):
+            keys = (each for each in node.func.value.keys if isinstance(each, ast.Constant))
+            yield from ((node.args[0], each.value) for each in keys)
         if node.func.attr in ("startswith", "endswith"):
             yield from ((node.func.value, each) for each in _literals(node.args[0]))
         return
