@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from xml.etree import ElementTree as ET
 
 import pytest
 
@@ -10,6 +11,7 @@ from tracerisk.errors import Location
 from tracerisk.ros.messages import Interfaces
 from tracerisk.ros.messages2 import Interfaces2
 from tracerisk.ros.needs import Missed, Need, NeedLedger
+from tracerisk.ros.posture_numbers import numbers_of
 from tracerisk.ros.scenario import read_scenario
 from tracerisk.ros.scenario_draft import drafts
 from tracerisk.ros.scenario_lines import scenario_lines
@@ -288,3 +290,62 @@ def test_a_value_is_one_that_the_code_has_a_name_for(tmp_path, values, name, typ
     (draft,) = drafts([missed], Interfaces(), values)
     sent = draft.value.get("messages") or [draft.value["message"]]
     assert [each["data"] for each in sent] == expected
+
+
+def drafted(values, type_name, topic="/topic", made=Interfaces2):
+    (draft,) = drafts([Missed(Need("topic", topic, type_name), 0, 0, None)], made(), values)
+    return draft.value["message"]
+
+
+@pytest.mark.parametrize(
+    ("topic", "encoding", "bytes_each"),
+    [("/image_raw", "bgr8", 3), ("/camera/depth/image", "16UC1", 2), ("/cam/mono", "mono8", 1)],
+)
+def test_a_picture_is_as_long_as_it_says(values, topic, encoding, bytes_each):
+    image = drafted(values, "sensor_msgs/Image", topic)
+    assert image["encoding"] == encoding
+    assert image["step"] == image["width"] * bytes_each
+    assert len(image["data"]) == image["step"] * image["height"] > 0
+
+
+@pytest.mark.parametrize(("made", "name"), [(Interfaces, "K"), (Interfaces2, "k")])
+def test_a_camera_has_a_focal_length(values, made, name):
+    assert drafted(values, "sensor_msgs/CameraInfo", made=made)[name][0] > 0
+
+
+def test_a_compressed_picture_can_be_read(values):
+    cv2 = pytest.importorskip("cv2")
+    numpy = pytest.importorskip("numpy")
+    data = drafted(values, "sensor_msgs/CompressedImage")["data"]
+    assert cv2.imdecode(numpy.array(data, numpy.uint8), cv2.IMREAD_COLOR).shape == (12, 16, 3)
+
+
+def test_a_description_is_the_robots_own(values):
+    text = drafted(values, "std_msgs/String", "/robot_description")["data"]
+    joints = {each.get("name"): each for each in ET.fromstring(text).iter("joint")}
+    limit = joints["panda_joint1"].find("limit")
+    assert float(limit.get("upper")) == pytest.approx(values.robot.joint("panda_joint1").upper)
+    assert joints["panda_joint1"].find("parent").get("link") == "panda_link0"
+
+
+@pytest.mark.parametrize(
+    ("name", "length", "count"),
+    [
+        ("target_joints", None, 7),
+        ("data", None, 7),
+        ("joint_goal", 6, 6),
+        ("target_position", 3, 3),
+        ("orientation", 4, 4),
+        ("target_pose", None, 6),
+        ("tcp_pose", 7, 7),
+        ("joint_velocities", None, 0),
+        ("timeouts", None, 0),
+    ],
+)
+def test_numbers_are_as_many_as_their_name_says(values, name, length, count):
+    found = numbers_of(name, length, values.posture, values.pose)
+    assert len(found) == count
+    if "pos" in name:
+        assert found[:3] == list(values.pose.position)
+    if name == "target_joints":
+        assert found == list(values.posture)

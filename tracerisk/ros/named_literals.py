@@ -1,4 +1,4 @@
-"""Literals that a source names once and uses by their name: `RED = 3`, `self.poses = {RED: ...}`."""
+"""Literals that a source names once and then uses by name: `RED = 3`, `self.poses = {RED: 0.1}`."""
 
 from __future__ import annotations
 

@@ -17,8 +17,9 @@ from tracerisk.ros.compared_values import (
     written_name,
 )
 from tracerisk.ros.needs import Missed, Need, NeedKind
+from tracerisk.ros.posture_numbers import roll_pitch_yaw
 from tracerisk.ros.scenario_fields import fields_of, type_of
-from tracerisk.ros.split_answers import numbers_answer, roll_pitch_yaw
+from tracerisk.ros.split_answers import numbers_answer
 from tracerisk.ros.usable_values import UsableValues
 
 SECTIONS: Mapping[NeedKind, str] = {

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import ast
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from tracerisk.errors import Location
 from tracerisk.ros.compared_values import calls_at, held_by, last_name, source_tree
+from tracerisk.ros.posture_numbers import roll_pitch_yaw
 from tracerisk.ros.usable_values import UsableValues
 
 _NUMBERS = ("float", "int")
@@ -43,15 +43,6 @@ def _numbers(count: int, values: UsableValues) -> tuple[float, ...]:
     position, turn = values.pose.position, values.pose.orientation
     whole = {3: position, 6: (*position, *roll_pitch_yaw(turn)), 7: (*position, *turn)}
     return whole.get(count, (0.1,) * count)
-
-
-def roll_pitch_yaw(turn: tuple[float, float, float, float]) -> tuple[float, float, float]:
-    """Return the angles [rad] of a quaternion (x, y, z, w), about the fixed axes."""
-    x, y, z, w = turn
-    pitch = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
-    roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
-    yaw = math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
-    return roll, pitch, yaw
 
 
 def _split_at(place: Location | None) -> _Split | None:

@@ -14,6 +14,8 @@ from functools import cached_property
 from typing import Any
 
 from tracerisk.ros.compared_values import Compared
+from tracerisk.ros.drafted_pictures import PICTURES, picture
+from tracerisk.ros.posture_numbers import numbers_of
 from tracerisk.ros.scenario_fields import (
     DURATIONS,
     FLOATS,
@@ -25,6 +27,7 @@ from tracerisk.ros.scenario_fields import (
 )
 from tracerisk.twin.motion import PlanningError, Pose
 from tracerisk.twin.robot import Group, Joint, Robot
+from tracerisk.twin.urdf_text import urdf_text
 
 _DEEPEST = 5  # of nested messages: what lies deeper has its defaults without being written
 _STEP = 0.2  # how far from where it is a joint is sent [rad; of its range where it slides]
@@ -43,9 +46,7 @@ _OFF = re.compile(
 )
 _FRAME = re.compile(r"(^|_)(frame|frame_id|link)$")
 _JOINTS = re.compile(r"^(joint_?names?|joints|names?)$")
-_POSITIONS = re.compile(
-    r"^(positions?|joint_(positions?|values|angles|states?)|joints|angles|data)$"
-)
+_DESCRIPTION = re.compile(r"(^|[/_])robot_description$|(^|[/_])urdf(_(xml|string|text))?$")
 _NUMBERED = re.compile(r"^(?:j|joint|q|axis|theta|angle)_?(\d)$")
 _GROUP = re.compile(r"(^|_)(planning_)?group(_name)?$")
 _FAILS = re.compile(r"err|fault|fail|status|state|index|idx|(^|_)id$", re.IGNORECASE)
@@ -193,7 +194,7 @@ class UsableValues:
         path: tuple[str, ...],
         depth: int,
     ) -> dict[str, Any]:
-        whole = self._whole(message_class)
+        whole = self._whole(message_class, name)
         if whole is not None:
             return whole
         found: dict[str, Any] = {}
@@ -206,13 +207,16 @@ class UsableValues:
             found[field.name] = self._field(message_class, field, compared, name, inner, depth)
         return found
 
-    def _whole(self, message_class: Any) -> dict[str, Any] | None:
+    def _whole(self, message_class: Any, name: str) -> dict[str, Any] | None:
         """Return the message where its type alone says what is in it."""
         kind = type_of(message_class)
         (x, y, z), (qx, qy, qz, qw) = self.pose.position, self.pose.orientation
         position, turn = {"x": x, "y": y, "z": z}, {"x": qx, "y": qy, "z": qz, "w": qw}
         names = [joint.name for joint in self.joints]
         posture = list(self.posture)
+        if kind in PICTURES:
+            names = (field.name for field in fields_of(message_class))
+            return picture(kind, names, self.robot.base_link, name)
         if kind == "std_msgs/Header":
             return {"stamp": "now", "frame_id": self.robot.base_link}
         if kind in ("geometry_msgs/Point", "geometry_msgs/Point32"):
@@ -268,11 +272,10 @@ class UsableValues:
             if _JOINTS.match(field.name):
                 return [joint.name for joint in self.joints]
             return [str(each) for each in compared.texts(path)]
-        posture = list(self.posture)
-        if field.base in FLOATS and _POSITIONS.match(field.name):
-            if field.length in (None, len(posture)):
-                return posture
-            return (posture + [0.0] * field.length)[: field.length]
+        if field.base in FLOATS:
+            numbers = numbers_of(field.name, field.length, self.posture, self.pose)
+            if numbers:
+                return numbers
         if field.base == "bool":
             return [True] * (field.length or 0)
         zero: Any = 0.0 if field.base in FLOATS else 0
@@ -298,7 +301,9 @@ class UsableValues:
                 _OFF.search(field.name) or (field.name == "data" and _OFF.search(_last(name)))
             )
         if field.base in ("string", "wstring"):
-            return self.text(field.name, compared.texts(path))
+            # The text of a plain message is of what its topic is called.
+            called = _last(name) if field.name == "data" and name else field.name
+            return self.text(called, compared.texts(path))
         if field.base in FLOATS:
             return self._float(field, compared.numbers(path), type_of(owner))
         return _integer(owner, field, compared.numbers(path))
@@ -307,6 +312,8 @@ class UsableValues:
         """Return the text of a field or parameter called `name`: one of `texts`, if any."""
         if texts:
             return texts[0]
+        if _DESCRIPTION.search(name):
+            return urdf_text(self.robot)
         if _FRAME.search(name):
             return self.robot.base_link
         if _GROUP.search(name) and self.group is not None:
