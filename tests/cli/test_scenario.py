@@ -342,3 +342,21 @@ def test_a_topic_for_want_of_which_it_fails(example):
     assert [each["name"] for each in outcome.json["given"]] == ["/cell/config"]
     ran = example.run("run", "c.py", "--check", "--json", "--scenario", "c.scenario.yaml")
     assert ran.json["verdict"]["kind"] == "partial"
+
+
+def test_what_a_node_beside_gives_in_vain_is_drafted(example):
+    example.write(
+        "finder.py",
+        "import rospy\nfrom std_srvs.srv import Trigger\n"
+        "def find(request):\n    raise RuntimeError('no camera')\n"
+        "if __name__ == '__main__':\n    rospy.init_node('finder')\n"
+        "    rospy.Service('find', Trigger, find)\n    rospy.spin()\n",
+    )
+    example.write(
+        "c.py",
+        HEAD + "\nrospy.wait_for_service('find')\n"
+        "if rospy.ServiceProxy('find', Trigger)().success:\n    turn(0.3)\n",
+    )
+    outcome = example.run("scenario", "c.py", "--write")
+    assert outcome.code == 0, outcome.err
+    assert b"name: /find" in example.read("c.scenario.yaml")

@@ -121,3 +121,28 @@ def test_command_lines_that_the_repository_writes_come_first(tmp_path):
         (("left",), "as in README.md:3"),
         (("side",), "what argparse demands"),
     ]
+
+
+READS_FILE = """\
+import argparse, rospy
+p = argparse.ArgumentParser()
+p.add_argument('-f', '--file', metavar='PATH', required=True, help='a recording, such as a.csv')
+p.add_argument('-o', '--output-file', required=True)
+"""
+
+
+def test_a_file_to_read_is_one_of_the_repository(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "c.py").write_text(READS_FILE)
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "moves.csv").write_text("time,a\n")
+    (tmp_path / "notes.txt").write_text("")
+    (found,) = command_lines(load_controller(tmp_path / "c.py"))
+    assert found.words == ("--file", "data/moves.csv", "--output-file", "output-file")
+
+
+def test_a_file_that_nobody_has_is_told(tmp_path):
+    (tmp_path / "c.py").write_text(READS_FILE)
+    (found,) = command_lines(load_controller(tmp_path / "c.py"))
+    assert found.words == ("--file", "file", "--output-file", "output-file")
+    assert "a file of yours has to stand for file" in found.told

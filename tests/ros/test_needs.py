@@ -215,16 +215,18 @@ def test_what_is_called_comes_in_turn_and_what_stops_last(values):
     assert all(each.value["wait"] for each in found)
 
 
-def test_a_call_for_which_the_code_knows_several_values_is_sent_with_each(tmp_path, values):
+@pytest.mark.parametrize("line", [2, 3])  # that of the server, or where it is started
+def test_a_call_for_which_the_code_knows_several_values_is_sent_with_each(tmp_path, values, line):
     path = tmp_path / "c.py"
     path.write_text(
         "import actionlib\n"
         "server = actionlib.SimpleActionServer('/look', PointHeadAction, execute_cb=on_goal)\n"
+        "server.start()\n"
         "def on_goal(goal):\n"
         "    if goal.pointing_frame == 'left': pass\n"
         "    elif goal.pointing_frame == 'right': pass\n"
     )
-    place = Location(str(path), 2)
+    place = Location(str(path), line)
     need = Need("goal", "/look", "control_msgs/PointHead")
     found = drafts([Missed(need, 0, 0, place)], Interfaces(), values)
     assert [each.value["goal"]["pointing_frame"] for each in found] == ["left", "right"]

@@ -10,9 +10,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 from tracerisk.errors import Location
+from tracerisk.pipeline.argument_files import fitting_files, is_read
 from tracerisk.pipeline.controller import Controller
 from tracerisk.pipeline.own_modules import own_modules
 from tracerisk.pipeline.provided import NAMES_OF_ACTION, OF_ACTION, Signature, named_calls
+from tracerisk.pipeline.workspace import project_top
 from tracerisk.ros.needs import Missed, Need
 from tracerisk.ros.version_choice import ros_version
 
@@ -136,18 +138,19 @@ def command_lines(controller: Controller, written: Iterable[tuple[tuple[str, ...
     """Return command lines that the source takes, the likeliest first.
 
     Those that the repository writes (`written`, each with its place), then what `argparse` demands,
-    then this with each of its switches, then the words with which `sys.argv` is compared.
+    a file to read being one of the repository's that fits, then this with each of its switches,
+    then the words with which `sys.argv` is compared.
     """
     found = [CommandLine(words, f"as in {place}") for words, place in written]
     for path in (controller.path.resolve(), *own_modules(controller)):
         tree = _parsed(path)
         if tree is not None:
-            found += _of_argparse(tree)
+            found += _of_argparse(tree, project_top(controller.root))
             found += _of_argv(tree)
     return tuple({each.words: each for each in reversed(found) if each.words}.values())[::-1]
 
 
-def _of_argparse(tree: ast.AST) -> Iterator[CommandLine]:
+def _of_argparse(tree: ast.AST, top: Path) -> Iterator[CommandLine]:
     options = [
         _Option.read(node)
         for node in ast.walk(tree)
@@ -160,7 +163,17 @@ def _of_argparse(tree: ast.AST) -> Iterator[CommandLine]:
         if each.owner in groups and not each.is_needed:
             groups.discard(each.owner)
             needed += each.words
-    if needed:
+    read = {word for each in options if each.is_file for word in each.words[-1:]} & {*needed}
+    if read:
+        files = fitting_files(tree, top)
+        for file in files:
+            words = tuple(file if each in read else each for each in needed)
+            yield CommandLine(words, "what argparse demands, with a file of the repository")
+        if not files:
+            told = f"a file of yours has to stand for {' and '.join(sorted(read))}: none here fits"
+            yield CommandLine(tuple(needed), f"what argparse demands; {told}")
+        needed = [files[0] if files and each in read else each for each in needed]
+    elif needed:
         yield CommandLine(tuple(needed), "what argparse demands")
     for each in options:
         if not each.is_needed and each.is_switch and each.words[0] not in needed:
@@ -173,6 +186,7 @@ class _Option:
     owner: str
     is_needed: bool
     is_switch: bool
+    is_file: bool
 
     @classmethod
     def read(cls, call: ast.Call) -> _Option:
@@ -189,7 +203,16 @@ class _Option:
         needed = _value(given.get("required")) is True if flags else count not in ("?", "*")
         has_default = "default" in given and not flags
         owner = ast.unparse(call.func.value) if isinstance(call.func, ast.Attribute) else ""
-        return cls(words, owner, bool(needed and names and not has_default), is_switch)
+        metavar = _value(given.get("metavar"))
+        called = [*names, metavar] if isinstance(metavar, str) else names
+        kind = given.get("type")
+        kind = kind.func if isinstance(kind, ast.Call) else kind
+        # What has a default or choices is no file that the caller has to bring.
+        is_file = is_read(called, "" if kind is None else _last_name(kind)) and value == (
+            names[-1].strip("-") if names else ""
+        )
+        is_needed = bool(needed and names and not has_default)
+        return cls(words, owner, is_needed, is_switch, is_file and not is_switch)
 
 
 def _argument_value(names: list[str], given: dict[str | None, ast.expr]) -> str:

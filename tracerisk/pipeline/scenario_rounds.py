@@ -243,8 +243,11 @@ class _Rounds:
                 return _Attempt(entries, error=error)
         told = next((run for run in runs if run.trace is trace), runs[-1])
         if not trace.is_usable:
-            # What nodes of the workspace give beside the controller needs no scenario.
-            told = next((run for run in reversed(runs) if _is_accompanied(run)), told)
+            # What nodes of the workspace give beside the controller needs no scenario, unless it
+            # shows nothing with all else that it lacks beside them.
+            had = entries.drafts.keys() | self._cannot.keys()
+            beside = next((run for run in reversed(runs) if _is_accompanied(run)), told)
+            told = beside if any((e.section, e.key) not in had for e in beside.drafts) else told
         return _Attempt(entries, trace, told.drafts)
 
     def _mended(self, attempt: _Attempt) -> _Entries | None:

@@ -74,7 +74,8 @@ def compared_in_callback(place: Location | None, argument: int = 0) -> Compared:
     if tree is None or place is None:
         return Compared()
     functions = _functions(tree)
-    for call in calls_at(tree, place.line):
+    calls = list(calls_at(tree, place.line))
+    for call in (*calls, *_made_before(tree, calls)):
         for value in (*call.args, *(each.value for each in call.keywords)):
             # The callback itself, or within `partial(self.on, ...)`.
             for node in ast.walk(value):
@@ -85,6 +86,15 @@ def compared_in_callback(place: Location | None, argument: int = 0) -> Compared:
                 if function is not None and name is not None:
                     return Compared(_frozen(_flow(function, {name: ()}, functions, tree)))
     return Compared(_frozen(_by_field(tree)))
+
+
+def _made_before(tree: ast.AST, calls: Iterable[ast.Call]) -> Iterator[ast.Call]:
+    """Yield the calls that made what is started by one of `calls`: `server.start()`."""
+    owners = {_dotted(call.func.value) for call in calls if isinstance(call.func, ast.Attribute)}
+    for node in ast.walk(tree):
+        is_call = isinstance(node, ast.Assign) and isinstance(node.value, ast.Call)
+        if is_call and owners & {_dotted(each) for each in node.targets} - {""}:
+            yield node.value
 
 
 def compared_in_file(place: Location | None) -> Compared:

@@ -227,6 +227,9 @@ class UsableValues:
             return {"translation": position, "rotation": turn}
         if kind == "geometry_msgs/Twist":
             return {"linear": {"x": 0.05, "y": 0.0, "z": 0.0}}
+        if kind == "sensor_msgs/Joy":
+            # As many as a common game pad has, the first stick moved and nothing pressed.
+            return {"axes": [0.5, 0.5, *[0.0] * 6], "buttons": [0] * 12}
         if kind == "sensor_msgs/JointState":
             header = {"stamp": "now", "frame_id": ""}
             # Those of the gripper too, as the robot itself tells them.
