@@ -360,3 +360,22 @@ def test_what_a_node_beside_gives_in_vain_is_drafted(example):
     outcome = example.run("scenario", "c.py", "--write")
     assert outcome.code == 0, outcome.err
     assert b"name: /find" in example.read("c.scenario.yaml")
+
+
+def test_another_name_for_the_base_is_drafted_where_a_plan_is_in_it(example):
+    example.write(
+        "c.py",
+        HEAD
+        + """
+arm.set_pose_reference_frame("base_link")
+arm.set_pose_target([0.4, 0.1, 0.5, 1.0, 0.0, 0.0, 0.0])
+arm.go(wait=True)
+turn(0.2)
+""",
+    )
+    outcome = example.run("scenario", "c.py", "--write")
+    assert outcome.code == 0, outcome.err
+    text = example.read("c.scenario.yaml").decode()
+    assert "frame: base_link  # assumed: the base of panda" in text
+    given = ("run", "c.py", "--json", "--check", "--scenario", "c.scenario.yaml")
+    assert example.run(*given).json["verdict"]["kind"] == "partial"

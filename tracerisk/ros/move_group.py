@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 from tracerisk.errors import RobotError, one_of
+from tracerisk.ros.needs import Need
 from tracerisk.ros.path_constraints import PathRule
 from tracerisk.ros.planning_scene import PlanningScene
 from tracerisk.ros.robot_groups import RobotGroups
@@ -19,6 +20,7 @@ from tracerisk.ros.scene_changes import SceneChanges
 from tracerisk.ros.scene_shapes import scene_body
 from tracerisk.ros.sensor_reading import SensorReading
 from tracerisk.ros.trajectory_execution import ErrorCode, TrajectoryExecution
+from tracerisk.ros.twin_frames import fixed_frame
 from tracerisk.twin.motion import (
     JointTrajectory,
     LinkTarget,
@@ -138,8 +140,20 @@ class MoveGroupServer(RobotGroups):
         return self._twin.forward_kinematics({**self._positions(), **positions}, link)
 
     def frame(self, name: str) -> Pose | None:
-        """Return the pose of a frame (a link, the world, an object of the scene), else None."""
-        return self.changes.frame(name)
+        """Return the pose of a frame, else None, which is noted as a need.
+
+        That is a link, the world, an object of the scene, or what `/tf_static` tells of these.
+        """
+        plain = name.lstrip("/")
+        pose = self.changes.frame(plain)
+        pose = pose or fixed_frame(self._runtime.graph, plain, self.changes.frame)
+        if plain:
+            need = Need("frame", plain, parent=self.robot.base_link)
+            if pose is None:
+                self._runtime.scheduler.miss(need)
+            else:
+                self._runtime.scheduler.needs.meet(need)
+        return pose
 
     def object_pose(self, name: str) -> Pose | None:
         """Return the pose of an object of the scene in the planning frame, else None."""

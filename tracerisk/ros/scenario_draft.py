@@ -21,6 +21,7 @@ from tracerisk.ros.posture_numbers import roll_pitch_yaw
 from tracerisk.ros.scenario_fields import fields_of, type_of
 from tracerisk.ros.split_answers import numbers_answer
 from tracerisk.ros.usable_values import UsableValues
+from tracerisk.twin.motion import Pose
 
 SECTIONS: Mapping[NeedKind, str] = {
     "parameter": "parameters",
@@ -55,6 +56,7 @@ _JOINTS = re.compile(
     r"^(j|joint_?)\d$|^(joint_)?trajectory$|^joint_(names|values|angles|positions)$"
 )
 _NOT_REAL = re.compile(r"sim|dry|debug|fake|mock|test|verbose|(^|_)(e?stop|abort)", re.IGNORECASE)
+_FOOT = re.compile(r"(^|[/_])(base(_(link|footprint|frame))?|world|map|odom)$")
 _LAST_NAMES = re.compile(r"(^|[/_])(e?stop|shutdown|exit|quit|kill|cancel|abort)", re.IGNORECASE)
 _NUMBERS: tuple[tuple[str, Any], ...] = (
     (r"(^|_)(rate|hz|freq(uency)?)$", 10.0),
@@ -253,13 +255,17 @@ def _sent_goal(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
 def _frame(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
     del interfaces
     need, pose = missed.need, values.pose
+    is_foot = _FOOT.search(need.name) is not None
+    if is_foot:
+        pose = Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
     entry = {
         "frame": need.name,
         "parent": values.robot.base_link,
         "xyz": list(pose.position),
         "rpy": [round(each, 4) + 0.0 for each in roll_pitch_yaw(pose.orientation)],
     }
-    return need.name, entry, f"a pose that {values.robot.name} reaches"
+    name = values.robot.name
+    return need.name, entry, f"the base of {name}" if is_foot else f"a pose that {name} reaches"
 
 
 def _answer(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:

@@ -6,10 +6,10 @@ fixed, and of the base in the world, to whoever subscribes.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from tracerisk.ros.graph import Change, Publication, Subscription
+from tracerisk.ros.graph import Change, Graph, Publication, Subscription
 from tracerisk.ros.message_dialect import set_time
 from tracerisk.ros.poses import ORIGIN, compose, inverse
 from tracerisk.ros.runtime import Runtime
@@ -115,3 +115,23 @@ class TwinFrames:
 def _relative(poses: Mapping[str, Pose], parent: str, child: str) -> Pose:
     # The world is where the base is: the robot's poses are in its base.
     return compose(inverse(poses.get(parent, ORIGIN)), poses[child])
+
+
+def fixed_frame(
+    graph: Graph, name: str, known: Callable[[str], Pose | None], depth: int = 8
+) -> Pose | None:
+    """Return the pose of a frame that `/tf_static` hangs, by up to `depth` others, on a known one.
+
+    `known` gives the poses of frames in the frame asked for; None: nobody tells of it.
+    """
+    for publication in graph.publications(TF_STATIC):
+        for each in () if publication.latched is None else publication.latched.transforms:
+            if each.child_frame_id.lstrip("/") != name or depth == 0:
+                continue
+            parent = each.header.frame_id.lstrip("/")
+            base = known(parent) or fixed_frame(graph, parent, known, depth - 1)
+            place, turn = each.transform.translation, each.transform.rotation
+            if base is not None:
+                at = Pose((place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w))
+                return compose(base, at)
+    return None
