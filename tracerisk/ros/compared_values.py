@@ -92,8 +92,9 @@ def _made_before(tree: ast.AST, calls: Iterable[ast.Call]) -> Iterator[ast.Call]
     """Yield the calls that made what is started by one of `calls`: `server.start()`."""
     owners = {_dotted(call.func.value) for call in calls if isinstance(call.func, ast.Attribute)}
     for node in ast.walk(tree):
-        is_call = isinstance(node, ast.Assign) and isinstance(node.value, ast.Call)
-        if is_call and owners & {_dotted(each) for each in node.targets} - {""}:
+        if not isinstance(node, ast.Assign) or not isinstance(node.value, ast.Call):
+            continue
+        if owners & {_dotted(each) for each in node.targets} - {""}:
             yield node.value
 
 

@@ -45,7 +45,9 @@ _WHOLE = (ast.Constant, ast.UnaryOp, ast.Dict, ast.List, ast.Tuple, ast.Set)
 
 def _in_classes(tree: ast.Module) -> Iterator[tuple[str, str, ast.expr]]:
     for owner in ast.walk(tree):
-        for node in owner.body if isinstance(owner, ast.ClassDef) else ():
+        if not isinstance(owner, ast.ClassDef):
+            continue
+        for node in owner.body:
             if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
                 short = node.targets[0].id
                 yield f"{owner.name}.{short}", short, node.value

@@ -215,8 +215,8 @@ class UsableValues:
         names = [joint.name for joint in self.joints]
         posture = list(self.posture)
         if kind in PICTURES:
-            names = (field.name for field in fields_of(message_class))
-            return picture(kind, names, self.robot.base_link, name)
+            parts = [field.name for field in fields_of(message_class)]
+            return picture(kind, parts, self.robot.base_link, name)
         if kind == "std_msgs/Header":
             return {"stamp": "now", "frame_id": self.robot.base_link}
         if kind in ("geometry_msgs/Point", "geometry_msgs/Point32"):
