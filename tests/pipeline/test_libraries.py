@@ -212,6 +212,27 @@ def test_a_script_without_an_ending_and_an_installed_command_are_programs(exampl
         assert not libraries.holds(example.folder / "demo/shared.py"), name
 
 
+def test_what_no_controller_may_read_is_not_looked_at_for_programs(example):
+    write_project(example)
+    example.write("arm_library/__init__.py", "")
+    example.write("arm_library/arm.py", LIBRARY)
+    for name in (".gitignore", ".env", "id_rsa"):
+        example.write(name, "")
+
+    def refused() -> list[str]:
+        found = example.run("run", "scripts/program.py", "--json", "--fresh")
+        reasons = found.json["trace"]["verdict"]["reasons"]
+        return [each["words"] for each in reasons if each["code"] == "access-denied"]
+
+    assert refused() == []
+    # What the controller itself reaches for is told.
+    reaching = "try:\n    open('.env')\nexcept OSError:\n    pass\n"
+    example.write(
+        "scripts/program.py", PROGRAM.replace("\n\n\ndef pick", f"\n{reaching}\n\ndef pick")
+    )
+    assert [".env was not read" in each for each in refused()] == [True]
+
+
 def test_a_module_of_one_program_holds_its_steps(example):
     write_project(example)
     example.write("arm_library/__init__.py", "")

@@ -235,8 +235,8 @@ def _within(place: Path) -> list[tuple[str, bool]]:
     if path in homes:
         # The folder of everything is no folder of sources, though sources may lie in it.
         parts = [each for each in inside if each.is_file() and each.suffix in _SOURCE_ENDINGS]
-    elif any(_is_secret(each.name) for each in inside):
-        parts = [each for each in inside if not _is_secret(each.name)]
+    elif any(is_secret(each.name) for each in inside):
+        parts = [each for each in inside if not is_secret(each.name)]
     else:
         return [(str(path), True)]
     return [(str(path), False), *((str(each), True) for each in parts)]
@@ -252,7 +252,7 @@ def _home_on_record() -> str:
         return "/"
 
 
-def _is_secret(name: str) -> bool:
+def is_secret(name: str) -> bool:
     """Return whether a name is that of what no controller reads: `.git`, `.env`, a key."""
     return name.startswith(".") or name in _SECRET_NAMES or name.endswith(_SECRET_ENDINGS)
 

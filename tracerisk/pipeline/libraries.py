@@ -26,6 +26,7 @@ from pathlib import Path
 
 from tracerisk.adder.definitions import definitions, parse_python
 from tracerisk.config import controller_root
+from tracerisk.contained.process import is_secret
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.console_scripts import console_scripts
 from tracerisk.pipeline.own_modules import module_files
@@ -166,7 +167,10 @@ def _functions(path: Path) -> set[str]:
 
 
 def _sources(top: Path) -> Iterator[Path]:
-    """Yield the Python sources of a project that are no tests; scripts may have no ending."""
+    """Yield the Python sources of a project that are no tests; scripts may have no ending.
+
+    What no controller may read is not looked at either: it would count as refused to the run.
+    """
 
     def all_sources() -> Iterator[Path]:
         for folder, folders, files in os.walk(top):
@@ -178,8 +182,9 @@ def _sources(top: Path) -> Iterator[Path]:
                 for each in folders
                 if not each.startswith(".") and each not in NOT_SEARCHED and each not in TESTS
             )
-            # A hidden file is none that a program imports, and a contained run may not read it.
-            for name in sorted(each for each in files if not each.startswith(".")):
+            for name in sorted(files):
+                if is_secret(name):
+                    continue
                 path = Path(folder, name)
                 is_python = path.suffix == ".py" and _TEST_FILE.fullmatch(path.stem) is None
                 if is_python or (not path.suffix and _begins_as_script(path)):
