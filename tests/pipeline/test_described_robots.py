@@ -555,3 +555,53 @@ def test_without_launch_files_a_controller_run_alone_finds_no_parameters(tmp_pat
     )
     assert trace.end.cause == "raised"
     assert "/arm_controller/joints" in trace.end.message
+
+
+def test_a_prefix_that_the_controller_leaves_out_makes_no_other_robot_of_it(tmp_path):
+    """Its description gives a prefix by default, and no launch file says that there is none."""
+    described(tmp_path)
+    script = cell(tmp_path, f"joints = {joints('')}\n", "feeder_description")
+    choice = chosen(script)
+    assert [joint.name for joint in choice.robot.arm_joints] == joints("")
+    assert "tcp" in choice.robot.link_names
+    assert "feeder.urdf.xacro in the workspace" in choice.robot.chosen_by
+    assert choice.robot.doubt == "the controller names its joints without the prefix 'feeder_'"
+
+
+@pytest.mark.parametrize("names", [joints("")[:6], [*joints("")[:6], "joint9"]])
+def test_an_arm_of_other_joints_is_not_that_of_the_workspace(tmp_path, names):
+    described(tmp_path)
+    script = cell(tmp_path, f"joints = {names}\n", "feeder_description")
+    assert chosen(script).robot.name == "generic"
+
+
+def test_a_robot_whose_prefix_is_left_out_is_assumed_and_moves(tmp_path):
+    described(tmp_path)
+    # The names are made in the run: it shows them.
+    source = FEEDER.replace(
+        'self.declare_parameter("joints", [""]).value', '[f"joint{n}" for n in range(1, 8)]'
+    )
+    script = cell(tmp_path, source, "feeder_description")
+    trace = pipeline.trace_controller(pipeline.load_controller(script), Settings())
+    assert trace.verdict.kind == "partial"
+    (reason,) = [each for each in trace.verdict.reasons if each.code == "robot-assumed"]
+    assert "without the prefix 'feeder_'" in reason.words
+    moved = {name for name, each in trace.active.items() if each.moving_s > 0.5 and "/" not in name}
+    assert moved == set(joints(""))
+
+
+@pytest.mark.parametrize("others", [("long",), ("copy",), ("long", "copy")])
+def test_of_several_arms_that_fit_as_well_the_choice_is_told(tmp_path, others):
+    urdf = described(tmp_path, default="") / "urdf"
+    for name in others:
+        text = arm(default="")
+        longer = text.replace('xyz="0.0 0.07 0.0"', 'xyz="0.0 0.09 0.0"')
+        (urdf / f"{name}.urdf.xacro").write_text(longer if name == "long" else text)
+    script = cell(tmp_path, f"joints = {joints('')}\n", "feeder_description")
+    doubt = chosen(script).robot.doubt
+    assert ("would fit as well" in doubt) == ("long" in others)
+    # A launch file says which it is.
+    launch = XACRO_LAUNCHES["robot.launch"].replace("prefix:=$(arg arm)_", "prefix:=")
+    (script.parent / "launch" / "robot.launch").write_text(launch)
+    script.write_text(f"import rospy\njoints = {joints('')}\n")
+    assert chosen(script).robot.doubt == ""

@@ -129,6 +129,8 @@ def run_verdict(
 
 def _assumed(robot: Robot, recording: Recording) -> Iterator[tuple[str, str]]:
     """Yield what of the robot is assumed: the arm itself, groups and states, its gripper."""
+    if robot.doubt:
+        yield robot.name, f"the robot is assumed: {robot.doubt}"
     if robot.name == GENERIC:
         yield robot.name, f"no robot is known: a generic arm was taken, {robot.chosen_by}"
     for finding in recording.findings:

@@ -88,6 +88,13 @@ def _distances(robot: Robot) -> dict[str, float]:
     return found
 
 
+def is_variant(one: Robot, other: Robot) -> bool:
+    """Tell whether two robots have joints of the same names, in other places."""
+    names = [{joint.name for joint in each.joints} for each in (one, other)]
+    places = [[(at.name, at.xyz, at.rpy) for at in each.attachments] for each in (one, other)]
+    return names[0] == names[1] and places[0] != places[1]
+
+
 def completed_as_ours(robot: Robot, *, knows_motors: bool = False) -> Robot:
     """Return the robot with the rated figures of ours, where one has the same joints.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -42,15 +42,46 @@ def _before(joints: Sequence[str], known: frozenset[str]) -> set[str]:
     }
 
 
+def prefix_left_out(joints: Sequence[str], named: Iterable[str]) -> str:
+    """Return what stands before all `joints` and is left out in `named`; empty for nothing.
+
+    The names without it are those that are named, each of them and no other.
+    """
+    known = frozenset(named)
+    if len(joints) < _FEWEST or len(joints) != len(known):
+        return ""
+    cuts = (joints[0][:end] for end in range(1, len(joints[0])))
+    return next(
+        (
+            prefix
+            for prefix in cuts
+            if prefix.endswith(_ENDS) and {*joints} == {f"{prefix}{name}" for name in known}
+        ),
+        "",
+    )
+
+
 def with_prefix(robot: Robot, prefix: str) -> Robot:
     """Return the robot with `prefix` before the names of its links and joints.
 
     Groups and controllers keep their names; those that a controller asks for are assumed.
     """
+    return _renamed(robot, lambda name: f"{prefix}{name}")
 
-    def named(name: str) -> str:
-        return f"{prefix}{name}"
 
+def without_prefix(robot: Robot, prefix: str) -> Robot:
+    """Return the robot without `prefix` before the names of its links and joints that bear it.
+
+    A name that is another's without the prefix keeps it.
+    """
+    parts = {*robot.link_names, *(joint.name for joint in robot.joints)}
+    return _renamed(
+        robot,
+        lambda name: name if name.removeprefix(prefix) in parts else name.removeprefix(prefix),
+    )
+
+
+def _renamed(robot: Robot, named: Callable[[str], str]) -> Robot:
     def all_named(names: Iterable[str]) -> tuple[str, ...]:
         return tuple(named(name) for name in names)
 
@@ -92,7 +123,7 @@ def with_prefix(robot: Robot, prefix: str) -> Robot:
             (named(one), named(other)) for one, other in robot.disabled_collisions
         ),
         assumes_names=True,
-        own_sensors=tuple(one.with_prefix(prefix) for one in robot.own_sensors),
+        own_sensors=tuple(one.renamed(named) for one in robot.own_sensors),
         without_encoder=all_named(robot.without_encoder),
         actuators=MappingProxyType(
             {named(name): all_named(joints) for name, joints in robot.actuators.items()}

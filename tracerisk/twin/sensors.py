@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import cast, get_args
 
@@ -37,11 +37,11 @@ class Sensor:
         """Say whether a topic is one of the sensor's."""
         return any(f"/{name.strip('/')}/" in f"/{topic.strip('/')}/" for name in self.topics)
 
-    def with_prefix(self, prefix: str) -> Sensor:
-        """Return the sensor of a robot whose links and joints bear a prefix."""
-        own = f"{prefix}{self.name}" if self.kind in IN_JOINTS else self.name
-        link = None if self.link is None else f"{prefix}{self.link}"
-        return replace(self, name=own, part=f"{prefix}{self.part}", link=link)
+    def renamed(self, named: Callable[[str], str]) -> Sensor:
+        """Return the sensor of a robot whose links and joints are called anew."""
+        own = named(self.name) if self.kind in IN_JOINTS else self.name
+        link = None if self.link is None else named(self.link)
+        return replace(self, name=own, part=named(self.part), link=link)
 
 
 def joint_sensor(kind: SensorKind, joint: str) -> Sensor:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -17,9 +18,9 @@ from tracerisk.twin.description_files import (
 )
 from tracerisk.twin.description_texts import DescriptionTexts
 from tracerisk.twin.joint_limits import limited_as_beside
-from tracerisk.twin.known_arms import completed_as_ours, named_as_ours, shipped_like
+from tracerisk.twin.known_arms import completed_as_ours, is_variant, named_as_ours, shipped_like
 from tracerisk.twin.mentions import Hint, decide
-from tracerisk.twin.prefix import prefix_before, with_prefix
+from tracerisk.twin.prefix import prefix_before, prefix_left_out, with_prefix, without_prefix
 from tracerisk.twin.robot import Robot, load_robot
 from tracerisk.twin.robot_index import shipped_names
 from tracerisk.twin.spoken_names import LaunchedDescription, Spoken
@@ -64,11 +65,15 @@ class WorkspaceRobot:
 
 @dataclass(frozen=True, slots=True)
 class _Taken:
-    """A robot that was read: `files` are an SRDF, if there is one, and a URDF."""
+    """A robot that was read: `files` are an SRDF, if there is one, and a URDF.
+
+    `left_out` is what stands before its joints, and not where the controller names them.
+    """
 
     robot: Robot
     reason: str
     files: tuple[DescriptionFile, ...]
+    left_out: str = ""
 
 
 def find_workspace_robot(
@@ -262,7 +267,7 @@ class _Search:
                 continue
             try:
                 robot = read_urdf(text, file.shown)
-                prefix = self._prefix_of(robot)
+                prefix, left_out = self._prefixes_of(robot)
             except RobotError as error:
                 is_meant = starts or bool(self._spoken.among(file.words))
                 is_whole = not self._is_part(file) and not isinstance(error, NoWholeRobotError)
@@ -271,7 +276,8 @@ class _Search:
                 continue
             prefixed = f", all with the prefix '{prefix}'" if prefix else ""
             robot = with_prefix(robot, prefix) if prefix else robot
-            of_joints = self._spoken.among({one.name for one in robot.joints})
+            named = {one.name.removeprefix(left_out) for one in robot.joints}
+            of_joints = self._spoken.among(named)
             speaks = of_joints | self._spoken.among(set(robot.link_names))
             if not speaks and not only and not starts and not self._is_named(file):
                 continue
@@ -280,26 +286,43 @@ class _Search:
                 why = f"names {', '.join(sorted(speaks)[:4])}" if speaks else "by its name"
                 if starts and not speaks:
                     why = f"by {self._launched[file.path].file}"
-                best = weight, _Taken(robot, f"{why}{prefixed}", (file,))
-            is_whole = {one.name for one in robot.arm_joints} <= of_joints
+                best = weight, _Taken(robot, f"{why}{prefixed}", (file,), left_out)
+            is_whole = {one.name.removeprefix(left_out) for one in robot.arm_joints} <= of_joints
             if is_whole and of_joints >= self._spoken.exactly(self._spoken.joints):
                 break
         if best is None:
             return None
         taken = best[1]
         completed = named_as_ours(completed_as_ours(taken.robot))
+        if taken.left_out:
+            told = f"the controller names its joints without the prefix '{taken.left_out}'"
+            completed = replace(without_prefix(completed, taken.left_out), doubt=told)
+        elif rivals := [*self._rivals_of(taken)]:
+            told = f"{', '.join(rivals)} in the workspace would fit as well; name it with --robot"
+            completed = replace(completed, doubt=told)
         told = f"{taken.files[0].shown} in the workspace ({taken.reason})"
         return replace(taken, robot=completed, reason=told)
 
-    def _prefix_of(self, robot: Robot) -> str:
-        """Return what stands before its joints where the controller names them; empty for nothing.
+    def _rivals_of(self, taken: _Taken) -> Iterator[str]:
+        """Yield the files of other arms with the same joints, for which as much speaks."""
+        (own,) = taken.files
+        for file in self._urdf_files:
+            if file == own or self._rank(file)[:-1] != self._rank(own)[:-1]:
+                continue
+            with contextlib.suppress(RobotError):
+                if is_variant(read_urdf(self._texts.of(file), file.shown), taken.robot):
+                    yield file.shown
 
-        The author gives it to xacro, in a launch file that is not here.
+    def _prefixes_of(self, robot: Robot) -> tuple[str, str]:
+        """Return what stands before its joints only where the controller names them, or only here.
+
+        A launch file that is not here gives xacro another prefix.
         """
         names = tuple(joint.name for joint in robot.arm_joints)
         if self._spoken.among(set(names)):
-            return ""
-        return prefix_before(names, self._spoken.words)
+            return "", ""
+        prefix = prefix_before(names, self._spoken.words)
+        return prefix, "" if prefix else prefix_left_out(names, self._spoken.joints)
 
     def _launched_as(self, file: DescriptionFile) -> int:
         """Return 0 for what the controller's launch file names, 1 for what its package's do."""
