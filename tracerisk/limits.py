@@ -9,6 +9,9 @@ SandboxMode = Literal["auto", "require", "off"]
 """Whether strangers' code is contained: where that works, always, or never."""
 
 _MB = 1024 * 1024
+# What people keep beside their sources and no controller needs.
+_SECRET_ENDINGS = (".key", ".pem", ".p12", ".pfx")
+_SECRET_NAMES = ("id_rsa", "id_dsa", "id_ecdsa", "id_ed25519", "credentials.json")
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,3 +65,8 @@ class Limits:
 
 DEFAULT_LIMITS = Limits()
 """The limits where no settings are at hand."""
+
+
+def is_secret(name: str) -> bool:
+    """Return whether a name is that of what no controller reads: `.git`, `.env`, a key."""
+    return name.startswith(".") or name in _SECRET_NAMES or name.endswith(_SECRET_ENDINGS)

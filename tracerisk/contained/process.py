@@ -24,7 +24,7 @@ from typing import Any
 
 from tracerisk.contained.kernel import support
 from tracerisk.errors import SandboxError
-from tracerisk.limits import Sandbox
+from tracerisk.limits import Sandbox, is_secret
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _START = Path(__file__).with_name("start.py")
@@ -50,9 +50,6 @@ _SOURCE_ENDINGS = (".py", ".yaml", ".yml", ".json", ".toml", ".urdf", ".xacro", 
 _OF_LIBRARIES = ("BLIS_", "LC_", "MKL_", "NUMEXPR_", "NVPL_", "OMP_", "OPENBLAS_")
 _OF_HOST = ("ROS_", "AMENT_", "COLCON_", "RMW_")
 _INSTALLED = ("site-packages", "dist-packages")
-# What people keep beside their sources and no controller needs.
-_SECRET_ENDINGS = (".key", ".pem", ".p12", ".pfx")
-_SECRET_NAMES = ("id_rsa", "id_dsa", "id_ecdsa", "id_ed25519", "credentials.json")
 
 
 class SandboxWarning(UserWarning):
@@ -250,11 +247,6 @@ def _home_on_record() -> str:
         return pwd.getpwuid(os.getuid()).pw_dir
     except KeyError:
         return "/"
-
-
-def is_secret(name: str) -> bool:
-    """Return whether a name is that of what no controller reads: `.git`, `.env`, a key."""
-    return name.startswith(".") or name in _SECRET_NAMES or name.endswith(_SECRET_ENDINGS)
 
 
 @lru_cache(maxsize=1)

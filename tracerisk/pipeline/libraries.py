@@ -26,8 +26,8 @@ from pathlib import Path
 
 from tracerisk.adder.definitions import definitions, parse_python
 from tracerisk.config import controller_root
-from tracerisk.contained.process import is_secret
 from tracerisk.errors import TraceRiskError
+from tracerisk.limits import is_secret
 from tracerisk.pipeline.console_scripts import console_scripts
 from tracerisk.pipeline.own_modules import module_files
 from tracerisk.pipeline.workspace import NOT_SEARCHED, TESTS, find_workspace, project_top
