@@ -8,6 +8,8 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
+from tracerisk.pipeline.workspace import NOT_SEARCHED
+
 _READ = re.compile(
     r"(^|[-_])(file|path|filename|csv|ya?ml|json|bag|urdf)s?(name|path)?$", re.IGNORECASE
 )
@@ -18,7 +20,6 @@ _OF_FILES = frozenset({"FileType", "Path", "open"})
 _SUFFIX = re.compile(r"\.(csv|ya?ml|json|txt|np[yz]|pkl|bag|urdf|xml|gcode|nc|ngc|dxf|svg|stl)\b")
 _READERS = {"csv": (".csv",), "json": (".json",), "yaml": (".yaml", ".yml"), "pickle": (".pkl",)}
 _NOT_DATA = frozenset({"package.xml", "plugin.xml", "CMakeLists.txt", "requirements.txt"})
-_NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
 _MOST = 3
 
 
@@ -44,7 +45,7 @@ def fitting_files(tree: ast.AST, top: Path) -> tuple[str, ...]:
     found: list[Path] = []
     for folder, folders, files in os.walk(top) if endings else ():
         folders[:] = sorted(
-            each for each in folders if not each.startswith(".") and each not in _NOT_SEARCHED
+            each for each in folders if not each.startswith(".") and each not in NOT_SEARCHED
         )
         found += [
             Path(folder, name)

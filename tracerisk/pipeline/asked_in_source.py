@@ -207,7 +207,7 @@ class _Option:
         called = [*names, metavar] if isinstance(metavar, str) else names
         kind = given.get("type")
         kind = kind.func if isinstance(kind, ast.Call) else kind
-        # What has a default or choices is no file that the caller has to bring.
+        # The caller needs no file where there is a default or a list of choices.
         is_file = is_read(called, "" if kind is None else _last_name(kind)) and value == (
             names[-1].strip("-") if names else ""
         )

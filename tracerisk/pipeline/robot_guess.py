@@ -19,7 +19,7 @@ class RobotGuess:
 
 
 def guessed_robot(error: TraceRiskError | None) -> RobotGuess | None:
-    """Return the robot for a controller of which an error says that none is told, else `None`."""
+    """Return a robot to assume where an error says that none is known, else `None`."""
     if isinstance(error, SeveralRobotsError) and error.names:
         return RobotGuess(error.names[0], "one of several that fit")
     if isinstance(error, UnreadableRobotError):

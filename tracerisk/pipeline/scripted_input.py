@@ -34,7 +34,7 @@ def scripted_input(
     `give_up` ends the run at one that is asked again and again.
 
     A question that comes again and again with no `progress` between does not take Enter: it gets
-    what `assume` returns for it, in turn, and each is told as an assumption.
+    what `assume` returns for it, in turn, and each is an assumption.
     """
     stream = _Answers(answers, recorder, touch, miss, give_up, assume, progress)
     real_input, real_stdin = builtins.input, sys.stdin

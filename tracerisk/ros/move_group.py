@@ -142,7 +142,8 @@ class MoveGroupServer(RobotGroups):
     def frame(self, name: str) -> Pose | None:
         """Return the pose of a frame, else None, which is noted as a need.
 
-        That is a link, the world, an object of the scene, or what `/tf_static` tells of these.
+        That is a link, the world, an object of the scene, or a frame that `/tf_static` fixes to
+        one of these.
         """
         plain = name.lstrip("/")
         pose = self.changes.frame(plain)

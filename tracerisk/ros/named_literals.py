@@ -92,7 +92,7 @@ class _Inlined(ast.NodeTransformer):
         return [None if each is None else self._value(each) for each in mapping.keys]
 
     def _value(self, node: ast.expr) -> ast.expr:
-        """Return what stands for an operand of a comparison, itself where it is no name."""
+        """Return the literal that a name in a comparison stands for; what is no name as it is."""
         named = node
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and not node.args:
             named = node.func.value if node.func.attr == "keys" else node

@@ -122,7 +122,7 @@ def fixed_frame(
 ) -> Pose | None:
     """Return the pose of a frame that `/tf_static` hangs, by up to `depth` others, on a known one.
 
-    `known` gives the poses of frames in the frame asked for; None: nobody tells of it.
+    `known` gives the poses of frames in the frame asked for; None if it is not known.
     """
     for publication in graph.publications(TF_STATIC):
         for each in () if publication.latched is None else publication.latched.transforms:

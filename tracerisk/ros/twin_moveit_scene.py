@@ -1,4 +1,4 @@
-"""The planning scene on the graph: its services, and the topics by which objects are told."""
+"""The planning scene on the graph: its services, and the topics that bring objects."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Planning groups and named states of a robot that assumes them, each of which is told."""
+"""Assumed planning groups and named states of a robot; each is an assumption of the run."""
 
 from __future__ import annotations
 
