@@ -420,6 +420,27 @@ class Trace:
             return self.end.is_good
         return self.verdict.kind != "stuck" and (self.end.is_good or bool(self.functions))
 
+    def with_lines(self, line_of: Callable[[str, int], int]) -> Trace:
+        """Return the trace with other lines; `line_of` takes a file and a line of it."""
+
+        def place(location: Location | None) -> Location | None:
+            if location is None or location.line is None:
+                return location
+            line = line_of(location.file, location.line)
+            return Location(location.file, line, location.column)
+
+        def line(ref: FunctionRef, old: int) -> int:
+            return line_of(ref.file, old) if old > 0 else old
+
+        return replace(
+            self,
+            end=replace(self.end, location=place(self.end.location)),
+            functions=tuple(replace(f, line=line(f.ref, f.line)) for f in self.functions),
+            uncovered=tuple(replace(u, line=line(u.ref, u.line)) for u in self.uncovered),
+            findings=tuple(replace(f, location=place(f.location)) for f in self.findings),
+            verdict=None if self.verdict is None else self.verdict.with_lines(line_of),
+        )
+
     def _repr_html_(self) -> str:
         from tracerisk.trace_display import trace_html
 

@@ -129,6 +129,39 @@ def test_two_runs_of_one_controller_at_once_give_what_one_gives(annotated_run, e
         assert example.read(name) == run.read(name)
 
 
+@pytest.mark.parametrize("body", ["script", "module"])
+def test_a_run_whose_source_another_annotates_before_it_is_imported_gives_what_one_gives(
+    annotated_run, example, two_steps, monkeypatch, body
+):
+    from tracerisk import pipeline
+    from tracerisk.pipeline import controller_run
+
+    if body == "module":
+        example.write("controller.py", "import steps\n\nsteps.main()\n")
+        path = example.write("steps.py", two_steps)
+        assert example.run("run", "controller.py").code == 0
+        whole = example.files()
+        example.write("steps.py", two_steps)
+        (example.folder / "tracerisk.lock").unlink()
+    else:
+        whole = annotated_run[0].files()
+        path = example.write("controller.py", two_steps)
+    begin = controller_run._run_child
+
+    def late(*arguments):
+        path.write_bytes(whole[path.name])
+        return begin(*arguments)
+
+    monkeypatch.setattr(controller_run, "_run_child", late)
+    controller = pipeline.load_controller(example.folder / "controller.py")
+    settings = pipeline.load_settings(controller)
+    trace = pipeline.trace_controller(controller, settings)
+    hardware = pipeline.load_hardware(settings, trace.robot)
+    pipeline.annotate(controller, trace, hardware, settings).write()
+    for name in (path.name, "tracerisk.lock"):
+        assert example.files()[name] == whole[name]
+
+
 @pytest.mark.slow
 def test_many_runs_checks_and_refreshes_at_once_leave_everything_whole(
     annotated_run, example, two_steps

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from tracerisk.adder.read import block_lines
 
@@ -22,3 +22,19 @@ def line_map(before: bytes, after: bytes, file: str) -> Callable[[int], int]:
         return rest
 
     return moved
+
+
+def line_maps(
+    before: Mapping[str, bytes], after: Mapping[str, bytes], shown: Mapping[str, str]
+) -> Callable[[str, int], int]:
+    """Return what maps a file and a line of it in `before` to the line of the same in `after`.
+
+    A file that `after` lacks is taken without its blocks; lines of other files stay.
+    `shown` is how messages call each source.
+    """
+    maps = {
+        file: line_map(source, after.get(file, b""), shown[file])
+        for file, source in before.items()
+        if source != after.get(file)
+    }
+    return lambda file, line: maps[file](line) if file in maps else line

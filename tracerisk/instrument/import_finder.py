@@ -142,7 +142,10 @@ class _TracedLoader(SourceFileLoader):
 
     @hide
     def exec_module(self, module: ModuleType) -> None:
-        code, file = compile_file(Path(self.get_filename(module.__name__)), self._root)
+        path = Path(self.get_filename(module.__name__))
+        code, file = compile_file(
+            path, self._root, None if self._is_library else self._tracer.on_source
+        )
         # Python names no bytecode that is not there.
         module.__dict__.pop("__cached__", None)
         self._tracer.run_module(code, module.__dict__, file, is_library=self._is_library)

@@ -21,8 +21,12 @@ from tracerisk.instrument.transform import (
 )
 
 
-def compile_file(path: Path, root: Path) -> tuple[CodeType, str]:
+def compile_file(
+    path: Path, root: Path, on_source: Callable[[str, bytes], None] | None = None
+) -> tuple[CodeType, str]:
     """Instrument and compile the file at `path`; return the code and its name below `root`.
+
+    `on_source` is told that name and the bytes that were compiled.
 
     Raises:
         InputError: there is no such file, or it cannot be read.
@@ -37,7 +41,10 @@ def compile_file(path: Path, root: Path) -> tuple[CodeType, str]:
             Location(str(path)),
         ) from error
     file = file_below(path, root)
-    return compile_instrumented(instrument_source(source, file), str(path)), file
+    code = compile_instrumented(instrument_source(source, file), str(path))
+    if on_source is not None:
+        on_source(file, source)
+    return code, file
 
 
 def file_below(path: Path, root: Path) -> str:
@@ -82,7 +89,8 @@ def prepared_controller(
         InputError, SourceError, UnsafeRewriteError: as `compile_file`; nothing has run then.
     """
     script = Path(path).absolute()
-    code, file = compile_file(script, controller_root(script) if root is None else root)
+    root = controller_root(script) if root is None else root
+    code, file = compile_file(script, root, tracer.on_source)
     tracer.add_file(code.co_filename, file)
     with _program(script, tracer, argv) as module, hidden_frames():
 

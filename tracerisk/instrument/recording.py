@@ -67,6 +67,7 @@ class Recording:
     """All that one run left in its events file.
 
     `commands` are in the order of issue; `functions_ran` in the order of their first run;
+    `sources` are the files of the controller that were compiled, with their bytes;
     `last_ns` is the time of the last event [ns]; `end` is `None` where the child died untold.
     """
 
@@ -76,6 +77,7 @@ class Recording:
     notes: tuple[Note, ...] = ()
     end: RecordedEnd | None = None
     last_ns: int = 0
+    sources: Mapping[str, bytes] = field(default_factory=dict)
 
     def note(self, kind: str) -> Mapping[str, Any] | None:
         """Return the data of the last note of a kind, `None` where there is none."""
@@ -162,6 +164,10 @@ class Recorder:
     def function_ran(self, ref: FunctionRef, line: int) -> None:
         """Record the first run of a function; what a `Tracer` calls on each first run."""
         self._write("ran", function=self._function(ref, line))
+
+    def source_compiled(self, file: str, source: bytes) -> None:
+        """Record the bytes of one of the controller's files: all its lines are lines of these."""
+        self._write("source", file=file, latin1=source.decode("latin-1"))
 
     def finding(
         self,
@@ -305,12 +311,14 @@ class _Reader:
     notes: list[Note] = field(default_factory=list)
     end: RecordedEnd | None = None
     last_ns: int = 0
+    sources: dict[str, bytes] = field(default_factory=dict)
 
     @property
     def handlers(self) -> dict[str, Callable[[dict[str, Any]], None]]:
         return {
             "function": self._function,
             "ran": self._ran,
+            "source": self._source,
             "command": self._command,
             "command_ended": self._command_ended,
             "finding": self._finding,
@@ -333,6 +341,7 @@ class _Reader:
             tuple(self.notes),
             self.end,
             self.last_ns,
+            self.sources,
         )
 
     def _function(self, event: dict[str, Any]) -> None:
@@ -344,6 +353,9 @@ class _Reader:
     def _ran(self, event: dict[str, Any]) -> None:
         site = self.functions[event["function"]]
         self.ran.setdefault(site.ref, site)
+
+    def _source(self, event: dict[str, Any]) -> None:
+        self.sources[_text(event["file"])] = _text(event["latin1"]).encode("latin-1")
 
     def _command(self, event: dict[str, Any]) -> None:
         frames = []

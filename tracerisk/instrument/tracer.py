@@ -113,7 +113,8 @@ class Tracer:
     """Follows the functions of one run of a controller.
 
     `on_first_run` is told of each function the first time that it runs; `on_iteration` (an
-    attribute) of file and line of an endless loop at the begin of each iteration. `on_behalf` (an
+    attribute) of file and line of an endless loop at the begin of each iteration; `on_source` (an
+    attribute) of each file of the controller and the bytes that were compiled. `on_behalf` (an
     attribute) tells the stack of another function for whose sake the running code runs, if any.
     """
 
@@ -122,6 +123,7 @@ class Tracer:
         self._next_activation = itertools.count(1).__next__
         self._on_first_run = on_first_run
         self.on_iteration: Callable[[str, int], None] | None = None
+        self.on_source: Callable[[str, bytes], None] | None = None
         self.on_behalf: Callable[[], tuple[Frame, ...]] | None = None
         self._ran: dict[FunctionRef, int] = {}
         self._files: dict[str, str] = {}

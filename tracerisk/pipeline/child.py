@@ -139,6 +139,7 @@ def _run_recorded(
     twin = Twin.build(robot, scene, samples=samples)
     twin.on_unknown_joints = lambda names: recorder.note(JOINTS_ASKED, names=names)
     tracer = Tracer(recorder.function_ran)
+    tracer.on_source = recorder.source_compiled
     world = _Metered(twin, wall_clock)
     scheduler = Scheduler(
         world,

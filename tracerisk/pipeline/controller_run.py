@@ -28,6 +28,7 @@ from tracerisk.instrument.recording import Note, Recording, read_recording
 from tracerisk.limited_process import POLL_S, OwnTime, StartMark
 from tracerisk.limits import Limit
 from tracerisk.pipeline.child_output import PassingOn
+from tracerisk.pipeline.controller import lines_since
 from tracerisk.pipeline.launch.program import shown
 from tracerisk.pipeline.run_files import (
     AROUND,
@@ -137,10 +138,12 @@ def run_controller(
         recording = _recording(folder, request)
         _raise_failure(recording)
         _raise_unstarted(recording, process_end, settings)
-        end = _run_end(recording, process_end, controller)
+        ran = controller.as_ran(recording.sources)
+        end = _run_end(recording, process_end, ran)
         if progress is not None:
             progress("attributing", end.simulated_s or 0.0)
-        trace = make_trace(controller, robot, scene, settings, recording, folder, end)
+        trace = make_trace(ran, robot, scene, settings, recording, folder, end)
+        trace = trace.with_lines(lines_since(recording.sources, controller))
         asked = [
             name
             for note in recording.notes

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from tracerisk.adder.line_map import line_map
+from tracerisk.adder.line_map import line_maps
 from tracerisk.adder.lock import ControllerLock
 from tracerisk.trace import Verdict
 from tracerisk.trace_json import plain_data, verdict_of_data
@@ -31,16 +31,14 @@ def bare_lines(sources: Mapping[str, bytes], shown: Mapping[str, str]) -> Callab
 
     `shown` is how messages call each source.
     """
-    maps = {file: line_map(source, b"", shown[file]) for file, source in sources.items()}
-    return lambda file, line: maps[file](line) if file in maps else line
+    return line_maps(sources, {}, shown)
 
 
 def block_lines(
     sources: Mapping[str, bytes], shown: Mapping[str, str]
 ) -> Callable[[str, int], int]:
     """Return what gives the line of a source, with its blocks, for one that the lock keeps."""
-    maps = {file: line_map(b"", source, shown[file]) for file, source in sources.items()}
-    return lambda file, line: maps[file](line) if file in maps else line
+    return line_maps(dict.fromkeys(sources, b""), sources, shown)
 
 
 def kept_verdict(entry: ControllerLock | None) -> Verdict | None:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.adder.annotate import Annotation, Changed, EditsInTheWay, SourceBlocks
 from tracerisk.adder.block import RiskBlock
 from tracerisk.adder.computed import ComputedBlocks, ProfileText, compute_blocks
-from tracerisk.adder.line_map import line_map
+from tracerisk.adder.line_map import line_maps
 from tracerisk.adder.lock import LOCK_NAME, Lock, lock_key, read_lock
 from tracerisk.adder.merge import MergePolicy
 from tracerisk.adder.model_names import model_names
@@ -25,7 +25,7 @@ from tracerisk.adder.renames import base_with_names, follow_renames
 from tracerisk.config import Settings, read_settings
 from tracerisk.errors import HardwareError, InputError, Location
 from tracerisk.hardware.model import Hardware
-from tracerisk.pipeline.controller import Controller, load_controller
+from tracerisk.pipeline.controller import Controller, lines_since, load_controller
 from tracerisk.pipeline.freshness import run_inputs
 from tracerisk.pipeline.known_controllers import with_moved
 from tracerisk.pipeline.known_functions import check_named_functions, check_steps
@@ -274,22 +274,8 @@ def _as_on_disk(controller: Controller, trace: Trace) -> tuple[Controller, Trace
     Only its blocks may have changed since it was loaded: another run may have written them.
     Raises InputError where more has changed, for then the trace is of another program.
     """
-    from tracerisk.adder.insert import strip_blocks
-
     now = load_controller(controller.path)
-    if now.source == controller.source:
-        return controller, trace
-    name = str(controller.path)
-    if strip_blocks(now.source, name) != strip_blocks(controller.source, name):
-        raise InputError(
-            "was changed by someone else meanwhile; run tracerisk again", Location(name)
-        )
-    line = line_map(controller.source, now.source, name)
-    functions = (
-        replace(each, line=line(each.line)) if each.ref.file == now.file and each.line else each
-        for each in trace.functions
-    )
-    return now, replace(trace, functions=tuple(functions))
+    return now, trace.with_lines(lines_since({controller.file: controller.source}, now))
 
 
 def _annotated_files(controller: Controller, trace: Trace, lock: Lock) -> tuple[str, ...]:
@@ -430,27 +416,5 @@ def at_annotated_lines(trace: Trace, annotated: Annotated) -> Trace:
 
     So a second run, of the annotated source, tells the same lines.
     """
-    moved = {
-        file: line_map(before, annotated.sources[file], str(annotated.controller.path_of(file)))
-        for file, before in annotated.before.items()
-    }
-
-    def place(location: Location | None) -> Location | None:
-        if location is None or location.file not in moved or location.line is None:
-            return location
-        return Location(location.file, moved[location.file](location.line), location.column)
-
-    def line(ref: FunctionRef, old: int) -> int:
-        return moved[ref.file](old) if ref.file in moved else old
-
-    def line_at(file: str, old: int) -> int:
-        return moved[file](old) if file in moved else old
-
-    return replace(
-        trace,
-        end=replace(trace.end, location=place(trace.end.location)),
-        functions=tuple(replace(f, line=line(f.ref, f.line)) for f in trace.functions),
-        uncovered=tuple(replace(u, line=line(u.ref, u.line)) for u in trace.uncovered),
-        findings=tuple(replace(f, location=place(f.location)) for f in trace.findings),
-        verdict=None if trace.verdict is None else trace.verdict.with_lines(line_at),
-    )
+    shown = {file: str(annotated.controller.path_of(file)) for file in annotated.before}
+    return trace.with_lines(line_maps(annotated.before, annotated.sources, shown))
