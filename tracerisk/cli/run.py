@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from tracerisk.adder.derivation import FunctionDerivation
     from tracerisk.config import Settings
     from tracerisk.pipeline import Annotated, Controller
-    from tracerisk.pipeline.stages import Progress
+    from tracerisk.pipeline.controller_run import Progress
     from tracerisk.prm.assessment import Assessment
     from tracerisk.prm.hybrid import HybridModel
     from tracerisk.prm.uncertainty import Uncertainty

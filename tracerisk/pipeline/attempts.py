@@ -12,7 +12,7 @@ from tracerisk.config import Settings
 from tracerisk.hardware.binding import bind
 from tracerisk.pipeline.companions import find_companions
 from tracerisk.pipeline.controller import Controller
-from tracerisk.pipeline.controller_run import ControllerRun, run_controller
+from tracerisk.pipeline.controller_run import ControllerRun, Progress, run_controller
 from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
 from tracerisk.pipeline.robot_choice import choose_launched_robot
 from tracerisk.pipeline.run_files import Companion
@@ -22,7 +22,6 @@ from tracerisk.trace import EndCause, Trace
 
 if TYPE_CHECKING:
     from tracerisk.hardware.model import Hardware
-    from tracerisk.pipeline.stages import Progress
 
 _MOST_COMPANIONS = 4
 _MOST_DURATIONS = 4  # simulated time of all attempts, in that which one run may take

@@ -8,7 +8,7 @@ import re
 import signal
 import subprocess
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -36,6 +36,7 @@ from tracerisk.pipeline.run_files import (
     EVENTS,
     JOINTS_ASKED,
     LAUNCH,
+    MISSION_END,
     MOST_TEXT,
     NEEDS,
     ROBOT,
@@ -48,7 +49,6 @@ from tracerisk.pipeline.run_files import (
 )
 from tracerisk.pipeline.run_folders import check_left, run_folders
 from tracerisk.pipeline.run_trace import make_trace
-from tracerisk.pipeline.run_watch import MISSION_END
 from tracerisk.pipeline.workspace import find_workspace, project_top
 from tracerisk.ros.needs import Need
 from tracerisk.ros.scenario_draft import Draft, drafts_of
@@ -57,8 +57,10 @@ from tracerisk.trace import RunEnd, Trace
 if TYPE_CHECKING:
     from tracerisk.pipeline.controller import Controller
     from tracerisk.pipeline.launch.choose import LaunchChoice
-    from tracerisk.pipeline.stages import Progress
     from tracerisk.twin.robot import Robot
+
+Progress = Callable[[str, float], None]
+"""Told the phase and the simulated time [s]."""
 
 _STARTING = "starting the twin"
 _GRACE_S = 2.0

@@ -14,7 +14,7 @@ from tracerisk.hardware.binding import bind
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.controller import Controller
-    from tracerisk.pipeline.stages import Progress
+    from tracerisk.pipeline.controller_run import Progress
     from tracerisk.report.html.replay import RecordedRun
     from tracerisk.trace import Trace
 

@@ -21,9 +21,8 @@ from tracerisk.instrument.source import MODULE_NAME
 from tracerisk.instrument.tracer import Site
 from tracerisk.pipeline.libraries import Libraries
 from tracerisk.pipeline.run_contacts import collisions, with_contacts
-from tracerisk.pipeline.run_files import ELSEWHERE, ENTRY, LAUNCH
+from tracerisk.pipeline.run_files import CYCLE, ELSEWHERE, ENTRY, LAUNCH, MISSION_END
 from tracerisk.pipeline.run_verdict import placed_findings, run_verdict
-from tracerisk.pipeline.run_watch import CYCLE, MISSION_END
 from tracerisk.pipeline.sensors import elements_of, with_sensors
 from tracerisk.trace import (
     Coverage,

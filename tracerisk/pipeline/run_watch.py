@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from tracerisk.errors import Location
 from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Frame
+from tracerisk.pipeline.run_files import CYCLE, MISSION_END
 from tracerisk.ros.scenario_schedule import Schedule
 from tracerisk.ros.virtual_time import ControllerThread, Scheduler
 
@@ -22,10 +23,6 @@ _CYCLES_ELSEWHERE = 60  # how often, if its ways are the same but it leads elsew
 _SAME_GOAL = 0.1  # goals of a joint are the same within this [rad or m]
 IDLE_S = 60.0
 """For how long nothing must have been commanded before a loop counts as idle [s]."""
-CYCLE = "cycle"
-"""The note of the equal cycles: `start_ns` of the first, and how many were `seen`."""
-MISSION_END = "mission_end"
-"""The note of when the mission was over, where that is before the end of the run: `ns`."""
 _LONGEST_CYCLE = 100
 
 # A way to a command: each function and the place in it. An iteration is its ways, in turn.

@@ -32,7 +32,7 @@ from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
     from tracerisk.hardware.model import Hardware
-    from tracerisk.pipeline.stages import Progress
+    from tracerisk.pipeline.controller_run import Progress
 
 _MOST_RUNS = 12
 _ASKED_AGAIN = 3  # rounds of answers for a question that comes again

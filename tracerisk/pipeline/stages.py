@@ -6,7 +6,7 @@ This is the public Python API; `tracerisk` re-exports it.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
@@ -34,12 +34,10 @@ from tracerisk.pipeline.trace_summary import trace_summary
 from tracerisk.trace import FunctionRef, QualifiedName, Trace
 
 if TYPE_CHECKING:
+    from tracerisk.pipeline.controller_run import Progress
     from tracerisk.prm.assessment import Assessment
     from tracerisk.prm.hybrid import HybridModel
     from tracerisk.twin.robot import Robot
-
-Progress = Callable[[str, float], None]
-"""Told the phase and the simulated time [s]."""
 
 
 @dataclass(frozen=True, slots=True)
