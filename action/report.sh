@@ -11,7 +11,7 @@ controllers() {
     "$folder/venv/bin/python" -I -c '
 import os, sys
 from pathlib import Path
-from tracerisk.pipeline.known_controllers import controllers_in, controllers_of
+from tracerisk.pipeline.freshness.known_controllers import controllers_in, controllers_of
 found = controllers_of(sys.argv[1:]) if sys.argv[1:] else controllers_in(Path())
 sys.stdout.buffer.write(b"".join(os.fsencode(str(each)) + b"\0" for each in found))
 ' "${files[@]}" >"$names"

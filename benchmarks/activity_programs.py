@@ -12,12 +12,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.twin.builder import STEP_S
-from tracerisk.twin.execution import Motion
-from tracerisk.twin.motion import JointTrajectory, Pose
-from tracerisk.twin.robot import Robot
-from tracerisk.twin.timing import along_path, resample
-from tracerisk.twin.twin import Twin
+from tracerisk.twin.motion.execution import Motion
+from tracerisk.twin.motion.timing import along_path, resample
+from tracerisk.twin.physics.builder import STEP_S
+from tracerisk.twin.physics.motion import JointTrajectory, Pose
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.simulation.twin import Twin
 
 Array = NDArray[np.float64]
 

@@ -23,13 +23,13 @@ import numpy as np
 from activity_programs import PROGRAMS, Bench, Program
 from numpy.typing import NDArray
 
-from tracerisk.twin.activity import ElementActivity, element_activity
-from tracerisk.twin.builder import STEP_S, build_spec
-from tracerisk.twin.joint_motion import runs
-from tracerisk.twin.robot import Robot, load_robot
-from tracerisk.twin.samples import SampleWriter, read_samples
-from tracerisk.twin.scene import load_scene
-from tracerisk.twin.twin import Twin
+from tracerisk.twin.physics.builder import STEP_S, build_spec
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.recording.activity import ElementActivity, element_activity
+from tracerisk.twin.recording.joint_motion import runs
+from tracerisk.twin.recording.samples import SampleWriter, read_samples
+from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.simulation.twin import Twin
 
 import mujoco  # isort: skip
 

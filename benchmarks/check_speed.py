@@ -28,19 +28,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tracerisk.adder.annotate import Changed, SourceBlocks, annotate_sources
-from tracerisk.adder.block import ComponentEntry, RiskBlock
-from tracerisk.adder.lock import LOCK_NAME, Lock
-from tracerisk.adder.merge import MergePolicy
-from tracerisk.adder.values import (
+from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
+from tracerisk.adder.blocks.values import (
     computed_count,
     computed_next,
     computed_probability,
     computed_redundancy,
 )
+from tracerisk.adder.lock.lock import LOCK_NAME, Lock
+from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.config import read_settings
 from tracerisk.hardware.redundancy import Redundancy
-from tracerisk.pipeline.code_digest import code_digest
-from tracerisk.pipeline.freshness import RunInputs, settings_data
+from tracerisk.pipeline.freshness.freshness import RunInputs, settings_data
+from tracerisk.source.code_digest import code_digest
 from tracerisk.trace import QualifiedName
 
 SAMPLE = Path(__file__).parents[1] / "sample_controllers" / "pick_and_place.py"

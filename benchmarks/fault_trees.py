@@ -34,9 +34,9 @@ from pathlib import Path
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.bdd import SharedTree
 from tracerisk.prm.bdd.diagram import Limits
-from tracerisk.prm.fault_tree import FaultTree
 from tracerisk.prm.formats.open_psa import read_open_psa
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.trees.fault_tree import FaultTree
 
 TIMES = 3
 """How often each of our warm runs is repeated; the least counts."""

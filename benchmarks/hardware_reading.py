@@ -111,7 +111,7 @@ def main() -> int:
 def write_yaml(path: Path, yaml: Path) -> None:
     """Write the description in YAML too."""
     from tracerisk.hardware.sysml.reader import read_sysml
-    from tracerisk.hardware.yaml_writer import write_hardware
+    from tracerisk.hardware.yaml.writer import write_hardware
 
     yaml.write_text(write_hardware(read_sysml(path)), encoding="utf-8")
 

@@ -16,7 +16,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind
+from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind
 
 
 def one_or(count: int) -> FaultTree:

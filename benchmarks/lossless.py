@@ -23,16 +23,16 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from tracerisk.adder.block import ComponentEntry, RiskBlock
-from tracerisk.adder.definitions import MODULE, definitions, module_line, parse_python
-from tracerisk.adder.insert import insert_everywhere, strip_blocks
-from tracerisk.adder.read import scan_blocks
-from tracerisk.adder.values import (
+from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
+from tracerisk.adder.blocks.values import (
     computed_count,
     computed_next,
     computed_probability,
     computed_redundancy,
 )
+from tracerisk.adder.sources.definitions import MODULE, definitions, module_line, parse_python
+from tracerisk.adder.sources.insert import insert_everywhere, strip_blocks
+from tracerisk.adder.sources.read import scan_blocks
 from tracerisk.errors import TraceRiskError
 from tracerisk.hardware.redundancy import Redundancy
 from tracerisk.trace import QualifiedName

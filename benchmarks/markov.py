@@ -39,7 +39,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from tracerisk.prm import MarkovChain
-from tracerisk.prm.markov.factors import Budget
+from tracerisk.prm.markov.large.factors import Budget
 
 Array = np.ndarray[Any, Any]
 

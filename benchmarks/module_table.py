@@ -1,6 +1,6 @@
 """Make the table of modules and the distributions that provide them.
 
-    python benchmarks/module_table.py NAME... > tracerisk/ros/data/modules.csv
+    python benchmarks/module_table.py NAME... > tracerisk/ros/imports/data/modules.csv
 
 Each distribution is installed without its dependencies into a folder that is thrown away, and its
 own metadata says which modules it brings: a folder or a module at the top of what it installs.

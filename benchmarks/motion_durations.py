@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.sparse import csr_array, vstack
 
-from tracerisk.twin.robot import Robot, load_robot
-from tracerisk.twin.timing import PATH_TOLERANCE, along_path
+from tracerisk.twin.motion.timing import PATH_TOLERANCE, along_path
+from tracerisk.twin.robots.robot import Robot, load_robot
 
 Array = NDArray[np.float64]
 Piece = tuple[float, Array, Array]  # length of a cell, tangents and curvatures there

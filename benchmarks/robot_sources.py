@@ -24,11 +24,11 @@ import yaml
 from numpy.typing import NDArray
 
 from tracerisk.errors import RobotError
-from tracerisk.twin.model_file_frames import rotation
-from tracerisk.twin.robot import Robot, load_robot, robot_names
-from tracerisk.twin.urdf_tree import Tree, read_tree, tree_of
-from tracerisk.twin.xacro_files import expand_xacro
-from tracerisk.twin.xml_reader import read_xml
+from tracerisk.geometry.frames import rotation
+from tracerisk.twin.robots.robot import Robot, load_robot, robot_names
+from tracerisk.twin.urdf.tree import Tree, read_tree, tree_of
+from tracerisk.twin.urdf.xacro_files import expand_xacro
+from tracerisk.twin.urdf.xml_reader import read_xml
 
 # What MoveIt 1 plans with where no acceleration is given [rad/s^2]: moveit/moveit
 # moveit_core/trajectory_processing/src/time_optimal_trajectory_generation.cpp.

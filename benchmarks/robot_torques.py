@@ -21,12 +21,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.twin.builder import compile_model
-from tracerisk.twin.motion import JointTrajectory
-from tracerisk.twin.robot import Link, Robot, load_robot
-from tracerisk.twin.samples import Samples, SampleWriter, read_samples
-from tracerisk.twin.scene import Scene
-from tracerisk.twin.twin import Twin
+from tracerisk.twin.physics.builder import compile_model
+from tracerisk.twin.physics.motion import JointTrajectory
+from tracerisk.twin.physics.scene import Scene
+from tracerisk.twin.recording.samples import Samples, SampleWriter, read_samples
+from tracerisk.twin.robots.robot import Link, Robot, load_robot
+from tracerisk.twin.simulation.twin import Twin
 
 # After the builder, which says that no window is needed.
 import mujoco  # isort: skip

@@ -15,11 +15,11 @@ import tempfile
 from pathlib import Path
 
 from tracerisk import pipeline
-from tracerisk.pipeline.run_files import WallTime
-from tracerisk.twin.replay import Replay, replay
-from tracerisk.twin.robot import load_robot
-from tracerisk.twin.samples import read_samples
-from tracerisk.twin.scene import load_scene
+from tracerisk.pipeline.trace.run_files import WallTime
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.recording.replay import Replay, replay
+from tracerisk.twin.recording.samples import read_samples
+from tracerisk.twin.robots.robot import load_robot
 
 SAMPLE = Path(__file__).parent.parent / "sample_controllers" / "pick_and_place.py"
 

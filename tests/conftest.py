@@ -128,7 +128,7 @@ def example(tmp_path: Path) -> Example:
 @pytest.fixture(scope="session")
 def pick_and_place() -> bytes:
     """The sample controller without blocks, whatever a run in the work tree has put in."""
-    from tracerisk.adder.insert import strip_blocks
+    from tracerisk.adder.sources.insert import strip_blocks
 
     path = SAMPLES / "pick_and_place.py"
     return strip_blocks(path.read_bytes(), path.name)

@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
-from tracerisk.adder.insert import insert_blocks
-from tracerisk.adder.merge import MergePolicy, merge_block
-from tracerisk.adder.read import read_blocks
-from tracerisk.adder.values import CALL_SEQUENCE, COMPONENT_KINDS, NEXT
+from tracerisk.adder.blocks.values import CALL_SEQUENCE, COMPONENT_KINDS, NEXT
+from tracerisk.adder.merge.merge import MergePolicy, merge_block
+from tracerisk.adder.sources.insert import insert_blocks
+from tracerisk.adder.sources.read import read_blocks
 
 ROOT = Path(__file__).parent.parent
 TEXT = (ROOT / "docs" / "blocks.md").read_text(encoding="utf-8")

@@ -15,7 +15,7 @@ import pytest
 from tracerisk import errors
 from tracerisk.contained.kernel import Support
 from tracerisk.errors import ExitCode, TraceRiskError
-from tracerisk.pipeline.check_finding import FindingKind
+from tracerisk.pipeline.check.finding import FindingKind
 from tracerisk.trace import GOOD_ENDS, EndCause, RunEnd
 
 TEXT = (Path(__file__).parents[1] / "docs" / "errors.md").read_text(encoding="utf-8")
@@ -313,7 +313,13 @@ def codes_of(error: type[TraceRiskError]) -> set[str]:
 
 
 def test_each_code_has_a_section_and_each_section_a_code():
-    for name in ("adder.lock", "adder.read", "twin.detect", "twin.motion", "prm.logic_checks"):
+    for name in (
+        "adder.lock.lock",
+        "adder.sources.read",
+        "twin.robots.detect",
+        "twin.physics.motion",
+        "prm.logic.checks",
+    ):
         import_module(f"tracerisk.{name}")
     raised = codes_of(TraceRiskError) - {TraceRiskError.code}
     ends = {RunEnd(cause, "", None).code for cause in get_args(EndCause) if cause not in GOOD_ENDS}

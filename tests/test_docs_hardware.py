@@ -13,8 +13,8 @@ import pytest
 from ruamel.yaml import YAML
 
 from tracerisk.hardware.binding import bind
-from tracerisk.hardware.reader import read_hardware
-from tracerisk.twin.robot import load_robot
+from tracerisk.hardware.yaml.reader import read_hardware
+from tracerisk.twin.robots.robot import load_robot
 
 TEXT = (Path(__file__).parents[1] / "docs" / "hardware.md").read_text(encoding="utf-8")
 SCHEMA = json.loads(files("tracerisk.hardware").joinpath("hardware.schema.json").read_text())

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tracerisk.adder.definitions import normal_name
-from tracerisk.adder.values import is_function_name, read_transition
+from tracerisk.adder.blocks.values import is_function_name, read_transition
+from tracerisk.adder.sources.definitions import normal_name
 from tracerisk.instance_name import (
     instance_name,
     is_name_at,

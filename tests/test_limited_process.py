@@ -12,12 +12,12 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.config import Settings
+from tracerisk.contained.limited_process import OwnTime, run_limited
 from tracerisk.errors import ExitCode, LimitError, Location
-from tracerisk.limited_process import OwnTime, run_limited
 from tracerisk.limits import DEFAULT_LIMITS, Limit, Sandbox
 
 CHILD = """\
-from tracerisk.limited_process import end_with, limit_memory, mark_start
+from tracerisk.contained.limited_process import end_with, limit_memory, mark_start
 import os, signal, sys, time
 
 def main():

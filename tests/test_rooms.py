@@ -1,4 +1,7 @@
-"""Imports between the rooms point one way: nothing below knows what stands above it."""
+"""Imports point one way, between the rooms and between the sub-rooms of a room.
+
+Nothing below knows what stands above it. An import within a function counts as any other.
+"""
 
 from __future__ import annotations
 
@@ -19,26 +22,46 @@ ROOMS = (
     "ros",
     "twin",
     "instrument",
+    "quantify",
     "hardware",
+    "source",
 )
 """From the top down."""
 BELOW = (
     *("trace", "trace_display", "trace_json", "trace_log"),
-    *("acceptances", "bounded", "config", "contained", "dependencies", "errors", "instance_name"),
-    *("limited_process", "limits", "printable"),
-    *("yaml_bounds", "yaml_nodes", "yaml_reader"),
+    *("acceptances", "config", "contained", "dependencies", "errors", "geometry", "instance_name"),
+    *("limits", "text"),
 )
-"""Modules that every room may import, and that import no room."""
+"""What every room may import, and what imports no room."""
 RANK = {room: rank for rank, room in enumerate(ROOMS)} | dict.fromkeys(BELOW, len(ROOMS))
+SUB_ROOMS = {
+    "adder": ("annotate", "figures", "sources", "merge", "lock", "blocks"),
+    "pipeline": (
+        *("scenarios", "results", "review", "check", "stages", "freshness", "run", "trace"),
+        *("history", "robot", "launch", "launch_files", "workspace"),
+    ),
+    "ros": (
+        *("twin_interfaces", "stand_ins", "scenario", "imports", "gazebo", "moveit", "robot"),
+        *("drafts", "transforms", "messages", "graph", "time", "controller", "homogeneous"),
+    ),
+    "twin": (
+        *("workspace", "simulation", "recording", "motion", "physics"),
+        *("model_files", "urdf", "robots"),
+    ),
+}
+"""The parts of a room, from the top down."""
+MOST_FILES = 15
+"""In a folder, beside `__init__`: more hide what is there."""
+VERBS = 35
 
 
-def room_of(path: Path) -> str:
-    return path.relative_to(PACKAGE).with_suffix("").parts[0]
+def parts_of(path: Path) -> tuple[str, ...]:
+    return path.relative_to(PACKAGE).with_suffix("").parts
 
 
-def imported_rooms(path: Path) -> dict[str, int]:
-    """The rooms that a file imports anything from, with the line of one such import."""
-    found: dict[str, int] = {}
+def imported(path: Path) -> dict[tuple[str, ...], int]:
+    """What a file imports of tracerisk: the parts of each name, with the line."""
+    found: dict[tuple[str, ...], int] = {}
     for node in ast.walk(ast.parse(path.read_bytes())):
         names: list[str] = []
         if isinstance(node, ast.Import):
@@ -49,9 +72,9 @@ def imported_rooms(path: Path) -> dict[str, int]:
         elif isinstance(node, ast.ImportFrom):
             names = [f"{node.module}.{alias.name}" for alias in node.names]
         for name in names:
-            parts = name.split(".")
-            if parts[0] == "tracerisk" and len(parts) > 1 and parts[1] in RANK:
-                found.setdefault(parts[1], node.lineno)
+            first, *parts = name.split(".")
+            if first == "tracerisk" and parts:
+                found.setdefault(tuple(parts), node.lineno)
     return found
 
 
@@ -64,9 +87,22 @@ FILES = sorted(
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(PACKAGE).as_posix())
 def test_a_file_imports_from_its_own_room_and_from_below(path):
-    here = RANK[room_of(path)]
-    upwards = {name: line for name, line in imported_rooms(path).items() if RANK[name] < here}
+    room, *inside = parts_of(path)
+    upwards = {
+        name: line
+        for name, line in imported(path).items()
+        if name[0] in RANK and RANK[name[0]] < RANK[room]
+    }
     assert not upwards, f"{path.name} imports from a room above its own: {upwards}"
+    ranks = {name: rank for rank, name in enumerate(SUB_ROOMS.get(room, ()))}
+    if inside == ["__init__"] or not ranks:
+        return
+    upwards = {
+        name: line
+        for name, line in imported(path).items()
+        if name[0] == room and len(name) > 1 and ranks.get(name[1], 99) < ranks[inside[0]]
+    }
+    assert not upwards, f"{path.name} imports from a part above its own: {upwards}"
 
 
 def test_every_room_and_module_has_its_place():
@@ -77,3 +113,26 @@ def test_every_room_and_module_has_its_place():
         or (path / "__init__.py").is_file()
     }
     assert here == set(RANK)
+
+
+@pytest.mark.parametrize("room", SUB_ROOMS)
+def test_every_part_of_a_room_has_its_place(room):
+    here = {
+        path.stem
+        for path in (PACKAGE / room).iterdir()
+        if (path.suffix == ".py" and path.stem != "__init__") or (path / "__init__.py").is_file()
+    }
+    # Stand-ins are packages of their own.
+    assert here | {"stand_ins"} == set(SUB_ROOMS[room]) | {"stand_ins"}
+
+
+def test_no_folder_hides_what_is_in_it():
+    """What mirrors a public package has as many files as that."""
+    crowded = {
+        folder.relative_to(PACKAGE).as_posix(): count
+        for folder in (PACKAGE, *PACKAGE.rglob("*"))
+        if folder.is_dir() and "stand_ins" not in folder.parts
+        for count in [sum(1 for each in folder.glob("*.py") if each.stem != "__init__")]
+        if count > (VERBS if folder.name == "cli" else MOST_FILES)
+    }
+    assert crowded == {}

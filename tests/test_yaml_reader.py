@@ -7,7 +7,7 @@ import warnings
 import pytest
 
 from tracerisk.errors import InputError
-from tracerisk.yaml_reader import read_yaml
+from tracerisk.text.yaml_reader import read_yaml
 
 
 @pytest.mark.parametrize("version", [(1, 1), (1, 2)])

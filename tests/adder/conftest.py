@@ -5,9 +5,9 @@ from textwrap import dedent
 
 import pytest
 
-from tracerisk.adder.block import ComponentEntry, RiskBlock
-from tracerisk.adder.grammar import BlockLine, parse_block
-from tracerisk.adder.values import (
+from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
+from tracerisk.adder.blocks.grammar import BlockLine, parse_block
+from tracerisk.adder.blocks.values import (
     computed_count,
     computed_next,
     computed_probability,

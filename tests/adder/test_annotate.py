@@ -12,11 +12,11 @@ from tracerisk.adder.annotate import (
     Unchanged,
     annotate_sources,
 )
-from tracerisk.adder.insert import strip_blocks
-from tracerisk.adder.lock import LOCK_NAME, Lock, read_lock
-from tracerisk.adder.merge import MergePolicy
-from tracerisk.adder.read import read_blocks
-from tracerisk.adder.write import write_all
+from tracerisk.adder.lock.lock import LOCK_NAME, Lock, read_lock
+from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.adder.sources.insert import strip_blocks
+from tracerisk.adder.sources.read import read_blocks
+from tracerisk.adder.sources.write import write_all
 from tracerisk.errors import BlockError, EditInTheWayError, ExitCode
 
 PICK = b"def pick():\n    grasp()\n\ndef place():\n    release()\n"

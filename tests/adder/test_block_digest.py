@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import pytest
 
-from tracerisk.adder.authors import Evidence
-from tracerisk.adder.block_digest import DigestReading, digest_of, is_as_written, with_digest
-from tracerisk.adder.grammar import print_block
-from tracerisk.adder.insert import insert_blocks
-from tracerisk.adder.lock import WrittenBlock, written_block
-from tracerisk.adder.merge import MergePolicy, merge
-from tracerisk.adder.read import read_blocks
-from tracerisk.adder.values import NEXT, PROBABILITY, QUANTITY, computed_next
+from tracerisk.adder.blocks.grammar import print_block
+from tracerisk.adder.blocks.values import NEXT, PROBABILITY, QUANTITY, computed_next
+from tracerisk.adder.lock.digest import DigestReading, digest_of, is_as_written, with_digest
+from tracerisk.adder.lock.lock import WrittenBlock, written_block
+from tracerisk.adder.merge.authors import Evidence
+from tracerisk.adder.merge.merge import MergePolicy, merge
+from tracerisk.adder.sources.insert import insert_blocks
+from tracerisk.adder.sources.read import read_blocks
 
 STOP, ACCEPT, DISCARD = MergePolicy(), MergePolicy("accept"), MergePolicy("discard")
 SOURCE = b"def place():\n    go()\n"
@@ -121,7 +121,7 @@ UNCLEAR = Evidence(is_fresh=False)
 def test_what_nobody_can_tell_the_author_of_is_left_alone_without_advice_to_pin_it(
     block, make_block, policy
 ) -> None:
-    from tracerisk.adder.merge import edits_error, in_the_way
+    from tracerisk.adder.merge.merge import edits_error, in_the_way
 
     mixed = changed(block, "= 7.344e-08", "= 3.333e-08")
     now = make_block(gripper=1e-07, motor=2e-07)

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import pytest
 
-from tracerisk.adder.computed import compute_blocks
+from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.errors import HardwareError
-from tracerisk.hardware.reader import read_hardware
+from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.trace import (
     WEAR_EXPONENTS,
     Cycle,

@@ -6,9 +6,9 @@ import math
 
 import pytest
 
-from tracerisk.adder.computed import compute_blocks
+from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.errors import HardwareError
-from tracerisk.hardware.reader import read_hardware
+from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.trace import Cycle, FunctionRef, QualifiedName, RunEnd, Trace, TracedFunction, Visit
 
 PLACE = FunctionRef("cell.py", QualifiedName("place"))

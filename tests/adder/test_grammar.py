@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tracerisk.adder.block import ComponentEntry, Field, RiskBlock, Transition
-from tracerisk.adder.grammar import BlockLine, parse_block, print_block
-from tracerisk.adder.values import (
+from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
+from tracerisk.adder.blocks.grammar import BlockLine, parse_block, print_block
+from tracerisk.adder.blocks.values import (
     computed_count,
     computed_next,
     computed_probability,

@@ -4,9 +4,9 @@ import ast
 
 import pytest
 
-from tracerisk.adder.block import RiskBlock
-from tracerisk.adder.insert import insert_blocks, insert_everywhere, strip_blocks
-from tracerisk.adder.values import computed_count, computed_next
+from tracerisk.adder.blocks.block import RiskBlock
+from tracerisk.adder.blocks.values import computed_count, computed_next
+from tracerisk.adder.sources.insert import insert_blocks, insert_everywhere, strip_blocks
 from tracerisk.errors import BlockError, InputError, UnsafeRewriteError
 
 SIGN = "<block>"

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.adder.computed import compute_blocks
-from tracerisk.hardware.reader import read_hardware
-from tracerisk.pipeline.trace_summary import trace_summary
+from tracerisk.adder.figures.computed import compute_blocks
+from tracerisk.hardware.yaml.reader import read_hardware
+from tracerisk.pipeline.trace.summary import trace_summary
 from tracerisk.prm import solve
-from tracerisk.prm.build import build_model
+from tracerisk.prm.hybrid.build import build_model
 from tracerisk.trace import (
     Element,
     Exposure,

@@ -11,16 +11,16 @@ import pytest
 from hypothesis import HealthCheck, given, reject, settings
 from hypothesis import strategies as st
 
-from tracerisk.adder.block import ComponentEntry, RiskBlock
-from tracerisk.adder.definitions import MODULE, definitions, module_line, parse_python
-from tracerisk.adder.insert import insert_blocks, insert_everywhere, strip_blocks
-from tracerisk.adder.read import scan_blocks
-from tracerisk.adder.values import (
+from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
+from tracerisk.adder.blocks.values import (
     computed_count,
     computed_next,
     computed_probability,
     computed_redundancy,
 )
+from tracerisk.adder.sources.definitions import MODULE, definitions, module_line, parse_python
+from tracerisk.adder.sources.insert import insert_blocks, insert_everywhere, strip_blocks
+from tracerisk.adder.sources.read import scan_blocks
 from tracerisk.errors import SourceError, UnsafeRewriteError
 from tracerisk.hardware.redundancy import Redundancy
 

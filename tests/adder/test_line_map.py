@@ -1,7 +1,7 @@
-from tracerisk.adder.block import RiskBlock
-from tracerisk.adder.insert import insert_blocks
-from tracerisk.adder.line_map import line_map
-from tracerisk.adder.values import computed_count, computed_next
+from tracerisk.adder.blocks.block import RiskBlock
+from tracerisk.adder.blocks.values import computed_count, computed_next
+from tracerisk.adder.sources.insert import insert_blocks
+from tracerisk.adder.sources.line_map import line_map
 
 SOURCE = b"""\
 import os

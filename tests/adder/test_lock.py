@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk.adder.lock import (
+from tracerisk.adder.lock.lock import (
     ControllerLock,
     Lock,
     LockError,
@@ -18,8 +18,8 @@ from tracerisk.adder.lock import (
     read_lock,
     written_block,
 )
-from tracerisk.adder.merge import MergePolicy, merge
-from tracerisk.adder.read import read_blocks
+from tracerisk.adder.merge.merge import MergePolicy, merge
+from tracerisk.adder.sources.read import read_blocks
 from tracerisk.errors import ExitCode
 
 GRIPPER = WrittenComponent(

@@ -5,11 +5,11 @@ from fractions import Fraction
 
 import pytest
 
-from tracerisk.adder.block import Transition
-from tracerisk.adder.grammar import print_block
-from tracerisk.adder.lock import written_block
-from tracerisk.adder.merge import MergePolicy, merge, merge_block
-from tracerisk.adder.values import profile_next
+from tracerisk.adder.blocks.block import Transition
+from tracerisk.adder.blocks.grammar import print_block
+from tracerisk.adder.blocks.values import profile_next
+from tracerisk.adder.lock.lock import written_block
+from tracerisk.adder.merge.merge import MergePolicy, merge, merge_block
 from tracerisk.errors import EditInTheWayError
 
 STOP = MergePolicy()

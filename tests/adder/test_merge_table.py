@@ -20,10 +20,10 @@ from tracerisk.adder.annotate import (
     Unchanged,
     annotate_sources,
 )
-from tracerisk.adder.grammar import print_block
-from tracerisk.adder.lock import Lock, loads
-from tracerisk.adder.merge import MergePolicy
-from tracerisk.adder.read import read_blocks
+from tracerisk.adder.blocks.grammar import print_block
+from tracerisk.adder.lock.lock import Lock, loads
+from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.adder.sources.read import read_blocks
 from tracerisk.errors import BlockError
 
 SOURCE = b"def init():\n    go()\n\n\ndef place():\n    release()\n\n\ndef retreat():\n    go()\n"

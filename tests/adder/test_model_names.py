@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tracerisk.adder.model_names import model_names
+from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.trace import FunctionRef, QualifiedName
 
 

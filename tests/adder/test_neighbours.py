@@ -11,8 +11,8 @@ from textwrap import dedent
 
 import pytest
 
-from tracerisk.adder.insert import insert_blocks
-from tracerisk.adder.read import read_blocks
+from tracerisk.adder.sources.insert import insert_blocks
+from tracerisk.adder.sources.read import read_blocks
 
 
 @pytest.fixture
@@ -271,7 +271,17 @@ def test_what_a_tool_would_leave_it_leaves_with_blocks_too(
 
 
 @pytest.mark.parametrize(
-    "module", ["block", "grammar", "read", "lock", "merge", "insert", "write", "annotate"]
+    "module",
+    [
+        "blocks.block",
+        "blocks.grammar",
+        "sources.read",
+        "lock.lock",
+        "merge.merge",
+        "sources.insert",
+        "sources.write",
+        "annotate",
+    ],
 )
 def test_importing_the_adder_loads_nothing_heavy(module: str) -> None:
     code = (
@@ -288,8 +298,8 @@ def test_importing_the_adder_loads_nothing_heavy(module: str) -> None:
 def test_reading_and_removing_blocks_needs_no_libcst(annotated: Path) -> None:
     code = (
         "import sys\nfrom pathlib import Path\n"
-        "from tracerisk.adder.insert import insert_blocks, strip_blocks\n"
-        "from tracerisk.adder.read import read_blocks\n"
+        "from tracerisk.adder.sources.insert import insert_blocks, strip_blocks\n"
+        "from tracerisk.adder.sources.read import read_blocks\n"
         "source = Path(sys.argv[1]).read_bytes()\n"
         "blocks = {b.function: b.block for b in read_blocks(source, 'pick.py')}\n"
         "assert len(blocks) == 2\n"

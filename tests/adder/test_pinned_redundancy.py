@@ -5,16 +5,16 @@ from __future__ import annotations
 import pytest
 
 from tracerisk.adder.annotate import Changed, SourceBlocks, Unchanged, annotate_sources
-from tracerisk.adder.block import ComponentEntry, RiskBlock
-from tracerisk.adder.instance_values import kept_values
-from tracerisk.adder.lock import Lock
-from tracerisk.adder.merge import MergePolicy
-from tracerisk.adder.values import (
+from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
+from tracerisk.adder.blocks.values import (
     computed_count,
     computed_next,
     computed_probability,
     computed_redundancy,
 )
+from tracerisk.adder.figures.instance_values import kept_values
+from tracerisk.adder.lock.lock import Lock
+from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.errors import BlockError
 from tracerisk.hardware.redundancy import ALL_NEEDED
 

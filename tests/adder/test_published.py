@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from tracerisk.adder.published import is_c_like, read_c_blocks, read_plain_blocks
+from tracerisk.adder.sources.published import is_c_like, read_c_blocks, read_plain_blocks
 from tracerisk.errors import BlockError
 
 C = b"""\

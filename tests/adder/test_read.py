@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.adder.read import read_blocks
+from tracerisk.adder.sources.read import read_blocks
 from tracerisk.errors import BlockError, SourceError
 
 

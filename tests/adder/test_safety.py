@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.adder.definitions import parse_python
-from tracerisk.adder.edits import Edit, apply_edits
-from tracerisk.adder.safety import check_rewrite, check_same_program
+from tracerisk.adder.sources.definitions import parse_python
+from tracerisk.adder.sources.edits import Edit, apply_edits
+from tracerisk.adder.sources.safety import check_rewrite, check_same_program
 from tracerisk.errors import UnsafeRewriteError
 
 SOURCE = parse_python(b"def f():\n    return 1\n", "c.py")

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk.adder.write import FileWrite, atomic_write, write_all
+from tracerisk.adder.sources.write import FileWrite, atomic_write, write_all
 from tracerisk.errors import InputError
 
 
@@ -73,7 +73,7 @@ def test_a_read_only_file_is_not_replaced(tmp_path: Path) -> None:
 ENDLESS_WRITER = """
 import sys
 from pathlib import Path
-from tracerisk.adder.write import atomic_write
+from tracerisk.adder.sources.write import atomic_write
 path, n = Path(sys.argv[1]), 0
 print("ready", flush=True)
 while True:
@@ -168,7 +168,7 @@ def test_a_save_while_the_new_content_goes_to_the_disk_is_not_lost(
 KILLED_WRITER = """
 import os, signal, sys
 from pathlib import Path
-from tracerisk.adder.write import atomic_write
+from tracerisk.adder.sources.write import atomic_write
 os.fsync = lambda descriptor: os.kill(os.getpid(), signal.SIGKILL)
 atomic_write(Path(sys.argv[1]), b"new")
 """

@@ -13,9 +13,9 @@ import pytest
 
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.formats import read_description
-from tracerisk.hardware.reader import read_hardware
 from tracerisk.hardware.shipped import hardware_of
-from tracerisk.twin.robot import load_robot, robot_names
+from tracerisk.hardware.yaml.reader import read_hardware
+from tracerisk.twin.robots.robot import load_robot, robot_names
 
 CELL = """\
 # a comment

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 from tracerisk.cli import main
-from tracerisk.cli.model_format import ModelFormat, detected
+from tracerisk.cli.shared.model_format import ModelFormat, detected
 
 XML = """\
 <?xml version="1.0"?>

@@ -16,9 +16,9 @@ import pytest
 from tracerisk.config import Settings
 from tracerisk.pipeline import load_controller
 from tracerisk.pipeline.launch.choose import choose_launch
-from tracerisk.pipeline.robot_choice import choose_launched_robot
-from tracerisk.twin.kinematics import Kinematics
-from tracerisk.twin.urdf import read_urdf
+from tracerisk.pipeline.robot.choice import choose_launched_robot
+from tracerisk.twin.motion.kinematics import Kinematics
+from tracerisk.twin.urdf.urdf import read_urdf
 
 PACKAGES = Path(__file__).parent / "press_feeder"
 CONTROLLER = "press_cell/press_cell/press_feeder.py"

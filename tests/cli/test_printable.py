@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk import cli
-from tracerisk.printable import MOST_CHARACTERS, printable
+from tracerisk.text.printable import MOST_CHARACTERS, printable
 
 
 @pytest.mark.parametrize(
@@ -43,7 +43,7 @@ def test_a_file_name_is_no_workflow_command(example):
 def test_a_verb_prints_only_through_what_makes_it_printable():
     """Whole documents (a model, a schema, a completion) are written as they are."""
     bare = []
-    for file in Path(cli.__file__).parent.glob("*.py"):
+    for file in Path(cli.__file__).parent.rglob("*.py"):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             is_call = isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
             if is_call and node.func.id == "print" and "printable" not in ast.unparse(node):

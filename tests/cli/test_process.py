@@ -134,7 +134,7 @@ def test_a_run_whose_source_another_annotates_before_it_is_imported_gives_what_o
     annotated_run, example, two_steps, monkeypatch, body
 ):
     from tracerisk import pipeline
-    from tracerisk.pipeline import controller_run
+    from tracerisk.pipeline.run import controller_run
 
     if body == "module":
         example.write("controller.py", "import steps\n\nsteps.main()\n")
@@ -193,7 +193,7 @@ def test_many_runs_checks_and_refreshes_at_once_leave_everything_whole(
 
 def test_a_run_keeps_what_another_wrote_into_the_lock_meanwhile(example, two_steps):
     from tracerisk import pipeline, trace_json
-    from tracerisk.adder.lock import ControllerLock, Lock, read_lock
+    from tracerisk.adder.lock.lock import ControllerLock, Lock, read_lock
 
     path = example.write("controller.py", two_steps)
     assert example.run("trace", "controller.py", "-o", "trace.json").code == 0
@@ -294,8 +294,8 @@ NOT_FOR_CHECK = {
     *("asyncio", "concurrent", "ctypes", "email", "http", "importlib.metadata", "logging"),
     *("multiprocessing", "numpy", "platform", "rich", "ruamel", "socket", "ssl", "subprocess"),
     *("tempfile", "urllib.request", "xml", "yaml"),
-    *("tracerisk.adder.annotate", "tracerisk.adder.insert", "tracerisk.contained"),
-    *("tracerisk.limited_process", "tracerisk.prm", "tracerisk.report", "tracerisk.ros"),
+    *("tracerisk.adder.annotate", "tracerisk.adder.sources.insert", "tracerisk.contained"),
+    *("tracerisk.contained.limited_process", "tracerisk.prm", "tracerisk.report", "tracerisk.ros"),
     *("tracerisk.twin", "tracerisk.instrument", "tracerisk.pipeline.review"),
 }
 """What a check of a file that is up to date has no use for: most of its time is imports."""
@@ -303,7 +303,7 @@ NOT_FOR_CHECK = {
 
 def test_check_imports_only_what_it_needs(annotated):
     modules = modules_of(annotated, LISTING.format(arguments=["check", "controller.py"]))
-    assert "tracerisk.pipeline.check" in modules
+    assert "tracerisk.pipeline.check.check" in modules
     assert not NOT_FOR_CHECK & modules
 
 

@@ -13,8 +13,8 @@ import pytest
 
 from tracerisk.config import Settings
 from tracerisk.contained.kernel import support
-from tracerisk.pipeline.controller import load_controller
 from tracerisk.pipeline.stages import trace_controller
+from tracerisk.pipeline.workspace.controller import load_controller
 
 pytestmark = pytest.mark.skipif(bool(support().missing), reason="needs Landlock and seccomp")
 

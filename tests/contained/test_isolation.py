@@ -15,11 +15,11 @@ from tracerisk.contained.kernel import Support, support
 from tracerisk.contained.process import SandboxWarning, is_contained, start
 from tracerisk.errors import RobotError, SandboxError
 from tracerisk.limits import DEFAULT_LIMITS, Sandbox
-from tracerisk.pipeline.controller import load_controller
-from tracerisk.pipeline.launch.launch_process import read_launch
+from tracerisk.pipeline.launch_files.process import read_launch
 from tracerisk.pipeline.stages import trace_controller
-from tracerisk.pipeline.workspace import find_workspace
-from tracerisk.twin.xacro_files import expand_xacro
+from tracerisk.pipeline.workspace.controller import load_controller
+from tracerisk.pipeline.workspace.workspace import find_workspace
+from tracerisk.twin.urdf.xacro_files import expand_xacro
 
 contained = pytest.mark.skipif(bool(support().missing), reason="needs Landlock and seccomp")
 

@@ -10,9 +10,10 @@ import pytest
 
 from tracerisk.config import Settings
 from tracerisk.errors import LimitError, LogError
-from tracerisk.pipeline import controller_run, one_writer, run_folders
-from tracerisk.pipeline.controller import load_controller
+from tracerisk.pipeline.history import one_writer
+from tracerisk.pipeline.run import controller_run, run_folders
 from tracerisk.pipeline.stages import trace_controller
+from tracerisk.pipeline.workspace.controller import load_controller
 
 CELL = """\
 import json, os, sys

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import tracerisk
 from tracerisk import config, trace_json
-from tracerisk.adder.lock import Lock, loads
-from tracerisk.adder.published import read_c_blocks
-from tracerisk.adder.read import read_blocks
-from tracerisk.hardware.reader import read_hardware
+from tracerisk.adder.lock.lock import Lock, loads
+from tracerisk.adder.sources.published import read_c_blocks
+from tracerisk.adder.sources.read import read_blocks
 from tracerisk.hardware.sysml.reader import read_sysml
+from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.instrument.recording import read_recording
-from tracerisk.pipeline.console_scripts import console_scripts
+from tracerisk.pipeline.workspace.console_scripts import console_scripts
 from tracerisk.prm import build_model
 from tracerisk.prm.formats import galileo, linked_json, model_json
 from tracerisk.prm.formats.explicit import read_explicit
@@ -22,8 +22,8 @@ from tracerisk.prm.formats.open_psa.reader import loads_open_psa
 from tracerisk.prm.formats.openpra import dumps_openpra, loads_openpra
 from tracerisk.prm.formats.prism.reader import read_prism
 from tracerisk.prm.linked import linked
-from tracerisk.ros.scenario import read_scenario
-from tracerisk.ros.scenario_parameters import read_parameters
+from tracerisk.ros.graph.parameter_files import read_parameters
+from tracerisk.ros.scenario.scenario import read_scenario
 from tracerisk.trace import (
     Element,
     Exposure,
@@ -34,8 +34,8 @@ from tracerisk.trace import (
     TracedFunction,
     Visit,
 )
-from tracerisk.twin.robot_reader import read_robot
-from tracerisk.twin.srdf import read_srdf
+from tracerisk.twin.robots.reader import read_robot
+from tracerisk.twin.urdf.srdf import read_srdf
 from tracerisk.vendors.description_reader import read_driver
 
 BLOCK = b"""\
@@ -159,7 +159,7 @@ TRACE = Trace(
     visits=(Visit(TURN, 0.1, 12.4, "succeeded", {"j1": Exposure(1.0, 2.0, active_s=3.0)}),),
 )
 SYSML = Path(__file__).parents[1] / "hardware" / "sysml"
-ROBOTS = Path(tracerisk.__file__).parent / "twin" / "robots"
+ROBOTS = Path(tracerisk.__file__).parent / "twin" / "robots" / "shipped"
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tracerisk.hardware.ageing import ageing_hazard, mean_ageing_rate
 from tracerisk.hardware.model import Basis, FailureFigure
+from tracerisk.quantify.ageing import ageing_hazard, mean_ageing_rate
 
 HOUR = 3600.0
 

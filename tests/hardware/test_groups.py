@@ -14,10 +14,10 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import HardwareError
-from tracerisk.hardware.function_use import FunctionUse
-from tracerisk.hardware.groups import group_unit_probabilities, group_unit_probability
-from tracerisk.hardware.instance_shares import instance_shares
 from tracerisk.hardware.redundancy import ALL_NEEDED, Redundancy
+from tracerisk.quantify.function_use import FunctionUse
+from tracerisk.quantify.groups import group_unit_probabilities, group_unit_probability
+from tracerisk.quantify.instance_shares import instance_shares
 
 TOLERANCE = 1e-14
 

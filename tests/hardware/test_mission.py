@@ -16,9 +16,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.hardware.binding import BoundComponent
-from tracerisk.hardware.mission import component_use, mission_time, visits_of_mission
 from tracerisk.hardware.model import Basis, Component, FailureFigure, FailureMode, LoadLaw
 from tracerisk.hardware.use import UnknownUseError
+from tracerisk.quantify.mission import component_use, mission_time, visits_of_mission
 from tracerisk.trace import (
     WEAR_EXPONENTS,
     Cycle,

@@ -12,9 +12,9 @@ from tracerisk.hardware.model import (
     LoadLaw,
     TwinBinding,
 )
-from tracerisk.hardware.reader import read_hardware
 from tracerisk.hardware.redundancy import Redundancy
 from tracerisk.hardware.shipped import shipped_hardware
+from tracerisk.hardware.yaml.reader import read_hardware
 
 
 def read(tmp_path: Path, text: str):

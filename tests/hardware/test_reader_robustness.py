@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from tests.hardware.strategies import hardware_descriptions
 from tracerisk.errors import HardwareError
 from tracerisk.hardware.description_data import description_data
-from tracerisk.hardware.reader import read_hardware
+from tracerisk.hardware.yaml.reader import read_hardware
 
 STRANGE = (
     None,

@@ -14,9 +14,9 @@ from ruamel.yaml import YAML
 from tests.hardware.broken import BROKEN
 from tests.hardware.strategies import hardware_descriptions
 from tracerisk.hardware.description_data import description_data
-from tracerisk.hardware.reader import read_hardware
 from tracerisk.hardware.shipped import shipped_names
-from tracerisk.hardware.yaml_writer import write_hardware
+from tracerisk.hardware.yaml.reader import read_hardware
+from tracerisk.hardware.yaml.writer import write_hardware
 
 SCHEMA = json.loads(files("tracerisk.hardware").joinpath("hardware.schema.json").read_text())
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)

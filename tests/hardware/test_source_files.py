@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tracerisk.config import Settings
 from tracerisk.hardware.source_files import source_files
-from tracerisk.pipeline.freshness import hardware_digest
+from tracerisk.pipeline.freshness.freshness import hardware_digest
 
 
 def test_yaml_is_read_from_its_own_file(tmp_path):

@@ -11,9 +11,9 @@ from hypothesis import given, settings
 
 from tests.hardware.strategies import hardware_descriptions
 from tracerisk.hardware.model import Basis, Component, FailureFigure, FailureMode, Hardware, LoadLaw
-from tracerisk.hardware.reader import read_hardware
 from tracerisk.hardware.shipped import shipped_hardware, shipped_names
-from tracerisk.hardware.yaml_writer import write_hardware
+from tracerisk.hardware.yaml.reader import read_hardware
+from tracerisk.hardware.yaml.writer import write_hardware
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,8 @@ import pytest
 
 from tracerisk.errors import Location, LogError
 from tracerisk.instrument.recording import Command, Recorder, Recording, read_recording
-from tracerisk.instrument.source import FunctionSite
 from tracerisk.instrument.tracer import Frame
+from tracerisk.source.python_source import FunctionSite
 from tracerisk.trace import Finding, FunctionRef, QualifiedName
 
 MODULE = FunctionRef("c.py", QualifiedName("<module>"))

@@ -15,12 +15,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from tracerisk import pipeline
-from tracerisk.adder.lock import LockError
-from tracerisk.adder.merge import MergePolicy
-from tracerisk.adder.read import read_blocks
-from tracerisk.adder.renames import follow_renames
+from tracerisk.adder.lock.lock import LockError
+from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.adder.sources.read import read_blocks
+from tracerisk.adder.sources.renames import follow_renames
 from tracerisk.errors import EditInTheWayError, TraceRiskError
-from tracerisk.pipeline.check import check_controller
+from tracerisk.pipeline.check.check import check_controller
 from tracerisk.trace_log import read_log
 
 COMPONENTS = ("camera", "gripper", "motor")

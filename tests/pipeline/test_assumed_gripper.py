@@ -6,10 +6,10 @@ import pytest
 
 from tracerisk import pipeline, trace_json
 from tracerisk.config import Settings
-from tracerisk.pipeline.robot_choice import choose_robot
+from tracerisk.pipeline.robot.choice import choose_robot
 from tracerisk.trace import Trace
-from tracerisk.twin.assumed_gripper import commands_gripper, with_assumed_gripper
-from tracerisk.twin.robot import load_robot, robot_names
+from tracerisk.twin.robots.assumed_gripper import commands_gripper, with_assumed_gripper
+from tracerisk.twin.robots.robot import load_robot, robot_names
 
 CONTROLLER = """\
 import actionlib
@@ -106,7 +106,7 @@ def test_a_controller_without_a_gripper_gets_the_arm_as_it_is_sold(tmp_path):
 def test_every_arm_without_one_takes_it_and_its_hardware_counts_it(name: str):
     from tracerisk.hardware.binding import bind
     from tracerisk.hardware.shipped import shipped_hardware
-    from tracerisk.twin.builder import compile_model
+    from tracerisk.twin.physics.builder import compile_model
 
     robot = with_assumed_gripper(load_robot(name), ["robotiq_85_left_knuckle_joint"])
     compile_model(robot)

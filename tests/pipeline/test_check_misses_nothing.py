@@ -10,21 +10,21 @@ from pathlib import Path
 import pytest
 
 from tracerisk.adder.annotate import Changed, SourceBlocks, annotate_sources
-from tracerisk.adder.block import ComponentEntry, RiskBlock
-from tracerisk.adder.block_digest import digest_of
-from tracerisk.adder.lock import Lock, loads
-from tracerisk.adder.merge import MergePolicy
-from tracerisk.adder.read import read_blocks
-from tracerisk.adder.values import (
+from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
+from tracerisk.adder.blocks.values import (
     computed_count,
     computed_next,
     computed_probability,
     computed_redundancy,
 )
+from tracerisk.adder.lock.digest import digest_of
+from tracerisk.adder.lock.lock import Lock, loads
+from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.adder.sources.read import read_blocks
 from tracerisk.config import read_settings
 from tracerisk.hardware.redundancy import Redundancy
-from tracerisk.pipeline.code_digest import code_digest
-from tracerisk.pipeline.freshness import RunInputs, settings_data
+from tracerisk.pipeline.freshness.freshness import RunInputs, settings_data
+from tracerisk.source.code_digest import code_digest
 from tracerisk.trace import QualifiedName
 
 SOURCE = b"""\

@@ -6,10 +6,10 @@ import pytest
 
 from tracerisk import trace_json
 from tracerisk.config import Settings
-from tracerisk.pipeline.companions import find_companions
-from tracerisk.pipeline.controller import load_controller
-from tracerisk.pipeline.freshness import run_inputs, stale_reasons
-from tracerisk.ros.needs import Need
+from tracerisk.pipeline.freshness.freshness import run_inputs, stale_reasons
+from tracerisk.pipeline.run.companions import find_companions
+from tracerisk.pipeline.workspace.controller import load_controller
+from tracerisk.ros.controller.needs import Need
 
 PACKAGE = "<package><name>{}</name></package>\n"
 PICK = """\

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tracerisk.pipeline.console_scripts import ConsoleScript, console_scripts
+from tracerisk.pipeline.workspace.console_scripts import ConsoleScript, console_scripts
 
 
 def test_the_commands_of_all_three_files_are_listed(tmp_path):

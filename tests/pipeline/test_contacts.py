@@ -9,7 +9,7 @@ import pytest
 
 from tracerisk import trace_json
 from tracerisk.trace import NOTES, Trace
-from tracerisk.twin.scene import SHIPPED_SCENES
+from tracerisk.twin.physics.scene import SHIPPED_SCENES
 
 RAISED = 0.1
 

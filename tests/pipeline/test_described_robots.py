@@ -9,8 +9,8 @@ from tracerisk import pipeline
 from tracerisk.config import Settings
 from tracerisk.errors import RobotError
 from tracerisk.pipeline.launch.choose import choose_launch
-from tracerisk.pipeline.robot_choice import choose_launched_robot
-from tracerisk.twin.kinematics import Kinematics
+from tracerisk.pipeline.robot.choice import choose_launched_robot
+from tracerisk.twin.motion.kinematics import Kinematics
 
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 # Of each joint: origin [m], roll-pitch-yaw [rad], axis. An arm of seven joints, made for this.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.pipeline.entry_point import EntryPoint, find_entry_point
+from tracerisk.pipeline.workspace.entry_point import EntryPoint, find_entry_point
 
 NODE = """\
 import rclpy

@@ -8,14 +8,14 @@ import math
 import numpy as np
 import pytest
 
-from tracerisk.adder.computed import compute_blocks
-from tracerisk.hardware.reader import read_hardware
+from tracerisk.adder.figures.computed import compute_blocks
+from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.pipeline import build
-from tracerisk.pipeline.figure_spreads import hardware_spreads, with_distributions
-from tracerisk.prm.build import build_model
-from tracerisk.prm.distributions import Lognormal
+from tracerisk.pipeline.results.figure_spreads import hardware_spreads, with_distributions
 from tracerisk.prm.formats import linked_json
-from tracerisk.prm.uncertainty import propagate
+from tracerisk.prm.hybrid.build import build_model
+from tracerisk.prm.numbers.distributions import Lognormal
+from tracerisk.prm.questions.uncertainty import propagate
 from tracerisk.trace import (
     Element,
     Exposure,

@@ -8,8 +8,8 @@ import pytest
 
 from tracerisk.acceptances import ACCEPTABLE
 from tracerisk.errors import Location
-from tracerisk.pipeline.judge import CODES, judge, with_acceptances
-from tracerisk.pipeline.recorded_run import (
+from tracerisk.pipeline.trace.judge import CODES, judge, with_acceptances
+from tracerisk.pipeline.trace.recorded_run import (
     Fall,
     IssuedCommand,
     MissedCommand,

@@ -17,9 +17,9 @@ import pytest
 
 from tracerisk.cli import main
 from tracerisk.errors import InputError, TraceRiskError
-from tracerisk.pipeline.check import check_controllers
-from tracerisk.pipeline.check_finding import Checked
-from tracerisk.pipeline.known_controllers import controllers_in
+from tracerisk.pipeline.check.check import check_controllers
+from tracerisk.pipeline.check.finding import Checked
+from tracerisk.pipeline.freshness.known_controllers import controllers_in
 
 STEPS = "def home(arm):\n    arm.go()\n\n\ndef place(arm):\n    arm.go()\n"
 LOG = """\
@@ -144,7 +144,7 @@ def test_two_refreshes_at_once_leave_what_one_would(project) -> None:
 def test_a_check_between_the_writes_of_a_refresh_waits_and_takes_nothing_for_an_edit(
     project,
 ) -> None:
-    from tracerisk.pipeline.one_writer import one_writer
+    from tracerisk.pipeline.history.one_writer import one_writer
 
     old = Path("c00.py").read_text()
     set_figure("1e-09")
@@ -161,7 +161,7 @@ def test_a_check_between_the_writes_of_a_refresh_waits_and_takes_nothing_for_an_
 
 
 def test_a_refresh_waits_for_one_that_writes(project) -> None:
-    from tracerisk.pipeline.one_writer import one_writer
+    from tracerisk.pipeline.history.one_writer import one_writer
 
     set_figure("1e-09")
     before = sources()
@@ -176,7 +176,7 @@ def test_a_refresh_waits_for_one_that_writes(project) -> None:
 
 
 def test_a_file_that_changes_under_a_refresh_is_not_overwritten(project) -> None:
-    from tracerisk.pipeline.refresh import refresh_controller
+    from tracerisk.pipeline.check.refresh import refresh_controller
 
     set_figure("1e-09")
     done = refresh_controller("c00.py")

@@ -7,7 +7,7 @@ import random
 
 import pytest
 
-from tracerisk.pipeline.last_run import (
+from tracerisk.pipeline.trace.last_run import (
     UnexpectedContact,
     kept_contacts,
     kept_uncovered,

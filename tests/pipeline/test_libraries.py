@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.pipeline.libraries import Libraries
+from tracerisk.pipeline.workspace.libraries import Libraries
 
 LIBRARY = """\
 import threading

@@ -6,8 +6,8 @@ import csv
 
 import pytest
 
-from tracerisk.instrument.python_2 import python_2_hint
-from tracerisk.ros.vendor_libraries import distributions
+from tracerisk.ros.imports.vendor_libraries import distributions
+from tracerisk.source.python_2 import python_2_hint
 
 HERE = "the environment in which tracerisk runs"
 
@@ -116,7 +116,7 @@ def test_six_is_there(example, quick):
 
 
 def test_the_table_is_sorted_and_names_each_module_once():
-    from tracerisk.ros.vendor_libraries import _MODULES
+    from tracerisk.ros.imports.vendor_libraries import _MODULES
 
     rows = list(csv.reader(_MODULES.read_text(encoding="utf-8").splitlines()))
     assert rows[0] == ["module", "distribution"]

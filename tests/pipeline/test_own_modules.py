@@ -6,8 +6,8 @@ from pathlib import Path
 
 from tracerisk import pipeline
 from tracerisk.config import Settings
-from tracerisk.pipeline.own_modules import own_modules, with_own_modules
-from tracerisk.pipeline.robot_choice import choose_robot
+from tracerisk.pipeline.robot.choice import choose_robot
+from tracerisk.pipeline.workspace.own_modules import own_modules, with_own_modules
 
 FILES = {
     "package.xml": "<package><name>cell</name></package>\n",

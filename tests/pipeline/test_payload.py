@@ -8,7 +8,7 @@ import pytest
 
 from tracerisk import trace_json
 from tracerisk.trace import WEAR_EXPONENTS, Trace
-from tracerisk.twin.scene import SHIPPED_SCENES
+from tracerisk.twin.physics.scene import SHIPPED_SCENES
 
 HEAVY_KG = 0.5
 TUBES = 2

@@ -6,8 +6,8 @@ import ast
 
 import pytest
 
-from tracerisk.pipeline.provided import provided_by
-from tracerisk.ros.needs import Need
+from tracerisk.pipeline.workspace.provided import provided_by
+from tracerisk.ros.controller.needs import Need
 
 ROS1 = """\
 import actionlib, rospy, tf

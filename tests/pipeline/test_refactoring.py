@@ -8,8 +8,8 @@ import math
 import pytest
 
 from tracerisk import trace_json
-from tracerisk.adder.computed import compute_blocks
-from tracerisk.hardware.reader import read_hardware
+from tracerisk.adder.figures.computed import compute_blocks
+from tracerisk.hardware.yaml.reader import read_hardware
 
 
 def replace_once(text: str, old: str, new: str) -> str:

@@ -9,7 +9,7 @@ import pytest
 from tracerisk import pipeline
 from tracerisk.config import Settings
 from tracerisk.errors import RobotError
-from tracerisk.pipeline.robot_choice import choose_robot
+from tracerisk.pipeline.robot.choice import choose_robot
 
 ARM = 'JOINTS = ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint"]\n'
 MANIFEST = "<package><name>{}</name></package>\n"

@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from tracerisk.pipeline.run_falls import falls
-from tracerisk.twin.contact_log import ROW, ContactLog, LoggedBody
-from tracerisk.twin.contacts import RunContacts
-from tracerisk.twin.robot import load_robot
-from tracerisk.twin.samples import POSE_EVERY, SampleHeader, Samples
-from tracerisk.twin.touches import Hold
+from tracerisk.pipeline.trace.falls import falls
+from tracerisk.twin.recording.contact_log import ROW, ContactLog, LoggedBody
+from tracerisk.twin.recording.contacts import RunContacts
+from tracerisk.twin.recording.samples import POSE_EVERY, SampleHeader, Samples
+from tracerisk.twin.recording.touches import Hold
+from tracerisk.twin.robots.robot import load_robot
 
 N = 10
 

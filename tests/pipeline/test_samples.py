@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk import trace_json
-from tracerisk.adder.insert import strip_blocks
+from tracerisk.adder.sources.insert import strip_blocks
 
 SAMPLES = Path(__file__).parents[2] / "sample_controllers"
 PACKAGE = "part_sorting/src/part_sorting"

@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 
 from tracerisk import trace_json
-from tracerisk.adder.computed import compute_blocks
-from tracerisk.hardware.reader import read_hardware
+from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.hardware.shipped import hardware_of
+from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.trace import Trace
 
 HARDWARE = """\

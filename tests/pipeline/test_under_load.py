@@ -153,7 +153,7 @@ HELPED = {
 
 def files_of(entry: str) -> dict[str, bytes]:
     """The sources of a sample, without what a run in the work tree has put into them."""
-    from tracerisk.adder.insert import strip_blocks
+    from tracerisk.adder.sources.insert import strip_blocks
 
     if entry != SORTER:
         return {entry: strip_blocks((SAMPLES / entry).read_bytes(), entry)}
@@ -240,15 +240,15 @@ def test_ten_runs_under_load_leave_the_same_bytes(name, repetition, same_under_l
 
 
 STOPPED = {
-    "tracerisk.pipeline.launch.launch_child": (LAUNCHED, "arm_task/turn.py", (), "launch file"),
-    "tracerisk.twin.xacro_child": (EXPANDED, "scripts/reach.py", (), "xacro file"),
-    "tracerisk.twin.model_file_child": (
+    "tracerisk.pipeline.launch_files.child": (LAUNCHED, "arm_task/turn.py", (), "launch file"),
+    "tracerisk.twin.urdf.xacro_child": (EXPANDED, "scripts/reach.py", (), "xacro file"),
+    "tracerisk.twin.model_files.child": (
         {**EXPANDED, "bent.xml": MJCF},
         "scripts/reach.py",
         ("--robot", "bent.xml"),
         "compiling the model",
     ),
-    "tracerisk.pipeline.child": (EXPANDED, "scripts/reach.py", (), "the process did not start"),
+    "tracerisk.pipeline.run.child": (EXPANDED, "scripts/reach.py", (), "the process did not start"),
 }
 STOP = """\
 import os, signal, sys
@@ -264,7 +264,7 @@ HOWS = {"its parent": "stop()", "itself": "os.register_at_fork(after_in_child=st
 @pytest.mark.parametrize(
     "module",
     [
-        pytest.param(each, marks=[] if each == "tracerisk.pipeline.child" else pytest.mark.slow)
+        pytest.param(each, marks=[] if each == "tracerisk.pipeline.run.child" else pytest.mark.slow)
         for each in STOPPED
     ],
 )

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk.pipeline.workspace import find_workspace, project_top
+from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
 
 
 def package(folder: Path) -> Path:

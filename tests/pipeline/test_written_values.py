@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from tracerisk.pipeline.launch.program import Program
-from tracerisk.pipeline.written_values import WrittenValues
-from tracerisk.ros.needs import Need
+from tracerisk.pipeline.scenarios.written_values import WrittenValues
+from tracerisk.ros.controller.needs import Need
 
 README = """\
 # Cell

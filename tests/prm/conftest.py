@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from hypothesis import strategies as st
 
-from tracerisk.adder.block import ComponentEntry, Field, RiskBlock, Transition
-from tracerisk.adder.values import read_redundancy
+from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
+from tracerisk.adder.blocks.values import read_redundancy
 from tracerisk.prm import FaultTree, HybridModel, build_model
 
 MakeComponent = Callable[..., ComponentEntry]

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.bayes import BayesianNetwork, Given
-from tracerisk.prm.event_tree import EventTree
-from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.bayes.network import BayesianNetwork, Given
+from tracerisk.prm.event_trees.event_tree import EventTree
+from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind
 
 PAIR = FaultTree(
     "top", (Gate("top", GateKind.AND, ("a", "b")),), (BasicEvent("a"), BasicEvent("b"))

@@ -15,8 +15,8 @@ from tracerisk.prm import (
     NextStep,
     Parameter,
 )
-from tracerisk.prm.failure_models import Constant, Exponential
-from tracerisk.prm.fault_tree import HouseEvent
+from tracerisk.prm.trees.failure_models import Constant, Exponential
+from tracerisk.prm.trees.fault_tree import HouseEvent
 
 
 def test_formulas_make_gates_and_formulas_within_them_too():

@@ -14,13 +14,13 @@ import pytest
 
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind
-from tracerisk.prm.common_cause import (
+from tracerisk.prm.trees.common_cause import (
     CommonCauseGroup,
     CommonCauseLaw,
     ShareOf,
     expand_common_cause,
 )
-from tracerisk.prm.failure_models import Constant, Exponential
+from tracerisk.prm.trees.failure_models import Constant, Exponential
 
 BETA, MGL = CommonCauseLaw.BETA, CommonCauseLaw.MGL
 ALPHA, PHI = CommonCauseLaw.ALPHA, CommonCauseLaw.PHI

@@ -6,9 +6,9 @@ from fractions import Fraction
 
 import pytest
 
-from tracerisk.adder.block import Field
-from tracerisk.prm.compare import compare
-from tracerisk.prm.model_parts import RiskVersion
+from tracerisk.adder.blocks.block import Field
+from tracerisk.prm.review.compare import compare
+from tracerisk.prm.review.model_parts import RiskVersion
 
 
 def code(_):

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.event_tree import (
+from tracerisk.prm.event_trees.event_tree import (
     Branch,
     Condition,
     End,
@@ -26,8 +26,8 @@ from tracerisk.prm.event_tree import (
     When,
 )
 from tracerisk.prm.expressions import ExpressionModel, MissionTime, Number, Product
-from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
 
 OR, AND = GateKind.OR, GateKind.AND
 

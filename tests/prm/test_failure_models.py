@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError
 from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind
-from tracerisk.prm.failure_models import (
+from tracerisk.prm.trees.failure_models import (
     GLM,
     Constant,
     Erlang,

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError
 from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind
-from tracerisk.prm.probability import Probability, at_least
+from tracerisk.prm.numbers.probability import Probability, at_least
 
 OR, AND, ATLEAST = GateKind.OR, GateKind.AND, GateKind.ATLEAST
 

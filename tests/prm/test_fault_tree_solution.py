@@ -19,8 +19,8 @@ from tracerisk.prm.expressions import (
     Number,
     Reference,
 )
-from tracerisk.prm.failure_models import Exponential, PerDemand
-from tracerisk.prm.probability import Probability, pair_of, value_of
+from tracerisk.prm.numbers.probability import Probability, pair_of, value_of
+from tracerisk.prm.trees.failure_models import Exponential, PerDemand
 
 PAIR = FaultTree.of(
     "top",

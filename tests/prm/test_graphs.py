@@ -6,8 +6,8 @@ import pytest
 
 from tracerisk.errors import ModelError
 from tracerisk.prm import FaultTree, HybridModel, MarkovChain
-from tracerisk.prm.failure_models import Constant
-from tracerisk.prm.graphs import graph_of
+from tracerisk.prm.notebook.graphs import graph_of
+from tracerisk.prm.trees.failure_models import Constant
 
 TREE = FaultTree.of(
     "top",

@@ -22,9 +22,9 @@ from tracerisk.prm import (
     build_model,
     solve,
 )
-from tracerisk.prm.expanded_chain import expanded_chain
-from tracerisk.prm.hidden_states import hidden_states
-from tracerisk.prm.solve import solve_figures
+from tracerisk.prm.hybrid.expanded_chain import expanded_chain
+from tracerisk.prm.hybrid.hidden_states import hidden_states
+from tracerisk.prm.hybrid.solve import solve_figures
 
 RENEWED = "true, detected each_visit"
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.event_tree import (
+from tracerisk.prm.event_trees.event_tree import (
     Branch,
     Condition,
     End,
@@ -18,10 +18,9 @@ from tracerisk.prm.event_tree import (
     SetHouse,
 )
 from tracerisk.prm.expressions import Number
-from tracerisk.prm.fault_tree import Gate, GateKind, HouseEvent
 from tracerisk.prm.formats.open_psa import read_open_psa
-from tracerisk.prm.logic_event_trees import solved_event_trees
-from tracerisk.prm.logic_model import (
+from tracerisk.prm.logic.event_trees import solved_event_trees
+from tracerisk.prm.logic.model import (
     EventDefinition,
     EventTreeDefinition,
     GateDefinition,
@@ -29,6 +28,7 @@ from tracerisk.prm.logic_model import (
     LogicModel,
     Substitution,
 )
+from tracerisk.prm.trees.fault_tree import Gate, GateKind, HouseEvent
 
 INPUTS = Path("/usr/share/scram/input")
 needs_scram = pytest.mark.skipif(

@@ -5,11 +5,8 @@ from __future__ import annotations
 import pytest
 
 from tracerisk.errors import Location, ModelError
-from tracerisk.prm.common_cause import CommonCauseLaw
 from tracerisk.prm.expressions import Exponential, MissionTime, Number, Reference
-from tracerisk.prm.fault_tree import HouseEvent
-from tracerisk.prm.gates import Gate, GateKind
-from tracerisk.prm.logic_model import (
+from tracerisk.prm.logic.model import (
     ALWAYS,
     Alignment,
     Container,
@@ -23,7 +20,10 @@ from tracerisk.prm.logic_model import (
     Place,
     Substitution,
 )
-from tracerisk.prm.logic_trees import solved_tops
+from tracerisk.prm.logic.trees import solved_tops
+from tracerisk.prm.trees.common_cause import CommonCauseLaw
+from tracerisk.prm.trees.fault_tree import HouseEvent
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 
 def gate(name, kind, *inputs, home="", k=None):

@@ -24,10 +24,10 @@ from tracerisk.prm import (
     build_model,
     solve,
 )
-from tracerisk.prm.distributions import Lognormal, Uniform
-from tracerisk.prm.fault_tree import HouseEvent
 from tracerisk.prm.formats import assessment_to_json, dumps, loads
 from tracerisk.prm.formats.model_json import model_data, model_schema
+from tracerisk.prm.numbers.distributions import Lognormal, Uniform
+from tracerisk.prm.trees.fault_tree import HouseEvent
 
 
 @pytest.fixture(scope="module")

@@ -8,14 +8,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tracerisk.adder.block import ComponentEntry, Field, RiskBlock, Transition
-from tracerisk.adder.values import computed_redundancy
+from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
+from tracerisk.adder.blocks.values import computed_redundancy
 from tracerisk.errors import BlockError
 from tracerisk.hardware.redundancy import Redundancy
 from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind, solve
-from tracerisk.prm.component_changes import component_items
-from tracerisk.prm.flow_changes import flow_items
-from tracerisk.prm.model_parts import ModelParts, RiskVersion, single_points, tolerated_failures
+from tracerisk.prm.review.component_changes import component_items
+from tracerisk.prm.review.flow_changes import flow_items
+from tracerisk.prm.review.model_parts import (
+    ModelParts,
+    RiskVersion,
+    single_points,
+    tolerated_failures,
+)
 
 
 def field(value):

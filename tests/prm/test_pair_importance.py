@@ -22,7 +22,7 @@ from tracerisk.prm import (
     build_model,
     solve,
 )
-from tracerisk.prm.pair_importance import pair_importances
+from tracerisk.prm.questions.pair_importance import pair_importances
 
 
 def close(expected, rel=1e-11):

@@ -14,7 +14,7 @@ import pytest
 from tracerisk.prm.bdd import SharedTree
 from tracerisk.prm.bdd.diagram import Limits
 from tracerisk.prm.formats.open_psa import read_open_psa
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.numbers.probability import Probability
 
 ROOT = Path(__file__).parents[2]
 ARALIA = ROOT.parent / "shared" / "data" / "aralia"

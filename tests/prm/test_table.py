@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import pytest
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.table import Table
+from tracerisk.prm.numbers.table import Table
 
 
 @dataclass(frozen=True)

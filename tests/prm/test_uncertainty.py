@@ -23,12 +23,12 @@ from tracerisk.prm import (
     build_model,
     solve,
 )
-from tracerisk.prm.distributions import Beta, Gamma, Lognormal, Normal, Uniform
-from tracerisk.prm.input_shares import first_order_shares
-from tracerisk.prm.sampled_chain import absorption_samples
-from tracerisk.prm.sampled_mission import failure_samples
-from tracerisk.prm.uncertainty import latin_hypercube, propagate
-from tracerisk.prm.what_if import with_values
+from tracerisk.prm.numbers.distributions import Beta, Gamma, Lognormal, Normal, Uniform
+from tracerisk.prm.questions.input_shares import first_order_shares
+from tracerisk.prm.questions.sampled_chain import absorption_samples
+from tracerisk.prm.questions.sampled_mission import failure_samples
+from tracerisk.prm.questions.uncertainty import latin_hypercube, propagate
+from tracerisk.prm.questions.what_if import with_values
 
 LOOP = {"place": {"init": Fraction(9, 10), "done": Fraction(1, 10)}}
 SHARES = np.array([0.05, 0.5, 0.95])
@@ -154,7 +154,7 @@ def test_each_draw_is_the_model_solved_there(case, exact):
 def test_many_draws_are_taken_in_passes(case, monkeypatch):
     thetas = {"gripper": np.linspace(1e-9, 1e-6, 1000)}
     whole = failure_samples(case, thetas)
-    monkeypatch.setattr("tracerisk.prm.sampled_mission._CELLS", 10_000)
+    monkeypatch.setattr("tracerisk.prm.questions.sampled_mission._CELLS", 10_000)
     assert np.array_equal(failure_samples(case, thetas), whole)
 
 
@@ -283,7 +283,7 @@ def test_shares_keep_their_size_at_1e_200_and_are_zero_without_spread():
 
 def test_importing_uncertainty_needs_nothing_heavy():
     code = (
-        "import sys, tracerisk.prm.uncertainty, tracerisk.prm.distributions;"
+        "import sys, tracerisk.prm.questions.uncertainty, tracerisk.prm.numbers.distributions;"
         "print(sorted({'numpy', 'scipy', 'rich'} & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -342,7 +342,7 @@ def test_more_hidden_failures_than_are_held_count_as_failures(block, component, 
         solve(with_values(model, {"power": p})).mission.failure_probability for p in (0.1, 0.2)
     ]
     assert whole == pytest.approx(exact, rel=1e-12)
-    monkeypatch.setattr("tracerisk.prm.sampled_mission.MOST_STATES", 3)
+    monkeypatch.setattr("tracerisk.prm.questions.sampled_mission.MOST_STATES", 3)
     bound = failure_samples(model, drawn)
     assert (bound > whole).all()
     # Two failed units at most are held: three are no rarity here.

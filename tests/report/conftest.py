@@ -5,7 +5,7 @@ from collections.abc import Callable
 import pytest
 
 import tracerisk
-from tracerisk.prm.risk_change import Review, RiskDiff
+from tracerisk.prm.review.risk_change import Review, RiskDiff
 
 
 @pytest.fixture(scope="session")

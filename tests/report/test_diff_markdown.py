@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import re
 
-from tracerisk.report.diff_markdown import TAG, render_diff_markdown
+from tracerisk.report.diff.markdown import TAG, render_diff_markdown
 
 
 def test_a_comment_is_a_tag_a_sentence_a_table_and_folded_details(eventful, review_of):

@@ -4,7 +4,7 @@ import pytest
 
 import tracerisk
 from tracerisk.prm import FIGURE_STATEMENT
-from tracerisk.report.diff_text import render_diff
+from tracerisk.report.diff.text import render_diff
 
 
 def one_step(component):

@@ -6,15 +6,15 @@ from dataclasses import replace
 
 import pytest
 
-from tracerisk.adder.block import ComponentEntry, RiskBlock
-from tracerisk.adder.computed import compute_blocks
-from tracerisk.adder.values import computed_count, computed_probability, computed_redundancy
+from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
+from tracerisk.adder.blocks.values import computed_count, computed_probability, computed_redundancy
+from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware
-from tracerisk.hardware.reader import read_hardware
 from tracerisk.hardware.redundancy import ALL_NEEDED
 from tracerisk.hardware.sources import assumed_sources
+from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.prm import solve
-from tracerisk.prm.build import build_model
+from tracerisk.prm.hybrid.build import build_model
 from tracerisk.report.run_figures import run_figures
 from tracerisk.report.tables import render_parts
 from tracerisk.trace import (

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.ros.action_graph import Actions, GoalState, GoalStateError
-from tracerisk.ros.runtime import Runtime
-from tracerisk.ros.virtual_time import RunOver
+from tracerisk.ros.graph.actions import Actions, GoalState, GoalStateError
+from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.time.scheduler import RunOver
 
 TYPE = "control_msgs/FollowJointTrajectory"
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.ros.virtual_time import RunOver
+from tracerisk.ros.time.scheduler import RunOver
 
 
 def test_what_is_ready_at_once_runs_timers_topics_guards_responses_requests(run_ros2):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from tracerisk.ros.finder import StandInFinder
-from tracerisk.ros.messages2 import Interfaces2
+from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.messages.ros2 import Interfaces2
 
 TEXT = (Path(__file__).parents[2] / "docs" / "ros.md").read_text(encoding="utf-8")
 

@@ -8,8 +8,8 @@ import types
 
 import pytest
 
-from tracerisk.ros.finder import StandInFinder
-from tracerisk.ros.messages import Interfaces
+from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.messages.ros1 import Interfaces
 
 
 @pytest.fixture
@@ -211,7 +211,7 @@ def test_tracebacks_and_reprs_show_the_librarys_name(finder):
 
 def test_installing_brings_no_simulator():
     code = (
-        "import sys; from tracerisk.ros.finder import StandInFinder; StandInFinder().install();"
+        "import sys; from tracerisk.ros.imports.finder import StandInFinder; StandInFinder().install();"
         "import geometry_msgs.msg; geometry_msgs.msg.Pose();"
         "sys.exit(bool({'mujoco', 'dm_control', 'libcst', 'numpy'} & set(sys.modules)))"
     )

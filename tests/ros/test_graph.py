@@ -2,12 +2,12 @@
 
 import pytest
 
-from tracerisk.ros import names
-from tracerisk.ros.callback_thread import CallbackThread
-from tracerisk.ros.graph import Graph, ServiceFailedError
-from tracerisk.ros.parameters import ParameterTree
-from tracerisk.ros.runtime import Runtime, activate, current
-from tracerisk.ros.virtual_time import RunOver
+from tracerisk.ros.graph import names
+from tracerisk.ros.graph.callback_thread import CallbackThread
+from tracerisk.ros.graph.graph import Graph, ServiceFailedError
+from tracerisk.ros.graph.parameters import ParameterTree
+from tracerisk.ros.graph.runtime import Runtime, activate, current
+from tracerisk.ros.time.scheduler import RunOver
 
 SECOND = 1_000_000_000
 TEXT = "std_msgs/String"

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from tracerisk.errors import InputError
-from tracerisk.ros.messages import Interfaces, SerializationError, check_message
-from tracerisk.ros.messages2 import Interfaces2
-from tracerisk.ros.rostime import Duration, Time
+from tracerisk.ros.messages.ros1 import Interfaces, SerializationError, check_message
+from tracerisk.ros.messages.ros2 import Interfaces2
+from tracerisk.ros.time.rostime import Duration, Time
 
 
 @pytest.fixture(scope="module")
@@ -309,7 +309,7 @@ def test_what_the_real_library_sends_passes(interfaces):
 
 
 def test_a_message_can_be_pickled_where_its_module_is_served(stamped):
-    from tracerisk.ros.finder import StandInFinder
+    from tracerisk.ros.imports.finder import StandInFinder
 
     finder = StandInFinder()
     with finder:
@@ -320,7 +320,7 @@ def test_a_message_can_be_pickled_where_its_module_is_served(stamped):
 
 def test_importing_the_messages_module_parses_nothing():
     code = (
-        "import sys, tracerisk.ros.messages as m; m.Interfaces();"
+        "import sys, tracerisk.ros.messages.ros1 as m; m.Interfaces();"
         "sys.exit(any(n.startswith('rosbags') for n in sys.modules))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from tracerisk.errors import InputError
-from tracerisk.ros.finder import StandInFinder
-from tracerisk.ros.messages2 import Interfaces2, copy_message, snake_case
+from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.messages.ros2 import Interfaces2, copy_message, snake_case
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from rosbags.typesys import Stores, get_typestore
 
-from tracerisk.ros.message_cdr import decode, encode
-from tracerisk.ros.messages2 import Interfaces2
+from tracerisk.ros.messages.ros2 import Interfaces2
+from tracerisk.ros.messages.ros2_wire import decode, encode
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 INTERFACES = Interfaces2()

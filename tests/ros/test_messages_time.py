@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tracerisk.ros.rostime import Duration, Time, TVal
+from tracerisk.ros.time.rostime import Duration, Time, TVal
 
 SECONDS = st.integers(0, 2**31)
 NANOSECONDS = st.integers(-(2**40), 2**40)

@@ -11,9 +11,9 @@ import pytest
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
-from tracerisk.ros.message_base import DeserializationError, Message
-from tracerisk.ros.messages import Interfaces
-from tracerisk.ros.rostime import Duration, Time
+from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.messages.ros1_base import DeserializationError, Message
+from tracerisk.ros.time.rostime import Duration, Time
 
 INTERFACES = Interfaces()
 STORED = sorted(

@@ -8,17 +8,17 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from tracerisk.errors import Location
-from tracerisk.ros.messages import Interfaces
-from tracerisk.ros.messages2 import Interfaces2
-from tracerisk.ros.needs import Missed, Need, NeedLedger
-from tracerisk.ros.posture_numbers import numbers_of
-from tracerisk.ros.scenario import read_scenario
-from tracerisk.ros.scenario_draft import drafts
-from tracerisk.ros.scenario_lines import scenario_lines
-from tracerisk.ros.usable_values import UsableValues
-from tracerisk.twin.kinematics import Kinematics
-from tracerisk.twin.motion import Pose
-from tracerisk.twin.robot import load_robot
+from tracerisk.ros.controller.needs import Missed, Need, NeedLedger
+from tracerisk.ros.drafts.draft import drafts
+from tracerisk.ros.drafts.posture_numbers import numbers_of
+from tracerisk.ros.drafts.usable_values import UsableValues
+from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.messages.ros2 import Interfaces2
+from tracerisk.ros.scenario.lines import scenario_lines
+from tracerisk.ros.scenario.scenario import read_scenario
+from tracerisk.twin.motion.kinematics import Kinematics
+from tracerisk.twin.physics.motion import Pose
+from tracerisk.twin.robots.robot import load_robot
 
 PLACE = Location("c.py", 3)
 DETECT = Need("service", "/detect")

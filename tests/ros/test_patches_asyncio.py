@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from tracerisk.ros.virtual_time import RunOver
+from tracerisk.ros.time.scheduler import RunOver
 
 SECOND = 1_000_000_000
 

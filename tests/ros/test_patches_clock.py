@@ -11,9 +11,9 @@ import time
 
 import pytest
 
-from tracerisk.ros.patches import virtual_time
-from tracerisk.ros.virtual_clock import EPOCH_NS
-from tracerisk.ros.virtual_time import RunOver, Scheduler
+from tracerisk.ros.time.clock import EPOCH_NS
+from tracerisk.ros.time.patches import virtual_time
+from tracerisk.ros.time.scheduler import RunOver, Scheduler
 
 SECOND = 1_000_000_000
 

@@ -11,8 +11,8 @@ from concurrent.futures import ThreadPoolExecutor, as_completed, wait
 
 import pytest
 
-from tracerisk.ros.patches import virtual_time
-from tracerisk.ros.virtual_time import RunOver, Scheduler
+from tracerisk.ros.time.patches import virtual_time
+from tracerisk.ros.time.scheduler import RunOver, Scheduler
 
 SECOND = 1_000_000_000
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tracerisk.ros.poses import (
+from tracerisk.ros.transforms.poses import (
     angle_between,
     compose,
     inverse,
@@ -17,7 +17,7 @@ from tracerisk.ros.poses import (
     rpy_from_quaternion,
     unit_quaternion,
 )
-from tracerisk.twin.motion import Pose
+from tracerisk.twin.physics.motion import Pose
 
 ANGLES = st.floats(-3.1, 3.1)
 TURNS = st.builds(quaternion_from_rpy, ANGLES, st.floats(-1.5, 1.5), ANGLES)

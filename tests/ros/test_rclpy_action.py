@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.ros.virtual_time import RunOver
+from tracerisk.ros.time.scheduler import RunOver
 
 
 def test_a_goal_is_answered_fed_back_and_ends_with_a_result(run_ros2):

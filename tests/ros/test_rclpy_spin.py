@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.ros.virtual_time import RunOver
+from tracerisk.ros.time.scheduler import RunOver
 
 SECOND = 1_000_000_000
 

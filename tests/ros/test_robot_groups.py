@@ -2,8 +2,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from tracerisk.ros.robot_groups import RobotGroups
-from tracerisk.twin.robot import Group, load_robot
+from tracerisk.ros.moveit.robot_groups import RobotGroups
+from tracerisk.twin.robots.robot import Group, load_robot
 
 FIRST, SECOND = "panda_finger_joint1", "panda_finger_joint2"
 

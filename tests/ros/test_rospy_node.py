@@ -10,7 +10,7 @@ import time
 
 import pytest
 
-from tracerisk.ros.virtual_time import RunOver
+from tracerisk.ros.time.scheduler import RunOver
 
 SECOND = 1_000_000_000
 
@@ -502,10 +502,10 @@ def test_every_public_name_of_the_real_library_is_there(run_node):
 
 
 def test_the_node_of_one_run_is_unknown_to_the_next(run_node, scheduler, graph):
-    from tracerisk.ros.finder import StandInFinder
-    from tracerisk.ros.graph import Graph
-    from tracerisk.ros.runtime import Runtime, activate
-    from tracerisk.ros.virtual_time import Scheduler
+    from tracerisk.ros.graph.graph import Graph
+    from tracerisk.ros.graph.runtime import Runtime, activate
+    from tracerisk.ros.imports.finder import StandInFinder
+    from tracerisk.ros.time.scheduler import Scheduler
 
     def main():
         import rospy

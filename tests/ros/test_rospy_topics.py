@@ -6,7 +6,7 @@ Sources: ros/ros_comm `clients/rospy/src/rospy/{topics,msg,client,service}.py`,
 
 import pytest
 
-from tracerisk.ros.virtual_time import RunOver
+from tracerisk.ros.time.scheduler import RunOver
 
 SECOND = 1_000_000_000
 
@@ -634,11 +634,11 @@ class RootTracer:
 
 
 def test_callbacks_timers_and_handlers_are_roots(world):
-    from tracerisk.ros.finder import StandInFinder
-    from tracerisk.ros.graph import Graph
-    from tracerisk.ros.patches import virtual_time
-    from tracerisk.ros.runtime import Runtime, activate
-    from tracerisk.ros.virtual_time import Scheduler
+    from tracerisk.ros.graph.graph import Graph
+    from tracerisk.ros.graph.runtime import Runtime, activate
+    from tracerisk.ros.imports.finder import StandInFinder
+    from tracerisk.ros.time.patches import virtual_time
+    from tracerisk.ros.time.scheduler import Scheduler
 
     tracer = RootTracer()
     scheduler = Scheduler(world, duration_ns=100 * SECOND, tracer=tracer)

@@ -6,17 +6,17 @@ import textwrap
 
 import pytest
 
-from tracerisk.ros.finder import StandInFinder
-from tracerisk.ros.graph import Graph
-from tracerisk.ros.messages import Interfaces
-from tracerisk.ros.messages2 import Interfaces2
-from tracerisk.ros.patches import virtual_time
-from tracerisk.ros.runtime import Runtime, activate
-from tracerisk.ros.scenario import read_scenario
-from tracerisk.ros.scenario_parameters import read_parameters
-from tracerisk.ros.scenario_world import ScenarioWorld
-from tracerisk.ros.virtual_clock import EPOCH_NS
-from tracerisk.ros.virtual_time import RunOver, Scheduler
+from tracerisk.ros.graph.graph import Graph
+from tracerisk.ros.graph.parameter_files import read_parameters
+from tracerisk.ros.graph.runtime import Runtime, activate
+from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.messages.ros2 import Interfaces2
+from tracerisk.ros.scenario.scenario import read_scenario
+from tracerisk.ros.scenario.world import ScenarioWorld
+from tracerisk.ros.time.clock import EPOCH_NS
+from tracerisk.ros.time.patches import virtual_time
+from tracerisk.ros.time.scheduler import RunOver, Scheduler
 
 SECOND = 1_000_000_000
 

@@ -8,16 +8,16 @@ from types import SimpleNamespace
 import pytest
 
 from tracerisk.errors import ScenarioError
-from tracerisk.ros.graph import Graph
-from tracerisk.ros.messages import Interfaces
-from tracerisk.ros.messages2 import Interfaces2
-from tracerisk.ros.runtime import Runtime
-from tracerisk.ros.scenario import read_scenario
-from tracerisk.ros.scenario_objects import with_objects
-from tracerisk.ros.scenario_parameters import read_parameters
-from tracerisk.ros.scenario_world import ScenarioWorld
-from tracerisk.ros.virtual_time import Scheduler
-from tracerisk.twin.scene import load_scene
+from tracerisk.ros.graph.graph import Graph
+from tracerisk.ros.graph.parameter_files import read_parameters
+from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.messages.ros2 import Interfaces2
+from tracerisk.ros.scenario.objects import with_objects
+from tracerisk.ros.scenario.scenario import read_scenario
+from tracerisk.ros.scenario.world import ScenarioWorld
+from tracerisk.ros.time.scheduler import Scheduler
+from tracerisk.twin.physics.scene import load_scene
 
 
 def give(path, interfaces):

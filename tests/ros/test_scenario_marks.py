@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tracerisk.errors import ScenarioError
-from tracerisk.ros.scenario import read_scenario
+from tracerisk.ros.scenario.scenario import read_scenario
 
 
 def read(tmp_path, text: str):

@@ -8,8 +8,8 @@ import uuid
 import numpy as np
 import pytest
 
-from tracerisk.ros.patches import virtual_time
-from tracerisk.ros.virtual_time import Scheduler
+from tracerisk.ros.time.patches import virtual_time
+from tracerisk.ros.time.scheduler import Scheduler
 
 SECOND = 1_000_000_000
 

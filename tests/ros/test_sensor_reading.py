@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 
 from tracerisk.instrument.recording import Recorder, read_recording
-from tracerisk.ros.graph import Graph
-from tracerisk.ros.runtime import Runtime
-from tracerisk.ros.sensor_reading import ASKED_NS, CHANNEL, SPAN, SensorReading
-from tracerisk.ros.virtual_time import Scheduler
-from tracerisk.twin.robot import load_robot
-from tracerisk.twin.scene import load_scene
-from tracerisk.twin.twin import Twin
+from tracerisk.ros.graph.graph import Graph
+from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.graph.sensor_reading import ASKED_NS, CHANNEL, SPAN, SensorReading
+from tracerisk.ros.time.scheduler import Scheduler
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.robots.robot import load_robot
+from tracerisk.twin.simulation.twin import Twin
 
 SECOND = 1_000_000_000
 TYPE = "sensor_msgs/JointState"
@@ -215,8 +215,8 @@ def test_what_the_controller_asks_of_moveit_is_read(run_on_twin):
 import rospy
 import moveit_commander
 from geometry_msgs.msg import WrenchStamped
-from tracerisk.ros.runtime import current
-from tracerisk.ros.sensor_reading import SensorReading
+from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.graph.sensor_reading import SensorReading
 
 rospy.init_node("asks")
 arm = moveit_commander.MoveGroupCommander("panda_arm")

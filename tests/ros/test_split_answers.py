@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from tracerisk.errors import Location
-from tracerisk.ros.compared_values import compared_results
-from tracerisk.ros.split_answers import numbers_answer
-from tracerisk.ros.usable_values import UsableValues
-from tracerisk.twin.motion import Pose
-from tracerisk.twin.robot import load_robot
+from tracerisk.ros.drafts.split_answers import numbers_answer
+from tracerisk.ros.drafts.usable_values import UsableValues
+from tracerisk.source.compared_values import compared_results
+from tracerisk.twin.physics.motion import Pose
+from tracerisk.twin.robots.robot import load_robot
 
 
 @pytest.fixture

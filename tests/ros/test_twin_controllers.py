@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from tracerisk.ros.graph import Graph
-from tracerisk.ros.messages2 import Interfaces2
-from tracerisk.ros.runtime import Runtime
-from tracerisk.ros.twin_controllers import ControllerManager
-from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.ros.virtual_time import Scheduler
-from tracerisk.twin.robot import load_robot
+from tracerisk.ros.graph.graph import Graph
+from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.messages.ros2 import Interfaces2
+from tracerisk.ros.robot.controllers import ControllerManager
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.time.scheduler import Scheduler
+from tracerisk.twin.robots.robot import load_robot
 
 PROGRAM = """
 import rospy

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.ros.action_graph import Actions
-from tracerisk.ros.graph import Graph
-from tracerisk.ros.messages2 import Interfaces2, copy_message
-from tracerisk.ros.runtime import Runtime
+from tracerisk.ros.graph.actions import Actions
+from tracerisk.ros.graph.graph import Graph
+from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.messages.ros2 import Interfaces2, copy_message
+from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.twin_interfaces import TwinInterfaces
-from tracerisk.ros.virtual_time import Scheduler
-from tracerisk.twin.robot import load_robot
-from tracerisk.twin.scene import load_scene
-from tracerisk.twin.twin import Twin
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.robots.robot import load_robot
+from tracerisk.twin.simulation.twin import Twin
 
 SECOND = 1_000_000_000
 JOINTS = [f"panda_joint{i}" for i in range(1, 8)]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.ros.twin_set_points import group_joints, single_joint
-from tracerisk.twin.generic import NamesAsked, generic_arm
-from tracerisk.twin.robot import load_robot
+from tracerisk.ros.robot.set_points import group_joints, single_joint
+from tracerisk.twin.robots.generic import NamesAsked, generic_arm
+from tracerisk.twin.robots.robot import load_robot
 
 PREAMBLE = """\
 import math, rospy

@@ -105,10 +105,10 @@ rospy.sleep(1.0)
 def test_joint_states_come_in_the_order_and_at_the_rate_of_a_driver(scheduler, graph, run):
     from types import SimpleNamespace
 
-    from tracerisk.ros.messages import Interfaces
-    from tracerisk.ros.runtime import Runtime
-    from tracerisk.ros.twin_topics import TwinTopics
-    from tracerisk.twin.motion import JointState
+    from tracerisk.ros.graph.runtime import Runtime
+    from tracerisk.ros.messages.ros1 import Interfaces
+    from tracerisk.ros.robot.state_topics import TwinTopics
+    from tracerisk.twin.physics.motion import JointState
 
     state = JointState(("a", "b", "c"), (1.0, 2.0, 3.0), (0.0,) * 3, (0.0,) * 3)
     twin = SimpleNamespace(joint_state=lambda: state)

@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from tracerisk.ros.virtual_time import RunOver
+from tracerisk.ros.time.scheduler import RunOver
 
 
 def test_a_watchdog_that_is_cancelled_in_time_is_read_in_virtual_time(run, scheduler):

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from tracerisk.ros.virtual_time import STREAM_PATIENCE_NS, RunOver, Scheduler
+from tracerisk.ros.time.scheduler import STREAM_PATIENCE_NS, RunOver, Scheduler
 
 SECOND = 1_000_000_000
 MS = 1_000_000

@@ -10,7 +10,7 @@ import warnings
 import pytest
 from ruamel.yaml.error import YAMLError
 
-from tracerisk.ros.yaml_text import load_yaml
+from tracerisk.ros.graph.yaml_text import load_yaml
 
 
 @pytest.mark.parametrize(

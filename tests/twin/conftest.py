@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 
 from tracerisk.trace import ObjectOffset
-from tracerisk.twin.execution import Motion
-from tracerisk.twin.motion import JointTrajectory, Pose
-from tracerisk.twin.robot import Robot, load_robot
-from tracerisk.twin.samples import Samples, SampleWriter, read_samples
-from tracerisk.twin.scene import Scene, load_scene
-from tracerisk.twin.twin import Twin
+from tracerisk.twin.motion.execution import Motion
+from tracerisk.twin.physics.motion import JointTrajectory, Pose
+from tracerisk.twin.physics.scene import Scene, load_scene
+from tracerisk.twin.recording.samples import Samples, SampleWriter, read_samples
+from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.simulation.twin import Twin
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
 SCALING = 0.4

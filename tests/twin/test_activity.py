@@ -13,18 +13,18 @@ from hypothesis import strategies as st
 
 from tracerisk.errors import LogError
 from tracerisk.trace import WEAR_EXPONENTS, Element
-from tracerisk.twin.activity import (
+from tracerisk.twin.recording.activity import (
     ElementActivity,
     Thresholds,
     debounce,
     element_activity,
     hysteresis,
 )
-from tracerisk.twin.contact_log import ROW, BodyKind, ContactLog, LoggedBody, Weld
-from tracerisk.twin.exposure import exposure
-from tracerisk.twin.grasp import between_pads
-from tracerisk.twin.robot import Robot
-from tracerisk.twin.samples import SampleHeader, Samples
+from tracerisk.twin.recording.contact_log import ROW, BodyKind, ContactLog, LoggedBody, Weld
+from tracerisk.twin.recording.exposure import exposure
+from tracerisk.twin.recording.grasp import between_pads
+from tracerisk.twin.recording.samples import SampleHeader, Samples
+from tracerisk.twin.robots.robot import Robot
 
 STEP = 0.002
 N = 1000

@@ -10,12 +10,12 @@ import pytest
 from activity_programs import PROGRAMS, Bench, Program, fly, line
 from activity_truth import FAR_ENOUGH, score
 
-from tracerisk.twin.activity import element_activity
-from tracerisk.twin.robot import Robot
-from tracerisk.twin.samples import SampleWriter, read_samples
-from tracerisk.twin.scene import GraspableObject, load_scene
-from tracerisk.twin.shapes import Shape
-from tracerisk.twin.twin import Twin
+from tracerisk.geometry.shapes import Shape
+from tracerisk.twin.physics.scene import GraspableObject, load_scene
+from tracerisk.twin.recording.activity import element_activity
+from tracerisk.twin.recording.samples import SampleWriter, read_samples
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.simulation.twin import Twin
 
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda program: program.name)

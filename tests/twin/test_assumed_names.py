@@ -2,8 +2,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from tracerisk.twin.assumed_names import with_assumed_names
-from tracerisk.twin.robot import load_robot
+from tracerisk.twin.robots.assumed_names import with_assumed_names
+from tracerisk.twin.robots.robot import load_robot
 
 
 def test_an_arm_that_is_not_known_is_the_one_without_its_hand():

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tracerisk.errors import RobotError
-from tracerisk.twin.builder import SensorLayout, compile_model, place_robot
-from tracerisk.twin.kinematics import Kinematics
-from tracerisk.twin.robot import Robot
-from tracerisk.twin.scene import Scene
+from tracerisk.twin.motion.kinematics import Kinematics
+from tracerisk.twin.physics.builder import SensorLayout, compile_model, place_robot
+from tracerisk.twin.physics.scene import Scene
+from tracerisk.twin.robots.robot import Robot
 
 import mujoco  # isort: skip
 

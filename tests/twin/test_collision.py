@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tracerisk.twin.clearance import Clearance
-from tracerisk.twin.collision import CollisionWorld
-from tracerisk.twin.robot import load_robot
+from tracerisk.twin.motion.clearance import Clearance
+from tracerisk.twin.physics.collision import CollisionWorld
+from tracerisk.twin.robots.robot import load_robot
 
 
 def drawn_pairs(robot, group):

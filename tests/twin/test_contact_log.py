@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tracerisk.errors import LogError
-from tracerisk.twin.contact_log import (
+from tracerisk.twin.recording.contact_log import (
     ROW,
     ContactLogWriter,
     LoggedBody,
@@ -64,7 +64,7 @@ def test_a_directory_without_a_log_has_no_contacts(tmp_path: Path):
 def test_contacts_outlive_a_writer_that_is_killed(tmp_path: Path):
     program = (
         "import sys, numpy as np; from pathlib import Path\n"
-        "from tracerisk.twin.contact_log import ROW, ContactLogWriter, LoggedBody\n"
+        "from tracerisk.twin.recording.contact_log import ROW, ContactLogWriter, LoggedBody\n"
         "log = ContactLogWriter(Path(sys.argv[1]))\n"
         "log.model(0, (LoggedBody('arm', 'link'), LoggedBody('table', 'fixed')), {})\n"
         "log.append(np.array([(7, 0, 1, 120.0)], dtype=ROW))\n"

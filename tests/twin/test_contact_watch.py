@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tracerisk.twin.contact_log import ContactLog, LoggedBody, read_contacts
-from tracerisk.twin.motion import JointTrajectory, Pose
-from tracerisk.twin.robot import Robot, load_robot
-from tracerisk.twin.samples import SampleWriter, read_samples
-from tracerisk.twin.scene import Scene, load_scene
-from tracerisk.twin.scene_body import SceneBody
-from tracerisk.twin.shapes import Shape
-from tracerisk.twin.touches import PairTouches, pair_touches
-from tracerisk.twin.twin import Twin
+from tracerisk.geometry.shapes import Shape
+from tracerisk.twin.physics.motion import JointTrajectory, Pose
+from tracerisk.twin.physics.scene import Scene, load_scene
+from tracerisk.twin.physics.scene_body import SceneBody
+from tracerisk.twin.recording.contact_log import ContactLog, LoggedBody, read_contacts
+from tracerisk.twin.recording.samples import SampleWriter, read_samples
+from tracerisk.twin.recording.touches import PairTouches, pair_touches
+from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.simulation.twin import Twin
 
 FOLDED = (0.0, 0.5, 0.0, -3.0, 0.0, 1.0, 0.785)
 UNTURNED = (0.0, 0.0, 0.0, 1.0)

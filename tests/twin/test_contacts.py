@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tracerisk.twin.activity import ElementActivity, Thresholds
-from tracerisk.twin.contact_log import (
+from tracerisk.twin.recording.activity import ElementActivity, Thresholds
+from tracerisk.twin.recording.contact_log import (
     LOOK_EVERY,
     OVERLAP,
     POSTURE_EVERY,
@@ -17,7 +17,7 @@ from tracerisk.twin.contact_log import (
     LoggedBody,
     Weld,
 )
-from tracerisk.twin.contacts import (
+from tracerisk.twin.recording.contacts import (
     GENTLE_N,
     RunContacts,
     contact_activity,
@@ -25,8 +25,8 @@ from tracerisk.twin.contacts import (
     visit_contacts,
     visit_payloads,
 )
-from tracerisk.twin.robot import Robot, load_robot
-from tracerisk.twin.touches import Hold, hand_links, moved_by, pair_touches
+from tracerisk.twin.recording.touches import Hold, hand_links, moved_by, pair_touches
+from tracerisk.twin.robots.robot import Robot, load_robot
 
 N = 4000
 STEP = 0.002

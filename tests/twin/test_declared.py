@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from tracerisk.errors import LogError, RobotError
-from tracerisk.twin.motion import PlanningError, Pose
-from tracerisk.twin.replay import replay
-from tracerisk.twin.robot import Robot, load_robot
-from tracerisk.twin.samples import SampleWriter, read_samples
-from tracerisk.twin.scene import load_scene
-from tracerisk.twin.scene_body import HalfSpace, Hull, SceneBody
-from tracerisk.twin.shapes import Shape
-from tracerisk.twin.twin import Twin
+from tracerisk.geometry.shapes import Shape
+from tracerisk.twin.physics.motion import PlanningError, Pose
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.physics.scene_body import HalfSpace, Hull, SceneBody
+from tracerisk.twin.recording.replay import replay
+from tracerisk.twin.recording.samples import SampleWriter, read_samples
+from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.simulation.twin import Twin
 
 SECOND = 1_000_000_000
 NO_TURN = (0.0, 0.0, 0.0, 1.0)

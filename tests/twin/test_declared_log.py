@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from tracerisk.errors import LogError
-from tracerisk.twin.declared_log import DeclaredLogWriter, LoggedShape, read_declared
-from tracerisk.twin.motion import Pose
-from tracerisk.twin.robot import load_robot
-from tracerisk.twin.samples import SampleWriter, read_samples
-from tracerisk.twin.scene import load_scene
-from tracerisk.twin.scene_body import HalfSpace, Hull, SceneBody
-from tracerisk.twin.shapes import Shape
-from tracerisk.twin.twin import Twin
+from tracerisk.geometry.shapes import Shape
+from tracerisk.twin.physics.declared_log import DeclaredLogWriter, LoggedShape, read_declared
+from tracerisk.twin.physics.motion import Pose
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.physics.scene_body import HalfSpace, Hull, SceneBody
+from tracerisk.twin.recording.samples import SampleWriter, read_samples
+from tracerisk.twin.robots.robot import load_robot
+from tracerisk.twin.simulation.twin import Twin
 
 NO_TURN = (0.0, 0.0, 0.0, 1.0)
 CUBE = (Shape("box", (0.02, 0.02, 0.02)),)

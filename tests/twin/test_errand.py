@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tracerisk.twin.activity import element_activity
-from tracerisk.twin.exposure import ACTIVE_S, exposure
-from tracerisk.twin.replay import replay
-from tracerisk.twin.robot import Robot
-from tracerisk.twin.samples import POSE_EVERY
-from tracerisk.twin.scene import Scene
-from tracerisk.twin.twin import Twin
+from tracerisk.twin.physics.scene import Scene
+from tracerisk.twin.recording.activity import element_activity
+from tracerisk.twin.recording.exposure import ACTIVE_S, exposure
+from tracerisk.twin.recording.replay import replay
+from tracerisk.twin.recording.samples import POSE_EVERY
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.simulation.twin import Twin
 
 STEP_NS = 2_000_000
 GRASP_Z, TRAVEL_Z = 0.085, 0.235

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tracerisk.twin.joint_motion import (
+from tracerisk.twin.recording.joint_motion import (
     LEVER_M,
     MotionRule,
     SetPoint,

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from tracerisk.errors import RobotError
-from tracerisk.twin.clearance import Clearance
-from tracerisk.twin.kinematics import Kinematics
-from tracerisk.twin.motion import PlanningError, Pose
-from tracerisk.twin.planning import Planner
-from tracerisk.twin.robot import Robot, load_robot
+from tracerisk.twin.motion.clearance import Clearance
+from tracerisk.twin.motion.kinematics import Kinematics
+from tracerisk.twin.motion.planning import Planner
+from tracerisk.twin.physics.motion import PlanningError, Pose
+from tracerisk.twin.robots.robot import Robot, load_robot
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
 

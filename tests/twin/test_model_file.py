@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from tracerisk.errors import RobotError
-from tracerisk.twin.builder import compile_model
-from tracerisk.twin.model_file import read_model_file
-from tracerisk.twin.model_file_bounds import bounding_shape
-from tracerisk.twin.model_file_frames import rotation
-from tracerisk.twin.model_file_paths import ModelFolder
-from tracerisk.twin.prefix import with_prefix
-from tracerisk.twin.robot_file import dump_robot, read_dumped_robot
-from tracerisk.twin.scene import load_scene
-from tracerisk.twin.sensors import Sensor
-from tracerisk.twin.twin import Twin
+from tracerisk.geometry.frames import rotation
+from tracerisk.twin.model_files.bounds import bounding_shape
+from tracerisk.twin.model_files.model_file import read_model_file
+from tracerisk.twin.model_files.paths import ModelFolder
+from tracerisk.twin.physics.builder import compile_model
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.robots.file import dump_robot, read_dumped_robot
+from tracerisk.twin.robots.prefix import with_prefix
+from tracerisk.twin.robots.sensors import Sensor
+from tracerisk.twin.simulation.twin import Twin
 
 ARM = """<mujoco model="reacher two">
   <compiler angle="radian" autolimits="true" meshdir="shapes"/>

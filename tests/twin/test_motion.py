@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from tracerisk.errors import RobotError
-from tracerisk.twin.builder import compile_model
-from tracerisk.twin.execution import Motion
-from tracerisk.twin.motion import JointTrajectory, PlanningError
-from tracerisk.twin.robot import Robot
-from tracerisk.twin.scene import load_scene
-from tracerisk.twin.twin import Twin
+from tracerisk.twin.motion.execution import Motion
+from tracerisk.twin.physics.builder import compile_model
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.simulation.twin import Twin
 
 import mujoco  # isort: skip
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from tracerisk.twin.collision import CollisionWorld
-from tracerisk.twin.model_file_frames import rotation
-from tracerisk.twin.outline import outlined
-from tracerisk.twin.robot import Attachment, Link, load_robot
+from tracerisk.geometry.frames import rotation
+from tracerisk.twin.physics.collision import CollisionWorld
+from tracerisk.twin.robots.outline import outlined
+from tracerisk.twin.robots.robot import Attachment, Link, load_robot
 
 
 def ends(shape):

@@ -7,16 +7,16 @@ import sys
 import numpy as np
 import pytest
 
-from tracerisk.twin.builder import STEP_S, compile_model
-from tracerisk.twin.physics import (
+from tracerisk.twin.physics.builder import STEP_S, compile_model
+from tracerisk.twin.physics.physics import (
     DmControlPhysics,
     MujocoPhysics,
     begin_physics,
     engine,
     is_unstable,
 )
-from tracerisk.twin.robot import Robot
-from tracerisk.twin.scene import Scene
+from tracerisk.twin.physics.scene import Scene
+from tracerisk.twin.robots.robot import Robot
 
 import mujoco  # isort: skip
 

@@ -11,9 +11,9 @@ from tracerisk import pipeline
 from tracerisk.config import Settings
 from tracerisk.errors import LimitError
 from tracerisk.limits import DEFAULT_LIMITS, Limit
-from tracerisk.pipeline.robot_choice import choose_robot
-from tracerisk.twin.mjcf_model import mesh_shapes
-from tracerisk.twin.xacro_files import expand_xacro
+from tracerisk.pipeline.robot.choice import choose_robot
+from tracerisk.twin.model_files.mjcf_model import mesh_shapes
+from tracerisk.twin.urdf.xacro_files import expand_xacro
 
 SHORT = replace(DEFAULT_LIMITS, own=Limit("stall_limit_s", 0.3))
 # Each macro expands into two of the next: 2^40 in all.

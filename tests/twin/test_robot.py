@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from tracerisk.errors import RobotError
-from tracerisk.twin.robot import Robot, Scaling, load_robot, robot_names
+from tracerisk.twin.robots.robot import Robot, Scaling, load_robot, robot_names
 
-ROBOTS = Path(__file__).parents[2] / "tracerisk" / "twin" / "robots"
+ROBOTS = Path(__file__).parents[2] / "tracerisk" / "twin" / "robots" / "shipped"
 
 
 def changed(tmp_path: Path, old: str, new: str) -> Path:

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from tracerisk.twin.kinematics import Kinematics
-from tracerisk.twin.motion import JointTrajectory, Pose
-from tracerisk.twin.robot import load_robot, robot_names
-from tracerisk.twin.scene import load_scene
-from tracerisk.twin.twin import Twin
+from tracerisk.twin.motion.kinematics import Kinematics
+from tracerisk.twin.physics.motion import JointTrajectory, Pose
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.robots.robot import load_robot, robot_names
+from tracerisk.twin.simulation.twin import Twin
 
 # After the twin, which says that no window is needed.
 import mujoco  # isort: skip

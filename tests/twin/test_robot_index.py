@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.twin.robot import Robot, load_robot, robot_names
-from tracerisk.twin.robot_index import RobotNames, shipped_names
+from tracerisk.twin.robots.index import RobotNames, shipped_names
+from tracerisk.twin.robots.robot import Robot, load_robot, robot_names
 
 
 def names_in(robot: Robot) -> RobotNames:

@@ -11,20 +11,20 @@ import numpy as np
 import pytest
 
 from tracerisk.errors import RobotError
+from tracerisk.geometry.shapes import Shape
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.shipped import shipped_hardware
-from tracerisk.twin import robot as robot_module
-from tracerisk.twin.activity import element_activity
-from tracerisk.twin.clearance import Clearance
-from tracerisk.twin.execution import Motion
-from tracerisk.twin.kinematics import Kinematics
-from tracerisk.twin.motion import JointTrajectory, PlanningError, Pose
-from tracerisk.twin.robot import Gripper, Robot, load_robot, robot_names
-from tracerisk.twin.robot_index import shipped_names
-from tracerisk.twin.samples import SampleWriter, read_samples
-from tracerisk.twin.scene import Fixture, GraspableObject, Scene, load_scene
-from tracerisk.twin.shapes import Shape
-from tracerisk.twin.twin import Twin
+from tracerisk.twin.motion.clearance import Clearance
+from tracerisk.twin.motion.execution import Motion
+from tracerisk.twin.motion.kinematics import Kinematics
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.twin.physics.scene import Fixture, GraspableObject, Scene, load_scene
+from tracerisk.twin.recording.activity import element_activity
+from tracerisk.twin.recording.samples import SampleWriter, read_samples
+from tracerisk.twin.robots import robot as robot_module
+from tracerisk.twin.robots.index import shipped_names
+from tracerisk.twin.robots.robot import Gripper, Robot, load_robot, robot_names
+from tracerisk.twin.simulation.twin import Twin
 
 # After the twin, which says that no window is needed.
 import mujoco  # isort: skip
@@ -351,7 +351,7 @@ def ready_to_lift(
 
 
 def test_a_sign_that_is_none_is_told(tmp_path):
-    text = (Path(robot_module.__file__).parent / "robots" / "wx250.yaml").read_text(
+    text = (Path(robot_module.__file__).parent / "shipped" / "wx250.yaml").read_text(
         encoding="utf-8"
     )
     path = tmp_path / "arm.yaml"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tracerisk.errors import LogError
-from tracerisk.twin.samples import (
+from tracerisk.twin.recording.samples import (
     SampleHeader,
     SampleWriter,
     column_names,
@@ -65,7 +65,7 @@ def test_rows_not_committed_are_not_read(tmp_path: Path):
 def test_samples_outlive_a_writer_that_is_killed(tmp_path: Path):
     program = (
         "import sys, numpy as np; from pathlib import Path\n"
-        "from tracerisk.twin.samples import SampleHeader, SampleWriter\n"
+        "from tracerisk.twin.recording.samples import SampleHeader, SampleWriter\n"
         "header = SampleHeader('arm', 'bench', 2000000, ('a', 'b'), ('j1',), ('p',), 3)\n"
         "writer = SampleWriter(Path(sys.argv[1])); writer.begin(header)\n"
         "for _ in range(2500):\n"

@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 
 from tracerisk.errors import RobotError
-from tracerisk.twin.robot import Robot, load_robot, robot_names
-from tracerisk.twin.scene import Goal, GraspableObject, Scene, load_scene, scene_names
-from tracerisk.twin.shapes import Shape
-from tracerisk.twin.twin import Twin
+from tracerisk.geometry.shapes import Shape
+from tracerisk.twin.physics.scene import Goal, GraspableObject, Scene, load_scene, scene_names
+from tracerisk.twin.robots.robot import Robot, load_robot, robot_names
+from tracerisk.twin.simulation.twin import Twin
 
-SCENES = Path(__file__).parents[2] / "tracerisk" / "twin" / "scenes"
+SCENES = Path(__file__).parents[2] / "tracerisk" / "twin" / "physics" / "scenes"
 
 
 def test_slots_are_where_the_scene_file_says(tube_racks: Scene):

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.trace import Element, Exposure
-from tracerisk.twin.activity import ElementActivity, Thresholds
-from tracerisk.twin.exposure import exposure
-from tracerisk.twin.sensor_activity import ReadingSpan, sensor_activity, sensor_exposures
+from tracerisk.twin.recording.activity import ElementActivity, Thresholds
+from tracerisk.twin.recording.exposure import exposure
+from tracerisk.twin.recording.sensor_activity import ReadingSpan, sensor_activity, sensor_exposures
 
 STEP_NS = 2_000_000
 STEP_S = 2e-3

@@ -9,11 +9,11 @@ import pytest
 
 from tracerisk.errors import RobotError
 from tracerisk.trace import Element
-from tracerisk.twin.known_arms import completed_as_ours
-from tracerisk.twin.prefix import with_prefix
-from tracerisk.twin.robot import SHIPPED_ROBOTS, Robot, load_robot, robot_names
-from tracerisk.twin.robot_file import dump_robot, read_dumped_robot
-from tracerisk.twin.sensors import Sensor
+from tracerisk.twin.robots.file import dump_robot, read_dumped_robot
+from tracerisk.twin.robots.known_arms import completed_as_ours
+from tracerisk.twin.robots.prefix import with_prefix
+from tracerisk.twin.robots.robot import SHIPPED_ROBOTS, Robot, load_robot, robot_names
+from tracerisk.twin.robots.sensors import Sensor
 
 PX100 = (SHIPPED_ROBOTS / "px100.yaml").read_text(encoding="utf-8")
 

@@ -6,15 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk.ros.twin_grippers import gripper_of
-from tracerisk.twin.generic import NamesAsked
-from tracerisk.twin.motion import Pose
-from tracerisk.twin.robot import Robot
-from tracerisk.twin.scene import load_scene
-from tracerisk.twin.spoken_names import Spoken
-from tracerisk.twin.srdf import read_srdf
-from tracerisk.twin.srdf_stand_in import spoken_srdf, srdf_stand_in
-from tracerisk.twin.twin import Twin
+from tracerisk.ros.robot.grippers import gripper_of
+from tracerisk.twin.physics.motion import Pose
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.robots.generic import NamesAsked
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.spoken_names import Spoken
+from tracerisk.twin.simulation.twin import Twin
+from tracerisk.twin.urdf.srdf import read_srdf
+from tracerisk.twin.workspace.srdf_stand_in import spoken_srdf, srdf_stand_in
 
 SIDES = ("l", "r")
 

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tracerisk.twin.robot import load_robot
-from tracerisk.twin.scene import load_scene
-from tracerisk.twin.timing import PATH_TOLERANCE, along_path, resample
-from tracerisk.twin.twin import Twin
+from tracerisk.twin.motion.timing import PATH_TOLERANCE, along_path, resample
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.robots.robot import load_robot
+from tracerisk.twin.simulation.twin import Twin
 
 BENCHMARK = Path(__file__).parents[2] / "benchmarks" / "motion_durations.py"
 

@@ -7,13 +7,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from tracerisk.twin.activity import element_activity
-from tracerisk.twin.kinematics import Kinematics
-from tracerisk.twin.motion import JointTrajectory, LinkTarget, PlanningError, Pose
-from tracerisk.twin.robot import Robot, load_robot
-from tracerisk.twin.samples import SampleWriter, read_samples
-from tracerisk.twin.scene import Scene
-from tracerisk.twin.twin import Twin
+from tracerisk.twin.motion.kinematics import Kinematics
+from tracerisk.twin.physics.motion import JointTrajectory, LinkTarget, PlanningError, Pose
+from tracerisk.twin.physics.scene import Scene
+from tracerisk.twin.recording.activity import element_activity
+from tracerisk.twin.recording.samples import SampleWriter, read_samples
+from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.simulation.twin import Twin
 
 FLAT = (0.0, 0.0, 0.0)
 NOWHERE = Scene("nowhere", "nothing", FLAT, FLAT, (), (), (), "nowhere.yaml")

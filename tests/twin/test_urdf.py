@@ -5,15 +5,15 @@ import math
 import pytest
 
 from tracerisk.errors import RobotError
-from tracerisk.twin.builder import compile_model
-from tracerisk.twin.kinematics import Kinematics
-from tracerisk.twin.motion import PlanningError, Pose
-from tracerisk.twin.robot_assembly import ASSUMED_VELOCITY
-from tracerisk.twin.robot_file import dump_robot, read_dumped_robot
-from tracerisk.twin.scene import load_scene
-from tracerisk.twin.srdf import read_srdf
-from tracerisk.twin.twin import Twin
-from tracerisk.twin.urdf import read_urdf
+from tracerisk.twin.motion.kinematics import Kinematics
+from tracerisk.twin.physics.builder import compile_model
+from tracerisk.twin.physics.motion import PlanningError, Pose
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.robots.file import dump_robot, read_dumped_robot
+from tracerisk.twin.simulation.twin import Twin
+from tracerisk.twin.urdf.assembly import ASSUMED_VELOCITY
+from tracerisk.twin.urdf.srdf import read_srdf
+from tracerisk.twin.urdf.urdf import read_urdf
 
 URDF = """<?xml version="1.0"?>
 <robot name="tiny">

@@ -12,15 +12,15 @@ from tracerisk.config import Settings
 from tracerisk.errors import RobotError
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.shipped import hardware_of
-from tracerisk.pipeline.robot_choice import choose_robot
-from tracerisk.twin.assumed_names import with_assumed_names
-from tracerisk.twin.builder import compile_model
-from tracerisk.twin.generic import generic_arm, names_asked
-from tracerisk.twin.joint_limits import limited_as_beside
-from tracerisk.twin.known_arms import completed_as_ours
-from tracerisk.twin.prefix import with_prefix
-from tracerisk.twin.robot import Scaling, load_robot
-from tracerisk.twin.xacro_files import expand_xacro
+from tracerisk.pipeline.robot.choice import choose_robot
+from tracerisk.twin.physics.builder import compile_model
+from tracerisk.twin.robots.assumed_names import with_assumed_names
+from tracerisk.twin.robots.generic import generic_arm, names_asked
+from tracerisk.twin.robots.known_arms import completed_as_ours
+from tracerisk.twin.robots.prefix import with_prefix
+from tracerisk.twin.robots.robot import Scaling, load_robot
+from tracerisk.twin.urdf.joint_limits import limited_as_beside
+from tracerisk.twin.urdf.xacro_files import expand_xacro
 
 _texts = importlib.util.spec_from_file_location("texts", Path(__file__).parent / "test_urdf.py")
 texts = importlib.util.module_from_spec(_texts)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tracerisk.twin.model_file_frames import matrix_of
-from tracerisk.twin.motion import Pose
+from tracerisk.geometry.frames import matrix_of
+from tracerisk.twin.physics.motion import Pose
 
 G = 9.81
 HAND = ("panda_hand", "panda_leftfinger", "panda_rightfinger")

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from tracerisk.errors import RobotError
-from tracerisk.twin.xml_reader import read_xml
+from tracerisk.twin.urdf.xml_reader import read_xml
 
 
 def test_comments_last_until_their_end_whatever_they_hold():

@@ -11,18 +11,18 @@ from tests.ran import Ran
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.recording import Recorder, read_recording
 from tracerisk.instrument.tracer import Tracer
-from tracerisk.ros.finder import StandInFinder
-from tracerisk.ros.graph import Graph
-from tracerisk.ros.messages import Interfaces
-from tracerisk.ros.messages2 import Interfaces2
-from tracerisk.ros.patches import virtual_time
-from tracerisk.ros.runtime import Runtime, activate
+from tracerisk.ros.graph.graph import Graph
+from tracerisk.ros.graph.runtime import Runtime, activate
+from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.messages.ros2 import Interfaces2
+from tracerisk.ros.robot.state_topics import TwinTopics
+from tracerisk.ros.time.patches import virtual_time
+from tracerisk.ros.time.scheduler import RunOver, Scheduler
 from tracerisk.ros.twin_interfaces import TwinInterfaces
-from tracerisk.ros.twin_topics import TwinTopics
-from tracerisk.ros.virtual_time import RunOver, Scheduler
-from tracerisk.twin.robot import load_robot
-from tracerisk.twin.scene import load_scene
-from tracerisk.twin.twin import Twin
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.robots.robot import load_robot
+from tracerisk.twin.simulation.twin import Twin
 from tracerisk.vendors.description_reader import read_driver
 from tracerisk.vendors.found import shipped_drivers, write_definitions
 from tracerisk.vendors.serving import serve_vendors

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tracerisk.ros.poses import angle_between, multiply, unit_quaternion
-from tracerisk.twin.motion import PlanningError, Pose
+from tracerisk.ros.transforms.poses import angle_between, multiply, unit_quaternion
+from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.vendors.conventions import Conventions
 from tracerisk.vendors.description import Units
 

@@ -204,7 +204,7 @@ def test_a_described_driver_runs_from_the_files_of_the_workspace(cell, package):
 def test_a_description_is_short_and_of_no_package_that_is_known(package):
     (file,) = (DATA / package).glob("*.driver.yaml")
     assert len(file.read_text().splitlines()) <= MOST_LINES
-    from tracerisk.ros.messages import Interfaces
-    from tracerisk.ros.messages2 import Interfaces2
+    from tracerisk.ros.messages.ros1 import Interfaces
+    from tracerisk.ros.messages.ros2 import Interfaces2
 
     assert package not in (*Interfaces().packages, *Interfaces2().packages)

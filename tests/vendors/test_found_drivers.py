@@ -9,7 +9,7 @@ import pytest
 
 from tracerisk.config import Settings
 from tracerisk.errors import DriverError
-from tracerisk.pipeline.driver_files import driver_files
+from tracerisk.pipeline.workspace.driver_files import driver_files
 from tracerisk.vendors.description_reader import read_driver
 
 SRV = "float64[] q\nbool fast\n---\nbool success\nstring message\n"

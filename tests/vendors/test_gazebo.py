@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.ros.gazebo_models import ModelRefusedError, model_body
-from tracerisk.twin.motion import Pose
+from tracerisk.ros.gazebo.models import ModelRefusedError, model_body
+from tracerisk.twin.physics.motion import Pose
 
 HERE = Pose((0.5, 0.0, 0.3), (0.0, 0.0, 0.0, 1.0))
 CUBE = (

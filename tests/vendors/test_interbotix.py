@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tracerisk.ros import screw_kinematics
-from tracerisk.twin.kinematics import Kinematics
-from tracerisk.twin.robot import load_robot
+from tracerisk.geometry import screw_kinematics
+from tracerisk.twin.motion.kinematics import Kinematics
+from tracerisk.twin.robots.robot import load_robot
 from tracerisk.vendors.interbotix.dynamixel import linkage_of
 
 HEADS = {

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tracerisk.ros.stand_ins.interbotix_xs_modules import mr_descriptions
-from tracerisk.twin.kinematics import Kinematics
-from tracerisk.twin.robot import load_robot
+from tracerisk.twin.motion.kinematics import Kinematics
+from tracerisk.twin.robots.robot import load_robot
 
 
 @pytest.mark.parametrize("model", ["px150", "rx150", "rx200", "vx250", "wx200", "wx250"])

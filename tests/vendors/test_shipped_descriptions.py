@@ -7,9 +7,9 @@ from contextlib import suppress
 import pytest
 
 from tracerisk.errors import DriverError
-from tracerisk.ros.messages import Interfaces
-from tracerisk.ros.messages2 import Interfaces2
-from tracerisk.ros.twin_messages import TwinMessages
+from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.messages.ros2 import Interfaces2
+from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.vendors.found import shipped_drivers, write_definitions
 from tracerisk.vendors.interface_checks import check_interface, types_in_use
 

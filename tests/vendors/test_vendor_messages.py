@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.ros.messages import Interfaces
-from tracerisk.ros.messages2 import Interfaces2
+from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.messages.ros2 import Interfaces2
 
 ROS1 = [
     "baxter_core_msgs",

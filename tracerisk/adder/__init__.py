@@ -1,0 +1,1 @@
+"""Risk annotation blocks in sources: read, computed, merged, inserted."""

@@ -7,21 +7,26 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from tracerisk.adder.authors import Evidence
-from tracerisk.adder.bases import SourceEvidence, bases_of, merge_with_bases
-from tracerisk.adder.block import RiskBlock
-from tracerisk.adder.block_digest import with_digest
-from tracerisk.adder.insert import insert_blocks
-from tracerisk.adder.instance_values import InstanceValues
-from tracerisk.adder.lock import ControllerLock, Lock, WrittenBlock, written_block
-from tracerisk.adder.merge import MergePolicy, PersonEdit, edits_error, in_the_way
-from tracerisk.adder.model_names import model_names
-from tracerisk.adder.person_words import check_targets, give_way, is_next_by_hand, ranks_by_hand
-from tracerisk.adder.pinned_redundancy import check_redundancies
-from tracerisk.adder.read import read_blocks
-from tracerisk.adder.renames import base_with_names, follow_renames
-from tracerisk.adder.values import DONE, computed_count
-from tracerisk.adder.write import FileWrite
+from tracerisk.adder.blocks.block import RiskBlock
+from tracerisk.adder.blocks.model_names import model_names
+from tracerisk.adder.blocks.values import DONE, computed_count
+from tracerisk.adder.figures.instance_values import InstanceValues
+from tracerisk.adder.figures.pinned_redundancy import check_redundancies
+from tracerisk.adder.lock.digest import with_digest
+from tracerisk.adder.lock.lock import ControllerLock, Lock, WrittenBlock, written_block
+from tracerisk.adder.merge.authors import Evidence
+from tracerisk.adder.merge.bases import SourceEvidence, bases_of, merge_with_bases
+from tracerisk.adder.merge.merge import MergePolicy, PersonEdit, edits_error, in_the_way
+from tracerisk.adder.merge.person_words import (
+    check_targets,
+    give_way,
+    is_next_by_hand,
+    ranks_by_hand,
+)
+from tracerisk.adder.sources.insert import insert_blocks
+from tracerisk.adder.sources.read import read_blocks
+from tracerisk.adder.sources.renames import base_with_names, follow_renames
+from tracerisk.adder.sources.write import FileWrite
 from tracerisk.errors import EditInTheWayError
 from tracerisk.trace import FunctionRef, QualifiedName
 

@@ -199,11 +199,11 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         self.print_usage(sys.stderr)
-        from tracerisk.printable import printable
+        from tracerisk.text.printable import printable
 
         print(printable(f"{self.prog}: {message} [usage]"), file=sys.stderr)
         if self.verb is not None:
-            from tracerisk.cli.output import print_json
+            from tracerisk.cli.shared.output import print_json
 
             place = {"file": None, "line": None, "column": None}
             data = {"kind": "UsageError", "code": "usage", "message": message, **place}

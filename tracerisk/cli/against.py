@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from tracerisk.errors import InputError
 
 if TYPE_CHECKING:
-    from tracerisk.prm.risk_change import Review
+    from tracerisk.prm.review.risk_change import Review
 
 
 def add_against(parser: argparse.ArgumentParser) -> None:
@@ -38,8 +38,8 @@ def check_against(options: argparse.Namespace) -> None:
             f"--against compares with the sources as the run writes them, and {given} writes none"
         )
     _check_one(revision)
+    from tracerisk.pipeline.history.repository import Repository
     from tracerisk.pipeline.review.git_versions import compared
-    from tracerisk.pipeline.review.repository import Repository
 
     with Repository.opened(Path.cwd()) as repository:
         if compared(repository, Path.cwd(), [revision]).paths is not None:

@@ -6,10 +6,10 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.cli import options as shared
 from tracerisk.cli.explain import derivation_json, explained, print_derivation
-from tracerisk.cli.output import note, note_warnings, print_diffs, print_json
-from tracerisk.cli.run_report import blocks_line
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import note, note_warnings, print_diffs, print_json
+from tracerisk.cli.shared.run_report import blocks_line
 from tracerisk.errors import ExitCode, InputError, Location
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import warnings
 from importlib import import_module
 from typing import NoReturn
 
-from tracerisk.cli.output import note, print_json, scenario_advice
+from tracerisk.cli.shared.output import note, print_json, scenario_advice
 from tracerisk.errors import ExitCode, TraceRiskError
 
 _format = warnings.formatwarning

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 
-from tracerisk.cli import options as shared
 from tracerisk.cli.hardware_spread import add_hardware_spread, spreads_of_files, tell
-from tracerisk.cli.output import note, print_json
-from tracerisk.cli.sources import model_of_sources
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import note, print_json
+from tracerisk.cli.shared.sources import model_of_sources
 from tracerisk.cli.verdict import sources_verdict
 
 
@@ -24,13 +24,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.cli.output import write_file
+    from tracerisk.cli.shared.output import write_file
     from tracerisk.prm.formats import model_json
 
     model = model_of_sources(options.files, shared.read_profile(options))
     spreads = spreads_of_files(options.files, model, options)
     if spreads is not None:
-        from tracerisk.pipeline.figure_spreads import with_distributions
+        from tracerisk.pipeline.results.figure_spreads import with_distributions
 
         model = with_distributions(model, spreads.figures)
         tell(spreads, options)

@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.cli.model_files import read_model
-from tracerisk.cli.model_format import ModelFormat
 from tracerisk.cli.model_solve import Render, Solved, chosen
+from tracerisk.cli.shared.model_files import read_model
+from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.errors import InputError
 from tracerisk.prm.formats.explicit_chain import ChainKind, ExplicitChain
 
 if TYPE_CHECKING:
-    from tracerisk.prm.uncertainty import Uncertainty
+    from tracerisk.prm.questions.uncertainty import Uncertainty
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ class ChainFile:
 
     def value_of(self, name: str) -> float:
         """Return what a constant is in the file; not a number where it is left open."""
-        from tracerisk.cli.sources import read_file
+        from tracerisk.cli.shared.sources import read_file
         from tracerisk.prm.formats.prism.reader import constant_values
 
         if name in self.constants:

@@ -7,15 +7,15 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_json, show, write_sarif
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import note, print_json, show, write_sarif
+from tracerisk.cli.shared.without_controllers import note_without_controllers
 from tracerisk.cli.verdict import verdict_json
-from tracerisk.cli.without_controllers import note_without_controllers
 from tracerisk.errors import ExitCode, InputError, TraceRiskError
 from tracerisk.trace import verdict_line
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.check_finding import Checked
+    from tracerisk.pipeline.check.finding import Checked
     from tracerisk.trace import Verdict
 
 
@@ -44,10 +44,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.check import check_controllers
-    from tracerisk.pipeline.check_finding import Checked
-    from tracerisk.pipeline.check_run import CoverageLimits
-    from tracerisk.pipeline.known_controllers import controllers_in, controllers_of
+    from tracerisk.pipeline.check.check import check_controllers
+    from tracerisk.pipeline.check.finding import Checked
+    from tracerisk.pipeline.check.run import CoverageLimits
+    from tracerisk.pipeline.freshness.known_controllers import controllers_in, controllers_of
 
     if options.files:
         paths = controllers_of(options.files)
@@ -62,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
     errors = [each for each in found if isinstance(each, TraceRiskError)]
     findings = [finding for each in checked for finding in each.findings]
     if options.sarif is not None:
-        from tracerisk.pipeline.alerts import check_alerts
+        from tracerisk.pipeline.results.alerts import check_alerts
 
         write_sarif(options.sarif, check_alerts(paths, found))
     code = max(

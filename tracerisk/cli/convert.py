@@ -6,18 +6,18 @@ import argparse
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING
 
-from tracerisk.cli import options as shared
 from tracerisk.cli import what_if as asked
-from tracerisk.cli.model_files import format_of, labels_beside, read_model
-from tracerisk.cli.model_format import SUFFIXES, ModelFormat
-from tracerisk.cli.output import note, print_json
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.model_files import format_of, labels_beside, read_model
+from tracerisk.cli.shared.model_format import SUFFIXES, ModelFormat
+from tracerisk.cli.shared.output import note, print_json
 from tracerisk.errors import InputError, Location, ModelError, one_of
 
 if TYPE_CHECKING:
     from tracerisk.prm.dynamic import DynamicTree
     from tracerisk.prm.formats.explicit_chain import ExplicitChain
-    from tracerisk.prm.hybrid import HybridModel
-    from tracerisk.prm.logic_model import LogicModel
+    from tracerisk.prm.hybrid.hybrid import HybridModel
+    from tracerisk.prm.logic.model import LogicModel
 
 TREES = (ModelFormat.OPEN_PSA, ModelFormat.OPENPRA, ModelFormat.GALILEO)
 CHAINS = (ModelFormat.PRISM, ModelFormat.EXPLICIT)
@@ -50,7 +50,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.adder.write import FileWrite, write_all
+    from tracerisk.adder.sources.write import FileWrite, write_all
 
     kind = format_of(options.files)
     if kind is None:
@@ -89,8 +89,8 @@ def _converted(
     """Return the text of each file to write."""
     from tracerisk.prm.dynamic import DynamicTree
     from tracerisk.prm.formats.explicit_chain import ExplicitChain
-    from tracerisk.prm.hybrid import HybridModel
-    from tracerisk.prm.logic_model import LogicModel
+    from tracerisk.prm.hybrid.hybrid import HybridModel
+    from tracerisk.prm.logic.model import LogicModel
 
     constants = _constants(options, kind)
     model = read_model(options.files, kind, constants)
@@ -126,8 +126,8 @@ def _functions_texts(
     model: HybridModel, target: ModelFormat, options: argparse.Namespace
 ) -> dict[str, str]:
     if target in CHAINS:
-        from tracerisk.prm.expanded_chain import expanded_chain
         from tracerisk.prm.formats.explicit_chain import explicit_chain
+        from tracerisk.prm.hybrid.expanded_chain import expanded_chain
 
         chain = explicit_chain(expanded_chain(model), model.entry)
         return _chain_texts(chain, target, options.output)
@@ -165,7 +165,7 @@ def _tree_text(
         raise InputError("--top goes with --to galileo; the other formats hold all tops")
     if target is ModelFormat.OPENPRA:
         from tracerisk.prm.formats.openpra import dumps_openpra
-        from tracerisk.prm.logic_what_if import needs_mission_time
+        from tracerisk.prm.logic.what_if import needs_mission_time
 
         if time is None and not needs_mission_time(model):
             # Then every time gives the same numbers.

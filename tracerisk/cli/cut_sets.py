@@ -7,18 +7,18 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING
 
-from tracerisk.cli import options as shared
-from tracerisk.cli.model_files import format_of, read_model
-from tracerisk.cli.model_format import ModelFormat
-from tracerisk.cli.output import note, print_json, print_text, terminal_width, use_color
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.model_files import format_of, read_model
+from tracerisk.cli.shared.model_format import ModelFormat
+from tracerisk.cli.shared.output import note, print_json, print_text, terminal_width, use_color
 from tracerisk.errors import InputError, ModelError, one_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from tracerisk.prm.fault_tree import FaultTree
-    from tracerisk.prm.hybrid import HybridModel
-    from tracerisk.prm.logic_model import LogicModel
+    from tracerisk.prm.hybrid.hybrid import HybridModel
+    from tracerisk.prm.logic.model import LogicModel
+    from tracerisk.prm.trees.fault_tree import FaultTree
 
 LIMIT = 20
 """How many are listed unless it is said."""
@@ -132,14 +132,14 @@ def _asked(options: argparse.Namespace) -> _Asked:
     files, time = options.files, options.mission_time_h
     kind = format_of(files)
     if kind is None:
-        from tracerisk.cli.sources import model_of_sources
+        from tracerisk.cli.shared.sources import model_of_sources
 
         return _of_functions(model_of_sources(files, {}), options.top)
     if kind in (ModelFormat.PRISM, ModelFormat.EXPLICIT, ModelFormat.LINKED):
         raise InputError(f"'{files[0]}' holds no fault tree with cut sets; give {_TREES}")
     from tracerisk.prm.dynamic import DynamicTree
-    from tracerisk.prm.hybrid import HybridModel
-    from tracerisk.prm.logic_model import LogicModel
+    from tracerisk.prm.hybrid.hybrid import HybridModel
+    from tracerisk.prm.logic.model import LogicModel
 
     model = read_model(files, kind)
     if isinstance(model, LogicModel):
@@ -152,7 +152,7 @@ def _asked(options: argparse.Namespace) -> _Asked:
 
 
 def _of_logic(model: LogicModel, top: str | None, time: float | None) -> _Asked:
-    from tracerisk.prm.logic_what_if import needs_mission_time
+    from tracerisk.prm.logic.what_if import needs_mission_time
 
     timed = needs_mission_time(model)
     name = top if top in model.gates_by_name and top is not None else _only(model.tops, top)
@@ -177,7 +177,7 @@ def _of_functions(model: HybridModel, top: str | None) -> _Asked:
 def _of_dynamic(model: object, time: float | None) -> _Asked:
     from tracerisk.prm.dynamic import DynamicTree
     from tracerisk.prm.dynamic.tree import DynamicGroup
-    from tracerisk.prm.failure_models import Constant, PerDemand
+    from tracerisk.prm.trees.failure_models import Constant, PerDemand
 
     assert isinstance(model, DynamicTree)
     tree = model.static_tree()

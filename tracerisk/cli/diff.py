@@ -8,13 +8,13 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_json, terminal_width, write_sarif
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import note, print_json, terminal_width, write_sarif
 from tracerisk.errors import ExitCode, InputError
 from tracerisk.trace import verdict_line
 
 if TYPE_CHECKING:
-    from tracerisk.prm.risk_change import Review, RiskDiff
+    from tracerisk.prm.review.risk_change import Review, RiskDiff
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -82,7 +82,7 @@ def run(options: argparse.Namespace) -> int:
     ]
     code = ExitCode.WOULD_CHANGE if exceeded else ExitCode.FINE
     if options.sarif is not None:
-        from tracerisk.pipeline.alerts import repository_root, review_alerts
+        from tracerisk.pipeline.results.alerts import repository_root, review_alerts
 
         alerts = review_alerts(found, repository_root(Path.cwd() / "_"))
         write_sarif(options.sarif, alerts)
@@ -98,7 +98,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _print_json(review: Review, code: ExitCode, exceeded: list[str]) -> None:
     from tracerisk.prm.formats.diff_json import review_to_json
-    from tracerisk.report.diff_words import headline
+    from tracerisk.report.diff.words import headline
 
     print_json(
         "diff",
@@ -111,10 +111,10 @@ def _print_json(review: Review, code: ExitCode, exceeded: list[str]) -> None:
 
 def _rendered(review: Review, form: str) -> str:
     if form == "markdown":
-        from tracerisk.report.diff_markdown import render_diff_markdown
+        from tracerisk.report.diff.markdown import render_diff_markdown
 
         return render_diff_markdown(review)
-    from tracerisk.report.diff_text import render_diff
+    from tracerisk.report.diff.text import render_diff
 
     return render_diff(review, width=terminal_width())
 
@@ -122,7 +122,7 @@ def _rendered(review: Review, form: str) -> str:
 def _textconv(options: argparse.Namespace) -> int:
     if options.words:
         raise InputError("--textconv takes one file and no revision")
-    from tracerisk.cli.sources import read_file
+    from tracerisk.cli.shared.sources import read_file
     from tracerisk.pipeline.review.textconv import textconv
 
     sys.stdout.buffer.write(textconv(read_file(options.textconv), options.textconv))
@@ -159,7 +159,7 @@ def _exceeded(diff: RiskDiff, max_increase: float | None, max_risk: float | None
     A newer run that went wrong fails the limit on the increase; a base that went wrong is no
     measure, so that its repair passes.
     """
-    from tracerisk.prm.risk_change import RunVerdicts
+    from tracerisk.prm.review.risk_change import RunVerdicts
 
     if diff.after is None:
         return []

@@ -10,13 +10,13 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from tracerisk import __version__
-from tracerisk.cli import options as shared
-from tracerisk.cli.output import print_json, show
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import print_json, show
 from tracerisk.dependencies import needed, version_of
 from tracerisk.errors import DependencyError, ExitCode, LimitError, TraceRiskError
 
 if TYPE_CHECKING:
-    from tracerisk.twin.robot import Robot
+    from tracerisk.twin.robots.robot import Robot
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -82,15 +82,15 @@ def _packages(found: dict[str, str], faults: dict[str, str]) -> None:
 
 
 def _engine() -> str:
-    from tracerisk.twin.physics import engine
+    from tracerisk.twin.physics.physics import engine
 
     return engine()
 
 
 def _physics() -> str:
-    from tracerisk.twin.robot import load_robot, robot_names
-    from tracerisk.twin.scene import load_scene
-    from tracerisk.twin.twin import Twin
+    from tracerisk.twin.physics.scene import load_scene
+    from tracerisk.twin.robots.robot import load_robot, robot_names
+    from tracerisk.twin.simulation.twin import Twin
 
     robot = load_robot(robot_names()[0])
     if robot.default_scene is None:
@@ -101,7 +101,7 @@ def _physics() -> str:
 
 
 def _robots() -> str:
-    from tracerisk.twin.robot import robot_names
+    from tracerisk.twin.robots.robot import robot_names
 
     return ", ".join(robot_names())
 
@@ -170,7 +170,7 @@ def _source(setting: Mapping[str, Any]) -> str:
 def _of_controller(path: str, robot_name: str | None, sandbox: str | None) -> dict[str, str]:
     from tracerisk import pipeline
     from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
-    from tracerisk.pipeline.robot_choice import choose_launched_robot
+    from tracerisk.pipeline.robot.choice import choose_launched_robot
 
     controller = pipeline.load_controller(path)
     settings = pipeline.load_settings(controller, {"robot": robot_name, "sandbox": sandbox})

@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_json, show
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import note, print_json, show
 
 if TYPE_CHECKING:
     from tracerisk.vendors.description import Driver
@@ -43,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
     if options.action == "list":
         drivers = (*shipped_drivers(), *read_drivers(installed_files(), Path.cwd()))
     else:
-        from tracerisk.pipeline.driver_files import check_driver
+        from tracerisk.pipeline.workspace.driver_files import check_driver
 
         drivers = tuple(check_driver(Path(name)) for name in options.files)
     if options.json:
@@ -60,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
 def _schema(options: argparse.Namespace) -> int:
     from importlib.resources import files
 
-    from tracerisk.adder.write import FileWrite, write_all
+    from tracerisk.adder.sources.write import FileWrite, write_all
 
     text = files("tracerisk.vendors").joinpath("driver.schema.json").read_text(encoding="utf-8")
     if options.output is not None:

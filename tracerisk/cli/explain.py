@@ -7,7 +7,7 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from tracerisk.adder.derivation import FunctionDerivation
+    from tracerisk.adder.figures.derivation import FunctionDerivation
     from tracerisk.config import Settings
     from tracerisk.hardware.model import Hardware
     from tracerisk.pipeline import Annotated
@@ -31,7 +31,7 @@ def derivation_json(derivation: FunctionDerivation | None) -> dict[str, Any]:
     """Return what `--json` has of it: nothing, or the key `derivation`."""
     if derivation is None:
         return {}
-    from tracerisk.adder.derivation_json import derivation_data
+    from tracerisk.adder.figures.derivation_json import derivation_data
 
     return {"derivation": derivation_data(derivation)}
 

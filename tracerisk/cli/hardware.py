@@ -7,14 +7,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, note_warnings, print_json, show
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import note, note_warnings, print_json, show
 from tracerisk.errors import InputError, Location
 
 if TYPE_CHECKING:
     from tracerisk.hardware.binding import BoundComponent
     from tracerisk.hardware.model import Hardware
-    from tracerisk.twin.robot import Robot
+    from tracerisk.twin.robots.robot import Robot
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -168,7 +168,7 @@ def _deliver(options: argparse.Namespace, text: str, *, is_new: bool, **told: An
 
 
 def _write(name: str, text: str, *, is_new: bool = False) -> None:
-    from tracerisk.adder.write import FileWrite, write_all
+    from tracerisk.adder.sources.write import FileWrite, write_all
 
     path = Path(name)
     if is_new and path.exists():

@@ -7,16 +7,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.cli import options as shared
-from tracerisk.cli.output import note
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import note
 from tracerisk.errors import InputError, Location
 
 if TYPE_CHECKING:
-    from tracerisk.adder.instances import ComponentInstances
+    from tracerisk.adder.figures.instances import ComponentInstances
     from tracerisk.hardware.model import Hardware
-    from tracerisk.pipeline.figure_spreads import HardwareSpreads
-    from tracerisk.prm.hybrid import HybridModel
-    from tracerisk.prm.uncertainty import Uncertainty
+    from tracerisk.pipeline.results.figure_spreads import HardwareSpreads
+    from tracerisk.prm.hybrid.hybrid import HybridModel
+    from tracerisk.prm.questions.uncertainty import Uncertainty
 
 
 def add_hardware_spread(group: argparse._ActionsContainer) -> None:
@@ -65,7 +65,7 @@ def spreads_of_files(
     by_hand: Sequence[str] = ()
     sources = [name for name in files if Path(name).suffix == ".py"]
     if sources:
-        from tracerisk.cli.sources import read_file
+        from tracerisk.cli.shared.sources import read_file
         from tracerisk.pipeline.stages import blocks_of
         from tracerisk.report.run_figures import set_by_hand
 
@@ -91,7 +91,7 @@ def uncertainty_of_run(
     """
     if not options.uncertainty:
         return None
-    from tracerisk.prm.uncertainty import SAMPLES, propagate
+    from tracerisk.prm.questions.uncertainty import SAMPLES, propagate
 
     spreads = _checked(model, hardware, instances, by_hand)
     tell(spreads, options)
@@ -122,7 +122,7 @@ def _checked(
     instances: Sequence[ComponentInstances] | None,
     by_hand: Sequence[str],
 ) -> HardwareSpreads:
-    from tracerisk.pipeline.figure_spreads import hardware_spreads
+    from tracerisk.pipeline.results.figure_spreads import hardware_spreads
 
     found = hardware_spreads(model, hardware, instances, by_hand=by_hand)
     if not found.figures:
@@ -145,8 +145,8 @@ def _needs_shares(hardware: Hardware) -> bool:
 def _kept_instances(
     files: Sequence[str], hardware: Hardware
 ) -> Sequence[ComponentInstances] | None:
-    from tracerisk.adder.computed import compute_blocks
-    from tracerisk.pipeline.kept_run import kept_run
+    from tracerisk.adder.figures.computed import compute_blocks
+    from tracerisk.pipeline.check.kept_run import kept_run
 
     for file in files:
         kept = kept_run(file)

@@ -8,13 +8,13 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli import what_if as asked
-from tracerisk.cli.output import note, print_json, print_text, terminal_width, use_color
+from tracerisk.cli.shared.output import note, print_json, print_text, terminal_width, use_color
 from tracerisk.errors import ExitCode, InputError, one_of
 
 if TYPE_CHECKING:
-    from tracerisk.prm.distributions import Distribution
     from tracerisk.prm.linked import LinkedModel
-    from tracerisk.prm.uncertainty import Uncertainty
+    from tracerisk.prm.numbers.distributions import Distribution
+    from tracerisk.prm.questions.uncertainty import Uncertainty
 
 
 def solve_linked(model: LinkedModel, options: argparse.Namespace) -> int:
@@ -22,7 +22,7 @@ def solve_linked(model: LinkedModel, options: argparse.Namespace) -> int:
     from tracerisk.prm.formats.assessment_json import finite
     from tracerisk.prm.linked.importance import importances
     from tracerisk.prm.linked.what_if import sweep
-    from tracerisk.prm.what_if import SetValue, log_spaced
+    from tracerisk.prm.questions.what_if import SetValue, log_spaced
 
     figure = _figure(model, options)
     values = asked.parse_set(options, asked.number)
@@ -83,7 +83,7 @@ def _spread(model: LinkedModel, figure: str, options: argparse.Namespace) -> Unc
         return None
     from tracerisk.prm.expressions import Number
     from tracerisk.prm.linked.uncertainty import distribution_of, propagate
-    from tracerisk.prm.uncertainty import SAMPLES
+    from tracerisk.prm.questions.uncertainty import SAMPLES
 
     plain = [
         each.name

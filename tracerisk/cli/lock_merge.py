@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_json
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import note, print_json
 from tracerisk.errors import ExitCode, InputError, Location
 
 
@@ -36,9 +36,9 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(
             f"expected three locks, BASE OURS THEIRS, and not {len(options.files)}; or --install"
         )
-    from tracerisk.adder.lock import Lock, read_lock
-    from tracerisk.adder.lock_merge import merge_locks
-    from tracerisk.adder.write import atomic_write
+    from tracerisk.adder.lock.lock import Lock, read_lock
+    from tracerisk.adder.lock.merge_driver import merge_locks
+    from tracerisk.adder.sources.write import atomic_write
 
     paths = [Path(file) for file in options.files]
     for path in paths:
@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _install(options: argparse.Namespace) -> int:
-    from tracerisk.pipeline.merge_driver import install_merge_driver
+    from tracerisk.pipeline.history.merge_driver import install_merge_driver
 
     done = install_merge_driver(Path())
     if options.json:

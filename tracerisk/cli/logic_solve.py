@@ -8,14 +8,14 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.model_solve import Render, Solved, chosen
-from tracerisk.cli.output import note
+from tracerisk.cli.shared.output import note
 from tracerisk.errors import InputError, one_of
 from tracerisk.prm.dynamic import DynamicEvent, DynamicTree
-from tracerisk.prm.failure_models import Constant, Erlang, Exponential, PerDemand
-from tracerisk.prm.logic_model import LogicModel
+from tracerisk.prm.logic.model import LogicModel
+from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, PerDemand
 
 if TYPE_CHECKING:
-    from tracerisk.prm.uncertainty import Uncertainty
+    from tracerisk.prm.questions.uncertainty import Uncertainty
 
 _NO_MISSION_TIME = "figures of '{}' depend on the mission time; give --mission-time H, in hours"
 
@@ -35,19 +35,19 @@ class LogicFile:
 
     def with_values(self, values: Mapping[str, float]) -> LogicFile:
         """Return the model with parameters, events, house events or groups set."""
-        from tracerisk.prm.logic_what_if import with_values
+        from tracerisk.prm.logic.what_if import with_values
 
         return replace(self, model=with_values(self.model, values))
 
     def value_of(self, name: str) -> float:
         """Return the figure that the model has now; not a number where it has none."""
-        from tracerisk.prm.logic_what_if import value_of
+        from tracerisk.prm.logic.what_if import value_of
 
         return value_of(self.model, name, self.mission_time_h or 0.0)
 
     def solve(self, figure: str | None, *, importance: bool) -> Solved:
         """Solve all tops and event trees, or one top."""
-        from tracerisk.prm.logic_event_trees import solved_event_trees
+        from tracerisk.prm.logic.event_trees import solved_event_trees
         from tracerisk.report.model_files import (
             render_event_tree,
             render_top_importance,
@@ -134,7 +134,7 @@ class LogicFile:
 
     def spread(self, figure: str | None, samples: int, seed: int) -> Uncertainty:
         """Return how sure a top is: the one that is asked for, or the only one."""
-        from tracerisk.prm.logic_what_if import propagate
+        from tracerisk.prm.logic.what_if import propagate
 
         names = self.model.tops if figure is None else self._gate(figure)
         if len(names) != 1:
@@ -150,7 +150,7 @@ class LogicFile:
         return chosen(self.model.tops, figure, self.name)
 
     def _time(self) -> float:
-        from tracerisk.prm.logic_what_if import needs_mission_time
+        from tracerisk.prm.logic.what_if import needs_mission_time
 
         if self.mission_time_h is None and needs_mission_time(self.model):
             raise InputError(_NO_MISSION_TIME.format(self.name))

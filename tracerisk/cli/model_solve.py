@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from tracerisk.cli import what_if as asked
-from tracerisk.cli.model_files import read_model
-from tracerisk.cli.model_format import ModelFormat
-from tracerisk.cli.output import note, print_json, print_text, terminal_width, use_color
+from tracerisk.cli.shared.model_files import read_model
+from tracerisk.cli.shared.model_format import ModelFormat
+from tracerisk.cli.shared.output import note, print_json, print_text, terminal_width, use_color
 from tracerisk.errors import ExitCode, InputError, one_of
 
 if TYPE_CHECKING:
-    from tracerisk.prm.uncertainty import Uncertainty
+    from tracerisk.prm.questions.uncertainty import Uncertainty
 
 CHAINS = (ModelFormat.PRISM, ModelFormat.EXPLICIT)
 Render = Callable[..., str]
@@ -62,8 +62,8 @@ class Solvable(Protocol):
 def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.Namespace) -> int:
     """Solve a model file as the options ask, print the result and return the exit code."""
     from tracerisk.prm.linked.what_if import FigurePoint, FigureSweep
-    from tracerisk.prm.uncertainty import SAMPLES
-    from tracerisk.prm.what_if import SetValue, log_spaced
+    from tracerisk.prm.questions.uncertainty import SAMPLES
+    from tracerisk.prm.questions.what_if import SetValue, log_spaced
 
     _check_options(options)
     given = _solvable(files, kind, options)
@@ -140,7 +140,7 @@ def _solvable(files: Sequence[str], kind: ModelFormat, options: argparse.Namespa
         from tracerisk.cli.chain_solve import ChainFile
 
         return ChainFile(tuple(files), kind, options.mission_time_h)
-    from tracerisk.prm.logic_model import LogicModel
+    from tracerisk.prm.logic.model import LogicModel
 
     model = read_model(files, kind)
     if isinstance(model, LogicModel):

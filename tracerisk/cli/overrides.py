@@ -10,12 +10,12 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_json, show
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import note, print_json, show
 from tracerisk.errors import ExitCode, InputError
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.overrides import Override
+    from tracerisk.pipeline.check.overrides import Override
 
 _WIDTH = 80
 _HEADINGS = ("line", "field", "set by hand", "computed", "drift")
@@ -42,7 +42,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.overrides import overrides_in
+    from tracerisk.pipeline.check.overrides import overrides_in
 
     found = overrides_in(options.files or _files_of_lock())
     limit = options.max_drift
@@ -65,7 +65,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _files_of_lock() -> list[Path]:
-    from tracerisk.pipeline.overrides import files_of_lock
+    from tracerisk.pipeline.check.overrides import files_of_lock
 
     files = files_of_lock(Path())
     if not files:

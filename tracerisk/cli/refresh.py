@@ -7,16 +7,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_diffs, print_json, progress_bar
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import note, print_diffs, print_json, progress_bar
+from tracerisk.cli.shared.without_controllers import note_without_controllers
 from tracerisk.cli.verdict import verdict_exit, verdict_json
-from tracerisk.cli.without_controllers import note_without_controllers
 from tracerisk.config import controller_root
 from tracerisk.errors import ExitCode, InputError, TraceRiskError
 from tracerisk.trace import verdict_line
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.refresh import Refreshed
+    from tracerisk.pipeline.check.refresh import Refreshed
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -35,8 +35,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.known_controllers import controllers_in, controllers_of
-    from tracerisk.pipeline.refresh import refresh_controller
+    from tracerisk.pipeline.check.refresh import refresh_controller
+    from tracerisk.pipeline.freshness.known_controllers import controllers_in, controllers_of
 
     paths = controllers_of(options.files) if options.files else controllers_in(Path())
     if not options.files and not paths:
@@ -84,7 +84,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _forget_gone(paths: Sequence[Path], options: argparse.Namespace) -> list[str]:
     """Take controllers that are gone out of the locks of the others; return their paths."""
-    from tracerisk.pipeline.known_controllers import forget_gone
+    from tracerisk.pipeline.freshness.known_controllers import forget_gone
 
     forgotten = []
     is_written = not (options.check or options.diff)

@@ -6,22 +6,22 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.cli import options as shared
 from tracerisk.cli.against import add_against, review_against
-from tracerisk.cli.output import note, print_json, write_file
-from tracerisk.cli.report_input import RunShown, report_html, run_shown
-from tracerisk.cli.report_pictures import (
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import note, print_json, write_file
+from tracerisk.cli.shared.report_input import RunShown, report_html, run_shown
+from tracerisk.cli.shared.report_pictures import (
     add_picture_options,
     check_picture_options,
     write_report_pictures,
 )
-from tracerisk.cli.sources import model_of_sources, read_file
+from tracerisk.cli.shared.sources import model_of_sources, read_file
 from tracerisk.cli.verdict import sources_verdict, verdict_details
 from tracerisk.errors import ExitCode, InputError, SourceError
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings
-    from tracerisk.pipeline.kept_run import KeptRun
+    from tracerisk.pipeline.check.kept_run import KeptRun
     from tracerisk.trace import Trace
 
 _HOW = "`tracerisk run` or `refresh` brings it up to date, `--trace` names another."
@@ -96,8 +96,8 @@ def _write_page(
 
 def _kept(file: str) -> KeptRun | None:
     """Return what is kept of the run behind a source; `None` for one that is not Python."""
-    from tracerisk.adder.published import is_c_like
-    from tracerisk.pipeline.kept_run import kept_run
+    from tracerisk.adder.sources.published import is_c_like
+    from tracerisk.pipeline.check.kept_run import kept_run
 
     try:
         return None if is_c_like(file) else kept_run(file)

@@ -7,13 +7,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.cli import options as shared
-from tracerisk.cli.output import print_json, show
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import print_json, show
 
 if TYPE_CHECKING:
-    from tracerisk.twin.robot import Controller, Gripper, Joint, Robot
-    from tracerisk.twin.robot_index import RobotNames
-    from tracerisk.twin.sensors import Sensor
+    from tracerisk.twin.robots.index import RobotNames
+    from tracerisk.twin.robots.robot import Controller, Gripper, Joint, Robot
+    from tracerisk.twin.robots.sensors import Sensor
 
 # What the driver of a robot offers under the names of its controllers, by the controller's type.
 _BY_CONTROLLER: Mapping[str, Sequence[tuple[str, str, str]]] = {
@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
         else:
             show(*_described(robot))
         return 0
-    from tracerisk.twin.robot_index import shipped_names
+    from tracerisk.twin.robots.index import shipped_names
 
     names = shipped_names()
     if options.json:
@@ -66,11 +66,11 @@ def run(options: argparse.Namespace) -> int:
 
 def named_robot(name: str) -> Robot:
     """Return a shipped robot by its name, or that of a model file."""
-    from tracerisk.twin.robot import is_model_file, load_robot
+    from tracerisk.twin.robots.robot import is_model_file, load_robot
 
     if is_model_file(name):
         from tracerisk.config import read_settings
-        from tracerisk.pipeline.robot_choice import read_model
+        from tracerisk.pipeline.robot.choice import read_model
 
         return read_model(Path.cwd(), name, read_settings(Path.cwd()).limits).robot
     return load_robot(name)

@@ -10,16 +10,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.cli import options as shared
 from tracerisk.cli.against import add_against, check_against, review_against
-from tracerisk.cli.assessment import print_assessment, risk_exit
 from tracerisk.cli.explain import derivation_json, explained, print_derivation
 from tracerisk.cli.hardware_spread import (
     add_run_uncertainty,
     check_run_uncertainty,
     uncertainty_of_run,
 )
-from tracerisk.cli.output import (
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.assessment import print_assessment, risk_exit
+from tracerisk.cli.shared.output import (
     note,
     note_warnings,
     print_diffs,
@@ -29,8 +29,8 @@ from tracerisk.cli.output import (
     write_file,
     write_sarif,
 )
-from tracerisk.cli.report_input import RunShown, report_html
-from tracerisk.cli.run_report import (
+from tracerisk.cli.shared.report_input import RunShown, report_html
+from tracerisk.cli.shared.run_report import (
     blocks_line,
     failure_of,
     finding_exit,
@@ -46,13 +46,13 @@ from tracerisk.errors import ControllerFailedError, ExitCode, Location
 from tracerisk.trace import Trace, verdict_line
 
 if TYPE_CHECKING:
-    from tracerisk.adder.derivation import FunctionDerivation
+    from tracerisk.adder.figures.derivation import FunctionDerivation
     from tracerisk.config import Settings
     from tracerisk.pipeline import Annotated, Controller
-    from tracerisk.pipeline.controller_run import Progress
-    from tracerisk.prm.assessment import Assessment
-    from tracerisk.prm.hybrid import HybridModel
-    from tracerisk.prm.uncertainty import Uncertainty
+    from tracerisk.pipeline.run.controller_run import Progress
+    from tracerisk.prm.hybrid.assessment import Assessment
+    from tracerisk.prm.hybrid.hybrid import HybridModel
+    from tracerisk.prm.questions.uncertainty import Uncertainty
     from tracerisk.report.run_figures import RunFigures
 
 _NO_FAILURE = frozenset({"assumed_name", "unused"})
@@ -109,7 +109,7 @@ class _Assessed:
 def _assess(options: argparse.Namespace, progress: Progress) -> _Assessed | Trace:
     """Run the stages and write what they are to write; return the trace of a bad end."""
     from tracerisk import pipeline, trace_json
-    from tracerisk.pipeline.run_section import recorded_run, run_section
+    from tracerisk.pipeline.results.run_section import recorded_run, run_section
     from tracerisk.pipeline.stages import blocks_of
     from tracerisk.prm.formats import model_json
     from tracerisk.report.run_figures import run_figures, set_by_hand
@@ -157,7 +157,7 @@ def _assess(options: argparse.Namespace, progress: Progress) -> _Assessed | Trac
     if options.trace is not None:
         write_file(options.trace, trace_json.dumps(trace))
     if options.sarif is not None:
-        from tracerisk.pipeline.alerts import run_alerts
+        from tracerisk.pipeline.results.alerts import run_alerts
 
         write_sarif(options.sarif, run_alerts(trace, controller.root))
     if options.report is not None:

@@ -6,16 +6,16 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_json, progress_bar, show
-from tracerisk.cli.run_report import failure_code, print_failure
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import note, print_json, progress_bar, show
+from tracerisk.cli.shared.run_report import failure_code, print_failure
 from tracerisk.cli.verdict import verdict_json
 from tracerisk.errors import ControllerFailedError, ExitCode, InputError, Location
 
 if TYPE_CHECKING:
     from tracerisk.pipeline import Controller
-    from tracerisk.pipeline.scenario_rounds import ScenarioDraft
-    from tracerisk.ros.needs import Missed, Need
+    from tracerisk.pipeline.scenarios.rounds import ScenarioDraft
+    from tracerisk.ros.controller.needs import Missed, Need
 
 _LINES = 3
 _ENDING = ".scenario.yaml"
@@ -41,7 +41,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     from tracerisk import pipeline
-    from tracerisk.pipeline.asked_in_source import asked_in_source
+    from tracerisk.pipeline.workspace.asked_in_source import asked_in_source
 
     controller = pipeline.load_controller(options.controller)
     settings = pipeline.load_settings(controller, shared.run_settings(options))
@@ -117,8 +117,8 @@ def _drafted(
     options: argparse.Namespace, controller: Controller, settings: Any, base: Path | None
 ) -> tuple[ScenarioDraft, tuple[Missed, ...]]:
     from tracerisk import pipeline
-    from tracerisk.pipeline.asked_in_source import asked_in_source
-    from tracerisk.pipeline.scenario_rounds import draft_scenario
+    from tracerisk.pipeline.scenarios.rounds import draft_scenario
+    from tracerisk.pipeline.workspace.asked_in_source import asked_in_source
 
     with progress_bar(quiet=options.quiet) as progress:
         draft = draft_scenario(

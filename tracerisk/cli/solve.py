@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict
 
-from tracerisk.cli import options as shared
 from tracerisk.cli import what_if as asked
-from tracerisk.cli.assessment import print_assessment, risk_exit
 from tracerisk.cli.hardware_spread import notes_data, spreads_of_files, tell
-from tracerisk.cli.model_files import OWN, format_of
-from tracerisk.cli.output import print_json, show
-from tracerisk.cli.sources import linked_model, model_of_files
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.assessment import print_assessment, risk_exit
+from tracerisk.cli.shared.model_files import OWN, format_of
+from tracerisk.cli.shared.output import print_json, show
+from tracerisk.cli.shared.sources import linked_model, model_of_files
 from tracerisk.cli.verdict import sources_verdict
 from tracerisk.errors import InputError
 
@@ -59,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
     if options.figure is not None:
         raise InputError("--figure goes with a linked model or a model file of another tool")
     from tracerisk.prm.formats.assessment_json import assessment_to_json
-    from tracerisk.prm.solve import solve
+    from tracerisk.prm.hybrid.solve import solve
 
     given = model_of_files(options.files, shared.read_profile(options))
     model, changes = asked.set_in(given, options)

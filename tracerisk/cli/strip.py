@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_diff, print_json
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import note, print_diff, print_json
 from tracerisk.errors import EditInTheWayError, ExitCode
 
 
@@ -22,8 +22,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     from tracerisk import pipeline
-    from tracerisk.adder.write import FileWrite, write_all
-    from tracerisk.pipeline.known_controllers import forget_blocks
+    from tracerisk.adder.sources.write import FileWrite, write_all
+    from tracerisk.pipeline.freshness.known_controllers import forget_blocks
 
     stripped = []
     for name in options.files:

@@ -5,9 +5,16 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tracerisk.cli import options as shared
-from tracerisk.cli.output import note, print_json, progress_bar, scenario_advice, show, write_file
-from tracerisk.cli.run_report import (
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import (
+    note,
+    print_json,
+    progress_bar,
+    scenario_advice,
+    show,
+    write_file,
+)
+from tracerisk.cli.shared.run_report import (
     failure_of,
     finding_lines,
     headline,
@@ -30,7 +37,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     from tracerisk import pipeline, trace_json
-    from tracerisk.adder.computed import compute_blocks
+    from tracerisk.adder.figures.computed import compute_blocks
 
     with progress_bar(quiet=options.quiet) as progress:
         controller = pipeline.load_controller(options.controller)

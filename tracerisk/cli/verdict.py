@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tracerisk.cli.output import show
-from tracerisk.cli.sources import read_file
+from tracerisk.cli.shared.output import show
+from tracerisk.cli.shared.sources import read_file
 from tracerisk.errors import ExitCode
 from tracerisk.trace import Verdict, verdict_line
 from tracerisk.trace_json import plain_data
@@ -51,7 +51,7 @@ def verdict_json(verdict: Verdict | None) -> dict[str, Any]:
 
 def sources_verdict(files: Sequence[str]) -> SourcesVerdict | None:
     """Return what the locks say of the runs behind sources; `None` for files of a model."""
-    from tracerisk.pipeline.source_verdict import source_verdict_lines, source_verdicts
+    from tracerisk.pipeline.freshness.source_verdict import source_verdict_lines, source_verdicts
 
     sources = {name: read_file(name) for name in files}
     if any(text.lstrip().startswith(b"{") for text in sources.values()):

@@ -8,20 +8,20 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.cli import options as shared
 from tracerisk.cli.hardware_spread import add_hardware_spread
-from tracerisk.cli.output import print_text, terminal_width, use_color
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import print_text, terminal_width, use_color
 from tracerisk.errors import InputError
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.figure_spreads import HardwareSpreads
-    from tracerisk.prm.assessment import Assessment
-    from tracerisk.prm.distributions import Distribution
-    from tracerisk.prm.hybrid import HybridModel
+    from tracerisk.pipeline.results.figure_spreads import HardwareSpreads
+    from tracerisk.prm.hybrid.assessment import Assessment
+    from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.prm.linked.what_if import FigureSweep
-    from tracerisk.prm.pair_importance import PairImportance
-    from tracerisk.prm.uncertainty import Uncertainty
-    from tracerisk.prm.what_if import SetValue, Sweep
+    from tracerisk.prm.numbers.distributions import Distribution
+    from tracerisk.prm.questions.pair_importance import PairImportance
+    from tracerisk.prm.questions.uncertainty import Uncertainty
+    from tracerisk.prm.questions.what_if import SetValue, Sweep
 
 MOST_POINTS = 10_000
 POINTS = 9
@@ -88,7 +88,7 @@ def set_in(model: HybridModel, options: argparse.Namespace) -> tuple[HybridModel
     values = parse_set(options, probability)
     if not values:
         return model, []
-    from tracerisk.prm.what_if import set_values, with_values
+    from tracerisk.prm.questions.what_if import set_values, with_values
 
     return with_values(model, values), list(set_values(model, values))
 
@@ -112,7 +112,7 @@ def swept(model: HybridModel, options: argparse.Namespace) -> list[Sweep]:
     ranges = parse_sweeps(options, probability)
     if not ranges:
         return []
-    from tracerisk.prm.what_if import log_spaced, sweep
+    from tracerisk.prm.questions.what_if import log_spaced, sweep
 
     return [sweep(model, name, log_spaced(low, high, count)) for name, low, high, count in ranges]
 
@@ -151,8 +151,8 @@ def uncertainty_of(
     """
     if not wants_uncertainty(options):
         return None
-    from tracerisk.prm.uncertainty import SAMPLES, propagate
-    from tracerisk.prm.what_if import groups_of, parameters_of
+    from tracerisk.prm.questions.uncertainty import SAMPLES, propagate
+    from tracerisk.prm.questions.what_if import groups_of, parameters_of
 
     def known(name: str) -> str:
         parameters_of(model, name)
@@ -184,7 +184,7 @@ def parse_error_factors(
 
     `everything` are the names that one for all is for; `known` checks a name.
     """
-    from tracerisk.prm.distributions import Lognormal
+    from tracerisk.prm.numbers.distributions import Lognormal
 
     general: dict[str, Distribution] = {}
     own: dict[str, Distribution] = {}
@@ -210,7 +210,7 @@ def pairs_of(model: HybridModel, options: argparse.Namespace) -> Sequence[PairIm
     """Return the importance of each pair of parameters where `--pairs` asks for it."""
     if not options.pairs:
         return None
-    from tracerisk.prm.pair_importance import pair_importances
+    from tracerisk.prm.questions.pair_importance import pair_importances
 
     return pair_importances(model)
 

@@ -1,0 +1,1 @@
+"""Hardware descriptions: which components a robot has, and how they fail."""

@@ -32,7 +32,7 @@ def read_description(path: Path, *, shown: str | None = None) -> Hardware:
         from tracerisk.hardware.sysml.reader import read_sysml
 
         return read_sysml(path, shown=shown)
-    from tracerisk.hardware.reader import read_hardware
+    from tracerisk.hardware.yaml.reader import read_hardware
 
     return read_hardware(path, shown=shown)
 
@@ -43,6 +43,6 @@ def write_description(hardware: Hardware, format_: HardwareFormat) -> str:
         from tracerisk.hardware.sysml.writer import write_sysml
 
         return write_sysml(hardware)
-    from tracerisk.hardware.yaml_writer import write_hardware
+    from tracerisk.hardware.yaml.writer import write_hardware
 
     return write_hardware(hardware)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from tracerisk.errors import HardwareError, one_of
 from tracerisk.hardware.model import Hardware
-from tracerisk.hardware.reader import read_hardware
+from tracerisk.hardware.yaml.reader import read_hardware
 
 _FOLDER = Path(__file__).parent / "robots"
 

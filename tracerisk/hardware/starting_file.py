@@ -18,7 +18,7 @@ from tracerisk.hardware.model import (
     TwinBinding,
 )
 from tracerisk.hardware.redundancy import Redundancy
-from tracerisk.hardware.yaml_writer import component_lines, key_line
+from tracerisk.hardware.yaml.writer import component_lines, key_line
 from tracerisk.trace import Element, SensorKind
 
 SCHEMA_NAME = "hardware.schema.json"

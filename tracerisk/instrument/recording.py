@@ -15,10 +15,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, BinaryIO, Protocol, get_args
 
-from tracerisk.bounded import loads_json
 from tracerisk.errors import Location, LogError, one_of
-from tracerisk.instrument.source import FunctionSite
 from tracerisk.instrument.tracer import Frame
+from tracerisk.source.python_source import FunctionSite
+from tracerisk.text.bounded import loads_json
 from tracerisk.trace import EndCause, Finding, FunctionRef, QualifiedName
 
 _SECOND_NS = 1_000_000_000

@@ -18,9 +18,9 @@ from typing import Any, Literal
 from tracerisk.errors import Location
 from tracerisk.instrument.code_positions import qualified_name, source_position
 from tracerisk.instrument.hidden_frames import hide
-from tracerisk.instrument.source import MODULE_NAME, FunctionSite
 from tracerisk.instrument.state_instances import StateEntries
 from tracerisk.instrument.wrappers import AnyFunction, wrap
+from tracerisk.source.python_source import MODULE_NAME, FunctionSite
 from tracerisk.trace import FunctionRef, QualifiedName
 
 RootKind = Literal["main", "thread", "callback", "done_callback", "timer", "service"]

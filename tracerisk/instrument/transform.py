@@ -19,7 +19,7 @@ import libcst as cst
 from tracerisk.errors import Location, UnsafeRewriteError
 from tracerisk.instrument.code_positions import compile_with_positions
 from tracerisk.instrument.endless_loops import mark_endless_loops
-from tracerisk.instrument.source import FunctionSite, ParsedSource, parse_source
+from tracerisk.source.python_source import FunctionSite, ParsedSource, parse_source
 
 TRACER_MODULE = "__tracerisk__"
 """The module from which instrumented code imports its decorator; the loader serves it."""

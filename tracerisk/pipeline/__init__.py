@@ -9,9 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.controller import Controller as Controller
-    from tracerisk.pipeline.controller import load_controller as load_controller
-    from tracerisk.pipeline.explanation import explain as explain
+    from tracerisk.pipeline.results.explanation import explain as explain
     from tracerisk.pipeline.stages import Annotated as Annotated
     from tracerisk.pipeline.stages import annotate as annotate
     from tracerisk.pipeline.stages import at_annotated_lines as at_annotated_lines
@@ -24,6 +22,8 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.stages import solve as solve
     from tracerisk.pipeline.stages import strip as strip
     from tracerisk.pipeline.stages import trace_controller as trace_controller
+    from tracerisk.pipeline.workspace.controller import Controller as Controller
+    from tracerisk.pipeline.workspace.controller import load_controller as load_controller
 
 __all__ = [
     "Annotated",
@@ -43,7 +43,11 @@ __all__ = [
     "trace_controller",
 ]
 
-_HOMES = {"Controller": "controller", "load_controller": "controller", "explain": "explanation"}
+_HOMES = {
+    "Controller": "workspace.controller",
+    "load_controller": "workspace.controller",
+    "explain": "results.explanation",
+}
 
 
 def __getattr__(name: str) -> Any:

@@ -13,31 +13,31 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.annotate import Annotation, Changed, EditsInTheWay, SourceBlocks
-from tracerisk.adder.block import RiskBlock
-from tracerisk.adder.computed import ComputedBlocks, ProfileText, compute_blocks
-from tracerisk.adder.line_map import line_maps
-from tracerisk.adder.lock import LOCK_NAME, Lock, lock_key, read_lock
-from tracerisk.adder.merge import MergePolicy
-from tracerisk.adder.model_names import model_names
-from tracerisk.adder.published import is_c_like, read_c_blocks, read_plain_blocks
-from tracerisk.adder.read import read_blocks
-from tracerisk.adder.renames import base_with_names, follow_renames
+from tracerisk.adder.blocks.block import RiskBlock
+from tracerisk.adder.blocks.model_names import model_names
+from tracerisk.adder.figures.computed import ComputedBlocks, ProfileText, compute_blocks
+from tracerisk.adder.lock.lock import LOCK_NAME, Lock, lock_key, read_lock
+from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.adder.sources.line_map import line_maps
+from tracerisk.adder.sources.published import is_c_like, read_c_blocks, read_plain_blocks
+from tracerisk.adder.sources.read import read_blocks
+from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.config import Settings, read_settings
 from tracerisk.errors import HardwareError, InputError, Location
 from tracerisk.hardware.model import Hardware
-from tracerisk.pipeline.controller import Controller, lines_since, load_controller
-from tracerisk.pipeline.freshness import run_inputs
-from tracerisk.pipeline.known_controllers import with_moved
-from tracerisk.pipeline.known_functions import check_named_functions, check_steps
-from tracerisk.pipeline.one_writer import one_writer
-from tracerisk.pipeline.trace_summary import trace_summary
+from tracerisk.pipeline.freshness.freshness import run_inputs
+from tracerisk.pipeline.freshness.known_controllers import with_moved
+from tracerisk.pipeline.freshness.known_functions import check_named_functions, check_steps
+from tracerisk.pipeline.history.one_writer import one_writer
+from tracerisk.pipeline.trace.summary import trace_summary
+from tracerisk.pipeline.workspace.controller import Controller, lines_since, load_controller
 from tracerisk.trace import FunctionRef, QualifiedName, Trace
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.controller_run import Progress
-    from tracerisk.prm.assessment import Assessment
-    from tracerisk.prm.hybrid import HybridModel
-    from tracerisk.twin.robot import Robot
+    from tracerisk.pipeline.run.controller_run import Progress
+    from tracerisk.prm.hybrid.assessment import Assessment
+    from tracerisk.prm.hybrid.hybrid import HybridModel
+    from tracerisk.twin.robots.robot import Robot
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +74,7 @@ class Annotated:
         What other runs wrote into the lock meanwhile stays.
         Raises InputError when a file cannot be written, or the source was changed meanwhile.
         """
-        from tracerisk.adder.write import write_all
+        from tracerisk.adder.sources.write import write_all
 
         self._keep_trace()
         if self.change is None:
@@ -84,7 +84,7 @@ class Annotated:
 
     def _keep_trace(self) -> None:
         """Keep the trace for a refresh; a folder that cannot be written costs that a run."""
-        from tracerisk.pipeline.trace_cache import TraceCache
+        from tracerisk.pipeline.trace.cache import TraceCache
 
         with contextlib.suppress(OSError, InputError):
             # With the lines that the source has from now on.
@@ -121,8 +121,8 @@ def load_robot(controller: Controller, settings: Settings) -> Robot:
     Raises RobotError when it is unknown, or several fit.
     """
     from tracerisk.pipeline.launch.choose import NOTHING_CHOSEN, choose_launch
-    from tracerisk.pipeline.robot_choice import choose_launched_robot
-    from tracerisk.pipeline.scenario_settings import with_scenario
+    from tracerisk.pipeline.robot.choice import choose_launched_robot
+    from tracerisk.pipeline.run.scenario_settings import with_scenario
 
     settings = with_scenario(settings)
     launch = choose_launch(controller, settings) if settings.robot is None else NOTHING_CHOSEN
@@ -188,7 +188,7 @@ def trace_controller(
     does not fit: see `Trace.assumptions`.
     Raises SourceError, RobotError, HardwareError before anything runs.
     """
-    from tracerisk.pipeline.attempts import trace_attempts
+    from tracerisk.pipeline.run.attempts import trace_attempts
 
     return trace_attempts(
         controller, settings, hardware_of=load_hardware, keep=keep, progress=progress
@@ -214,7 +214,7 @@ def annotate(
     holds a redundancy set by hand over units that differ.
     """
     from tracerisk.adder.annotate import annotate_sources
-    from tracerisk.pipeline.who_wrote import evidence_for
+    from tracerisk.pipeline.freshness.who_wrote import evidence_for
 
     check_named_functions(controller, settings, trace)
     computed = compute_blocks(trace, hardware, active=settings.active, profile=profile)
@@ -258,7 +258,7 @@ def _at_bare_lines(trace: Trace, sources: Mapping[str, bytes], controller: Contr
 
     So what the lock keeps does not change when blocks come into a source.
     """
-    from tracerisk.pipeline.kept_verdict import bare_lines
+    from tracerisk.pipeline.trace.kept_verdict import bare_lines
 
     if trace.verdict is None:
         return trace
@@ -331,7 +331,7 @@ def build(
     C, C++ or Java, else of Python.
     Raises BlockError or ModelError where the blocks are malformed or contradict each other.
     """
-    from tracerisk.prm.build import build_model
+    from tracerisk.prm.hybrid.build import build_model
 
     blocks = [block for _, block in blocks_of(sources)]
     if not blocks:
@@ -369,14 +369,14 @@ def solve(model: HybridModel) -> Assessment:
 
     Raises ModelError when it has no solution.
     """
-    from tracerisk.prm.solve import solve as solve_model
+    from tracerisk.prm.hybrid.solve import solve as solve_model
 
     return solve_model(model)
 
 
 def strip(controller: Controller) -> bytes:
     """Return the controller's source without its risk blocks, every other byte kept."""
-    from tracerisk.adder.insert import strip_blocks
+    from tracerisk.adder.sources.insert import strip_blocks
 
     return strip_blocks(controller.source, str(controller.path))
 
@@ -386,7 +386,7 @@ def hand_set(controller: Controller) -> tuple[str, ...]:
 
     Raises BlockError when a block cannot be read.
     """
-    from tracerisk.adder.values import component_fields
+    from tracerisk.adder.blocks.values import component_fields
 
     found = []
     for placed in read_blocks(controller.source, str(controller.path)):

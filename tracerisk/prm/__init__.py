@@ -3,20 +3,15 @@
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from tracerisk.prm.assessment import FIGURE_STATEMENT, Assessment
-from tracerisk.prm.build import build_model
-from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind
-from tracerisk.prm.hybrid import FunctionState, HybridModel, NextStep, Parameter
+from tracerisk.prm.hybrid.assessment import FIGURE_STATEMENT, Assessment
+from tracerisk.prm.hybrid.build import build_model
+from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel, NextStep, Parameter
+from tracerisk.prm.hybrid.solve import solve
 from tracerisk.prm.markov import MarkovChain
-from tracerisk.prm.solve import solve
+from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind
 
 if TYPE_CHECKING:
-    from tracerisk.prm.bayes import BayesianNetwork, Given
-    from tracerisk.prm.common_cause import (
-        CommonCauseGroup,
-        CommonCauseLaw,
-        expand_common_cause,
-    )
+    from tracerisk.prm.bayes.network import BayesianNetwork, Given
     from tracerisk.prm.cut_sets import CutSet, CutSets, minimal_cut_sets, prime_implicants
     from tracerisk.prm.dynamic import (
         Dependency,
@@ -27,8 +22,16 @@ if TYPE_CHECKING:
         Restriction,
         RestrictionKind,
     )
-    from tracerisk.prm.event_tree import EventTree
-    from tracerisk.prm.failure_models import (
+    from tracerisk.prm.event_trees.event_tree import EventTree
+    from tracerisk.prm.linked import LinkedModel
+    from tracerisk.prm.markov import ContinuousChain
+    from tracerisk.prm.questions.pair_importance import PairImportance, pair_importances
+    from tracerisk.prm.trees.common_cause import (
+        CommonCauseGroup,
+        CommonCauseLaw,
+        expand_common_cause,
+    )
+    from tracerisk.prm.trees.failure_models import (
         GLM,
         Constant,
         Erlang,
@@ -38,9 +41,6 @@ if TYPE_CHECKING:
         PeriodicTest,
         Weibull,
     )
-    from tracerisk.prm.linked import LinkedModel
-    from tracerisk.prm.markov import ContinuousChain
-    from tracerisk.prm.pair_importance import PairImportance, pair_importances
 
 __all__ = [
     "FIGURE_STATEMENT",
@@ -89,19 +89,19 @@ __all__ = [
 
 _ON_DEMAND = (
     {
-        "BayesianNetwork": "bayes",
-        "CommonCauseGroup": "common_cause",
-        "CommonCauseLaw": "common_cause",
+        "BayesianNetwork": "bayes.network",
+        "CommonCauseGroup": "trees.common_cause",
+        "CommonCauseLaw": "trees.common_cause",
         "ContinuousChain": "markov.continuous",
         "CutSet": "cut_sets",
         "CutSets": "cut_sets",
-        "EventTree": "event_tree",
-        "Given": "bayes",
+        "EventTree": "event_trees.event_tree",
+        "Given": "bayes.network",
         "LinkedModel": "linked",
-        "PairImportance": "pair_importance",
-        "expand_common_cause": "common_cause",
+        "PairImportance": "questions.pair_importance",
+        "expand_common_cause": "trees.common_cause",
         "minimal_cut_sets": "cut_sets",
-        "pair_importances": "pair_importance",
+        "pair_importances": "questions.pair_importance",
         "prime_implicants": "cut_sets",
     }
     | dict.fromkeys(
@@ -115,7 +115,7 @@ _ON_DEMAND = (
             "PeriodicTest",
             "Weibull",
         ),
-        "failure_models",
+        "trees.failure_models",
     )
     | dict.fromkeys(
         (

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.hardware.model import Hardware
 from tracerisk.hardware.sources import assumed_sources
-from tracerisk.prm.assessment import Assessment
+from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.report.instances import component_shares
 from tracerisk.report.tables import add_share_columns, plain, share_cells, table_of
 

@@ -11,7 +11,7 @@ import math
 import textwrap
 from collections.abc import Sequence
 
-from tracerisk.adder.derivation import (
+from tracerisk.adder.figures.derivation import (
     ComponentDerivation,
     FunctionDerivation,
     LoadOfUnit,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from tracerisk.adder.derivation import ComponentDerivation, GroupDerivation, TermDerivation
+from tracerisk.adder.figures.derivation import ComponentDerivation, GroupDerivation, TermDerivation
 from tracerisk.hardware.model import Basis, FailureFigure, LoadLaw
 
 _SPANS = {Basis.MINUTE: "60 s", Basis.HOUR: "3600 s"}

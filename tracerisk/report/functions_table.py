@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from tracerisk.prm.assessment import Assessment, ComponentContribution, StateAssessment
-from tracerisk.prm.model_parts import component_of
+from tracerisk.prm.hybrid.assessment import Assessment, ComponentContribution, StateAssessment
+from tracerisk.prm.review.model_parts import component_of
 from tracerisk.report.tables import ROOMY, WIDE, add_share_columns, plain, share_cells, table_of
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import zip_longest
 
-from tracerisk.adder.values import computed_redundancy
+from tracerisk.adder.blocks.values import computed_redundancy
 from tracerisk.hardware.binding import BoundComponent
 from tracerisk.hardware.load import exponent_text
 from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware, TwinBinding

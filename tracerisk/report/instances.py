@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.adder.instances import ComponentInstances, Instance
-from tracerisk.prm.assessment import Assessment
+from tracerisk.adder.figures.instances import ComponentInstances, Instance
+from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.report.tables import (
     ROOMY,
     WIDE,

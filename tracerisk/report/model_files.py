@@ -9,8 +9,8 @@ from tracerisk.report.tables import plain, render_parts, table_of
 
 if TYPE_CHECKING:
     from tracerisk.prm.dynamic.solution import DynamicImportance
-    from tracerisk.prm.event_tree_solution import EventTreeSolution
-    from tracerisk.prm.fault_tree_solution import EventImportance
+    from tracerisk.prm.event_trees.solution import EventTreeSolution
+    from tracerisk.prm.trees.fault_tree_solution import EventImportance
 
 MOST_ROWS = 50
 """How many states or events are shown, those with the greatest figures."""

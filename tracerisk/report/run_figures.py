@@ -6,10 +6,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.adder.block import RiskBlock
-from tracerisk.adder.instances import ComponentInstances
+from tracerisk.adder.blocks.block import RiskBlock
+from tracerisk.adder.figures.instances import ComponentInstances
 from tracerisk.hardware.model import Hardware
-from tracerisk.prm.assessment import Assessment
+from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.report.assumed import AssumedFigure, assumed_figures, assumed_table
 from tracerisk.report.instances import (
     InstanceImportance,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from tracerisk.prm.assessment import Assessment, ComponentImportance
+from tracerisk.prm.hybrid.assessment import Assessment, ComponentImportance
 from tracerisk.report.functions_table import Exposures, functions_table
 from tracerisk.report.tables import (
     ROOMY,

@@ -6,10 +6,10 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from tracerisk.prm.assessment import ComponentImportance
-from tracerisk.prm.pair_importance import PairImportance
-from tracerisk.prm.uncertainty import Uncertainty
-from tracerisk.prm.what_if import SetValue, Sweep
+from tracerisk.prm.hybrid.assessment import ComponentImportance
+from tracerisk.prm.questions.pair_importance import PairImportance
+from tracerisk.prm.questions.uncertainty import Uncertainty
+from tracerisk.prm.questions.what_if import SetValue, Sweep
 from tracerisk.report.tables import plain, render_parts, table_of
 
 if TYPE_CHECKING:

@@ -1,0 +1,1 @@
+"""Stand-ins for the ROS client libraries, in one process and in virtual time."""

@@ -9,21 +9,21 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from tracerisk.ros.action_graph import ActionChange, ActionGoal, Actions
-from tracerisk.ros.runtime import Runtime
-from tracerisk.ros.twin_action_topics import ActionTopics
-from tracerisk.ros.twin_commands import TwinCommands
-from tracerisk.ros.twin_controllers import ControllerManager
-from tracerisk.ros.twin_follow import TYPE as FOLLOW
-from tracerisk.ros.twin_follow import FollowServer
-from tracerisk.ros.twin_gazebo import GazeboServices
-from tracerisk.ros.twin_grippers import GripperServer
-from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.ros.twin_moveit import EXECUTE_TRAJECTORY, MOVE_GROUP, MoveItInterfaces
-from tracerisk.ros.twin_moveit_scene import SceneInterfaces
-from tracerisk.ros.twin_pick_place import PICKUP, PLACE, PickPlaceServer
-from tracerisk.ros.twin_set_points import SetPoints
-from tracerisk.ros.twin_wrench import WrenchTopics
+from tracerisk.ros.gazebo.services import GazeboServices
+from tracerisk.ros.graph.actions import ActionChange, ActionGoal, Actions
+from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.moveit.pick_place import PICKUP, PLACE, PickPlaceServer
+from tracerisk.ros.moveit.scene_services import SceneInterfaces
+from tracerisk.ros.moveit.services import EXECUTE_TRAJECTORY, MOVE_GROUP, MoveItInterfaces
+from tracerisk.ros.robot.action_topics import ActionTopics
+from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.robot.controllers import ControllerManager
+from tracerisk.ros.robot.follow_trajectory import TYPE as FOLLOW
+from tracerisk.ros.robot.follow_trajectory import FollowServer
+from tracerisk.ros.robot.grippers import GripperServer
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.set_points import SetPoints
+from tracerisk.ros.robot.wrench import WrenchTopics
 
 _NODE = "/robot_driver"
 Handler = Callable[[ActionGoal], None]

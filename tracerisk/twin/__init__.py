@@ -1,0 +1,1 @@
+"""The digital twin: the arm in its scene on MuJoCo."""

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from tracerisk.errors import DriverError
-from tracerisk.ros.arm_motion import ArmMotion
-from tracerisk.ros.poses import compose, inverse, rpy_from_quaternion
-from tracerisk.ros.scenario_fields import fields_of
-from tracerisk.ros.sensor_reading import SensorReading
-from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.twin.motion import Pose
+from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.messages.fields import fields_of
+from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.transforms.poses import compose, inverse, rpy_from_quaternion
+from tracerisk.twin.physics.motion import Pose
 from tracerisk.vendors.conventions import Conventions, Dimension, Quantity
 from tracerisk.vendors.description import Driver, Output
 from tracerisk.vendors.message_paths import FieldError, read, write

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from tracerisk.ros.poses import (
+from tracerisk.ros.transforms.poses import (
     Quaternion,
     conjugate,
     multiply,
@@ -20,7 +20,7 @@ from tracerisk.ros.poses import (
     rpy_from_quaternion,
     unit_quaternion,
 )
-from tracerisk.twin.motion import PlanningError, Pose
+from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.vendors.description import UNITS, Rotation, Units
 
 Dimension = Literal["angle", "length", "time", "plain"]

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tracerisk.ros.action_graph import ActionChange, ActionGoal, Actions
-from tracerisk.ros.command_streams import CommandStreams
-from tracerisk.ros.controller_thread import undisturbed
-from tracerisk.ros.graph import Change, Publication
-from tracerisk.ros.sensor_reading import SensorReading
-from tracerisk.ros.twin_commands import TwinCommands
-from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.ros.twin_set_points import SetPoints
-from tracerisk.ros.velocity_motion import VelocityStream
-from tracerisk.twin.motion import PlanningError
+from tracerisk.ros.controller.thread import undisturbed
+from tracerisk.ros.graph.actions import ActionChange, ActionGoal, Actions
+from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.robot.command_streams import CommandStreams
+from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.set_points import SetPoints
+from tracerisk.ros.robot.velocity_motion import VelocityStream
+from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.vendors.answers import Result
 from tracerisk.vendors.conventions import Conventions
 from tracerisk.vendors.described_parts import (
@@ -34,7 +34,7 @@ from tracerisk.vendors.requests import Request
 
 if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame
-    from tracerisk.ros.runtime import Runtime
+    from tracerisk.ros.graph.runtime import Runtime
 
 _FOREVER_S = 1000.0
 

@@ -9,18 +9,18 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import one_of
-from tracerisk.ros.arm_motion import ArmMotion
-from tracerisk.ros.motion_profiles import Ramp, ramp_of_speed, ramped
-from tracerisk.ros.poses import compose, inverse, multiply
-from tracerisk.ros.twin_trajectory_messages import TrajectoryRefusedError, twin_trajectory
-from tracerisk.twin.execution import Motion
-from tracerisk.twin.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.robot.motion_profiles import Ramp, ramp_of_speed, ramped
+from tracerisk.ros.robot.trajectory_messages import TrajectoryRefusedError, twin_trajectory
+from tracerisk.ros.transforms.poses import compose, inverse, multiply
+from tracerisk.twin.motion.execution import Motion
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.vendors.answers import Result
 from tracerisk.vendors.description import Case, Driver, Value, is_share
 from tracerisk.vendors.requests import Goal, Request
 
 if TYPE_CHECKING:
-    from tracerisk.ros.runtime import Runtime
+    from tracerisk.ros.graph.runtime import Runtime
 
 _SAME = 1e-6  # postures of which no joint is further apart are one [rad or m]
 _MOTIONS = "motions"  # the parameters of play_motion: motions/NAME/{joints, points}
@@ -287,7 +287,7 @@ class DescribedMotions:
         return found
 
     def _frame(self, name: str) -> Pose:
-        from tracerisk.ros.move_group import MoveGroupServer
+        from tracerisk.ros.moveit.move_group import MoveGroupServer
 
         robot = self._arm.twin.robot
         name = name.lstrip("/")

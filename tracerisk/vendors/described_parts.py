@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import one_of
-from tracerisk.ros.arm_motion import ArmMotion
-from tracerisk.ros.sensor_reading import SensorReading
-from tracerisk.ros.twin_commands import TwinCommands
-from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.twin.motion import PlanningError
+from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.vendors.answers import Answers
 from tracerisk.vendors.described_motions import DescribedMotions
 from tracerisk.vendors.description import Case, Driver, Interface
@@ -18,7 +18,7 @@ from tracerisk.vendors.motion_queue import MotionQueue
 from tracerisk.vendors.requests import Request
 
 if TYPE_CHECKING:
-    from tracerisk.ros.runtime import Runtime
+    from tracerisk.ros.graph.runtime import Runtime
 
 
 class DriverState(dict[str, Any]):

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from tracerisk.errors import DriverError, one_of
+from tracerisk.text.yaml_reader import YamlMap, read_large_yaml
 from tracerisk.vendors.description import (
     EFFECTS,
     OF_ALL,
@@ -27,7 +28,6 @@ from tracerisk.vendors.description import (
     WhileMoving,
 )
 from tracerisk.vendors.value_reader import ValueReader, check_path, plain_value
-from tracerisk.yaml_reader import YamlMap, read_large_yaml
 
 TOP = (
     *("driver", "source", "packages", "node", "group", "tool", "frame", "gripper", "units"),

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import DriverError, InputError, one_of
-from tracerisk.ros.twin_messages import TwinMessages
+from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.vendors.description import OUTCOMES, Case, Driver, Interface, Output, Value
 from tracerisk.vendors.message_paths import FieldError, check, write
 

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from tracerisk.errors import one_of
-from tracerisk.ros.message_dialect import set_time
-from tracerisk.ros.scenario_fields import (
+from tracerisk.ros.messages.dialect import set_time
+from tracerisk.ros.messages.fields import (
     DURATIONS,
     FLOATS,
     INTEGER_BITS,
@@ -21,8 +21,8 @@ from tracerisk.ros.scenario_fields import (
     fields_of,
     type_of,
 )
-from tracerisk.ros.virtual_clock import EPOCH_NS
-from tracerisk.twin.motion import Pose
+from tracerisk.ros.time.clock import EPOCH_NS
+from tracerisk.twin.physics.motion import Pose
 from tracerisk.vendors.conventions import Conventions, Quantity
 
 EACH = -1

@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tracerisk.ros.controller_thread import undisturbed
-from tracerisk.ros.twin_commands import TwinCommands
-from tracerisk.twin.execution import Motion
-from tracerisk.twin.motion import PlanningError
+from tracerisk.ros.controller.thread import undisturbed
+from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.twin.motion.execution import Motion
+from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.vendors.description import WhileMoving
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from tracerisk.errors import one_of
-from tracerisk.ros.poses import unit_quaternion
-from tracerisk.twin.motion import PlanningError, Pose
+from tracerisk.ros.transforms.poses import unit_quaternion
+from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.vendors.conventions import Conventions, Dimension
 from tracerisk.vendors.description import UNITS, Case, Condition, Value
 from tracerisk.vendors.message_paths import (

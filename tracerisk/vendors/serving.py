@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from tracerisk.ros.twin_commands import TwinCommands
+from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.twin_interfaces import TwinInterfaces
 from tracerisk.vendors.described_driver import DescribedDriver
 from tracerisk.vendors.description import Driver
@@ -19,7 +19,7 @@ from tracerisk.vendors.niryo.driver import NiryoRobot
 from tracerisk.vendors.rethink.driver import BaxterDriver
 
 if TYPE_CHECKING:
-    from tracerisk.ros.runtime import Runtime
+    from tracerisk.ros.graph.runtime import Runtime
 
 
 def serve_vendors(runtime: Runtime, twin: TwinInterfaces, drivers: Sequence[Driver] = ()) -> None:

@@ -7,8 +7,8 @@ from collections.abc import Collection
 from typing import Any
 
 from tracerisk.errors import one_of
+from tracerisk.text.yaml_reader import YamlMap
 from tracerisk.vendors.description import REFERENCES, UNITS, Output, Value
-from tracerisk.yaml_reader import YamlMap
 
 VALUE = ("field", "value", "unit", "default", "map")
 OUTPUT = ("value", "unit", "map")

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from tracerisk.hardware.sysml.language.standard_names import FEATURES
 from tracerisk.hardware.sysml.reader import read_sysml
-from tracerisk.hardware.sysml.standard_names import FEATURES
 
 TEXT = (Path(__file__).parents[3] / "docs" / "sysml.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```sysml\n(.*?)```", TEXT, re.DOTALL)

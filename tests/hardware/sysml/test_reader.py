@@ -15,12 +15,12 @@ from tracerisk.hardware.model import (
     LoadLaw,
     TwinBinding,
 )
-from tracerisk.hardware.reader import read_hardware
 from tracerisk.hardware.redundancy import Redundancy
-from tracerisk.hardware.sysml.parsing import parse
+from tracerisk.hardware.sysml.language.parsing import parse
+from tracerisk.hardware.sysml.language.standard_names import ENUMERATIONS, FEATURES
+from tracerisk.hardware.sysml.language.syntax import Element, Package, SourceText
 from tracerisk.hardware.sysml.reader import read_sysml
-from tracerisk.hardware.sysml.standard_names import ENUMERATIONS, FEATURES
-from tracerisk.hardware.sysml.syntax import Element, Package, SourceText
+from tracerisk.hardware.yaml.reader import read_hardware
 
 HERE = Path(__file__).parent
 LIBRARY = Path(read_sysml.__code__.co_filename).parent / "library" / "TraceriskHardware.sysml"
@@ -40,7 +40,7 @@ def names(hardware) -> dict[str, int | None]:
 
 
 def test_the_published_arm_is_the_same_in_yaml_and_in_sysml():
-    shipped = Path(read_hardware.__code__.co_filename).parent / "robots" / "panda.yaml"
+    shipped = Path(read_hardware.__code__.co_filename).parents[1] / "robots" / "panda.yaml"
     assert read_sysml(HERE / "panda.sysml") == read_hardware(shipped)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk import trace_json
-from tracerisk.hardware.reader import read_hardware
+from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.trace import (
     Element,
     Exposure,

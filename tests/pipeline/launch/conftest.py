@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from tracerisk.config import Settings
-from tracerisk.pipeline.controller import load_controller
 from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
+from tracerisk.pipeline.workspace.controller import load_controller
 
 PACKAGE = "<package><name>{}</name></package>\n"
 

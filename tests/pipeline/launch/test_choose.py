@@ -7,7 +7,7 @@ import re
 import pytest
 
 from tracerisk.errors import InputError
-from tracerisk.pipeline.launch.records import LaunchSetup
+from tracerisk.pipeline.launch_files.records import LaunchSetup
 
 ROS1 = """\
 import rospy

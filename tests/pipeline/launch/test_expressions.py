@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.pipeline.launch.expressions import evaluate
+from tracerisk.pipeline.launch_files.expressions import evaluate
 
 
 @pytest.mark.parametrize(

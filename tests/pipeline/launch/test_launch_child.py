@@ -8,8 +8,8 @@ import pytest
 
 from tracerisk.errors import LimitError
 from tracerisk.limits import DEFAULT_LIMITS, Limit
-from tracerisk.pipeline.launch.launch_process import read_launch
-from tracerisk.pipeline.workspace import find_workspace
+from tracerisk.pipeline.launch_files.process import read_launch
+from tracerisk.pipeline.workspace.workspace import find_workspace
 
 IMPORTS = """\
 from launch import LaunchDescription

@@ -9,8 +9,8 @@ import pytest
 from tracerisk import trace_json
 from tracerisk.config import Settings, read_settings
 from tracerisk.errors import SettingsError
-from tracerisk.pipeline.controller import load_controller
-from tracerisk.pipeline.freshness import run_inputs
+from tracerisk.pipeline.freshness.freshness import run_inputs
+from tracerisk.pipeline.workspace.controller import load_controller
 
 PACKAGE = "<package><name>arm_task</name></package>\n"
 ROS1 = """\

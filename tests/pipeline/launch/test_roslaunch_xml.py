@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.pipeline.launch.roslaunch_xml import read_roslaunch
+from tracerisk.pipeline.launch_files.roslaunch_xml import read_roslaunch
 
 
 @pytest.fixture

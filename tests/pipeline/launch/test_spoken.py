@@ -7,10 +7,10 @@ from dataclasses import replace
 
 from tracerisk.config import Settings
 from tracerisk.pipeline import load_robot
-from tracerisk.pipeline.controller import load_controller, string_literals
-from tracerisk.pipeline.launch.records import NOTHING_LAUNCHED, LaunchParameter
 from tracerisk.pipeline.launch.spoken import with_parameters
-from tracerisk.twin.generic import names_asked
+from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED, LaunchParameter
+from tracerisk.pipeline.workspace.controller import load_controller, string_literals
+from tracerisk.twin.robots.generic import names_asked
 
 
 def test_texts_and_lists_of_texts_are_part_of_what_a_source_says(tmp_path):

@@ -8,12 +8,12 @@ from dataclasses import replace
 import pytest
 
 import tracerisk
-from tracerisk.adder.lock import ControllerLock, Lock, written_block
-from tracerisk.adder.read import read_blocks
+from tracerisk.adder.lock.lock import ControllerLock, Lock, written_block
+from tracerisk.adder.sources.read import read_blocks
 from tracerisk.errors import BlockError, InputError
 from tracerisk.pipeline.review.review import review
-from tracerisk.report.diff_markdown import render_diff_markdown
-from tracerisk.report.diff_text import render_diff
+from tracerisk.report.diff.markdown import render_diff_markdown
+from tracerisk.report.diff.text import render_diff
 
 
 def lock_of(texts: dict[str, str], controller: str, /, **inputs) -> ControllerLock:

@@ -10,8 +10,8 @@ from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.bdd import SharedTree, with_bounds
 from tracerisk.prm.bdd.bounds import tree_bounds
 from tracerisk.prm.bdd.diagram import Limits
-from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind
 
 
 def tangled_tree(events, sums):
@@ -91,7 +91,7 @@ def test_the_error_tells_the_bounds(tangled):
 def test_a_small_shared_tree_is_solved_without_numba_or_numpy():
     program = """
 import sys
-from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind
+from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind
 gates = [Gate("top", GateKind.ATLEAST, ("x0", "x1", "x2", "x3"), 2)]
 gates += [Gate(f"x{i}", GateKind.OR, (f"a{i}", f"a{(i + 1) % 4}")) for i in range(4)]
 tree = FaultTree("top", tuple(gates), tuple(BasicEvent(f"a{i}", "p") for i in range(4)))

@@ -5,7 +5,7 @@ from itertools import product
 import pytest
 
 from tracerisk.prm.bdd.logic import FALSE, FIRST_EVENT, TRUE, LogicBuilder, logic_graph
-from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
+from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
 
 
 def evaluate(graph, happened):

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from tracerisk.errors import ModelError
 from tracerisk.prm.bdd import SharedTree
 from tracerisk.prm.bdd.diagram import Limits
-from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
 
 COHERENT = (GateKind.OR, GateKind.AND, GateKind.ATLEAST, GateKind.INHIBIT, GateKind.TRANSFER)
 OR, AND, XOR = GateKind.OR, GateKind.AND, GateKind.XOR

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.cut_sets import CutSet, minimal_cut_sets, prime_implicants
-from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
+from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
 
 OR, AND, ATLEAST, NOT, XOR = (
     GateKind.OR,

@@ -6,7 +6,7 @@ import pytest
 
 from tracerisk.prm import BayesianNetwork, EventTree, FaultTree, Given, HybridModel, MarkovChain
 from tracerisk.prm.drawing import html_of, svg_of
-from tracerisk.prm.event_tree import Branch, Link, Resume
+from tracerisk.prm.event_trees.event_tree import Branch, Link, Resume
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -18,8 +18,8 @@ from tracerisk.prm.dynamic import (
     Restriction,
     RestrictionKind,
 )
-from tracerisk.prm.failure_models import Constant, Exponential, Weibull
-from tracerisk.prm.gates import Gate, GateKind
+from tracerisk.prm.trees.failure_models import Constant, Exponential, Weibull
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 GATES = {
     "top": ("or", "pumps", "valves"),

@@ -8,7 +8,6 @@ from functools import cache
 
 from hypothesis import strategies as st
 
-from tracerisk.prm.common_cause import CommonCauseLaw
 from tracerisk.prm.expressions import (
     BetaDeviate,
     Call,
@@ -30,9 +29,7 @@ from tracerisk.prm.expressions import (
     UniformDeviate,
     Weibull,
 )
-from tracerisk.prm.fault_tree import HouseEvent
-from tracerisk.prm.gates import Gate, GateKind
-from tracerisk.prm.logic_model import (
+from tracerisk.prm.logic.model import (
     ALWAYS,
     NEVER,
     Attribute,
@@ -45,6 +42,9 @@ from tracerisk.prm.logic_model import (
     ParameterDefinition,
     Place,
 )
+from tracerisk.prm.trees.common_cause import CommonCauseLaw
+from tracerisk.prm.trees.fault_tree import HouseEvent
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 LETTERS = string.ascii_letters + string.digits + "_-. []/#éЖ"
 names = st.text(LETTERS, min_size=1, max_size=8).filter(

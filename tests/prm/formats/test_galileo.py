@@ -19,7 +19,8 @@ from tracerisk.prm.dynamic import (
     Restriction,
     RestrictionKind,
 )
-from tracerisk.prm.failure_models import (
+from tracerisk.prm.formats import galileo
+from tracerisk.prm.trees.failure_models import (
     Constant,
     Erlang,
     Exponential,
@@ -28,8 +29,7 @@ from tracerisk.prm.failure_models import (
     PeriodicTest,
     Weibull,
 )
-from tracerisk.prm.fault_tree import HouseEvent
-from tracerisk.prm.formats import galileo
+from tracerisk.prm.trees.fault_tree import HouseEvent
 
 DOCS = Path(__file__).parents[3] / "docs" / "formats.md"
 

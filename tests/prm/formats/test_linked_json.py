@@ -10,7 +10,6 @@ import pytest
 
 from tracerisk.errors import ModelError
 from tracerisk.prm import build_model
-from tracerisk.prm.distributions import Beta, Gamma, Lognormal, Normal, Uniform
 from tracerisk.prm.expressions import (
     BetaDeviate,
     Call,
@@ -33,7 +32,6 @@ from tracerisk.prm.expressions import (
     UniformDeviate,
     Weibull,
 )
-from tracerisk.prm.fault_tree import Gate, GateKind, HouseEvent
 from tracerisk.prm.formats.linked_json import dumps, is_linked, linked_data, linked_schema, loads
 from tracerisk.prm.linked import (
     Absorption,
@@ -49,6 +47,8 @@ from tracerisk.prm.linked import (
     Transition,
     linked,
 )
+from tracerisk.prm.numbers.distributions import Beta, Gamma, Lognormal, Normal, Uniform
+from tracerisk.prm.trees.fault_tree import Gate, GateKind, HouseEvent
 
 X, Y = Reference("x"), Number(0.25)
 VALUES: tuple[Expression, ...] = (

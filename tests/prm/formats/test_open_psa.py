@@ -34,8 +34,7 @@ from tracerisk.prm.formats.open_psa.rewriting import (
     read_name,
     written_name,
 )
-from tracerisk.prm.gates import Gate, GateKind
-from tracerisk.prm.logic_model import (
+from tracerisk.prm.logic.model import (
     ALWAYS,
     NEVER,
     Container,
@@ -44,6 +43,7 @@ from tracerisk.prm.logic_model import (
     LogicModel,
     Place,
 )
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 
 @given(names)

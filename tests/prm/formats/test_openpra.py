@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 from tests.prm.formats.models import logic_models, ordered
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.common_cause import CommonCauseLaw
-from tracerisk.prm.event_tree import (
+from tracerisk.prm.event_trees.event_tree import (
     Branch,
     Condition,
     End,
@@ -32,9 +31,8 @@ from tracerisk.prm.formats.openpra import (
     read_openpra,
     write_openpra,
 )
-from tracerisk.prm.gates import Gate, GateKind
-from tracerisk.prm.logic_event_trees import solved_event_trees
-from tracerisk.prm.logic_model import (
+from tracerisk.prm.logic.event_trees import solved_event_trees
+from tracerisk.prm.logic.model import (
     Alignment,
     Container,
     EventDefinition,
@@ -44,7 +42,9 @@ from tracerisk.prm.logic_model import (
     Place,
     Substitution,
 )
-from tracerisk.prm.logic_trees import solved_tops
+from tracerisk.prm.logic.trees import solved_tops
+from tracerisk.prm.trees.common_cause import CommonCauseLaw
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 
 def op(kind, *args, **more):

@@ -19,8 +19,6 @@ from tracerisk.prm.expressions import (
     Reference,
     Sum,
 )
-from tracerisk.prm.fault_tree import Gate
-from tracerisk.prm.gates import GateKind
 from tracerisk.prm.linked import (
     Absorption,
     Figure,
@@ -35,6 +33,8 @@ from tracerisk.prm.linked import (
     Transition,
     complement,
 )
+from tracerisk.prm.trees.fault_tree import Gate
+from tracerisk.prm.trees.gates import GateKind
 
 mpmath = pytest.importorskip("mpmath", reason="mpmath is the oracle of linked models")
 mp = mpmath.mp.clone()

@@ -14,7 +14,6 @@ from tracerisk.prm.expressions import (
     Product,
     Reference,
 )
-from tracerisk.prm.fault_tree import Gate, GateKind
 from tracerisk.prm.linked import (
     Absorption,
     Figure,
@@ -28,6 +27,7 @@ from tracerisk.prm.linked import (
     Transition,
     complement,
 )
+from tracerisk.prm.trees.fault_tree import Gate, GateKind
 
 PARAMETERS = ("p", "q", "r")
 SIZES = st.floats(-22.0, -0.5).map(lambda exponent: 10.0**exponent)

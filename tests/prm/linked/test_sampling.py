@@ -9,7 +9,6 @@ import pytest
 
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm import build_model
-from tracerisk.prm.distributions import Lognormal, Uniform
 from tracerisk.prm.expressions import (
     LognormalDeviate,
     Number,
@@ -28,7 +27,8 @@ from tracerisk.prm.linked import (
 )
 from tracerisk.prm.linked.sampling import SampledModel
 from tracerisk.prm.linked.uncertainty import propagate
-from tracerisk.prm.uncertainty import propagate as propagate_hybrid
+from tracerisk.prm.numbers.distributions import Lognormal, Uniform
+from tracerisk.prm.questions.uncertainty import propagate as propagate_hybrid
 
 FIGURES = ("failure", "lost", "done", "after ten", "unavailable", "odd", "cost")
 

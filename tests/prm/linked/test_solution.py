@@ -22,7 +22,6 @@ from tracerisk.prm.expressions import (
     UniformDeviate,
     Weibull,
 )
-from tracerisk.prm.fault_tree import Gate, GateKind
 from tracerisk.prm.linked import (
     Absorption,
     Figure,
@@ -36,6 +35,7 @@ from tracerisk.prm.linked import (
     Transition,
     complement,
 )
+from tracerisk.prm.trees.fault_tree import Gate, GateKind
 
 FIGURES = ("failure", "lost", "done", "after ten", "unavailable", "odd", "cost")
 PARAMETERS = ("power", "motor", "jam", "sensor", "wear rate", "repair rate")

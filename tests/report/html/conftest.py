@@ -12,7 +12,7 @@ from lxml import html as lxml_html
 from tracerisk.errors import Location
 from tracerisk.hardware.model import Basis, Component, FailureFigure, Hardware
 from tracerisk.prm import BasicEvent, FaultTree, HybridModel, solve
-from tracerisk.prm.risk_change import Review, RiskDiff
+from tracerisk.prm.review.risk_change import Review, RiskDiff
 from tracerisk.report.html.report import render_report
 from tracerisk.report.html.report_input import Pin, ReportInput, SourceBlock, SourceFile
 from tracerisk.trace import (

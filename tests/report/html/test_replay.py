@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from tracerisk.errors import LogError
-from tracerisk.pipeline.run_section import recorded_run
-from tracerisk.report.html.replay import BODIES, FRAMES, RecordedRun, make_replay, replay_data
-from tracerisk.report.html.replay_frames import unpack_frames
-from tracerisk.report.html.replay_model import scene_bodies
-from tracerisk.report.html.timeline import TIMELINE
-from tracerisk.twin.robot import load_robot, robot_names
-from tracerisk.twin.samples import POSE_EVERY, SampleHeader, Samples
-from tracerisk.twin.scene import load_scene
+from tracerisk.pipeline.results.run_section import recorded_run
+from tracerisk.report.html.run.replay import BODIES, FRAMES, RecordedRun, make_replay, replay_data
+from tracerisk.report.html.run.replay_frames import unpack_frames
+from tracerisk.report.html.run.replay_model import scene_bodies
+from tracerisk.report.html.run.timeline import TIMELINE
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.recording.samples import POSE_EVERY, SampleHeader, Samples
+from tracerisk.twin.robots.robot import load_robot, robot_names
 
 N_STEPS = 2_000
 

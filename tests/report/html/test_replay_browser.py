@@ -17,16 +17,16 @@ from markupsafe import Markup
 from tracerisk import trace_json
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.shipped import hardware_of
-from tracerisk.pipeline.run_section import recorded_run
+from tracerisk.pipeline.results.run_section import recorded_run
 from tracerisk.report.html.page import page as page_text
-from tracerisk.report.html.replay import RecordedRun, Replay, make_replay
-from tracerisk.report.html.replay_model import bodies_data, scene_bodies
+from tracerisk.report.html.run.replay import RecordedRun, Replay, make_replay
+from tracerisk.report.html.run.replay_model import bodies_data, scene_bodies
+from tracerisk.report.html.run.timeline import timeline_section
+from tracerisk.report.html.run.timeline_segments import GRASPING, HOLDING, MOVING, SOMEWHEN
 from tracerisk.report.html.section import Section
-from tracerisk.report.html.timeline import timeline_section
-from tracerisk.report.html.timeline_segments import GRASPING, HOLDING, MOVING, SOMEWHEN
 from tracerisk.trace import Contact, Trace
-from tracerisk.twin.robot import load_robot, robot_names
-from tracerisk.twin.scene import load_scene
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.robots.robot import load_robot, robot_names
 
 _FLAGS = (
     "--headless=new",
@@ -223,7 +223,7 @@ def keys(page, *pressed):
 def test_bodies_are_where_the_physics_engine_has_them(page, shown_run):
     import mujoco
 
-    from tracerisk.twin.builder import compile_model
+    from tracerisk.twin.physics.builder import compile_model
 
     compiled = compile_model(shown_run.run.robot, shown_run.run.scene)
     data = mujoco.MjData(compiled)
@@ -239,7 +239,7 @@ def test_bodies_are_where_the_physics_engine_has_them(page, shown_run):
 def test_the_kinematics_of_every_shipped_robot_are_those_of_the_physics_engine(page):
     import mujoco
 
-    from tracerisk.twin.builder import compile_model
+    from tracerisk.twin.physics.builder import compile_model
 
     generator = np.random.default_rng(7)
     for name in robot_names():

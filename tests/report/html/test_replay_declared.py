@@ -7,9 +7,9 @@ import itertools
 import numpy as np
 import pytest
 
-from tracerisk.report.html.replay_declared import MOST_BODIES, declared_bodies
-from tracerisk.twin.declared_log import DeclaredChange, LoggedShape
-from tracerisk.twin.shapes import Shape
+from tracerisk.geometry.shapes import Shape
+from tracerisk.report.html.run.replay_declared import MOST_BODIES, declared_bodies
+from tracerisk.twin.physics.declared_log import DeclaredChange, LoggedShape
 
 CUBE = (Shape("box", (0.1, 0.1, 0.1)),)
 HERE = (1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from tracerisk.report.html.replay_frames import MOST_FRAMES, pack_frames, unpack_frames
+from tracerisk.report.html.run.replay_frames import MOST_FRAMES, pack_frames, unpack_frames
 
 
 @given(

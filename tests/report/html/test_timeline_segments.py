@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tracerisk.report.html.timeline_segments import (
+from tracerisk.report.html.run.timeline_segments import (
     BORDERLINE,
     GRASPING,
     HOLDING,
@@ -32,7 +32,7 @@ from tracerisk.trace import (
     TracedFunction,
     Visit,
 )
-from tracerisk.twin.activity import ElementActivity, Thresholds
+from tracerisk.twin.recording.activity import ElementActivity, Thresholds
 
 PICK = FunctionRef("cell.py", QualifiedName("pick"))
 STEP = 0.002

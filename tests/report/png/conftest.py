@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from tracerisk.report.html.replay import RecordedRun
+from tracerisk.report.html.run.replay import RecordedRun
 from tracerisk.trace import (
     Element,
     Exposure,
@@ -16,9 +16,9 @@ from tracerisk.trace import (
     TracedFunction,
     Visit,
 )
-from tracerisk.twin.robot import load_robot
-from tracerisk.twin.samples import POSE_EVERY, SampleHeader, Samples
-from tracerisk.twin.scene import load_scene
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.recording.samples import POSE_EVERY, SampleHeader, Samples
+from tracerisk.twin.robots.robot import load_robot
 
 N_STEPS = 2_000
 USED = Exposure(moving_s=1.0, active_s=1.0)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from tracerisk.report.png.moments import function_moments
 from tracerisk.trace import Element
-from tracerisk.twin.activity import ElementActivity, Thresholds
+from tracerisk.twin.recording.activity import ElementActivity, Thresholds
 
 FRAME, STRIDE = 0.04, 20
 

@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.errors import InputError, LogError
+from tracerisk.geometry.shapes import Shape
 from tracerisk.report import html
 from tracerisk.report.png.pictures import (
     KIND_COLOURS,
@@ -24,8 +25,7 @@ from tracerisk.report.png.pictures import (
     mixed,
     printable,
 )
-from tracerisk.twin.declared_log import DeclaredChange, LoggedShape
-from tracerisk.twin.shapes import Shape
+from tracerisk.twin.physics.declared_log import DeclaredChange, LoggedShape
 
 COMPONENTS = {
     "motor": tuple(f"panda_joint{number}" for number in range(1, 8)),

@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from tracerisk.report.html.replay_model import Body, scene_bodies
+from tracerisk.geometry.shapes import Shape
+from tracerisk.report.html.run.replay_model import Body, scene_bodies
 from tracerisk.report.png.placement import WORLD, corners, placed_bodies, rotated
-from tracerisk.twin.builder import compile_model
-from tracerisk.twin.robot import load_robot
-from tracerisk.twin.scene import load_scene
-from tracerisk.twin.shapes import Shape
+from tracerisk.twin.physics.builder import compile_model
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.robots.robot import load_robot
 
 
 @pytest.mark.parametrize(("robot", "scene"), [("panda", "tube_racks"), ("ur5e", "empty")])

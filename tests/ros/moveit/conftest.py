@@ -10,13 +10,13 @@ import pytest
 from tests.ran import Ran
 from tracerisk.instrument.recording import Recorder, read_recording
 from tracerisk.instrument.tracer import Tracer
-from tracerisk.ros.finder import StandInFinder
-from tracerisk.ros.graph import Graph
-from tracerisk.ros.runtime import Runtime, activate
-from tracerisk.ros.virtual_time import Scheduler
-from tracerisk.twin.robot import Robot, load_robot
-from tracerisk.twin.scene import load_scene
-from tracerisk.twin.twin import Twin
+from tracerisk.ros.graph.graph import Graph
+from tracerisk.ros.graph.runtime import Runtime, activate
+from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.time.scheduler import Scheduler
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.simulation.twin import Twin
 
 SECOND = 1_000_000_000
 PREAMBLE = """\

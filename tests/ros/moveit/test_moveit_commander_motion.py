@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from tracerisk.twin.kinematics import Kinematics
-from tracerisk.twin.robot import load_robot
+from tracerisk.twin.motion.kinematics import Kinematics
+from tracerisk.twin.robots.robot import load_robot
 
 ARM = [f"panda_joint{number}" for number in range(1, 8)]
 FAST = """\
@@ -222,8 +222,8 @@ def test_without_waiting_the_call_returns_at_once_and_the_command_stays_live(run
     ran = run(
         FAST
         + """
-import tracerisk.ros.runtime
-scheduler = tracerisk.ros.runtime.current().scheduler
+import tracerisk.ros.graph.runtime
+scheduler = tracerisk.ros.graph.runtime.current().scheduler
 arm.set_named_target("ready")
 asked = arm.go(wait=False)
 returned_ns = scheduler.now_ns
@@ -241,10 +241,10 @@ def test_stop_preempts_what_moves(run):
     ran = run(
         FAST
         + """
-import tracerisk.ros.runtime
+import tracerisk.ros.graph.runtime
 arm.set_named_target("ready")
 arm.go(wait=False)
-tracerisk.ros.runtime.current().scheduler.sleep(200_000_000)
+tracerisk.ros.graph.runtime.current().scheduler.sleep(200_000_000)
 arm.stop()
 """
     )

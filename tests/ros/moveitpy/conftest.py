@@ -13,16 +13,16 @@ from tests.ran import Ran
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.recording import Recorder, read_recording
 from tracerisk.instrument.tracer import Tracer
-from tracerisk.ros.finder import StandInFinder
-from tracerisk.ros.graph import Graph
-from tracerisk.ros.messages2 import Interfaces2
-from tracerisk.ros.patches import virtual_time
-from tracerisk.ros.runtime import Runtime, activate
+from tracerisk.ros.graph.graph import Graph
+from tracerisk.ros.graph.runtime import Runtime, activate
+from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.messages.ros2 import Interfaces2
+from tracerisk.ros.time.patches import virtual_time
+from tracerisk.ros.time.scheduler import RunOver, Scheduler
 from tracerisk.ros.twin_interfaces import TwinInterfaces
-from tracerisk.ros.virtual_time import RunOver, Scheduler
-from tracerisk.twin.robot import load_robot
-from tracerisk.twin.scene import load_scene
-from tracerisk.twin.twin import Twin
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.robots.robot import load_robot
+from tracerisk.twin.simulation.twin import Twin
 from tracerisk.vendors.serving import serve_vendors
 
 SECOND = 1_000_000_000

@@ -9,9 +9,9 @@ import math
 
 import pytest
 
-from tracerisk.ros.poses import ORIGIN, quaternion_from_rpy
-from tracerisk.ros.transform_tree import FrameError, TransformTree
-from tracerisk.twin.motion import Pose
+from tracerisk.ros.transforms.poses import ORIGIN, quaternion_from_rpy
+from tracerisk.ros.transforms.tree import FrameError, TransformTree
+from tracerisk.twin.physics.motion import Pose
 
 S = 1_000_000_000
 QUARTER = quaternion_from_rpy(0.0, 0.0, math.pi / 2)

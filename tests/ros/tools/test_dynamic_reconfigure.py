@@ -10,11 +10,11 @@ import sys
 
 import pytest
 
-from tracerisk.ros.finder import StandInFinder
-from tracerisk.ros.messages import Interfaces
-from tracerisk.ros.patches import virtual_time
-from tracerisk.ros.runtime import Runtime, activate
-from tracerisk.ros.virtual_time import RunOver
+from tracerisk.ros.graph.runtime import Runtime, activate
+from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.time.patches import virtual_time
+from tracerisk.ros.time.scheduler import RunOver
 
 CFG = """\
 #!/usr/bin/env python

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from tracerisk.errors import HardwareError, Location, one_of
-from tracerisk.hardware.sysml.names import Symbol, ancestors
-from tracerisk.hardware.sysml.standard_names import (
+from tracerisk.hardware.sysml.language.names import Symbol, ancestors
+from tracerisk.hardware.sysml.language.standard_names import (
     FEATURES,
     LEVELS,
     OURS,
@@ -15,7 +15,7 @@ from tracerisk.hardware.sysml.standard_names import (
     WITH_METADATA,
     Standard,
 )
-from tracerisk.hardware.sysml.syntax import (
+from tracerisk.hardware.sysml.language.syntax import (
     Annotation,
     Element,
     Expression,

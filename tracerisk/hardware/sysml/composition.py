@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from tracerisk.errors import HardwareError
-from tracerisk.hardware.sysml.names import Symbol, ancestors
-from tracerisk.hardware.sysml.syntax import Element, Multiplicity, Reference
+from tracerisk.hardware.sysml.language.names import Symbol, ancestors
+from tracerisk.hardware.sysml.language.syntax import Element, Multiplicity, Reference
 
 MAX_PARTS = 20_000
 """How many parts a system may unfold to."""

@@ -8,8 +8,8 @@ from typing import NoReturn
 
 from tracerisk.errors import HardwareError, Location, one_of
 from tracerisk.hardware.sysml.annotations import Given, Metadata
-from tracerisk.hardware.sysml.names import Symbol
-from tracerisk.hardware.sysml.standard_names import ENUMERATIONS, OURS, Standard
+from tracerisk.hardware.sysml.language.names import Symbol
+from tracerisk.hardware.sysml.language.standard_names import ENUMERATIONS, OURS, Standard
 from tracerisk.hardware.sysml.values import Amount, Built, Context, Meaning
 
 

@@ -18,8 +18,8 @@ from tracerisk.hardware.model import (
 from tracerisk.hardware.redundancy import ALL_NEEDED, Redundancy
 from tracerisk.hardware.sysml.annotations import Metadata
 from tracerisk.hardware.sysml.fields import Fields
-from tracerisk.hardware.sysml.names import Symbol
-from tracerisk.hardware.sysml.standard_names import LEVELS, RISK, RISK_FEATURES, Standard
+from tracerisk.hardware.sysml.language.names import Symbol
+from tracerisk.hardware.sysml.language.standard_names import LEVELS, RISK, RISK_FEATURES, Standard
 from tracerisk.hardware.sysml.values import Amount
 from tracerisk.hardware.units import rate_from_fit
 from tracerisk.trace import WEAR_EXPONENTS

@@ -6,10 +6,10 @@ import re
 from pathlib import Path
 
 from tracerisk.errors import HardwareError, Location
-from tracerisk.hardware.sysml.names import Found, Symbol
-from tracerisk.hardware.sysml.parsing import parse
-from tracerisk.hardware.sysml.standard_names import standard_package
-from tracerisk.hardware.sysml.syntax import Element, SourceText
+from tracerisk.hardware.sysml.language.names import Found, Symbol
+from tracerisk.hardware.sysml.language.parsing import parse
+from tracerisk.hardware.sysml.language.standard_names import standard_package
+from tracerisk.hardware.sysml.language.syntax import Element, SourceText
 
 MAX_BYTES = 16 * 1024 * 1024
 

@@ -15,11 +15,11 @@ from tracerisk.hardware.sysml import figures as meaning
 from tracerisk.hardware.sysml.annotations import Annotations, Metadata
 from tracerisk.hardware.sysml.composition import Composition, Place, product
 from tracerisk.hardware.sysml.fields import Fields
-from tracerisk.hardware.sysml.names import Symbol
+from tracerisk.hardware.sysml.language.names import Symbol
+from tracerisk.hardware.sysml.language.skipped import skipped_warnings
+from tracerisk.hardware.sysml.language.syntax import Element
 from tracerisk.hardware.sysml.project import Project
 from tracerisk.hardware.sysml.roots import find_root
-from tracerisk.hardware.sysml.skipped import skipped_warnings
-from tracerisk.hardware.sysml.syntax import Element
 
 
 def read_sysml(path: Path, *, shown: str | None = None) -> Hardware:

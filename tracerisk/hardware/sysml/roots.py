@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from tracerisk.errors import HardwareError
 from tracerisk.hardware.sysml.annotations import Annotations
 from tracerisk.hardware.sysml.composition import Composition
-from tracerisk.hardware.sysml.names import Symbol, ancestors
-from tracerisk.hardware.sysml.syntax import Element, Package
+from tracerisk.hardware.sysml.language.names import Symbol, ancestors
+from tracerisk.hardware.sysml.language.syntax import Element, Package
 
 _STRUCTURAL = ("part", "item")
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Any, NoReturn, TypeAlias
 
 from tracerisk.errors import HardwareError
-from tracerisk.hardware.sysml.names import MAX_CHAIN, Symbol, ancestors
-from tracerisk.hardware.sysml.standard_names import OURS, TIME_UNITS, Standard
-from tracerisk.hardware.sysml.syntax import (
+from tracerisk.hardware.sysml.language.names import MAX_CHAIN, Symbol, ancestors
+from tracerisk.hardware.sysml.language.standard_names import OURS, TIME_UNITS, Standard
+from tracerisk.hardware.sysml.language.syntax import (
     Computed,
     Element,
     Expression,

@@ -14,8 +14,8 @@ from tracerisk.hardware.model import (
     LoadLaw,
     TwinBinding,
 )
-from tracerisk.hardware.sysml.standard_names import ENUMERATIONS, FEATURES, OURS
-from tracerisk.hardware.sysml.words import WORDS
+from tracerisk.hardware.sysml.language.standard_names import ENUMERATIONS, FEATURES, OURS
+from tracerisk.hardware.sysml.language.words import WORDS
 
 _BASIC_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _ESCAPED = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\r": "\\r", "\t": "\\t"}

@@ -13,16 +13,16 @@ from typing import Any
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.launch.find import is_test, launch_texts
 from tracerisk.pipeline.launch.parameter_files import parameter_files
-from tracerisk.pipeline.launch.parameter_text import (
+from tracerisk.pipeline.launch_files.parameter_text import (
     ParameterTextError,
     read_text,
     with_angles,
     yaml_value,
 )
-from tracerisk.pipeline.launch.roslaunch_xml import read_roslaunch
-from tracerisk.pipeline.workspace import Workspace
-from tracerisk.ros.parameters import ParameterTree
-from tracerisk.twin.description_files import distance
+from tracerisk.pipeline.launch_files.roslaunch_xml import read_roslaunch
+from tracerisk.pipeline.workspace.workspace import Workspace
+from tracerisk.ros.graph.parameters import ParameterTree
+from tracerisk.twin.workspace.description_files import distance
 
 _MOST_READ = 100
 

@@ -11,14 +11,13 @@ from typing import Any, Literal
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, one_of
 from tracerisk.limits import Limits
-from tracerisk.pipeline.controller import Controller
 from tracerisk.pipeline.launch.asked import Asked, asked_by
 from tracerisk.pipeline.launch.find import LaunchFile, find_launch_files, ros_of
-from tracerisk.pipeline.launch.launch_process import read_launch
 from tracerisk.pipeline.launch.parameter_files import setup_of_parameter_file
-from tracerisk.pipeline.launch.parameter_text import ParameterTextError, read_text
 from tracerisk.pipeline.launch.program import Program, program_of, shown
-from tracerisk.pipeline.launch.records import (
+from tracerisk.pipeline.launch_files.parameter_text import ParameterTextError, read_text
+from tracerisk.pipeline.launch_files.process import read_launch
+from tracerisk.pipeline.launch_files.records import (
     EVERY_NODE,
     LaunchParameter,
     LaunchReading,
@@ -26,10 +25,11 @@ from tracerisk.pipeline.launch.records import (
     RobotSource,
     StartedNode,
 )
-from tracerisk.pipeline.launch.roslaunch_xml import read_roslaunch
-from tracerisk.pipeline.workspace import Workspace, find_workspace
-from tracerisk.ros import names
-from tracerisk.ros.version_choice import ros_version
+from tracerisk.pipeline.launch_files.roslaunch_xml import read_roslaunch
+from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.pipeline.workspace.workspace import Workspace, find_workspace
+from tracerisk.ros.graph import names
+from tracerisk.source.ros_version import ros_version
 
 _MOST_READ = {1: 40, 2: 10}  # launch files of ROS 2 cost a process each
 _MOST_INCLUDERS = {1: 40, 2: 4}

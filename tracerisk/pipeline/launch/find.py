@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Literal
 
 from tracerisk.pipeline.launch.program import Program
-from tracerisk.pipeline.workspace import Workspace
+from tracerisk.pipeline.workspace.workspace import Workspace
 
 _MOST_FOLDERS = 5000
 _MOST_FILES = 1000

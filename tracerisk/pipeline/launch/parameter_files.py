@@ -6,16 +6,16 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 from tracerisk.pipeline.launch.asked import Asked
-from tracerisk.pipeline.launch.parameter_text import (
+from tracerisk.pipeline.launch.program import Program, shown
+from tracerisk.pipeline.launch_files.parameter_text import (
     ParameterTextError,
     node_parameters,
     read_text,
     yaml_value,
 )
-from tracerisk.pipeline.launch.program import Program, shown
-from tracerisk.pipeline.launch.records import EVERY_NODE, LaunchParameter, LaunchSetup
-from tracerisk.pipeline.workspace import Workspace
-from tracerisk.twin.description_files import distance
+from tracerisk.pipeline.launch_files.records import EVERY_NODE, LaunchParameter, LaunchSetup
+from tracerisk.pipeline.workspace.workspace import Workspace
+from tracerisk.twin.workspace.description_files import distance
 
 _FOLDERS = ("config", "params", "param", "cfg")
 _FURTHER = ("launch", "yaml", "resource", "test", "tests")  # where a test's launch file finds some

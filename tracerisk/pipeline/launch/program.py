@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from tracerisk.pipeline.console_scripts import console_scripts, read_or_nothing
-from tracerisk.pipeline.launch.records import StartedNode
-from tracerisk.pipeline.workspace import Workspace
+from tracerisk.pipeline.launch_files.records import StartedNode
+from tracerisk.pipeline.workspace.console_scripts import console_scripts, read_or_nothing
+from tracerisk.pipeline.workspace.workspace import Workspace
 
 _RENAMED = re.compile(
     r"(?P<file>[\w./${}-]+)\s+DESTINATION\s+\S+\s+RENAME\s+(?P<name>[\w.-]+)", re.IGNORECASE

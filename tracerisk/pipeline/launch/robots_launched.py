@@ -8,15 +8,15 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from tracerisk.config import Settings
-from tracerisk.pipeline.controller import Controller
 from tracerisk.pipeline.launch.choose import LaunchChoice, read_launch_file
 from tracerisk.pipeline.launch.find import LaunchFile, launch_texts
 from tracerisk.pipeline.launch.program import program_of, shown
-from tracerisk.pipeline.launch.records import RobotSource
-from tracerisk.pipeline.workspace import find_workspace, named_packages
-from tracerisk.ros.version_choice import ros_version
-from tracerisk.twin.description_files import distance
-from tracerisk.twin.spoken_names import LaunchedBy, LaunchedDescription
+from tracerisk.pipeline.launch_files.records import RobotSource
+from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.pipeline.workspace.workspace import find_workspace, named_packages
+from tracerisk.source.ros_version import ros_version
+from tracerisk.twin.robots.spoken_names import LaunchedBy, LaunchedDescription
+from tracerisk.twin.workspace.description_files import distance
 
 _MOST_READ = {1: 40, 2: 4}  # launch files of ROS 2 cost a process each
 _AT_ONCE = 2

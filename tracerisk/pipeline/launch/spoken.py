@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from tracerisk.pipeline.controller import Controller
-from tracerisk.pipeline.launch.records import LaunchSetup
+from tracerisk.pipeline.launch_files.records import LaunchSetup
+from tracerisk.pipeline.workspace.controller import Controller
 
 
 def with_parameters(controller: Controller, setup: LaunchSetup | None) -> Controller:

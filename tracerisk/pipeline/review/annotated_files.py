@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-from tracerisk.adder.lock import LOCK_NAME
-from tracerisk.adder.published import is_c_like
+from tracerisk.adder.lock.lock import LOCK_NAME
+from tracerisk.adder.sources.published import is_c_like
 from tracerisk.errors import InputError, Location
+from tracerisk.pipeline.history.repository import SUBMODULE, SYMLINK, ChangedFile, Repository
 from tracerisk.pipeline.review.git_versions import Compared, GitVersion
-from tracerisk.pipeline.review.repository import SUBMODULE, SYMLINK, ChangedFile, Repository
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,14 +6,14 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from typing import get_args
 
-from tracerisk.adder.block_digest import KINDS, DigestReading
-from tracerisk.adder.lock import WrittenBlock
-from tracerisk.adder.published import is_c_like
-from tracerisk.adder.read import read_blocks
-from tracerisk.pipeline.code_digest import code_digest
-from tracerisk.pipeline.freshness import RunInputs
+from tracerisk.adder.lock.digest import KINDS, DigestReading
+from tracerisk.adder.lock.lock import WrittenBlock
+from tracerisk.adder.sources.published import is_c_like
+from tracerisk.adder.sources.read import read_blocks
+from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.review.controllers import ControllerVersion
-from tracerisk.prm.risk_change import Cause, ChangedField
+from tracerisk.prm.review.risk_change import Cause, ChangedField
+from tracerisk.source.code_digest import code_digest
 from tracerisk.trace import FunctionRef
 
 _OF_HARDWARE = frozenset({"hardware", "active"})

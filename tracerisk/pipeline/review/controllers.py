@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import PurePosixPath
 from typing import Protocol
 
-from tracerisk.adder.lock import LOCK_NAME, ControllerLock, Lock, loads
+from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock, loads
 from tracerisk.errors import InputError, Location, TraceRiskError
-from tracerisk.pipeline.kept_verdict import kept_verdict
 from tracerisk.pipeline.review.annotated_files import AnnotatedFiles, is_annotated
 from tracerisk.pipeline.review.git_versions import GitVersion
+from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from tracerisk.errors import InputError, Location
-from tracerisk.pipeline.review.repository import Repository
+from tracerisk.pipeline.history.repository import Repository
 
 WORKING_TREE = "working tree"
 

@@ -10,11 +10,11 @@ import ast
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass
 
-from tracerisk.adder.block import RiskBlock
-from tracerisk.adder.definitions import definitions, parse_python
-from tracerisk.adder.published import is_c_like
-from tracerisk.adder.values import component_fields
-from tracerisk.prm.risk_change import is_noise
+from tracerisk.adder.blocks.block import RiskBlock
+from tracerisk.adder.blocks.values import component_fields
+from tracerisk.adder.sources.definitions import definitions, parse_python
+from tracerisk.adder.sources.published import is_c_like
+from tracerisk.prm.review.risk_change import is_noise
 
 
 @dataclass(frozen=True, slots=True)

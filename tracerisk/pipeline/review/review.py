@@ -9,7 +9,8 @@ from functools import partial
 from pathlib import Path
 
 from tracerisk.errors import InputError, TraceRiskError
-from tracerisk.pipeline.many_at_once import shared_out
+from tracerisk.pipeline.history.many_at_once import shared_out
+from tracerisk.pipeline.history.repository import Repository
 from tracerisk.pipeline.review.annotated_files import annotated_files
 from tracerisk.pipeline.review.causes import cause_finder, input_changes
 from tracerisk.pipeline.review.controllers import (
@@ -20,13 +21,12 @@ from tracerisk.pipeline.review.controllers import (
 )
 from tracerisk.pipeline.review.git_versions import GitVersion, compared
 from tracerisk.pipeline.review.renamed_functions import FunctionSource, renamed_functions
-from tracerisk.pipeline.review.repository import Repository
 from tracerisk.pipeline.review.run_changes import run_changes
 from tracerisk.pipeline.review.run_verdicts import version_verdict
 from tracerisk.pipeline.stages import blocks_of
-from tracerisk.prm.compare import compare
-from tracerisk.prm.model_parts import RiskVersion
-from tracerisk.prm.risk_change import Review, RiskDiff, RunVerdicts
+from tracerisk.prm.review.compare import compare
+from tracerisk.prm.review.model_parts import RiskVersion
+from tracerisk.prm.review.risk_change import Review, RiskDiff, RunVerdicts
 from tracerisk.trace import FunctionRef
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from tracerisk.pipeline.last_run import kept_contacts, kept_uncovered
 from tracerisk.pipeline.review.controllers import ControllerVersion
+from tracerisk.pipeline.trace.last_run import kept_contacts, kept_uncovered
 
 
 def run_changes(

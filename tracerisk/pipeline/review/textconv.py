@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tracerisk.adder.block import RiskBlock
-from tracerisk.adder.values import component_fields
+from tracerisk.adder.blocks.block import RiskBlock
+from tracerisk.adder.blocks.values import component_fields
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.stages import blocks_of
-from tracerisk.prm.build import MAX_QUANTITY, build_model, component_tree
-from tracerisk.prm.solve import solve_figures
+from tracerisk.prm.hybrid.build import MAX_QUANTITY, build_model, component_tree
+from tracerisk.prm.hybrid.solve import solve_figures
 
 
 def textconv(source: bytes, file: str) -> bytes:

@@ -26,8 +26,8 @@ from tracerisk.prm.bdd.speed import compiled_by_numba, compiled_loops
 from tracerisk.prm.bdd.thinning import collect, thinned
 
 if TYPE_CHECKING:
-    from tracerisk.prm.fault_tree import FaultTree
-    from tracerisk.prm.probability import Probability
+    from tracerisk.prm.numbers.probability import Probability
+    from tracerisk.prm.trees.fault_tree import FaultTree
 
 LOWER, UPPER = 0, 1
 ALWAYS, NEVER = 0, 1

@@ -13,10 +13,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tracerisk.prm.gates import Gate, GateKind
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 if TYPE_CHECKING:
-    from tracerisk.prm.fault_tree import FaultTree
+    from tracerisk.prm.trees.fault_tree import FaultTree
 
 TRUE = 1
 FALSE = -1

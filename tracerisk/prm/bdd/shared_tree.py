@@ -12,10 +12,10 @@ from tracerisk.prm.bdd.diagram import DEFAULT_LIMITS, Diagram, Limits, build_dia
 from tracerisk.prm.bdd.logic import FALSE, FIRST_EVENT, TRUE, LogicGraph, logic_graph
 from tracerisk.prm.bdd.modules import Module, grouped, modules
 from tracerisk.prm.bdd.simplify import simplified
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.numbers.probability import Probability
 
 if TYPE_CHECKING:
-    from tracerisk.prm.fault_tree import FaultTree
+    from tracerisk.prm.trees.fault_tree import FaultTree
 
 EventValues = Mapping[str, Probability]
 """The probability of each basic event, by its name."""

@@ -21,7 +21,7 @@ from tracerisk.prm.cut_sets.family import (
 from tracerisk.prm.cut_sets.primes import primes_of_diagram
 
 if TYPE_CHECKING:
-    from tracerisk.prm.fault_tree import FaultTree
+    from tracerisk.prm.trees.fault_tree import FaultTree
 
 DEFAULT_BUDGET = 20_000_000
 """The most nodes of the family of one module; a node takes 12 bytes, and 40 while it is made."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 from html import escape
 from typing import Any
 
-from tracerisk.prm.assessment import Assessment
 from tracerisk.prm.drawing.svg import WORD_HEIGHT, Canvas, word_width
-from tracerisk.prm.table import Table
+from tracerisk.prm.hybrid.assessment import Assessment
+from tracerisk.prm.numbers.table import Table
 
 _MOST_BARS = 30
 _MOST_NOTES = 30

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import islice
 
-from tracerisk.prm.bayes import BayesianNetwork
+from tracerisk.prm.bayes.network import BayesianNetwork
 from tracerisk.prm.drawing.layout import Size, layered
 from tracerisk.prm.drawing.svg import ALARM, FAINT, PAPER, WORD_HEIGHT, Canvas, word_width
-from tracerisk.prm.hybrid import DONE, HybridModel
+from tracerisk.prm.hybrid.hybrid import DONE, HybridModel
 
 _MOST_BEGUN = 80
 _MOST_ENDS = 80

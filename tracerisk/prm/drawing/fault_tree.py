@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from tracerisk.prm.drawing.layout import Size, layered
 from tracerisk.prm.drawing.svg import FAINT, WORD_HEIGHT, Canvas, word_width
-from tracerisk.prm.fault_tree import FaultTree
-from tracerisk.prm.gates import Gate, GateKind
+from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 _MOST_NODES = 150
 _MOST_LINES = 300

@@ -14,9 +14,9 @@ from tracerisk.prm.dynamic.elements import (
     RestrictionKind,
 )
 from tracerisk.prm.dynamic.tree import DynamicTree
-from tracerisk.prm.failure_models import Constant
-from tracerisk.prm.fault_tree import FailureModel
-from tracerisk.prm.gates import Gate, GateKind
+from tracerisk.prm.trees.failure_models import Constant
+from tracerisk.prm.trees.fault_tree import FailureModel
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 Formula = Sequence[str | int | float]
 """A kind, its number if it has one, and its inputs: `("spare", "a", "b")`."""

@@ -11,8 +11,8 @@ import enum
 from dataclasses import dataclass
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.fault_tree import FailureModel
-from tracerisk.prm.quantities import check_share
+from tracerisk.prm.numbers.quantities import check_share
+from tracerisk.prm.trees.fault_tree import FailureModel
 
 
 class DynamicKind(enum.Enum):

@@ -8,7 +8,7 @@ from math import prod
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.dynamic.layout import FAILED, SAFE, Layout
 from tracerisk.prm.dynamic.semantics import after_failure, after_phase, is_in_service, start
-from tracerisk.prm.failure_chain import FailureChain
+from tracerisk.prm.trees.failure_chain import FailureChain
 
 FAILED_STATE = 0
 

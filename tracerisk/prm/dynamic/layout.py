@@ -14,8 +14,8 @@ from tracerisk.prm.dynamic.elements import (
     Restriction,
     RestrictionKind,
 )
-from tracerisk.prm.failure_models import Constant, Erlang, Exponential, PerDemand
-from tracerisk.prm.gates import Gate, GateKind
+from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, PerDemand
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 SAFE, FAILED, GONE = 253, 254, 255
 """Never to fail any more; failed; of no account any more. Below them an element can still fail.

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 from tracerisk.prm.dynamic.elements import DynamicEvent
 from tracerisk.prm.dynamic.tree import DynamicGroup, DynamicTree
-from tracerisk.prm.failure_models import Constant, Erlang, Exponential
-from tracerisk.prm.fault_tree import FailureModel, FaultTree
-from tracerisk.prm.probability import Probability
-from tracerisk.prm.table import Table
+from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.numbers.table import Table
+from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential
+from tracerisk.prm.trees.fault_tree import FailureModel, FaultTree
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,10 +16,10 @@ from tracerisk.prm.dynamic.elements import (
 from tracerisk.prm.dynamic.exploration import explore
 from tracerisk.prm.dynamic.groups import find_groups
 from tracerisk.prm.dynamic.layout import AnyGate, lay_out
-from tracerisk.prm.failure_chain import FailureChain
-from tracerisk.prm.fault_tree import BasicEvent, FailureModel, FaultTree
-from tracerisk.prm.gates import Gate, check_gate
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.trees.failure_chain import FailureChain
+from tracerisk.prm.trees.fault_tree import BasicEvent, FailureModel, FaultTree
+from tracerisk.prm.trees.gates import Gate, check_gate
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -89,7 +89,7 @@ class DynamicTree:
 
         Raises ModelError when networkx, of the extra `graph`, is not installed.
         """
-        from tracerisk.prm.graphs import graph_of
+        from tracerisk.prm.notebook.graphs import graph_of
 
         return graph_of(self)
 

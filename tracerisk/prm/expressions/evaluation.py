@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.expressions.node import Expression, MissionTime, Reference
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.numbers.probability import Probability
 
 Names = Mapping[str, Expression | float]
 """What each name stands for: a number, or an expression over other names."""

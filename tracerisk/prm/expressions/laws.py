@@ -1,6 +1,6 @@
 """The failure laws of Open-PSA as expressions of their parameters.
 
-What each gives is computed by its failure model, see `tracerisk.prm.failure_models`.
+What each gives is computed by its failure model, see `tracerisk.prm.trees.failure_models`.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError
-from tracerisk.prm import failure_models
 from tracerisk.prm.expressions.node import Expression
-from tracerisk.prm.fault_tree import FailureModel
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.trees import failure_models
+from tracerisk.prm.trees.fault_tree import FailureModel
 
 if TYPE_CHECKING:
     from tracerisk.prm.expressions.node import Array

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.numbers.probability import Probability
 
 if TYPE_CHECKING:
     import numpy as np

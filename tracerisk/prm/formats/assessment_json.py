@@ -6,7 +6,7 @@ import math
 from dataclasses import asdict
 from typing import Any
 
-from tracerisk.prm.assessment import Assessment
+from tracerisk.prm.hybrid.assessment import Assessment
 
 
 def assessment_to_json(assessment: Assessment) -> dict[str, Any]:

@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm import failure_models
-from tracerisk.prm.common_cause import ShareOf
 from tracerisk.prm.dynamic import DynamicTree
 from tracerisk.prm.expressions import (
     Evaluation,
@@ -20,10 +18,8 @@ from tracerisk.prm.expressions import (
     Reference,
     Weibull,
 )
-from tracerisk.prm.fault_tree import FailureModel, FaultTree, HouseEvent
-from tracerisk.prm.gates import Gate, GateKind
-from tracerisk.prm.hybrid import HybridModel
-from tracerisk.prm.logic_model import (
+from tracerisk.prm.hybrid.hybrid import HybridModel
+from tracerisk.prm.logic.model import (
     ALWAYS,
     NEVER,
     Container,
@@ -34,6 +30,10 @@ from tracerisk.prm.logic_model import (
     ParameterDefinition,
     Place,
 )
+from tracerisk.prm.trees import failure_models
+from tracerisk.prm.trees.common_cause import ShareOf
+from tracerisk.prm.trees.fault_tree import FailureModel, FaultTree, HouseEvent
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 _SHOWN = 5
 """How many elements a message names."""

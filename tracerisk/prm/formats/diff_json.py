@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from typing import Any
 
-from tracerisk.prm.risk_change import Review, RiskDiff
+from tracerisk.prm.review.risk_change import Review, RiskDiff
 from tracerisk.trace import verdict_line
 
 

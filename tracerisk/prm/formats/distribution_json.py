@@ -6,8 +6,15 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.distributions import Beta, Distribution, Gamma, Lognormal, Normal, Uniform
 from tracerisk.prm.formats.element import Element
+from tracerisk.prm.numbers.distributions import (
+    Beta,
+    Distribution,
+    Gamma,
+    Lognormal,
+    Normal,
+    Uniform,
+)
 
 
 def distribution_to_json(distribution: Distribution) -> dict[str, Any]:

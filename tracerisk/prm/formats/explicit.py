@@ -12,7 +12,6 @@ import math
 import re
 from collections.abc import Iterator
 
-from tracerisk.bounded import whole_number
 from tracerisk.errors import Location, ModelError, TooLargeError
 from tracerisk.prm.formats.explicit_chain import (
     INITIAL,
@@ -20,6 +19,7 @@ from tracerisk.prm.formats.explicit_chain import (
     ExplicitChain,
     names_from_labels,
 )
+from tracerisk.text.bounded import whole_number
 
 MOST_STATES = 10_000_000
 _DECLARED = re.compile(r'(\d+)="([^"]+)"')

@@ -12,11 +12,9 @@ from typing import Any
 
 from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.expressions import Expression
-from tracerisk.prm.fault_tree import HouseEvent
 from tracerisk.prm.formats.distribution_json import distribution_to_json, read_distribution
 from tracerisk.prm.formats.element import Element, read_document
 from tracerisk.prm.formats.linked_values import read_value, value_to_json
-from tracerisk.prm.gates import Gate, GateKind, check_gate
 from tracerisk.prm.linked.elements import (
     UNITS,
     Figure,
@@ -29,6 +27,8 @@ from tracerisk.prm.linked.elements import (
 )
 from tracerisk.prm.linked.links import ElementKey
 from tracerisk.prm.linked.model import LinkedModel
+from tracerisk.prm.trees.fault_tree import HouseEvent
+from tracerisk.prm.trees.gates import Gate, GateKind, check_gate
 
 SCHEMA = "tracerisk-linked-model"
 VERSION = 1

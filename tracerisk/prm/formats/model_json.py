@@ -9,10 +9,10 @@ from fractions import Fraction
 from typing import Any
 
 from tracerisk.errors import Location, ModelError
-from tracerisk.prm.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
 from tracerisk.prm.formats.distribution_json import distribution_to_json, read_distribution
 from tracerisk.prm.formats.element import Element, read_document
-from tracerisk.prm.hybrid import FunctionState, HybridModel, NextStep, Parameter
+from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel, NextStep, Parameter
+from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
 
 SCHEMA = "tracerisk-hybrid-model"
 VERSION = 1

@@ -9,6 +9,7 @@ from functools import cached_property
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions import Expression
+from tracerisk.prm.expressions.rules import apart, within
 from tracerisk.prm.linked.elements import LinkedChain
 from tracerisk.prm.linked.links import Absorption, Link, Occupancy
 from tracerisk.prm.linked.occupancy import (
@@ -19,9 +20,8 @@ from tracerisk.prm.linked.occupancy import (
     poisson_weights,
     uniformised,
 )
-from tracerisk.prm.linked.rules import apart, within
 from tracerisk.prm.markov import ChainSolution, MarkovChain
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.numbers.probability import Probability
 
 _ROW_TOLERANCE = 1e-9
 

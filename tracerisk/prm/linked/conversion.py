@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.expressions import Expression, Number, Product, Reference, Sum
-from tracerisk.prm.fault_tree import HouseEvent
-from tracerisk.prm.hybrid import DONE, FunctionState, HybridModel
+from tracerisk.prm.hybrid.hybrid import DONE, FunctionState, HybridModel
 from tracerisk.prm.linked.elements import (
     Figure,
     LinkedChain,
@@ -22,9 +21,10 @@ from tracerisk.prm.linked.elements import (
 )
 from tracerisk.prm.linked.links import Absorption, TopEvent, complement
 from tracerisk.prm.linked.model import LinkedModel
+from tracerisk.prm.trees.fault_tree import HouseEvent
 
 if TYPE_CHECKING:
-    from tracerisk.prm.hidden_states import Function, Hidden, HiddenStates
+    from tracerisk.prm.hybrid.hidden_states import Function, Hidden, HiddenStates
 
 MISSION = "mission"
 FAILURE = "mission failure"
@@ -96,7 +96,7 @@ class _Unfolded:
     """The chain of functions times hidden failures, each state with its own fault tree."""
 
     def __init__(self, model: HybridModel, thetas: Mapping[str, float]) -> None:
-        from tracerisk.prm.hidden_states import hidden_states
+        from tracerisk.prm.hybrid.hidden_states import hidden_states
 
         self._model = model
         self._thetas = thetas

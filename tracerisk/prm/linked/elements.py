@@ -9,10 +9,10 @@ from fractions import Fraction
 from typing import Literal
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.distributions import Distribution
 from tracerisk.prm.expressions import Expression
-from tracerisk.prm.fault_tree import FaultTree, Gate, HouseEvent
 from tracerisk.prm.linked.links import FAULT_TREE, MARKOV_CHAIN, PARAMETER, ElementKey
+from tracerisk.prm.numbers.distributions import Distribution
+from tracerisk.prm.trees.fault_tree import FaultTree, Gate, HouseEvent
 
 TimeKind = Literal["discrete", "continuous"]
 

@@ -13,8 +13,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from tracerisk.errors import TooLargeError
-from tracerisk.prm.linked.rules import apart
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.expressions.rules import apart
+from tracerisk.prm.numbers.probability import Probability
 
 SPARE = 1.25
 """Lambda over the greatest rate of leaving: no state's probability of staying is a small rest."""

@@ -7,14 +7,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.bayes import BayesianNetwork
-from tracerisk.prm.event_tree import EventTree
+from tracerisk.prm.bayes.network import BayesianNetwork
+from tracerisk.prm.event_trees.event_tree import EventTree
 from tracerisk.prm.expressions import Expression
-from tracerisk.prm.forest import Forest
 from tracerisk.prm.linked.elements import LinkedTree
 from tracerisk.prm.linked.model import LinkedModel
 from tracerisk.prm.linked.tree_solution import tree_to_solve
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.trees.forest import Forest
 
 
 def outcome_trees(

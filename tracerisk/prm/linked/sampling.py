@@ -24,12 +24,12 @@ from tracerisk.prm.linked.model import LinkedModel
 from tracerisk.prm.linked.occupancy import SPARE, poisson_weights
 from tracerisk.prm.linked.tape import Tape
 from tracerisk.prm.linked.tree_solution import TreeToSolve
-from tracerisk.prm.probability import Probability
-from tracerisk.prm.sampled_chain import absorption_samples
-from tracerisk.prm.sampled_tree import top_samples
+from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.questions.sampled_chain import absorption_samples
+from tracerisk.prm.trees.sampled_tree import top_samples
 
 if TYPE_CHECKING:
-    from tracerisk.prm.sampled_chain import Samples, Values
+    from tracerisk.prm.questions.sampled_chain import Samples, Values
 
 _MOST_STEPS = 100_000
 

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from tracerisk.prm.expressions import Expression
 from tracerisk.prm.linked.links import Link
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.numbers.probability import Probability
 
 
 class SolvedElement(Protocol):

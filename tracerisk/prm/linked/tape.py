@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from tracerisk.prm.expressions import Expression
+from tracerisk.prm.expressions.rules import change, pair_of, partials
 from tracerisk.prm.linked.links import leaf_key
-from tracerisk.prm.linked.rules import change, pair_of, partials
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.numbers.probability import Probability
 
 Lookup = Callable[[Expression], Probability]
 

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, TooLargeError, one_of
 from tracerisk.prm.expressions import Expression
-from tracerisk.prm.fault_tree import BasicEvent, FaultTree, HouseEvent
-from tracerisk.prm.gates import Gate, gate_probability, gate_shares
+from tracerisk.prm.expressions.rules import along, within
 from tracerisk.prm.linked.elements import LinkedTree
 from tracerisk.prm.linked.links import Link
-from tracerisk.prm.linked.rules import along, within
-from tracerisk.prm.probability import Probability
+from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, HouseEvent
+from tracerisk.prm.trees.gates import Gate, gate_probability, gate_shares
 
 if TYPE_CHECKING:
     from tracerisk.prm.bdd import SharedTree

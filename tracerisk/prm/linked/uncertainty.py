@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tracerisk.prm.distributions import Distribution
 from tracerisk.prm.expressions import Deviate, Number
 from tracerisk.prm.linked.elements import ModelParameter
 from tracerisk.prm.linked.importance import is_probability
 from tracerisk.prm.linked.model import LinkedModel
-from tracerisk.prm.uncertainty import SAMPLES, UncertainInput, Uncertainty, spread_of
+from tracerisk.prm.numbers.distributions import Distribution
+from tracerisk.prm.questions.uncertainty import SAMPLES, UncertainInput, Uncertainty, spread_of
 
 if TYPE_CHECKING:
-    from tracerisk.prm.sampled_chain import Samples
+    from tracerisk.prm.questions.sampled_chain import Samples
 
 _CELLS = 4_000_000
 """How many numbers one pass may hold; more draws are taken in passes."""

@@ -9,8 +9,8 @@ from tracerisk.prm.markov.solution import ChainSolution
 
 if TYPE_CHECKING:
     from tracerisk.prm.markov.continuous import ContinuousChain, ContinuousSolution
-    from tracerisk.prm.markov.matrix_chain import MatrixChain
-    from tracerisk.prm.markov.matrix_solution import MatrixSolution
+    from tracerisk.prm.markov.large.matrix_chain import MatrixChain
+    from tracerisk.prm.markov.large.matrix_solution import MatrixSolution
 
 __all__ = [
     "ChainSolution",
@@ -25,8 +25,8 @@ __all__ = [
 _ON_DEMAND = {
     "ContinuousChain": "continuous",
     "ContinuousSolution": "continuous",
-    "MatrixChain": "matrix_chain",
-    "MatrixSolution": "matrix_solution",
+    "MatrixChain": "large.matrix_chain",
+    "MatrixSolution": "large.matrix_solution",
 }
 """The modules of names that most programs do not use: imported when they are."""
 

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.display import DisplayedGraph
 from tracerisk.prm.markov.solution import ChainSolution
 from tracerisk.prm.markov.solver import solver_of
 from tracerisk.prm.markov.steps import distribution_after
+from tracerisk.prm.notebook.display import DisplayedGraph
 
 if TYPE_CHECKING:
-    from tracerisk.prm.markov.matrix_chain import MatrixChain
+    from tracerisk.prm.markov.large.matrix_chain import MatrixChain
 
 _ROW_TOLERANCE = 1e-9
 
@@ -60,7 +60,7 @@ class MarkovChain(DisplayedGraph):
         or `None` for all that lead to nothing but themselves; names: n names, or none.
         Raises ModelError as MarkovChain does.
         """
-        from tracerisk.prm.markov.matrix_chain import MatrixChain
+        from tracerisk.prm.markov.large.matrix_chain import MatrixChain
 
         return MatrixChain.from_matrix(matrix, absorbing, names)
 

@@ -11,8 +11,8 @@ from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.markov.elimination import StuckStateError, eliminate
 
 if TYPE_CHECKING:
-    from tracerisk.prm.markov.certificate import Array, Certified
-    from tracerisk.prm.markov.factors import Budget, Factors, Plan, Weights
+    from tracerisk.prm.markov.large.certificate import Array, Certified
+    from tracerisk.prm.markov.large.factors import Budget, Factors, Plan, Weights
 
 SMALL = 500
 """Chains of up to so many states are solved with no array library imported."""
@@ -47,8 +47,8 @@ class CertifiedSolver:
     def __init__(
         self, weights: Weights, label: Label, kind: str, budget: Budget | None = None
     ) -> None:
-        from tracerisk.prm.markov import factors
-        from tracerisk.prm.markov.certificate import Certifier
+        from tracerisk.prm.markov.large import factors
+        from tracerisk.prm.markov.large.certificate import Certifier
 
         self._weights = weights
         self._certifier = Certifier(weights)
@@ -74,7 +74,7 @@ class CertifiedSolver:
         return self._solve(reward, left=False, given_low=reward_low)
 
     def _eliminate(self, how: Plan) -> Factors:
-        from tracerisk.prm.markov import factors
+        from tracerisk.prm.markov.large import factors
 
         try:
             self._eliminated = factors.eliminate(self._weights, how)
@@ -97,7 +97,7 @@ class CertifiedSolver:
 
     def _iterate(self, given: Array, *, left: bool, given_low: Array | None) -> Certified | None:
         """Return an iteration's certified result, or `None` where elimination is to be used."""
-        from tracerisk.prm.markov import iteration
+        from tracerisk.prm.markov.large import iteration
 
         trial = self._plan is not None
         steps = iteration.TRIAL_STEPS if trial else iteration.STEPS
@@ -141,7 +141,7 @@ def solver_of(
             raise stuck(label(error.state), kind) from error
     import numpy as np
 
-    from tracerisk.prm.markov.factors import Weights
+    from tracerisk.prm.markov.large.factors import Weights
 
     rows = [
         sorted((target, p) for target, p in row.items() if p > 0.0 and target != state)

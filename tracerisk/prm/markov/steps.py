@@ -95,7 +95,7 @@ def _in_arrays(start: list[float], rows: Rows, steps: int, squaring: int) -> lis
     """Step or square with NumPy, whichever takes fewer operations."""
     import numpy as np
 
-    from tracerisk.prm.markov.array_steps import power_by_squaring, power_by_steps
+    from tracerisk.prm.markov.large.array_steps import power_by_squaring, power_by_steps
 
     now = np.array(start)
     counts = [len(row) for row in rows]

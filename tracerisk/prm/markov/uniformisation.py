@@ -91,7 +91,7 @@ def _series(start: list[float], rows: Rows, mean: float) -> list[float]:
     """Sum the distributions after each number of moves, weighed with its probability."""
     first, weights = poisson_weights(mean)
     if sum(map(len, rows)) * len(weights) > 2_000_000:
-        from tracerisk.prm.markov.array_steps import weighted_steps
+        from tracerisk.prm.markov.large.array_steps import weighted_steps
 
         summed: list[float] = weighted_steps(start, rows, first, weights).tolist()
         return summed

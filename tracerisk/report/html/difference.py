@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tracerisk.prm.assessment import MissionFigures
-from tracerisk.prm.risk_change import FunctionFigures, Review, RiskDiff
-from tracerisk.report import diff_words as words
+from tracerisk.prm.hybrid.assessment import MissionFigures
+from tracerisk.prm.review.risk_change import FunctionFigures, Review, RiskDiff
+from tracerisk.report.diff import words
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section

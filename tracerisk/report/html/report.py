@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from tracerisk.report.html.chain import chain_section
-from tracerisk.report.html.components import hardware_section, importance_section
 from tracerisk.report.html.difference import difference_section
-from tracerisk.report.html.fault_trees import fault_trees_section
-from tracerisk.report.html.functions import functions_section
+from tracerisk.report.html.model.chain import chain_section
+from tracerisk.report.html.model.components import hardware_section, importance_section
+from tracerisk.report.html.model.fault_trees import fault_trees_section
+from tracerisk.report.html.model.functions import functions_section
 from tracerisk.report.html.notes import (
     assumptions_section,
     coverage_section,
@@ -15,9 +15,9 @@ from tracerisk.report.html.notes import (
 )
 from tracerisk.report.html.page import page
 from tracerisk.report.html.report_input import ReportInput
+from tracerisk.report.html.run.touches import touches_section
 from tracerisk.report.html.sources import sources_section
 from tracerisk.report.html.summary import lead
-from tracerisk.report.html.touches import touches_section
 
 
 def render_report(report: ReportInput) -> str:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 from tracerisk.errors import Location
 from tracerisk.hardware.model import Hardware
-from tracerisk.prm.assessment import Assessment
-from tracerisk.prm.hybrid import HybridModel
-from tracerisk.prm.risk_change import Review
+from tracerisk.prm.hybrid.assessment import Assessment
+from tracerisk.prm.hybrid.hybrid import HybridModel
+from tracerisk.prm.review.risk_change import Review
 from tracerisk.report.html.section import Section
 from tracerisk.report.run_figures import RunFigures
 from tracerisk.trace import Trace
@@ -39,7 +39,7 @@ class SourceFile:
 
 @dataclass(frozen=True, slots=True)
 class Pin:
-    """What a person set in a block: see `tracerisk.pipeline.overrides.Override`.
+    """What a person set in a block: see `tracerisk.pipeline.check.overrides.Override`.
 
     `drift` is how far it lies from what is computed now [%], `None` where nothing is.
     """

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tracerisk.report.html.replay_model import Body
+from tracerisk.report.html.run.replay_model import Body
 from tracerisk.report.png.placement import Placed, Vector, corners
 
 _YAWS = tuple(math.pi * (step / 8 - 0.5) for step in range(1, 8))

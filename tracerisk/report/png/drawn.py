@@ -14,8 +14,8 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from tracerisk.contained.limited_process import run_limited
 from tracerisk.errors import RenderError
-from tracerisk.limited_process import run_limited
 from tracerisk.limits import Limit, Limits
 from tracerisk.report.png.pictures import Picture
 

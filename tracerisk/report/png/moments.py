@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.report.html.timeline_segments import visit_spans
+from tracerisk.report.html.run.timeline_segments import visit_spans
 from tracerisk.trace import FunctionRef, Trace
 
 if TYPE_CHECKING:
-    from tracerisk.twin.activity import ElementActivity
+    from tracerisk.twin.recording.activity import ElementActivity
 
 State = Literal["moving", "holding", "grasping", "in use"]
 """What an element does at a moment; `in use` of one that the samples do not follow over time."""

@@ -10,16 +10,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.adder.model_names import model_names
+from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.errors import InputError
-from tracerisk.report.html.replay_model import Body
+from tracerisk.report.html.run.replay_model import Body
 from tracerisk.report.png.camera import Camera, camera_of
 from tracerisk.report.png.moments import Moment, State, function_moments
 from tracerisk.report.png.placement import Placed, placed_bodies, placed_shape
 from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
-    from tracerisk.report.html.replay import RecordedRun
+    from tracerisk.report.html.run.replay import RecordedRun
 
 LEGEND = "legend.json"
 STATE_COLOURS: Mapping[State, str] = {
@@ -90,8 +90,8 @@ def make_pictures(
     was visited or the robot has no shapes.
     """
     from tracerisk.errors import LogError
-    from tracerisk.report.html.replay import make_replay
-    from tracerisk.report.html.replay_frames import unpack_frames
+    from tracerisk.report.html.run.replay import make_replay
+    from tracerisk.report.html.run.replay_frames import unpack_frames
 
     samples, end_s = run.samples, trace.end.simulated_s or 0.0
     if samples.header.robot != trace.robot or samples.n_steps * samples.step_s < end_s - 0.1:

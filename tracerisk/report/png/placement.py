@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from tracerisk.report.html.replay_model import Body
-from tracerisk.twin.rotation import Quaternion, quaternion_of
-from tracerisk.twin.shapes import Shape
+from tracerisk.geometry.rotation import Quaternion, quaternion_of
+from tracerisk.geometry.shapes import Shape
+from tracerisk.report.html.run.replay_model import Body
 
 Vector = tuple[float, float, float]
 

@@ -1,0 +1,1 @@
+"""Dobot's drivers and library."""

@@ -12,12 +12,12 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.arm_motion import ArmMotion
-from tracerisk.ros.command_streams import CommandStreams
-from tracerisk.ros.poses import compose, multiply
-from tracerisk.ros.twin_commands import TwinCommands
-from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.twin.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.robot.command_streams import CommandStreams
+from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.transforms.poses import compose, multiply
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.vendors.dobot.queue import (
     IN_ERROR,
     NOT_EXECUTED,
@@ -32,7 +32,7 @@ from tracerisk.vendors.dobot.reports import DobotReports
 from tracerisk.vendors.doosan.motion import DoosanMotion
 
 if TYPE_CHECKING:
-    from tracerisk.ros.runtime import Runtime
+    from tracerisk.ros.graph.runtime import Runtime
 
 PACKAGE = "dobot_msgs_v4"
 

@@ -11,11 +11,11 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from tracerisk.ros.arm_motion import ArmMotion
-from tracerisk.ros.poses import quaternion_from_rpy, rpy_from_quaternion
-from tracerisk.ros.twin_commands import TwinCommands
-from tracerisk.twin.execution import Motion
-from tracerisk.twin.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.transforms.poses import quaternion_from_rpy, rpy_from_quaternion
+from tracerisk.twin.motion.execution import Motion
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 
 if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame

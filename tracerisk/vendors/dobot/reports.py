@@ -8,15 +8,15 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.graph import Change, Publication
-from tracerisk.ros.sensor_reading import SensorReading
-from tracerisk.ros.twin_commands import TwinCommands
-from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.twin.motion import PlanningError
+from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.vendors.dobot.queue import NOT_EXECUTED, OK, DobotQueue, pose_of, values_of
 
 if TYPE_CHECKING:
-    from tracerisk.ros.runtime import Runtime
+    from tracerisk.ros.graph.runtime import Runtime
 
 PACKAGE = "dobot_msgs_v4"
 

@@ -1,0 +1,1 @@
+"""Doosan's drivers and library."""

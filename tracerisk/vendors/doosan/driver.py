@@ -11,20 +11,20 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.arm_motion import ArmMotion
-from tracerisk.ros.command_streams import CommandStreams
-from tracerisk.ros.graph import Change, Publication
-from tracerisk.ros.sensor_reading import SensorReading
-from tracerisk.ros.twin_commands import TwinCommands
-from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.twin.execution import Motion
-from tracerisk.twin.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.robot.command_streams import CommandStreams
+from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.twin.motion.execution import Motion
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.vendors.doosan.motion import DoosanMotion, pose_of
 from tracerisk.vendors.doosan.reports import DoosanReports
 
 if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame
-    from tracerisk.ros.runtime import Runtime
+    from tracerisk.ros.graph.runtime import Runtime
 
 PACKAGES = ("dsr_msgs2", "dsr_msgs")
 

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tracerisk.ros.arm_motion import ArmMotion
-from tracerisk.ros.poses import (
+from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.transforms.poses import (
     ORIGIN,
     Quaternion,
     Vector,
@@ -21,7 +21,7 @@ from tracerisk.ros.poses import (
     multiply,
     rotate,
 )
-from tracerisk.twin.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 
 BASE, TOOL, WORLD = 0, 1, 2
 ABSOLUTE, RELATIVE = 0, 1

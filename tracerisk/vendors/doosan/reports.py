@@ -6,11 +6,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from tracerisk.ros.poses import ORIGIN, compose
-from tracerisk.ros.sensor_reading import SensorReading
-from tracerisk.ros.twin_commands import TwinCommands
-from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.twin.motion import PlanningError, Pose
+from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.transforms.poses import ORIGIN, compose
+from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.vendors.doosan.motion import DoosanMotion, pose_of, rows_of, values_of
 
 _STANDBY, _MOVING = 1, 2

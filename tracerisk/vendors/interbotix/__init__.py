@@ -1,0 +1,1 @@
+"""Interbotix's drivers and libraries."""

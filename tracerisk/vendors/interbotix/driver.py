@@ -13,20 +13,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tracerisk.errors import one_of
-from tracerisk.ros.command_streams import CommandStreams
-from tracerisk.ros.graph import Change, Publication, ServiceFailedError
-from tracerisk.ros.sensor_reading import SensorReading
-from tracerisk.ros.twin_commands import TwinCommands
-from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.ros.twin_set_points import JOINT_STATE_TYPE
-from tracerisk.ros.velocity_motion import at_velocities
-from tracerisk.twin.motion import PlanningError
+from tracerisk.ros.graph.graph import Change, Publication, ServiceFailedError
+from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.robot.command_streams import CommandStreams
+from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE
+from tracerisk.ros.robot.velocity_motion import at_velocities
+from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.vendors.interbotix.dynamixel import LARGEST, MODES, SETTINGS, Servo, linkage_of
 from tracerisk.vendors.interbotix.motion import InterbotixMotion
 
 if TYPE_CHECKING:
-    from tracerisk.ros.runtime import Runtime
-    from tracerisk.twin.robot import Gripper
+    from tracerisk.ros.graph.runtime import Runtime
+    from tracerisk.twin.robots.robot import Gripper
 
 PACKAGE = "interbotix_xs_msgs"
 GRIPPER = "gripper"

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from tracerisk.ros.motion_profiles import Ramp, ramp_of_speed
+from tracerisk.ros.robot.motion_profiles import Ramp, ramp_of_speed
 
 MODES = (
     "position",

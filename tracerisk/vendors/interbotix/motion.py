@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tracerisk.ros.message_dialect import nanoseconds
-from tracerisk.ros.motion_profiles import ramped
-from tracerisk.twin.motion import JointTrajectory
+from tracerisk.ros.messages.dialect import nanoseconds
+from tracerisk.ros.robot.motion_profiles import ramped
+from tracerisk.twin.physics.motion import JointTrajectory
 from tracerisk.vendors.interbotix.dynamixel import Servo
 
 if TYPE_CHECKING:
-    from tracerisk.twin.twin import Twin
+    from tracerisk.twin.simulation.twin import Twin
 
 _SET_POINT_S = 0.3
 """A command with a shorter way in time is a set-point of a stream, not a motion of its own."""

@@ -1,0 +1,1 @@
+"""Kinova's drivers and libraries."""

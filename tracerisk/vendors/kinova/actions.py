@@ -12,9 +12,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tracerisk.ros.arm_motion import ArmMotion
-from tracerisk.ros.poses import ORIGIN, compose, quaternion_from_rpy, rpy_from_quaternion
-from tracerisk.twin.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.transforms.poses import ORIGIN, compose, quaternion_from_rpy, rpy_from_quaternion
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 
 MIXED, TOOL, BASE = 1, 2, 3
 """Frames of reference: translations in the base and turns in the tool, both in the tool, or both

@@ -11,19 +11,19 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.action_graph import ActionGoal
-from tracerisk.ros.arm_motion import ArmMotion
-from tracerisk.ros.graph import Change, Publication, ServiceFailedError
-from tracerisk.ros.twin_commands import TwinCommands
-from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.twin.execution import Motion
-from tracerisk.twin.motion import PlanningError
+from tracerisk.ros.graph.actions import ActionGoal
+from tracerisk.ros.graph.graph import Change, Publication, ServiceFailedError
+from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.twin.motion.execution import Motion
+from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.vendors.kinova.actions import KortexArm, pose_of
 from tracerisk.vendors.kinova.player import DEFAULTS, REACH_ANGLES, REACH_POSE, KortexPlayer
 from tracerisk.vendors.kinova.reports import KortexReports, joint_angles
 
 if TYPE_CHECKING:
-    from tracerisk.ros.runtime import Runtime
+    from tracerisk.ros.graph.runtime import Runtime
 
 PACKAGE = "kortex_driver"
 FOLLOW_CARTESIAN = f"{PACKAGE}/FollowCartesianTrajectory"

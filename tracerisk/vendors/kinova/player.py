@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.graph import ServiceFailedError
-from tracerisk.ros.twin_commands import TwinCommands
-from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.twin.execution import Motion
-from tracerisk.twin.motion import JointTrajectory, PlanningError
+from tracerisk.ros.graph.graph import ServiceFailedError
+from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.twin.motion.execution import Motion
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 from tracerisk.vendors.kinova.actions import POSITION, SPEED, KortexArm
 from tracerisk.vendors.kinova.reports import joint_angles
 

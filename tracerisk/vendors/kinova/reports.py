@@ -7,13 +7,13 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.graph import Change, Publication, ServiceFailedError
-from tracerisk.ros.sensor_reading import SensorReading
-from tracerisk.ros.twin_messages import TwinMessages
+from tracerisk.ros.graph.graph import Change, Publication, ServiceFailedError
+from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.vendors.kinova.actions import KortexArm, write_pose
 
 if TYPE_CHECKING:
-    from tracerisk.ros.runtime import Runtime
+    from tracerisk.ros.graph.runtime import Runtime
 
 _NODE = "/kortex_driver"
 _FEEDBACK = "kortex_driver/BaseCyclic_Feedback"

@@ -1,0 +1,1 @@
+"""Niryo's drivers and libraries."""

@@ -9,12 +9,12 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from tracerisk.ros.action_graph import ActionGoal
-from tracerisk.ros.arm_motion import ArmMotion
-from tracerisk.ros.twin_commands import TwinCommands
-from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.twin.execution import Motion
-from tracerisk.twin.motion import PlanningError
+from tracerisk.ros.graph.actions import ActionGoal
+from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.twin.motion.execution import Motion
+from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.vendors.niryo.motion import NiryoMotion
 
 ROBOT_MOVE = "niryo_robot_arm_commander/RobotMove"

@@ -11,19 +11,19 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.arm_motion import ArmMotion
-from tracerisk.ros.graph import Change, Publication
-from tracerisk.ros.poses import quaternion_from_rpy, rpy_from_quaternion
-from tracerisk.ros.sensor_reading import SensorReading
-from tracerisk.ros.twin_commands import TwinCommands
-from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.twin.motion import PlanningError, Pose
+from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.transforms.poses import quaternion_from_rpy, rpy_from_quaternion
+from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.vendors.niryo.actions import STATUS_OF, NiryoActions
 from tracerisk.vendors.niryo.motion import NiryoMotion
 from tracerisk.vendors.niryo.places import Handler, NiryoPlaces
 
 if TYPE_CHECKING:
-    from tracerisk.ros.runtime import Runtime
+    from tracerisk.ros.graph.runtime import Runtime
 
 _NODE = "/niryo_robot_arm_commander"
 _MESSAGES = "niryo_robot_msgs"

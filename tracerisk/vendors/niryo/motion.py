@@ -12,10 +12,16 @@ from typing import Any
 
 import numpy as np
 
-from tracerisk.ros.arm_motion import ArmMotion
-from tracerisk.ros.poses import ORIGIN, compose, inverse, quaternion_from_rpy, rpy_from_quaternion
-from tracerisk.ros.twin_trajectory_messages import TrajectoryRefusedError, twin_trajectory
-from tracerisk.twin.motion import JointTrajectory, PlanningError, Pose
+from tracerisk.ros.robot.arm_motion import ArmMotion
+from tracerisk.ros.robot.trajectory_messages import TrajectoryRefusedError, twin_trajectory
+from tracerisk.ros.transforms.poses import (
+    ORIGIN,
+    compose,
+    inverse,
+    quaternion_from_rpy,
+    rpy_from_quaternion,
+)
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 
 (JOINTS, POSE, POSITION, RPY, POSE_QUAT, LINEAR_POSE, SHIFT_POSE, SHIFT_LINEAR_POSE) = range(8)
 EXECUTE_TRAJ, DRAW_SPIRAL, DRAW_CIRCLE, EXECUTE_FULL_TRAJ, EXECUTE_RAW_TRAJ = range(8, 13)

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tracerisk.ros.message_dialect import set_time
-from tracerisk.ros.poses import rpy_from_quaternion
-from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.ros.virtual_clock import EPOCH_NS
-from tracerisk.twin.motion import Pose
+from tracerisk.ros.messages.dialect import set_time
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.time.clock import EPOCH_NS
+from tracerisk.ros.transforms.poses import rpy_from_quaternion
+from tracerisk.twin.physics.motion import Pose
 
 if TYPE_CHECKING:
-    from tracerisk.ros.runtime import Runtime
+    from tracerisk.ros.graph.runtime import Runtime
 
 PACKAGE = "niryo_robot_poses_handlers"
 

@@ -1,0 +1,1 @@
+"""Rethink Robotics' drivers and libraries: Baxter and Sawyer."""

@@ -16,21 +16,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tracerisk.errors import RobotError, one_of
-from tracerisk.ros.command_streams import CommandStreams
-from tracerisk.ros.graph import Change, Publication
-from tracerisk.ros.message_dialect import set_time
-from tracerisk.ros.path_constraints import message_pose
-from tracerisk.ros.sensor_reading import SensorReading
-from tracerisk.ros.twin_commands import TwinCommands
-from tracerisk.ros.twin_messages import TwinMessages
-from tracerisk.ros.twin_set_points import SetPoints
-from tracerisk.ros.velocity_motion import VelocityStream
-from tracerisk.ros.virtual_clock import EPOCH_NS
-from tracerisk.twin.motion import PlanningError
-from tracerisk.twin.robot import Gripper
+from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.messages.dialect import set_time
+from tracerisk.ros.moveit.path_constraints import message_pose
+from tracerisk.ros.robot.command_streams import CommandStreams
+from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.set_points import SetPoints
+from tracerisk.ros.robot.velocity_motion import VelocityStream
+from tracerisk.ros.time.clock import EPOCH_NS
+from tracerisk.twin.physics.motion import PlanningError
+from tracerisk.twin.robots.robot import Gripper
 
 if TYPE_CHECKING:
-    from tracerisk.ros.runtime import Runtime
+    from tracerisk.ros.graph.runtime import Runtime
 
 _CORE = "baxter_core_msgs"
 _NODE = "/realtime_loop"

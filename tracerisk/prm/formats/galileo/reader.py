@@ -16,10 +16,10 @@ from tracerisk.prm.dynamic import (
     Restriction,
     RestrictionKind,
 )
-from tracerisk.prm.failure_models import Constant, Erlang, Exponential, Lognormal, Weibull
-from tracerisk.prm.fault_tree import FailureModel
 from tracerisk.prm.formats.galileo.statements import Statement, Word, read_statements
-from tracerisk.prm.gates import Gate, GateKind
+from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, Lognormal, Weibull
+from tracerisk.prm.trees.fault_tree import FailureModel
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 _VOTING = re.compile(r"(?P<k>\d+)of(?P<count>\d+)|vot(?P<least>\d+)")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.dynamic import DynamicGate, DynamicKind, DynamicTree
-from tracerisk.prm.failure_models import (
+from tracerisk.prm.trees.failure_models import (
     Constant,
     Erlang,
     Exponential,
@@ -16,8 +16,8 @@ from tracerisk.prm.failure_models import (
     PerDemand,
     Weibull,
 )
-from tracerisk.prm.fault_tree import FailureModel, FaultTree
-from tracerisk.prm.gates import Gate, GateKind
+from tracerisk.prm.trees.fault_tree import FailureModel, FaultTree
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 _KINDS = {
     GateKind.AND: "and",

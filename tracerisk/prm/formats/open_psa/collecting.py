@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 from tracerisk.errors import one_of
 from tracerisk.prm.expressions import Expression
-from tracerisk.prm.fault_tree import HouseEvent
 from tracerisk.prm.formats.open_psa.formulas import Unresolved, read_formula
 from tracerisk.prm.formats.open_psa.rewriting import (
     NAMES_MARK,
@@ -23,7 +22,7 @@ from tracerisk.prm.formats.open_psa.stochastic import (
     read_float,
 )
 from tracerisk.prm.formats.open_psa.xml_elements import Element
-from tracerisk.prm.logic_model import (
+from tracerisk.prm.logic.model import (
     Alignment,
     Attribute,
     Container,
@@ -31,6 +30,7 @@ from tracerisk.prm.logic_model import (
     Phase,
     Place,
 )
+from tracerisk.prm.trees.fault_tree import HouseEvent
 
 ROOT = "opsa-mef"
 CONTAINERS = frozenset((ROOT, "model-data", "define-fault-tree", "define-component"))

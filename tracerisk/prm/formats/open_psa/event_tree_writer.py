@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.event_tree import (
+from tracerisk.prm.event_trees.event_tree import (
     Condition,
     End,
     EventSequence,
@@ -24,7 +24,7 @@ from tracerisk.prm.expressions import Difference, ExpressionModel, Number
 from tracerisk.prm.formats.open_psa.rewriting import END_STATE_MARK, FREQUENCY_MARK
 from tracerisk.prm.formats.open_psa.stochastic import Node, expression_node
 from tracerisk.prm.formats.open_psa.xml_text import notes
-from tracerisk.prm.logic_model import Attribute, EventTreeDefinition, LogicModel, Place
+from tracerisk.prm.logic.model import Attribute, EventTreeDefinition, LogicModel, Place
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.event_tree import (
+from tracerisk.prm.event_trees.event_tree import (
     Branch,
     Condition,
     End,
@@ -31,8 +31,8 @@ from tracerisk.prm.formats.open_psa.formulas import EVENTS, constant, kind_asked
 from tracerisk.prm.formats.open_psa.rewriting import END_STATE_MARK, FREQUENCY_MARK
 from tracerisk.prm.formats.open_psa.stochastic import read_bool
 from tracerisk.prm.formats.open_psa.xml_elements import Element
-from tracerisk.prm.gates import Gate
-from tracerisk.prm.logic_model import Attribute, EventTreeDefinition, Place
+from tracerisk.prm.logic.model import Attribute, EventTreeDefinition, Place
+from tracerisk.prm.trees.gates import Gate
 
 if TYPE_CHECKING:
     from tracerisk.prm.formats.open_psa.formulas import Find

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from tracerisk.errors import ModelError
 from tracerisk.prm.formats.open_psa.stochastic import read_bool, read_int
 from tracerisk.prm.formats.open_psa.xml_elements import Element
-from tracerisk.prm.gates import Gate, GateKind, check_gate
-from tracerisk.prm.logic_model import ALWAYS, NEVER
+from tracerisk.prm.logic.model import ALWAYS, NEVER
+from tracerisk.prm.trees.gates import Gate, GateKind, check_gate
 
 CONNECTIVES = {
     kind.value: kind

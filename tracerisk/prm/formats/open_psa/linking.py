@@ -15,8 +15,7 @@ from tracerisk.prm.formats.open_psa.stochastic import (
     read_int,
 )
 from tracerisk.prm.formats.open_psa.xml_elements import Element
-from tracerisk.prm.gates import Gate
-from tracerisk.prm.logic_model import (
+from tracerisk.prm.logic.model import (
     NEVER,
     ElementError,
     EventDefinition,
@@ -28,6 +27,7 @@ from tracerisk.prm.logic_model import (
     Place,
     Substitution,
 )
+from tracerisk.prm.trees.gates import Gate
 
 
 class Linker:
@@ -164,7 +164,7 @@ class Linker:
         )
 
     def _read_group(self, pending: Pending) -> GroupDefinition:
-        from tracerisk.prm.common_cause import CommonCauseLaw
+        from tracerisk.prm.trees.common_cause import CommonCauseLaw
 
         element, home = pending.element, pending.place.home
         laws = {law.value: law for law in CommonCauseLaw}

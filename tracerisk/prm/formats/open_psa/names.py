@@ -5,7 +5,7 @@ from __future__ import annotations
 from tracerisk.errors import ModelError
 from tracerisk.prm.formats.open_psa.rewriting import written_name
 from tracerisk.prm.formats.open_psa.stochastic import Node
-from tracerisk.prm.logic_model import ALWAYS, NEVER, Container, LogicModel, Place
+from tracerisk.prm.logic.model import ALWAYS, NEVER, Container, LogicModel, Place
 
 
 class Names:

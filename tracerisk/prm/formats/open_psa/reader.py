@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tracerisk.prm.collection import collection_paused
 from tracerisk.prm.formats.open_psa.collecting import CONTAINERS, ROOT, Collector
 from tracerisk.prm.formats.open_psa.linking import Linker
 from tracerisk.prm.formats.open_psa.xml_elements import parse
-from tracerisk.prm.logic_model import LogicModel
+from tracerisk.prm.logic.model import LogicModel
+from tracerisk.prm.numbers.collection import collection_paused
 
 
 def read_open_psa(path: Path | str, *more: Path | str) -> LogicModel:

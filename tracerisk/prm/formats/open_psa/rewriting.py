@@ -10,8 +10,8 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from tracerisk.prm.gates import Gate, GateKind
-from tracerisk.prm.logic_model import ALWAYS, NEVER, Attribute, Place
+from tracerisk.prm.logic.model import ALWAYS, NEVER, Attribute, Place
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 NAMES_MARK = "tracerisk-names"
 GATE_MARK = "tracerisk-gate"
@@ -232,7 +232,7 @@ def _read_gate(name: str, words: Sequence[str]) -> Gate | None:
     k, most = [*map(int, numbers), None, None][:2]
     gate = Gate(name, kinds[kind], tuple(read_name(word) for word in words[1:]), k, most)
     from tracerisk.errors import ModelError
-    from tracerisk.prm.gates import check_gate
+    from tracerisk.prm.trees.gates import check_gate
 
     try:
         check_gate(gate)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tracerisk.prm.formats.open_psa.xml_elements import Element
-from tracerisk.prm.logic_checks import suggestion
+from tracerisk.prm.logic.checks import suggestion
 
 
 class Scope:

@@ -20,8 +20,7 @@ from tracerisk.prm.formats.open_psa.rewriting import (
 )
 from tracerisk.prm.formats.open_psa.stochastic import Node, expression_node
 from tracerisk.prm.formats.open_psa.xml_text import document, notes
-from tracerisk.prm.gates import Gate, GateKind
-from tracerisk.prm.logic_model import (
+from tracerisk.prm.logic.model import (
     NOWHERE,
     Alignment,
     Attribute,
@@ -34,6 +33,7 @@ from tracerisk.prm.logic_model import (
     Place,
     Substitution,
 )
+from tracerisk.prm.trees.gates import Gate, GateKind
 
 _DEEPEST = 50
 """How deep formulas nest at most; what is deeper is written as gates of their own."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from tracerisk.prm.formats.open_psa.stochastic import Node
-from tracerisk.prm.logic_model import Place
+from tracerisk.prm.logic.model import Place
 
 TEXT = ""
 """The key under which the text of an element stands among its attributes."""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.event_tree import (
+from tracerisk.prm.event_trees.event_tree import (
     Branch,
     Condition,
     End,
@@ -20,7 +20,7 @@ from tracerisk.prm.event_tree import (
     Target,
 )
 from tracerisk.prm.formats.element import Element
-from tracerisk.prm.logic_model import EventTreeDefinition, Place
+from tracerisk.prm.logic.model import EventTreeDefinition, Place
 
 STATES = ("failure", "success", "bypass")
 YEARLY = "yr-1"

@@ -8,9 +8,9 @@ from typing import Any
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.formats.element import Element
 from tracerisk.prm.formats.open_psa.rewriting import Form, accepted_form, form_inputs
-from tracerisk.prm.gates import Gate, GateKind, check_gate
-from tracerisk.prm.logic_checks import suggestion
-from tracerisk.prm.logic_model import GateDefinition
+from tracerisk.prm.logic.checks import suggestion
+from tracerisk.prm.logic.model import GateDefinition
+from tracerisk.prm.trees.gates import Gate, GateKind, check_gate
 
 OPERATIONS = {
     kind.value: kind

@@ -6,16 +6,12 @@ from collections import Counter
 from pathlib import Path
 
 from tracerisk.errors import Location, ModelError
-from tracerisk.prm.collection import collection_paused
-from tracerisk.prm.common_cause import CommonCauseLaw
 from tracerisk.prm.expressions import Expression, Number
-from tracerisk.prm.fault_tree import HouseEvent
 from tracerisk.prm.formats.element import Element, read_document
 from tracerisk.prm.formats.openpra.event_trees import read_event_tree
 from tracerisk.prm.formats.openpra.logic import read_logic
-from tracerisk.prm.gates import Gate
-from tracerisk.prm.logic_checks import suggestion
-from tracerisk.prm.logic_model import (
+from tracerisk.prm.logic.checks import suggestion
+from tracerisk.prm.logic.model import (
     ALWAYS,
     NEVER,
     Container,
@@ -29,6 +25,10 @@ from tracerisk.prm.logic_model import (
     LogicModel,
     Place,
 )
+from tracerisk.prm.numbers.collection import collection_paused
+from tracerisk.prm.trees.common_cause import CommonCauseLaw
+from tracerisk.prm.trees.fault_tree import HouseEvent
+from tracerisk.prm.trees.gates import Gate
 
 _LAWS = {law.value: law for law in CommonCauseLaw}
 _LEAST_LEVELS = {CommonCauseLaw.MGL: 2}

@@ -11,7 +11,7 @@ from tracerisk.prm.expressions import Evaluation, Expression, Number
 from tracerisk.prm.formats.open_psa.rewriting import accepted_form, form_inputs
 from tracerisk.prm.formats.openpra.event_trees import event_tree_data
 from tracerisk.prm.formats.openpra.logic import LogicWriter
-from tracerisk.prm.logic_model import (
+from tracerisk.prm.logic.model import (
     ALWAYS,
     NEVER,
     EventDefinition,

@@ -7,9 +7,9 @@ import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from tracerisk.bounded import finite_number, whole_number
 from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.formats.prism.tokens import Token
+from tracerisk.text.bounded import finite_number, whole_number
 
 Value = bool | int | float
 State = tuple[Value, ...]

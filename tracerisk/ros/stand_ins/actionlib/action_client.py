@@ -13,12 +13,12 @@ from actionlib_msgs.msg import GoalID, GoalStatus
 from rospy.rostime import duration_ns
 from std_msgs.msg import Header
 
-from tracerisk.ros.action_graph import ActionGoal, Actions
-from tracerisk.ros.callback_thread import CallbackThread
-from tracerisk.ros.failures import callback_failed
-from tracerisk.ros.message_base import SerializationError
-from tracerisk.ros.runtime import current
-from tracerisk.ros.virtual_clock import EPOCH_NS
+from tracerisk.ros.graph.actions import ActionGoal, Actions
+from tracerisk.ros.graph.callback_thread import CallbackThread
+from tracerisk.ros.graph.failures import callback_failed
+from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.messages.ros1_base import SerializationError
+from tracerisk.ros.time.clock import EPOCH_NS
 
 from ._node import action_name, action_parts, is_shut_down, sent
 from .exceptions import ActionException

@@ -10,10 +10,10 @@ from typing import Any
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 
-from tracerisk.ros.action_graph import ActionGoal, Actions, ActionServerEnd
-from tracerisk.ros.callback_thread import CallbackThread
-from tracerisk.ros.failures import callback_failed
-from tracerisk.ros.runtime import current
+from tracerisk.ros.graph.actions import ActionGoal, Actions, ActionServerEnd
+from tracerisk.ros.graph.callback_thread import CallbackThread
+from tracerisk.ros.graph.failures import callback_failed
+from tracerisk.ros.graph.runtime import current
 
 from ._node import action_name, action_parts, is_shut_down, sent
 from .exceptions import ActionException

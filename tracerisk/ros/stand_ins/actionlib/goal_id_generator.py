@@ -7,8 +7,8 @@ from typing import Any
 import rospy
 from actionlib_msgs.msg import GoalID
 
-from tracerisk.ros.runtime import Runtime, current
-from tracerisk.ros.virtual_clock import EPOCH_NS
+from tracerisk.ros.graph.runtime import Runtime, current
+from tracerisk.ros.time.clock import EPOCH_NS
 
 
 class _GoalCount:

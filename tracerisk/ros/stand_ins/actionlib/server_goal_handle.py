@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus
 
-from tracerisk.ros.action_graph import ActionGoal, GoalState
-from tracerisk.ros.virtual_clock import EPOCH_NS
+from tracerisk.ros.graph.actions import ActionGoal, GoalState
+from tracerisk.ros.time.clock import EPOCH_NS
 
 if TYPE_CHECKING:
     from .action_server import ActionServer

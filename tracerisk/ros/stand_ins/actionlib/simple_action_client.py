@@ -10,7 +10,7 @@ from actionlib_msgs.msg import GoalStatus
 from rospy._node import node
 from rospy.rostime import duration_ns
 
-from tracerisk.ros.runtime import current
+from tracerisk.ros.graph.runtime import current
 
 from .action_client import ActionClient, ClientGoalHandle, CommState, get_name_of_constant
 

@@ -11,9 +11,9 @@ from typing import Any
 import rospy
 from actionlib_msgs.msg import GoalStatus
 
-from tracerisk.ros.action_graph import GoalState
-from tracerisk.ros.failures import callback_failed
-from tracerisk.ros.runtime import current
+from tracerisk.ros.graph.actions import GoalState
+from tracerisk.ros.graph.failures import callback_failed
+from tracerisk.ros.graph.runtime import current
 
 from ._node import is_shut_down
 from .action_server import ActionServer, nop_cb

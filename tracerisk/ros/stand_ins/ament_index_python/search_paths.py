@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tracerisk.ros.runtime import current
+from tracerisk.ros.graph.runtime import current
 
 
 def get_search_paths() -> list[str]:

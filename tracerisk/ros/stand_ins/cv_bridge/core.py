@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from sensor_msgs.msg import CompressedImage, Image
 
-from tracerisk.ros.message_dialect import is_ros2
+from tracerisk.ros.messages.dialect import is_ros2
 
 from ._encodings import DEPTHS, changed, layout
 

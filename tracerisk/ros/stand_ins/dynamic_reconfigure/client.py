@@ -11,8 +11,8 @@ from dynamic_reconfigure.msg import Config as ConfigMsg
 from dynamic_reconfigure.msg import ConfigDescription as ConfigDescrMsg
 from dynamic_reconfigure.srv import Reconfigure as ReconfigureSrv
 
-from tracerisk.ros.needs import Need
-from tracerisk.ros.runtime import current
+from tracerisk.ros.controller.needs import Need
+from tracerisk.ros.graph.runtime import current
 
 from . import DynamicReconfigureCallbackException, DynamicReconfigureParameterException
 from .encoding import decode_config, decode_description, encode_config, extract_params

@@ -4,14 +4,14 @@ import struct
 from importlib import import_module
 from typing import Any
 
-from tracerisk.ros.message_base import (
+from tracerisk.ros.messages.ros1_base import (
     DeserializationError,
     Message,
     MessageException,
     SerializationError,
 )
-from tracerisk.ros.message_text import strify_message
-from tracerisk.ros.rostime import Duration, Time
+from tracerisk.ros.messages.text import strify_message
+from tracerisk.ros.time.rostime import Duration, Time
 
 __all__ = [
     "DeserializationError",

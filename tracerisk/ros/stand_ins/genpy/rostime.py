@@ -1,5 +1,5 @@
 """The primitives `time` and `duration`."""
 
-from tracerisk.ros.rostime import Duration, Time, TVal
+from tracerisk.ros.time.rostime import Duration, Time, TVal
 
 __all__ = ["Duration", "TVal", "Time"]

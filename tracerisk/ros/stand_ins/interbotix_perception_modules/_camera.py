@@ -6,8 +6,8 @@ from typing import Any
 
 from geometry_msgs.msg import TransformStamped
 
-from tracerisk.ros.message_dialect import is_ros2
-from tracerisk.ros.runtime import current
+from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.messages.dialect import is_ros2
 
 IS_ROS2 = is_ros2(TransformStamped)
 

@@ -12,8 +12,8 @@ import numpy as np
 from interbotix_xs_msgs.msg import JointGroupCommand, JointSingleCommand, JointTrajectoryCommand
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from tracerisk.ros import screw_kinematics
-from tracerisk.ros.message_dialect import set_time
+from tracerisk.geometry import screw_kinematics
+from tracerisk.ros.messages.dialect import set_time
 
 from . import mr_descriptions
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from std_msgs.msg import Header
 
-from tracerisk.ros.message_dialect import is_ros2, nanoseconds
+from tracerisk.ros.messages.dialect import is_ros2, nanoseconds
 
 __all__ = [
     "ApproximateTimeSynchronizer",

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.logging import get_logger
 
-from tracerisk.ros.move_group import MoveGroupServer
-from tracerisk.ros.runtime import Runtime, current
+from tracerisk.ros.graph.runtime import Runtime, current
+from tracerisk.ros.moveit.move_group import MoveGroupServer
 
 if TYPE_CHECKING:
     from .core.robot_model import RobotModel

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from tracerisk.errors import one_of
-from tracerisk.ros.poses import conjugate, multiply, rotate, rpy_from_quaternion
-from tracerisk.twin import motion
+from tracerisk.ros.transforms.poses import conjugate, multiply, rotate, rpy_from_quaternion
+from tracerisk.twin.physics import motion
 
 from . import conversions
 from ._group_settings import GroupSettings

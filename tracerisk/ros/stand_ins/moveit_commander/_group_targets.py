@@ -9,10 +9,15 @@ from moveit_msgs.msg import RobotState
 from sensor_msgs.msg import JointState
 
 from tracerisk.errors import one_of
-from tracerisk.ros.move_group import GoalKind, PoseGoal
-from tracerisk.ros.poses import compose, quaternion_from_rpy, rpy_from_quaternion, unit_quaternion
-from tracerisk.twin import motion
-from tracerisk.twin.motion import PlanningError
+from tracerisk.ros.moveit.move_group import GoalKind, PoseGoal
+from tracerisk.ros.transforms.poses import (
+    compose,
+    quaternion_from_rpy,
+    rpy_from_quaternion,
+    unit_quaternion,
+)
+from tracerisk.twin.physics import motion
+from tracerisk.twin.physics.motion import PlanningError
 
 from . import conversions
 from ._group_state import GroupState

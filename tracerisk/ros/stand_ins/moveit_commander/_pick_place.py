@@ -7,11 +7,11 @@ from geometry_msgs.msg import Pose, PoseStamped
 from moveit_msgs.msg import Grasp, GripperTranslation, PlaceLocation, RobotTrajectory
 
 from tracerisk.errors import one_of
-from tracerisk.ros.path_constraints import message_pose
-from tracerisk.ros.poses import compose, inverse, rotate
-from tracerisk.ros.trajectory_execution import ErrorCode
-from tracerisk.twin import motion
-from tracerisk.twin.motion import JointTrajectory, PlanningError
+from tracerisk.ros.moveit.path_constraints import message_pose
+from tracerisk.ros.moveit.trajectory_execution import ErrorCode
+from tracerisk.ros.transforms.poses import compose, inverse, rotate
+from tracerisk.twin.physics import motion
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
 from . import conversions
 from ._group_targets import GroupTargets

@@ -1,7 +1,7 @@
 """The move_group server that every class of the library asks."""
 
-from tracerisk.ros.move_group import MoveGroupServer
-from tracerisk.ros.runtime import current
+from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.moveit.move_group import MoveGroupServer
 
 
 def server() -> MoveGroupServer:

@@ -10,9 +10,9 @@ from geometry_msgs.msg import Pose, PoseStamped, Transform
 from moveit_msgs.msg import RobotState, RobotTrajectory
 from trajectory_msgs.msg import JointTrajectoryPoint
 
-from tracerisk.ros.poses import quaternion_from_rpy, unit_quaternion
-from tracerisk.ros.virtual_clock import EPOCH_NS
-from tracerisk.twin import motion
+from tracerisk.ros.time.clock import EPOCH_NS
+from tracerisk.ros.transforms.poses import quaternion_from_rpy, unit_quaternion
+from tracerisk.twin.physics import motion
 
 from ._server import server
 from .exception import MoveItCommanderException

@@ -16,10 +16,10 @@ from moveit_msgs.msg import (
 from shape_msgs.msg import Mesh, MeshTriangle, Plane, SolidPrimitive
 
 from tracerisk.errors import one_of
-from tracerisk.ros.path_constraints import message_pose
-from tracerisk.ros.planning_scene import SceneObject
-from tracerisk.ros.poses import compose
-from tracerisk.ros.triangle_mesh import read_triangles
+from tracerisk.geometry.triangle_mesh import read_triangles
+from tracerisk.ros.moveit.path_constraints import message_pose
+from tracerisk.ros.moveit.planning_scene import SceneObject
+from tracerisk.ros.transforms.poses import compose
 
 from . import conversions
 from ._server import server

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import RobotError
-from tracerisk.ros.move_group import MoveGroupServer
-from tracerisk.ros.moveit_configs import ConfigsBuilder, MoveItConfigs, get_pattern_matches
-from tracerisk.ros.moveit_parameter_files import ParameterBuilderFileNotFoundError
-from tracerisk.ros.runtime import current
-from tracerisk.twin.xacro_files import expand_xacro
+from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.moveit.configs import ConfigsBuilder, MoveItConfigs, get_pattern_matches
+from tracerisk.ros.moveit.move_group import MoveGroupServer
+from tracerisk.ros.moveit.parameter_files import ParameterBuilderFileNotFoundError
+from tracerisk.twin.urdf.xacro_files import expand_xacro
 
 __all__ = [
     "MoveItConfigs",

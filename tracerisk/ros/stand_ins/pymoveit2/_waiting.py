@@ -8,7 +8,7 @@ from typing import Any
 import rclpy
 from rclpy._run import run
 
-from tracerisk.ros.controller_thread import Meaning
+from tracerisk.ros.controller.thread import Meaning
 
 
 def wait_until(node: Any, is_over: Callable[[], bool], reason: str) -> None:

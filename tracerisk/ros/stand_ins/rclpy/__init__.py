@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from tracerisk.ros.controller_thread import spinning
+from tracerisk.ros.controller.thread import spinning
 
 from ._run import run as _state
 from .context import Context

@@ -15,9 +15,9 @@ from action_msgs.msg import GoalInfo, GoalStatus
 from action_msgs.srv import CancelGoal
 from unique_identifier_msgs.msg import UUID
 
-from tracerisk.ros.action_graph import ActionGoal, GoalState
-from tracerisk.ros.messages2 import copy_message
-from tracerisk.ros.virtual_clock import EPOCH_NS
+from tracerisk.ros.graph.actions import ActionGoal, GoalState
+from tracerisk.ros.messages.ros2 import copy_message
+from tracerisk.ros.time.clock import EPOCH_NS
 
 from ._entity import Call, Entity
 from ._run import run

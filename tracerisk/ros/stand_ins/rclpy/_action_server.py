@@ -11,9 +11,9 @@ from typing import Any
 from action_msgs.msg import GoalInfo
 from unique_identifier_msgs.msg import UUID
 
-from tracerisk.ros.action_graph import ActionGoal, GoalState, GoalStateError
-from tracerisk.ros.failures import callback_failed
-from tracerisk.ros.messages2 import copy_message
+from tracerisk.ros.graph.actions import ActionGoal, GoalState, GoalStateError
+from tracerisk.ros.graph.failures import callback_failed
+from tracerisk.ros.messages.ros2 import copy_message
 
 from ._entity import Call, Entity
 from ._run import run

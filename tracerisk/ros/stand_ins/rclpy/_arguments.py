@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tracerisk.ros.yaml_text import load_yaml
+from tracerisk.ros.graph.yaml_text import load_yaml
 
 FLAG, END = "--ros-args", "--"
 _LEVELS = {"unset": 0, "debug": 10, "info": 20, "warn": 30, "error": 40, "fatal": 50}

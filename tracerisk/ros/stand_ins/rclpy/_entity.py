@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Coroutine
 from typing import Any, ClassVar
 
-from tracerisk.ros.controller_thread import Meaning
+from tracerisk.ros.controller.thread import Meaning
 
 from ._run import run
 from .callback_groups import CallbackGroup

@@ -5,9 +5,9 @@ from __future__ import annotations
 import sys
 from typing import Any
 
-from tracerisk.ros.controller_frames import controller_frame
-from tracerisk.ros.failures import error_logged
-from tracerisk.ros.virtual_clock import EPOCH_NS
+from tracerisk.ros.controller.frames import controller_frame
+from tracerisk.ros.graph.failures import error_logged
+from tracerisk.ros.time.clock import EPOCH_NS
 
 from ._run import run
 from .impl.logging_severity import LoggingSeverity

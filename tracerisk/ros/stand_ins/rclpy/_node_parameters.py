@@ -15,7 +15,7 @@ from rcl_interfaces.msg import (
     SetParametersResult,
 )
 
-from tracerisk.ros.needs import Need
+from tracerisk.ros.controller.needs import Need
 
 from ._parameter_checks import refusal
 from ._run import run

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.action_graph import Actions
-from tracerisk.ros.runtime import Runtime, current
+from tracerisk.ros.graph.actions import Actions
+from tracerisk.ros.graph.runtime import Runtime, current
 
 from .context import Context
 

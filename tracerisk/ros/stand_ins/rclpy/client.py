@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import deque
 from typing import Any
 
-from tracerisk.ros.graph import ServiceFailedError, ServiceServer
-from tracerisk.ros.messages2 import copy_message
-from tracerisk.ros.names import ANY_TYPE
-from tracerisk.ros.needs import Need
+from tracerisk.ros.controller.needs import Need
+from tracerisk.ros.graph.graph import ServiceFailedError, ServiceServer
+from tracerisk.ros.graph.names import ANY_TYPE
+from tracerisk.ros.messages.ros2 import copy_message
 
 from ._entity import Call, Entity
 from ._run import run

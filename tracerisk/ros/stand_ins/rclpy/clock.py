@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Any
 
-from tracerisk.ros.virtual_clock import EPOCH_NS, MONOTONIC_START_NS
+from tracerisk.ros.time.clock import EPOCH_NS, MONOTONIC_START_NS
 
 from ._run import run
 from .clock_type import ClockType

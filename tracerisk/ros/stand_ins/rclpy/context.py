@@ -7,7 +7,7 @@ from types import MethodType, TracebackType
 from typing import Any
 from weakref import WeakMethod
 
-from tracerisk.ros.runtime import current
+from tracerisk.ros.graph.runtime import current
 
 from ._arguments import Arguments, parse_arguments
 

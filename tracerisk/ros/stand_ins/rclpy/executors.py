@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from types import TracebackType
 from typing import Any
 
-from tracerisk.ros.controller_thread import ControllerThread, WaitKind, spinning
+from tracerisk.ros.controller.thread import ControllerThread, WaitKind, spinning
 
 from ._run import run
 from .context import Context

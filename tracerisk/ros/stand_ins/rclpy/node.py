@@ -8,9 +8,9 @@ from typing import Any
 
 from rcl_interfaces.msg import ParameterEvent
 
-from tracerisk.ros.controller_frames import controller_frame
-from tracerisk.ros.controller_thread import Meaning
-from tracerisk.ros.scenario_parameters import overrides_of
+from tracerisk.ros.controller.frames import controller_frame
+from tracerisk.ros.controller.thread import Meaning
+from tracerisk.ros.graph.parameter_files import overrides_of
 
 from ._logger import RcutilsLogger
 from ._node_entities import NodeEntities

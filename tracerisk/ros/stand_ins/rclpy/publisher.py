@@ -6,7 +6,7 @@ from collections import deque
 from types import TracebackType
 from typing import Any
 
-from tracerisk.ros.messages2 import copy_message
+from tracerisk.ros.messages.ros2 import copy_message
 
 from ._run import run
 from .callback_groups import CallbackGroup

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from tracerisk.ros.message_cdr import decode, encode
+from tracerisk.ros.messages.ros2_wire import decode, encode
 
 from ._rclpy_pybind11 import RCLError
 from .type_support import check_for_type_support

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, ClassVar
 
-from tracerisk.ros.messages2 import copy_message
+from tracerisk.ros.messages.ros2 import copy_message
 
 from ._entity import Call, Entity
 from ._run import run

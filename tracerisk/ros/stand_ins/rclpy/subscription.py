@@ -8,9 +8,9 @@ from collections.abc import Callable
 from enum import Enum
 from typing import Any
 
-from tracerisk.ros.message_cdr import encode
-from tracerisk.ros.messages2 import copy_message
-from tracerisk.ros.virtual_clock import EPOCH_NS
+from tracerisk.ros.messages.ros2 import copy_message
+from tracerisk.ros.messages.ros2_wire import encode
+from tracerisk.ros.time.clock import EPOCH_NS
 
 from ._entity import Call, Entity
 from ._run import run

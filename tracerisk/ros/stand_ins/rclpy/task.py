@@ -9,9 +9,9 @@ from contextlib import nullcontext
 from typing import Any
 
 from tracerisk.errors import Location
-from tracerisk.ros.controller_frames import controller_frame
-from tracerisk.ros.failures import callback_failed
-from tracerisk.ros.standstill import LONG_NS
+from tracerisk.ros.controller.frames import controller_frame
+from tracerisk.ros.graph.failures import callback_failed
+from tracerisk.ros.time.standstill import LONG_NS
 
 from ._run import run
 

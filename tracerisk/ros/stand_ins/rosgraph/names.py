@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from tracerisk.ros import names as _names
-from tracerisk.ros.runtime import current
+from tracerisk.ros.graph import names as _names
+from tracerisk.ros.graph.runtime import current
 
 SEP = "/"
 PRIV_NAME = "~"

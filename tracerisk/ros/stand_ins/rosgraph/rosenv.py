@@ -14,7 +14,7 @@ DEFAULT_MASTER_PORT = 11311
 
 def get_master_uri(env: Mapping[str, str] | None = None, argv: list[str] | None = None) -> str:
     """Return where the master is, from the command line (`__master:=`), else the environment."""
-    from tracerisk.ros.runtime import current
+    from tracerisk.ros.graph.runtime import current
 
     for argument in current().argv if argv is None else argv:
         if argument.startswith("__master:="):

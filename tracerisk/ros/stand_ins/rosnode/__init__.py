@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import rospy
 
-from tracerisk.ros.runtime import current
+from tracerisk.ros.graph.runtime import current
 
 __all__ = ["ROSNodeException", "ROSNodeIOException", "get_node_names", "rosnode_ping"]
 

@@ -9,7 +9,7 @@ from typing import Any
 import rospy
 from ruamel.yaml.error import YAMLError
 
-from tracerisk.ros.yaml_text import load_yaml
+from tracerisk.ros.graph.yaml_text import load_yaml
 
 __all__ = [
     "RosParamException",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from tracerisk.ros.runtime import current
+from tracerisk.ros.graph.runtime import current
 
 from .common import PACKAGE_FILE, ResourceNotFound
 from .manifest import Manifest, parse_manifest_file

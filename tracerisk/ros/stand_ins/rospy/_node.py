@@ -6,9 +6,9 @@ import os
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros import names
-from tracerisk.ros.needs import Need
-from tracerisk.ros.runtime import Runtime, current
+from tracerisk.ros.controller.needs import Need
+from tracerisk.ros.graph import names
+from tracerisk.ros.graph.runtime import Runtime, current
 
 if TYPE_CHECKING:
     from .topics import _PublisherImpl, _SubscriberImpl

@@ -5,11 +5,11 @@ from __future__ import annotations
 import warnings
 from typing import Any
 
-from tracerisk.ros import names as graph_names
-from tracerisk.ros.needs import Need
-from tracerisk.ros.rostime import Duration
-from tracerisk.ros.scenario_parameters import private_of
-from tracerisk.ros.virtual_clock import EPOCH_NS
+from tracerisk.ros.controller.needs import Need
+from tracerisk.ros.graph import names as graph_names
+from tracerisk.ros.graph.parameter_files import private_of
+from tracerisk.ros.time.clock import EPOCH_NS
+from tracerisk.ros.time.rostime import Duration
 
 from . import names
 from ._node import node
@@ -68,7 +68,7 @@ def load_command_line_node_params(argv: list[str]) -> dict[str, Any]:
     """
     from ruamel.yaml.error import YAMLError
 
-    from tracerisk.ros.yaml_text import load_yaml
+    from tracerisk.ros.graph.yaml_text import load_yaml
 
     try:
         return {name: load_yaml(text) for name, text in graph_names.load_parameters(argv).items()}

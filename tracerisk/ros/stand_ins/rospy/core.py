@@ -8,9 +8,9 @@ from collections.abc import Callable
 from types import FrameType
 from typing import Any
 
-from tracerisk.ros.controller_frames import controller_frame
-from tracerisk.ros.failures import error_logged
-from tracerisk.ros.virtual_clock import EPOCH_NS
+from tracerisk.ros.controller.frames import controller_frame
+from tracerisk.ros.graph.failures import error_logged
+from tracerisk.ros.time.clock import EPOCH_NS
 
 from ._node import NodeState, node
 from .impl.validators import ParameterInvalid

@@ -5,8 +5,8 @@ from __future__ import annotations
 from io import BytesIO
 from typing import Any
 
-from tracerisk.ros.message_base import Message
-from tracerisk.ros.names import ANY_TYPE
+from tracerisk.ros.graph.names import ANY_TYPE
+from tracerisk.ros.messages.ros1_base import Message
 
 from .exceptions import ROSException
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from tracerisk.ros.needs import Need
+from tracerisk.ros.controller.needs import Need
 
 from ._node import node
 from .names import resolve_name

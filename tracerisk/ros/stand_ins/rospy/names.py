@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from tracerisk.ros import names as graph_names
+from tracerisk.ros.graph import names as graph_names
 
 from ._node import node
 from .exceptions import ROSException, ROSInitException

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tracerisk.ros import rostime as primitives
-from tracerisk.ros.virtual_clock import EPOCH_NS
+from tracerisk.ros.time import rostime as primitives
+from tracerisk.ros.time.clock import EPOCH_NS
 
 from ._node import node
 from .exceptions import ROSInitException

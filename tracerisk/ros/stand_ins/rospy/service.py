@@ -7,12 +7,12 @@ import warnings
 from collections.abc import Callable
 from typing import Any
 
-from tracerisk.ros.failures import callback_failed
-from tracerisk.ros.graph import ServiceFailedError, ServiceServer
-from tracerisk.ros.message_base import Message
-from tracerisk.ros.names import ANY_TYPE, is_legal_name
-from tracerisk.ros.needs import Need
-from tracerisk.ros.rostime import Duration
+from tracerisk.ros.controller.needs import Need
+from tracerisk.ros.graph.failures import callback_failed
+from tracerisk.ros.graph.graph import ServiceFailedError, ServiceServer
+from tracerisk.ros.graph.names import ANY_TYPE, is_legal_name
+from tracerisk.ros.messages.ros1_base import Message
+from tracerisk.ros.time.rostime import Duration
 
 from . import core
 from ._node import node

@@ -9,11 +9,11 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from typing import Any
 
-from tracerisk.ros.callback_thread import CallbackThread
-from tracerisk.ros.failures import callback_failed
-from tracerisk.ros.graph import Publication, Subscription
-from tracerisk.ros.message_base import Message, SerializationError
-from tracerisk.ros.names import is_legal_name
+from tracerisk.ros.graph.callback_thread import CallbackThread
+from tracerisk.ros.graph.failures import callback_failed
+from tracerisk.ros.graph.graph import Publication, Subscription
+from tracerisk.ros.graph.names import is_legal_name
+from tracerisk.ros.messages.ros1_base import Message, SerializationError
 
 from . import core
 from ._node import node

@@ -8,7 +8,7 @@ from typing import Any
 import rospy
 from roslib.message import get_service_class as _class_of
 
-from tracerisk.ros.runtime import current
+from tracerisk.ros.graph.runtime import current
 
 __all__ = [
     "ROSServiceException",

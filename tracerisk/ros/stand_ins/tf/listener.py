@@ -20,7 +20,7 @@ from geometry_msgs.msg import (
 )
 from sensor_msgs.msg import PointCloud
 
-from tracerisk.ros.failures import lookup_failed, lookup_succeeded
+from tracerisk.ros.graph.failures import lookup_failed, lookup_succeeded
 
 from . import transformations
 

@@ -21,8 +21,8 @@ from geometry_msgs.msg import (
 )
 from tf2_ros import ConvertRegistration, TransformRegistration
 
-from tracerisk.ros import poses
-from tracerisk.twin import motion
+from tracerisk.ros.transforms import poses
+from tracerisk.twin.physics import motion
 
 
 def to_msg_msg(msg: Any) -> Any:

@@ -8,14 +8,14 @@ from typing import Any, TypeVar
 
 from geometry_msgs.msg import TransformStamped
 
-from tracerisk.ros.failures import lookup_failed, lookup_succeeded
-from tracerisk.ros.message_dialect import nanoseconds, set_time
-from tracerisk.ros.needs import Need
-from tracerisk.ros.runtime import current
-from tracerisk.ros.sensor_reading import SensorReading
-from tracerisk.ros.transform_tree import CACHE_NS, FrameError, TransformTree
-from tracerisk.ros.twin_frames import WORLD
-from tracerisk.twin.motion import Pose
+from tracerisk.ros.controller.needs import Need
+from tracerisk.ros.graph.failures import lookup_failed, lookup_succeeded
+from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.messages.dialect import nanoseconds, set_time
+from tracerisk.ros.robot.frames import WORLD
+from tracerisk.ros.transforms.tree import CACHE_NS, FrameError, TransformTree
+from tracerisk.twin.physics.motion import Pose
 
 from .exceptions import (
     ConnectivityException,

@@ -6,7 +6,7 @@ from typing import Any
 
 from geometry_msgs.msg import TransformStamped
 
-from tracerisk.ros.message_dialect import is_ros2, nanoseconds
+from tracerisk.ros.messages.dialect import is_ros2, nanoseconds
 
 IS_ROS2 = is_ros2(TransformStamped)
 

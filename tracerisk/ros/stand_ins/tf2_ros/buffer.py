@@ -8,8 +8,8 @@ from typing import Any
 import tf2_py as tf2
 from tf2_msgs.srv import FrameGraph
 
-from tracerisk.ros.message_dialect import nanoseconds
-from tracerisk.ros.runtime import current
+from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.messages.dialect import nanoseconds
 
 from ._dialect import IS_ROS2, timeout_ns
 from .buffer_interface import BufferInterface

@@ -8,7 +8,7 @@ from typing import Any
 
 from std_msgs.msg import Header
 
-from tracerisk.ros.runtime import Runtime, current
+from tracerisk.ros.graph.runtime import Runtime, current
 
 __all__ = [
     "BufferInterface",

@@ -11,7 +11,7 @@ from rclpy.duration import Duration
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 
-from tracerisk.ros.runtime import Runtime, current
+from tracerisk.ros.graph.runtime import Runtime, current
 
 from .exceptions import InterbotixException
 

@@ -10,13 +10,13 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from tracerisk.ros.moveit_messages import set_pose
-from tracerisk.ros.path_constraints import message_pose
-from tracerisk.ros.planning_scene import PlanningScene as Objects
-from tracerisk.ros.planning_scene import SceneObject
-from tracerisk.ros.poses import compose, inverse, unit_quaternion
-from tracerisk.ros.scene_shapes import own_pose
-from tracerisk.twin.motion import Pose
+from tracerisk.ros.moveit.messages import set_pose
+from tracerisk.ros.moveit.path_constraints import message_pose
+from tracerisk.ros.moveit.planning_scene import PlanningScene as Objects
+from tracerisk.ros.moveit.planning_scene import SceneObject
+from tracerisk.ros.moveit.scene_shapes import own_pose
+from tracerisk.ros.transforms.poses import compose, inverse, unit_quaternion
+from tracerisk.twin.physics.motion import Pose
 
 from .._library import new
 

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.ros.poses import Vector, compose, inverse, rotate
-from tracerisk.twin.motion import Pose
+from tracerisk.ros.transforms.poses import Vector, compose, inverse, rotate
+from tracerisk.twin.physics.motion import Pose
 
 Array = NDArray[np.float64]
 

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from tracerisk.ros.move_group import MoveGroupServer
-from tracerisk.ros.path_constraints import PathRule
-from tracerisk.ros.planning_scene import PlanningScene as Objects
-from tracerisk.twin.motion import Pose
+from tracerisk.ros.moveit.move_group import MoveGroupServer
+from tracerisk.ros.moveit.path_constraints import PathRule
+from tracerisk.ros.moveit.planning_scene import PlanningScene as Objects
+from tracerisk.twin.physics.motion import Pose
 
 from .._library import log_error
 from .collision_detection import AllowedCollisionMatrix, CollisionRequest, CollisionResult

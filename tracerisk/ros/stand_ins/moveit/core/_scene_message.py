@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from tracerisk.ros.moveit_messages import object_message
-from tracerisk.ros.planning_scene import PlanningScene as Objects
+from tracerisk.ros.moveit.messages import object_message
+from tracerisk.ros.moveit.planning_scene import PlanningScene as Objects
 
 from .._library import new
 from .collision_detection import AllowedCollisionMatrix

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from tracerisk.ros.trajectory_execution import ErrorCode
+from tracerisk.ros.moveit.trajectory_execution import ErrorCode
 
 __all__ = ["ExecutionStatus"]
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.ros.planning_scene import PlanningScene as Objects
-from tracerisk.ros.poses import ORIGIN
-from tracerisk.ros.scene_changes import SceneChanges
-from tracerisk.twin.motion import Pose
+from tracerisk.ros.moveit.planning_scene import PlanningScene as Objects
+from tracerisk.ros.moveit.scene_changes import SceneChanges
+from tracerisk.ros.transforms.poses import ORIGIN
+from tracerisk.twin.physics.motion import Pose
 
 from .._library import library
 from ._geometry_file import read_geometry, write_geometry

@@ -11,9 +11,9 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from tracerisk.errors import one_of
-from tracerisk.ros.move_group import MoveGroupServer
-from tracerisk.ros.poses import Vector
-from tracerisk.twin.robot import Joint
+from tracerisk.ros.moveit.move_group import MoveGroupServer
+from tracerisk.ros.transforms.poses import Vector
+from tracerisk.twin.robots.robot import Joint
 
 from .._library import library, log_error
 

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import one_of
-from tracerisk.ros.moveit_messages import attached_messages, set_pose, state_message
-from tracerisk.ros.path_constraints import message_pose
-from tracerisk.ros.planning_scene import AttachedObject
-from tracerisk.ros.planning_scene import PlanningScene as Objects
-from tracerisk.ros.poses import ORIGIN, compose
-from tracerisk.twin.motion import PlanningError, Pose
+from tracerisk.ros.moveit.messages import attached_messages, set_pose, state_message
+from tracerisk.ros.moveit.path_constraints import message_pose
+from tracerisk.ros.moveit.planning_scene import AttachedObject
+from tracerisk.ros.moveit.planning_scene import PlanningScene as Objects
+from tracerisk.ros.transforms.poses import ORIGIN, compose
+from tracerisk.twin.physics.motion import PlanningError, Pose
 
 from .._library import library, log_error, new
 from ._joint_values import JointValues

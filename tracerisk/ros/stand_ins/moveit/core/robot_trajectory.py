@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from tracerisk.errors import one_of
-from tracerisk.ros.message_dialect import nanoseconds, set_time
-from tracerisk.ros.move_group import Scaling
-from tracerisk.twin.motion import JointTrajectory, PlanningError
+from tracerisk.ros.messages.dialect import nanoseconds, set_time
+from tracerisk.ros.moveit.move_group import Scaling
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
 from .._library import library, log_error, new
 from .robot_model import RobotModel

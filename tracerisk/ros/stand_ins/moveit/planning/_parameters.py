@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.move_group import Scaling, valid_fraction
+from tracerisk.ros.moveit.move_group import Scaling, valid_fraction
 
 if TYPE_CHECKING:
     from ._moveit_py import MoveItPy

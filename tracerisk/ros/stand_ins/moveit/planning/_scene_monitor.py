@@ -7,9 +7,9 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.controller_thread import ControllerThread
-from tracerisk.ros.message_dialect import nanoseconds
-from tracerisk.ros.virtual_clock import EPOCH_NS
+from tracerisk.ros.controller.thread import ControllerThread
+from tracerisk.ros.messages.dialect import nanoseconds
+from tracerisk.ros.time.clock import EPOCH_NS
 
 from .._library import library
 from ..core.planning_scene import PlanningScene

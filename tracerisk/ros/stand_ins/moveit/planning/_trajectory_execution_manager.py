@@ -8,8 +8,8 @@ from contextlib import nullcontext
 from typing import Any
 
 from tracerisk.errors import one_of
-from tracerisk.ros.trajectory_execution import START_TOLERANCE, ErrorCode
-from tracerisk.twin.motion import JointTrajectory
+from tracerisk.ros.moveit.trajectory_execution import START_TOLERANCE, ErrorCode
+from tracerisk.twin.physics.motion import JointTrajectory
 
 from .._library import library, log_error, new
 from ..core.controller_manager import ExecutionStatus

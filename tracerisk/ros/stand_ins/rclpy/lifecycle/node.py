@@ -15,7 +15,7 @@ from lifecycle_msgs.srv import (
     GetState,
 )
 
-from tracerisk.ros.failures import callback_failed
+from tracerisk.ros.graph.failures import callback_failed
 
 from .._rclpy_pybind11 import RCLError
 from ..callback_groups import CallbackGroup

@@ -1,0 +1,98 @@
+"""What a reader must know to read computed figures: what the description leaves to be assumed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from tracerisk.hardware.binding import BoundComponent
+from tracerisk.hardware.model import Basis
+from tracerisk.quantify.mission import ComponentUse
+
+
+def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:
+    """Return what is assumed of the components, each kind in a line."""
+    bound = [each.bound for each in used]
+    return (
+        *_per_visit(bound),
+        *_tested(used),
+        *_own_speed(bound),
+        *_ageing(bound),
+        *_harmless(bound),
+    )
+
+
+def _tested(used: Sequence[ComponentUse]) -> tuple[str, ...]:
+    tested = [each for each in used if each.component.test_interval_s is not None]
+    within = sorted(each.component.name for each in tested if each.missions_between_tests == 1.0)
+    told = [
+        f"{', '.join(within)}: tests within the mission are not counted: a failure is taken to "
+        "stay hidden until the mission ends, which overstates the risk"
+    ]
+    rarer = [
+        f"{each.component.name}: of {each.missions_between_tests:.4g} missions between two tests, "
+        "one after the other, the mean: a failure hidden in one is there in the next, and the "
+        "block's probability is that with which a mission fails as in this mean"
+        for each in tested
+        if each.missions_between_tests > 1.0
+    ]
+    return (*(told if within else ()), *rarer)
+
+
+def _per_visit(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
+    per_visit = sorted(
+        each.component.name
+        for each in bound
+        if any(figure.per is Basis.VISIT for figure in each.component.figures)
+    )
+    if not per_visit:
+        return ()
+    return (
+        f"{', '.join(per_visit)}: failure figures are per visit, whatever its length, so the "
+        "mission's figure depends on how the code is cut into functions",
+    )
+
+
+def _own_speed(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
+    names = sorted(
+        each.component.name
+        for each in bound
+        if each.component.load_law is not None and each.component.load_law.reference_speed is None
+    )
+    if not names:
+        return ()
+    return (
+        f"{', '.join(names)}: the figures are taken to hold at the mean speed of the mission "
+        "itself, since the load law states no reference_speed: what moves faster throughout "
+        "wears no more by that",
+    )
+
+
+def _ageing(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
+    ages: dict[float, list[str]] = {}
+    for each in bound:
+        if any(figure.kind == "weibull" for figure in each.component.figures):
+            ages.setdefault(each.component.age_s, []).append(each.component.name)
+    return tuple(
+        f"{', '.join(sorted(names))}: Weibull, of units that "
+        + ("are new" if age_s == 0.0 else f"were in use for {age_s / 3600.0:.6g} h")
+        + " when the mission begins; the mission's hazard is spread over its time in use"
+        for age_s, names in sorted(ages.items())
+    )
+
+
+def _harmless(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
+    lines = []
+    for each in sorted(bound, key=lambda each: each.component.name):
+        modes = each.component.modes
+        rest = 1.0 - math.fsum(mode.fraction for mode in modes)
+        if modes and rest > _ROUNDING:
+            lines.append(
+                f"{each.component.name}: the failure modes make up {100.0 * (1.0 - rest):.4g} % "
+                f"of the failures; the other {100.0 * rest:.4g} % are taken as harmless"
+            )
+    return tuple(lines)
+
+
+_ROUNDING = 1e-9
+"""How far fractions may miss 1, for thirds and the like are rounded."""

@@ -1,0 +1,318 @@
+"""The risk blocks that a trace and a hardware description give."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import operator
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
+from tracerisk.adder.blocks.model_names import model_names
+from tracerisk.adder.blocks.values import (
+    DONE,
+    computed_count,
+    computed_next,
+    computed_probability,
+    computed_redundancy,
+    profile_next,
+)
+from tracerisk.adder.figures.assumptions import assumptions_of
+from tracerisk.adder.figures.instances import ComponentInstances, instances_of
+from tracerisk.config import ActiveMode
+from tracerisk.errors import HardwareError, InputError, Location, one_of
+from tracerisk.hardware.binding import BoundComponent, bind
+from tracerisk.hardware.model import Component, Hardware
+from tracerisk.hardware.use import UnknownUseError
+from tracerisk.quantify.figure_shares import figure_shares
+from tracerisk.quantify.function_use import FunctionUse
+from tracerisk.quantify.groups import group_unit_probabilities
+from tracerisk.quantify.mission import (
+    ComponentUse,
+    FunctionVisits,
+    component_use,
+    mission_time,
+    visits_by_function,
+    visits_of_mission,
+)
+from tracerisk.quantify.probability import failure_probability
+from tracerisk.trace import Cycle, FunctionRef, Trace
+
+ProfileText = Mapping[str, Mapping[str, str]]
+"""An operational profile: for each function the share of each target, as a person wrote it."""
+
+
+@dataclass(frozen=True, slots=True)
+class ComputedBlocks:
+    """The blocks of one trace and what stands behind them.
+
+    `exposures` are seconds active by function and component, summed over visits and averaged
+    over units; `observed` the components seen active in each function, those that are always
+    active left out; `assumptions` what a reader must know to read the figures; `instances` the
+    units behind the one value of each component, in the order of the description.
+    """
+
+    blocks: Mapping[FunctionRef, RiskBlock]
+    exposures: Mapping[FunctionRef, Mapping[str, float]]
+    observed: Mapping[FunctionRef, tuple[str, ...]]
+    assumptions: tuple[str, ...]
+    instances: tuple[ComponentInstances, ...] = ()
+
+    @property
+    def names(self) -> dict[FunctionRef, str]:
+        """Each function's name in the model."""
+        return model_names(self.blocks)
+
+    @property
+    def exposures_by_name(self) -> dict[str, Mapping[str, float]]:
+        """The exposures by the function's name in the model."""
+        return {self.names[ref]: row for ref, row in self.exposures.items()}
+
+
+def compute_blocks(
+    trace: Trace, hardware: Hardware, *, active: ActiveMode, profile: ProfileText | None = None
+) -> ComputedBlocks:
+    """Return the block of each relevant function of the trace.
+
+    A profile pins the `next` of the functions it names.
+    Raises HardwareError where the description does not fit the robot or describes nothing that
+    it has, or a figure needs an exposure that the trace does not tell; InputError where the
+    profile names a function that the trace does not.
+    """
+    bound = bind(hardware, trace.elements)
+    if hardware.components and not bound:
+        raise HardwareError(
+            "describes only optional components, of which the robot has none, so that nothing "
+            "could fail; describe one that it has (tracerisk robots NAME lists joints and "
+            "sensors), or one that is active always",
+            Location(hardware.file),
+        )
+    _check_tests(bound, trace)
+    counts = next_counts(trace)
+    names = model_names([function.ref for function in trace.functions])
+    _check_profile(profile or {}, list(names.values()))
+    visits = visits_by_function(trace)
+    used = [use_of(each, trace, active) for each in bound]
+    uses = [function_uses(each, visits) for each in used]
+    entries = [_entries(*each) for each in zip(used, uses, strict=True)]
+    blocks = {}
+    exposures = {}
+    observed = {}
+    for function in trace.functions:
+        ref = function.ref
+        here = [each for each, entry in zip(used, entries, strict=True) if ref in entry]
+        following = computed_next(counts[ref])
+        name = names[ref]
+        if profile and name in profile:
+            following = _pinned(profile[name], following.text, name)
+        blocks[ref] = RiskBlock(
+            name=ref.name,
+            call_sequence=computed_count(function.call_sequence),
+            next=following,
+            components=tuple(entry[ref] for entry in entries if ref in entry),
+        )
+        exposures[ref] = {
+            each.component.name: seconds
+            for each in here
+            if (seconds := _mean_exposure(each, visits[ref].numbers)) is not None
+        }
+        observed[ref] = tuple(
+            each.component.name
+            for each in here
+            if not each.component.always_active
+            and any(each.is_active[visit] for visit in visits[ref].numbers)
+        )
+    times = visits_of_mission(trace)
+    instances = tuple(
+        replace(
+            instances_of(each, use),
+            figure_shares=_figure_shares(each, [visits[ref].numbers for ref in use], times),
+        )
+        for each, use in zip(used, uses, strict=True)
+    )
+    return ComputedBlocks(blocks, exposures, observed, assumptions_of(used), instances)
+
+
+def _figure_shares(
+    used: ComponentUse, visits: Sequence[Sequence[int]], times: Sequence[float]
+) -> tuple[float, ...]:
+    numbers = [number for here in visits for number in here]
+    return figure_shares(used, {number: times[number] for number in numbers}) if numbers else ()
+
+
+def use_of(bound: BoundComponent, trace: Trace, active: ActiveMode) -> ComponentUse:
+    """Return what the units of a component do over the run.
+
+    Raises HardwareError where the trace does not tell what a figure needs.
+    """
+    try:
+        return component_use(bound, trace, active)
+    except UnknownUseError as error:
+        raise _unknown(bound.component, error) from error
+
+
+def function_uses(
+    used: ComponentUse, visits: Mapping[FunctionRef, FunctionVisits]
+) -> dict[FunctionRef, FunctionUse]:
+    """Return, for each function in which a component counts, how its units fail in each visit."""
+    uses = {}
+    for ref, here in visits.items():
+        if used.is_at_stake(here.numbers):
+            rows = _weighted(_hazards(used, here.numbers), here.weights, used.component)
+            units = [list(map(failure_probability, row)) for row in rows]
+            uses[ref] = FunctionUse(units, here.total)
+    return uses
+
+
+def _weighted(
+    rows: list[list[float]], weights: Sequence[int], component: Component
+) -> list[list[float]]:
+    """Return rows of hazards each of which comes as often in a mission as any other.
+
+    Visits that come before a cycle, and in it, do not; where only the sums over visits matter,
+    their mean stands for all.
+    """
+    if all(weight == 1 for weight in weights):
+        return rows
+    group = component.redundancy
+    is_hidden = group.detected == "mission_start" and not group.has_spares
+    if not group.common_cause and (is_hidden or not group.is_redundant):
+        total = sum(weights)
+        columns = zip(*rows, strict=True)
+        return [[math.fsum(map(operator.mul, weights, column)) / total for column in columns]]
+    return [row for row, weight in zip(rows, weights, strict=True) for _ in range(weight)]
+
+
+def group_values(
+    used: ComponentUse, uses: Mapping[FunctionRef, FunctionUse]
+) -> dict[FunctionRef, float]:
+    """Return the one probability, before rounding, that stands in the block of each function."""
+    if not uses:
+        return {}
+    values = group_unit_probabilities(
+        list(uses.values()), used.component.redundancy, used.missions_between_tests
+    )
+    return dict(zip(uses, values, strict=True))
+
+
+def next_counts(trace: Trace) -> dict[FunctionRef, dict[str, int]]:
+    """Return how many visits of each target followed the visits of each function.
+
+    Targets stand in the order of their call sequence, `done` last, and are called as in the
+    model.
+    """
+    names = model_names([function.ref for function in trace.functions])
+    counts: dict[FunctionRef, dict[str, int]] = {}
+    for function in trace.functions:
+        counts[function.ref] = dict.fromkeys((*names.values(), DONE), 0)
+    if trace.cycle is not None:
+        return _cycled_counts(trace, trace.cycle, counts, names)
+    followers = [*(names[visit.function] for visit in trace.visits[1:]), DONE]
+    followers = followers[: len(trace.visits)]
+    for visit, follower in zip(trace.visits, followers, strict=True):
+        counts[visit.function][follower] += 1
+    return _without_zeros(counts)
+
+
+def _cycled_counts(
+    trace: Trace,
+    cycle: Cycle,
+    counts: dict[FunctionRef, dict[str, int]],
+    names: Mapping[FunctionRef, str],
+) -> dict[FunctionRef, dict[str, int]]:
+    """Count as if the cycle had come as often as the mission is declared to have it."""
+    path = [visit.function for visit in trace.visits[: cycle.first_visit + cycle.visits]]
+    for number, (function, follower) in enumerate(itertools.pairwise(path), start=1):
+        is_in_cycle = number > cycle.first_visit
+        counts[function][names[follower]] += cycle.mission_cycles if is_in_cycle else 1
+    counts[path[-1]][names[path[cycle.first_visit]]] += cycle.mission_cycles - 1
+    counts[path[-1]][DONE] += 1
+    return _without_zeros(counts)
+
+
+def _without_zeros(
+    counts: Mapping[FunctionRef, Mapping[str, int]],
+) -> dict[FunctionRef, dict[str, int]]:
+    return {
+        ref: {target: count for target, count in row.items() if count}
+        for ref, row in counts.items()
+    }
+
+
+def _check_profile(profile: ProfileText, names: Sequence[str]) -> None:
+    for name, shares in profile.items():
+        if name not in names:
+            raise InputError(f"profile: no function '{name}' in the trace; {one_of(names, name)}")
+        for target in shares:
+            if target not in (*names, DONE):
+                raise InputError(
+                    f"profile of '{name}': no function '{target}' in the trace; "
+                    f"{one_of((*names, DONE), target)}"
+                )
+
+
+def _pinned(shares: Mapping[str, str], computed: str, name: str) -> Field[tuple[Transition, ...]]:
+    try:
+        return profile_next(shares, computed)
+    except ValueError as error:
+        raise InputError(f"profile of '{name}': expected {error}") from error
+
+
+def _entries(
+    used: ComponentUse, uses: Mapping[FunctionRef, FunctionUse]
+) -> dict[FunctionRef, ComponentEntry]:
+    """Return what the block of each function says of a component that counts there."""
+    component = used.component
+    return {
+        ref: ComponentEntry(
+            name=component.name,
+            probability=computed_probability(value),
+            quantity=computed_count(used.bound.quantity),
+            redundancy=computed_redundancy(component.redundancy),
+        )
+        for ref, value in group_values(used, uses).items()
+    }
+
+
+def _hazards(used: ComponentUse, visits: Sequence[int]) -> list[list[float]]:
+    try:
+        return used.hazards(visits)
+    except UnknownUseError as error:
+        raise _unknown(used.component, error) from error
+
+
+def _unknown(component: Component, error: UnknownUseError) -> HardwareError:
+    return HardwareError(
+        f"component '{component.name}': {error} from this trace; {error.advice}",
+        component.location,
+    )
+
+
+def _mean_exposure(used: ComponentUse, visits: Sequence[int]) -> float | None:
+    seconds = [unit.seconds(visit) for visit in visits for unit in used.units]
+    known = [each for each in seconds if each is not None]
+    return math.fsum(known) / used.bound.quantity if len(known) == len(seconds) else None
+
+
+def _check_tests(bound: Sequence[BoundComponent], trace: Trace) -> None:
+    """Raise HardwareError where it cannot be told what may be failed when a mission starts."""
+    for each in bound:
+        component = each.component
+        if component.test_interval_s is None:
+            continue
+        mission_s = mission_time(trace)
+        if mission_s is None:
+            found = "cannot be compared with the time of a mission, which this trace does not tell"
+        elif component.test_interval_s > mission_s and component.redundancy.has_spares:
+            found = (
+                f"is longer than the mission of {mission_s:.4g} s: spares that failed in an "
+                "earlier mission are not computed"
+            )
+        else:
+            continue
+        raise HardwareError(
+            f"component '{component.name}': its test interval of {component.test_interval_s:.4g} s "
+            f"{found}; test the group before each mission and write 'detected: mission_start'",
+            component.location,
+        )

@@ -1,0 +1,229 @@
+"""Derive the figures of one function's block, step by step.
+
+What is here is computed only where it is asked for, by the very terms from which the blocks are:
+rate, time or count, load, hazard, probability, and the rule by which a group has one value.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from decimal import Decimal
+
+from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
+from tracerisk.adder.blocks.model_names import model_names
+from tracerisk.adder.blocks.values import computed_probability, computed_redundancy
+from tracerisk.adder.figures.computed import (
+    function_uses,
+    group_values,
+    use_of,
+)
+from tracerisk.adder.figures.derivation import (
+    BlockValue,
+    ComponentDerivation,
+    FunctionDerivation,
+    GroupDerivation,
+    HiddenGroup,
+    LoadOfUnit,
+    TermDerivation,
+    TermOfUnit,
+    UnitDerivation,
+    VisitOfFunction,
+)
+from tracerisk.config import ActiveMode
+from tracerisk.errors import InputError, one_of
+from tracerisk.hardware.binding import bind
+from tracerisk.hardware.load import wear_s
+from tracerisk.hardware.model import Hardware
+from tracerisk.quantify.function_use import FunctionUse, mission_probability
+from tracerisk.quantify.mission import ComponentUse, FunctionVisits, UnitUse, visits_by_function
+from tracerisk.quantify.outcome import Outcome, at_least
+from tracerisk.quantify.probability import (
+    Term,
+    failure_probability,
+    hazard_of,
+    survival_log,
+)
+from tracerisk.trace import FunctionRef, Trace
+
+
+def function_named(trace: Trace, name: str) -> FunctionRef:
+    """Return the function of a trace that has this name in the model.
+
+    Raises InputError, with the names that there are, for an unknown one.
+    """
+    names = model_names([function.ref for function in trace.functions])
+    for ref, known in names.items():
+        if known == name:
+            return ref
+    raise InputError(f"no function '{name}' in the trace; {one_of(names.values(), name)}")
+
+
+def derive_function(
+    trace: Trace,
+    hardware: Hardware,
+    function: FunctionRef,
+    *,
+    active: ActiveMode,
+    block: RiskBlock | None = None,
+) -> FunctionDerivation:
+    """Return where the figures of a function come from; `block` is what stands in the source.
+
+    Raises HardwareError where the description does not fit the trace.
+    """
+    visits = visits_by_function(trace)
+    here = visits[function]
+    components = []
+    for bound in bind(hardware, trace.elements):
+        used = use_of(bound, trace, active)
+        uses = function_uses(used, visits)
+        if function in uses:
+            group = _group(used, here, function, uses)
+            components.append(_component(used, here.numbers, group, block))
+    return FunctionDerivation(
+        function=model_names([each.ref for each in trace.functions])[function],
+        file=function.file,
+        active=active,
+        times=here.total,
+        visits=tuple(
+            VisitOfFunction(n + 1, weight, trace.visits[n].start_s, trace.visits[n].duration_s)
+            for n, weight in zip(here.numbers, here.weights, strict=True)
+        ),
+        components=tuple(components),
+        by_hand=tuple(each.name for each in block.components if each.added) if block else (),
+    )
+
+
+def _component(
+    used: ComponentUse, visits: Sequence[int], group: GroupDerivation, block: RiskBlock | None
+) -> ComponentDerivation:
+    component = used.component
+    distinct = list(dict.fromkeys(used.units))
+    first = distinct[0]
+    units = tuple(_unit(each, used.units.count(each), visits) for each in distinct)
+    terms = tuple(
+        TermDerivation(
+            figure=term.figure,
+            counts=term.counts,
+            share=term.share,
+            mode=None if term.mode is None else term.mode.name,
+            states=term.states,
+            demands=term.demands,
+            units=tuple(_term(each.terms[index], each, visits) for each in distinct),
+        )
+        for index, term in enumerate(first.terms)
+    )
+    entries = {each.name: each for each in block.components} if block is not None else {}
+    return ComponentDerivation(
+        name=component.name,
+        redundancy=computed_redundancy(component.redundancy).text,
+        always_active=component.always_active,
+        source=component.source,
+        load_law=component.load_law,
+        age_s=component.age_s,
+        terms=terms,
+        units=units,
+        group=group,
+        block=_block_value(entries.get(component.name), group.value),
+    )
+
+
+def _group(
+    used: ComponentUse,
+    visits: FunctionVisits,
+    function: FunctionRef,
+    uses: Mapping[FunctionRef, FunctionUse],
+) -> GroupDerivation:
+    values = group_values(used, uses)
+    value = values[function]
+    redundancy, quantity = used.component.redundancy, used.bound.quantity
+    rows = used.hazards(visits.numbers)
+    hazard = math.fsum(
+        weight * h for weight, row in zip(visits.weights, rows, strict=True) for h in row
+    )
+    count = sum(visits.weights)
+    mean = failure_probability(hazard / (count * quantity))
+    is_mean = math.isclose(mean, value, rel_tol=1e-12, abs_tol=0.0)
+    hidden: HiddenGroup | None = None
+    renewed: tuple[float, ...] = ()
+    if not is_mean and redundancy.detected == "mission_start" and not redundancy.has_spares:
+        hidden = _hidden(used, function, uses, values)
+    elif not is_mean and not redundancy.has_spares and not redundancy.common_cause:
+        renewed = tuple(_fails(list(map(failure_probability, row)), used) for row in rows)
+    return GroupDerivation(redundancy, count, quantity, hazard, is_mean, value, hidden, renewed)
+
+
+def _hidden(
+    used: ComponentUse,
+    function: FunctionRef,
+    uses: Mapping[FunctionRef, FunctionUse],
+    values: Mapping[FunctionRef, float],
+) -> HiddenGroup:
+    units = tuple(
+        failure_probability(
+            -used.missions_between_tests
+            * survival_log(mission_probability(list(uses.values()), unit))
+        )
+        for unit in range(used.bound.quantity)
+    )
+    hazards = {ref: -uses[ref].times * survival_log(value) for ref, value in values.items()}
+    whole = math.fsum(hazards.values())
+    return HiddenGroup(
+        units=units,
+        group=None if used.component.redundancy.common_cause else _fails(units, used),
+        like=failure_probability(whole),
+        share=hazards[function] / whole if whole else 0.0,
+        times=round(uses[function].times),
+        missions=used.missions_between_tests,
+    )
+
+
+def _fails(units: Sequence[float], used: ComponentUse) -> float:
+    """Return the probability that too few of independent units are left."""
+    threshold = used.bound.quantity - used.component.redundancy.required + 1
+    outcomes = [Outcome(Decimal(p), 1 - Decimal(p)) for p in units]
+    return float(at_least(threshold, outcomes).p)
+
+
+def _unit(unit: UnitUse, count: int, visits: Sequence[int]) -> UnitDerivation:
+    hazards = tuple(unit.hazard(visit) for visit in visits)
+    return UnitDerivation(
+        element=unit.element,
+        count=count,
+        in_use_s=unit.mission.in_use_s,
+        hazards=hazards,
+        probabilities=tuple(map(failure_probability, hazards)),
+    )
+
+
+def _term(term: Term, unit: UnitUse, visits: Sequence[int]) -> TermOfUnit:
+    uses = [unit.uses[visit] for visit in visits]
+    amounts = tuple(term.amount(use) for use in uses)
+    wearing = tuple(term.wearing_s(use) for use in uses)
+    counted = tuple(map(term.counted, amounts, wearing))
+    load = None
+    if term.load is not None:
+        law = term.load.law
+        load = LoadOfUnit(
+            term.load.reference_speed,
+            tuple(wear_s(law, use.known_exposure) if term.wears else 0.0 for use in uses),
+            tuple(use.known_exposure.travel_s if term.wears else 0.0 for use in uses),
+            wearing,
+        )
+    hazards = tuple(hazard_of(term.rate, term.share, each) for each in counted)
+    return TermOfUnit(term.rate, amounts, counted, hazards, load)
+
+
+def _block_value(entry: ComponentEntry | None, value: float) -> BlockValue | None:
+    if entry is None:
+        return None
+    computed = computed_probability(value).text
+    field = entry.probability
+    return BlockValue(
+        text=field.text,
+        computed=computed,
+        is_pinned=field.pinned,
+        is_omitted=entry.omitted,
+        is_kept=not field.pinned and not entry.omitted and field.text != computed,
+        reason=entry.reason if entry.omitted else field.reason,
+    )

@@ -1,0 +1,97 @@
+"""The instances behind a block's one value: what each unit of a component does by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from tracerisk.adder.figures.instance_values import are_alike
+from tracerisk.hardware.model import Component
+from tracerisk.quantify.function_use import FunctionUse, mean_probability, mission_probability
+from tracerisk.quantify.instance_shares import InstanceShare, instance_shares
+from tracerisk.quantify.mission import ComponentUse
+from tracerisk.trace import FunctionRef
+
+
+@dataclass(frozen=True, slots=True)
+class Instance:
+    """One unit of a component, or several that share an element of the robot.
+
+    `per_visit` is its failure probability in one visit of each function, by its mean hazard over
+    the visits. `p_failure` is that over the mission; `fussell_vesely` the share of the
+    component's failures that go with the instance, `share` the same such that those of all
+    instances sum to one.
+    """
+
+    element: str
+    units: int
+    per_visit: Mapping[FunctionRef, float]
+    p_failure: float
+    fussell_vesely: float
+    share: float
+
+
+@dataclass(frozen=True, slots=True)
+class ComponentInstances:
+    """A component of the description and its instances, in the order of its elements.
+
+    `figure_shares` are the parts of its hazard over the mission that go with each of its
+    figures; empty where the component is not used.
+    """
+
+    component: Component
+    instances: tuple[Instance, ...]
+    figure_shares: tuple[float, ...] = ()
+
+    @property
+    def are_alike(self) -> bool:
+        """Whether all have the same failure probability over the mission, within noise."""
+        return are_alike(each.p_failure for each in self.instances)
+
+    def in_function(self, function: FunctionRef) -> dict[str, float]:
+        """Return the failure probability of each element in one visit; nothing if not used."""
+        return {
+            each.element: each.per_visit[function]
+            for each in self.instances
+            if function in each.per_visit
+        }
+
+
+def instances_of(used: ComponentUse, uses: Mapping[FunctionRef, FunctionUse]) -> ComponentInstances:
+    """Return the instances of a component, from its units' probabilities in each function.
+
+    A component that the twin sees nowhere has none: its units are alike.
+    """
+    if not uses or any(unit.element is None for unit in used.units):
+        return ComponentInstances(used.component, ())
+    places: dict[str, list[int]] = {}
+    for number, unit in enumerate(used.units):
+        places.setdefault(str(unit.element), []).append(number)
+    shares = _shares(used, list(uses.values()), len(places))
+    found = []
+    for element, units in places.items():
+        first = units[0]
+        found.append(
+            Instance(
+                element=element,
+                units=len(units),
+                per_visit={
+                    ref: mean_probability([[row[first]] for row in use.visits])
+                    for ref, use in uses.items()
+                },
+                p_failure=shares[first].p_failure,
+                fussell_vesely=shares[first].fussell_vesely,
+                share=shares[first].share,
+            )
+        )
+    return ComponentInstances(used.component, tuple(found))
+
+
+def _shares(
+    used: ComponentUse, functions: list[FunctionUse], places: int
+) -> tuple[InstanceShare, ...]:
+    if places > 1:
+        return instance_shares(functions, used.component.redundancy)
+    p_failure = mission_probability(functions, 0)
+    fails = float(p_failure > 0.0)
+    return (InstanceShare(p_failure, fails, fails),)

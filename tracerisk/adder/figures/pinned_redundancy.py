@@ -1,0 +1,71 @@
+"""A redundancy set by hand over units that differ, which no block can state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
+from tracerisk.adder.blocks.values import NOTHING_COMPUTED, read_redundancy
+from tracerisk.adder.figures.instance_values import InstanceValues, are_alike
+from tracerisk.errors import BlockError, Location
+
+_MOST_SHOWN = 8
+
+
+def check_redundancies(block: RiskBlock, instances: InstanceValues) -> None:
+    """Raise BlockError where a redundancy set by hand stands over units that differ.
+
+    The block's one value stands for unlike units by the gate of the hardware description: under
+    another gate it is the value of nothing. A person who sets it too says what it is.
+    """
+    for each in unfounded_redundancies(block, instances):
+        raise BlockError(each.message, each.location or block.location)
+
+
+@dataclass(frozen=True, slots=True)
+class Unfounded:
+    """A redundancy over units that differ: its dotted path and place, and what is wrong."""
+
+    path: str
+    location: Location | None
+    message: str
+
+
+def unfounded_redundancies(block: RiskBlock, instances: InstanceValues) -> Iterator[Unfounded]:
+    """Yield each such redundancy of a block."""
+    if block.added:
+        return
+    for entry in block.components:
+        values = instances.get(entry.name, {})
+        if _is_set_alone(entry) and not are_alike(values.values()):
+            yield Unfounded(
+                f"{block.name}.{entry.name}.redundancy",
+                entry.redundancy.location or entry.location,
+                f"function '{block.name}', component '{entry.name}': 'redundancy := "
+                f"{entry.redundancy.text}' stands over units that differ ({_shown(values)} a "
+                f"visit), for which the value of the block holds as 'redundancy = "
+                f"{entry.redundancy.computed}' only; state the redundancy in the hardware "
+                "description, or set the probability of a unit by hand too (probability := ...)",
+            )
+
+
+def _is_set_alone(entry: ComponentEntry) -> bool:
+    """Whether a person set another redundancy than the tool's, and no probability."""
+    redundancy = entry.redundancy
+    if entry.added or entry.omitted or not redundancy.pinned or entry.probability.pinned:
+        return False
+    if redundancy.computed in (None, NOTHING_COMPUTED):
+        return False
+    assert redundancy.computed is not None
+    return read_redundancy(redundancy.computed) != redundancy.value
+
+
+def _shown(values: Mapping[str, float]) -> str:
+    """Return the instances' values, the greatest first."""
+    ordered: Sequence[tuple[str, float]] = sorted(
+        values.items(), key=lambda each: (-each[1], each[0])
+    )
+    texts = [f"{element} {value:.4g}" for element, value in ordered[:_MOST_SHOWN]]
+    left = len(ordered) - len(texts)
+    return ", ".join([*texts, f"and {left} more"] if left else texts)

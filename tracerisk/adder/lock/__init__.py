@@ -1,0 +1,1 @@
+"""`tracerisk.lock` and the digests in blocks: what the tool wrote last."""

@@ -1,0 +1,225 @@
+"""The digest of a block's computed values, which travels with the block on its first line.
+
+    # | RiskAnnotation 4kQ9xa-b7QxZ1
+
+One group of six characters for the function, one for each component that the tool computed.
+A group holds a short checksum of each value, so that each can be told by itself to be as the tool
+wrote it: also where a merge has put lines of two branches into one block, or the lock is gone.
+"""
+
+from __future__ import annotations
+
+import string
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any
+from zlib import crc32
+
+from tracerisk.adder.blocks.block import Field, RiskBlock
+from tracerisk.adder.blocks.values import (
+    CALL_SEQUENCE,
+    COMPONENT_KINDS,
+    NEXT,
+    PROBABILITY,
+    QUANTITY,
+    REDUNDANCY,
+    FieldKind,
+    component_fields,
+    computed_redundancy,
+)
+from tracerisk.adder.lock.lock import WrittenBlock, WrittenComponent, written_block
+
+_SIGNS = string.digits + string.ascii_uppercase + string.ascii_lowercase
+# How many characters of a group are the checksum of what: of the function, of a component.
+_FUNCTION_WIDTHS = {CALL_SEQUENCE.key: 2, NEXT.key: 2}
+_WHOLE_WIDTH = 2
+_NAME_WIDTH = 2
+_COMPONENT_WIDTHS = {PROBABILITY.key: 2, QUANTITY.key: 1, REDUNDANCY.key: 1}
+KINDS = {kind.key: kind for kind in (CALL_SEQUENCE, NEXT, *COMPONENT_KINDS)}
+
+
+def digest_of(written: WrittenBlock) -> str:
+    """Return the digest of the values that the tool wrote into a block."""
+    said = [f"{key}={_plain(key, text)}" for key, text in sorted(written.values.items())]
+    groups = []
+    for name, component in sorted(written.components.items()):
+        mark = "omit " if component.omitted else ""
+        values = {key: _plain(key, text) for key, text in component.values.items()}
+        said.append(f"{mark}{name} {sorted(values.items())}")
+        parts = [_checksum(f"{mark}{name}", _NAME_WIDTH)]
+        parts += [
+            _checksum(f"{name} {key}={values.get(key)}", width)
+            for key, width in _COMPONENT_WIDTHS.items()
+        ]
+        groups.append("".join(parts))
+    own = {key: _plain(key, text) for key, text in written.values.items()}
+    first = "".join(_checksum(f"{key}={own.get(key)}", n) for key, n in _FUNCTION_WIDTHS.items())
+    return "-".join([first + _checksum("\n".join(said), _WHOLE_WIDTH), *groups])
+
+
+def with_digest(block: RiskBlock) -> RiskBlock:
+    """Return a block, all of whose computed values are the tool's, with their digest."""
+    written = written_block(block)
+    return replace(block, digest=None if written is None else digest_of(written))
+
+
+def is_as_written(block: RiskBlock, written: WrittenBlock) -> bool:
+    """Return whether a block and its digest are as the tool wrote them, apart from pins.
+
+    A newly pinned value need not say yet what is computed there.
+    """
+    found = written_block(block)
+    if found is None or block.digest != digest_of(written):
+        return False
+    if found == written:
+        return True
+    own: dict[str, Field[Any]] = {CALL_SEQUENCE.key: block.call_sequence}
+    own |= {} if block.next is None else {NEXT.key: block.next}
+    entries = {each.name: each for each in block.components if not each.added}
+    return (
+        _fits(own, found.values, written.values)
+        and entries.keys() == written.components.keys()
+        and all(
+            entry.omitted
+            or (
+                not written.components[name].omitted
+                and _fits(
+                    {kind.key: value for kind, value in component_fields(entry)},
+                    found.components[name].values,
+                    written.components[name].values,
+                )
+            )
+            for name, entry in entries.items()
+        )
+    )
+
+
+def _fits(
+    fields: Mapping[str, Field[Any]], found: Mapping[str, str], written: Mapping[str, str]
+) -> bool:
+    """Return whether values are as written; one set by hand may say nothing of that yet."""
+    return all(
+        found.get(key) == written.get(key)
+        or (key in fields and fields[key].pinned and fields[key].computed is None)
+        for key in {*found, *written}
+    )
+
+
+def vouched_part(block: RiskBlock) -> WrittenBlock | None:
+    """Return those computed values of a block for which its digest vouches; `None` without any."""
+    written, digest = written_block(block), DigestReading(block)
+    if written is None or not digest.is_there:
+        return None
+
+    def vouched(component: str | None, values: Mapping[str, str]) -> dict[str, str]:
+        return {
+            key: text
+            for key, text in values.items()
+            if digest.vouches(component, KINDS[key], KINDS[key].read(text))
+        }
+
+    components = {
+        name: WrittenComponent(vouched(name, each.values), each.omitted)
+        for name, each in written.components.items()
+        if digest.has_component(name) or digest.had_omitted(name)
+    }
+    return WrittenBlock(vouched(None, written.values), components)
+
+
+class DigestReading:
+    """What the digest of a block says of the values that stand in the block now."""
+
+    def __init__(self, block: RiskBlock, names: Mapping[str, str] | None = None) -> None:
+        """Read `block.digest`; `names` gives the earlier names of functions renamed since."""
+        self._names = names or {}
+        groups = (block.digest or "").split("-")
+        self._first, self._groups = groups[0], {each[:_NAME_WIDTH]: each for each in groups[1:]}
+        own = (_digest_now(block, self._names) or "").split("-")
+        shorter = len(self._first) - _WHOLE_WIDTH
+        # All values fit, but not all together: one of them fits by chance, and none is believed.
+        self._is_believed = bool(self._first) and not (
+            sorted(own[1:]) == sorted(groups[1:])
+            and own[0][:shorter] == self._first[:shorter]
+            and own[0] != self._first
+        )
+
+    @property
+    def is_there(self) -> bool:
+        """Whether there is a digest that can be believed."""
+        return self._is_believed
+
+    def has_component(self, name: str) -> bool:
+        """Return whether the block held the component, computed and not omitted."""
+        return self._is_believed and _checksum(name, _NAME_WIDTH) in self._groups
+
+    def had_omitted(self, name: str) -> bool:
+        """Return whether the block held the component as omitted."""
+        return self._is_believed and _checksum(f"omit {name}", _NAME_WIDTH) in self._groups
+
+    def vouches(self, component: str | None, kind: FieldKind, value: Any) -> bool:
+        """Return whether the tool wrote this value, of a component or of the function itself."""
+        if not self._is_believed:
+            return False
+        said = f"{kind.key}={_plain_value(kind.key, self.earlier(kind, value))}"
+        if component is None:
+            return _is_at(self._first, 0, _FUNCTION_WIDTHS, kind.key, said)
+        named = (
+            self._groups.get(_checksum(f"{mark}{component}", _NAME_WIDTH), "")
+            for mark in ("", "omit ")
+        )
+        return any(
+            _is_at(group, _NAME_WIDTH, _COMPONENT_WIDTHS, kind.key, f"{component} {said}")
+            for group in named
+        )
+
+    def earlier(self, kind: FieldKind, value: Any) -> Any:
+        """Return a value with the earlier names of the functions that it names."""
+        return _renamed(value, self._names) if kind is NEXT and self._names else value
+
+
+def _is_at(group: str, start: int, widths: Mapping[str, int], key: str, said: str) -> bool:
+    for each, width in widths.items():
+        if each == key:
+            return group[start : start + width] == _checksum(said, width)
+        start += width
+    return False
+
+
+def _digest_now(block: RiskBlock, names: Mapping[str, str]) -> str | None:
+    written = written_block(block)
+    if written is None:
+        return None
+    if names and NEXT.key in written.values:
+        steps = _renamed(NEXT.read(written.values[NEXT.key]), names)
+        text = ", ".join(f"{each.target} {each.weight}" for each in steps)
+        written = WrittenBlock({**written.values, NEXT.key: text}, written.components)
+    return digest_of(written)
+
+
+def _renamed(steps: Any, names: Mapping[str, str]) -> Any:
+    return tuple(type(each)(names.get(each.target, each.target), each.weight) for each in steps)
+
+
+# Most texts of a project come again and again: `1`, `false`, `done 1`.
+@lru_cache(maxsize=4096)
+def _plain(key: str, text: str) -> str:
+    return _plain_value(key, KINDS[key].read(text))
+
+
+def _plain_value(key: str, value: Any) -> str:
+    """Return a value as text, whatever digits and order it is written in."""
+    if key == NEXT.key:
+        return ", ".join(sorted(f"{each.target} {each.weight}" for each in value))
+    if key == REDUNDANCY.key:
+        return computed_redundancy(value).text
+    return repr(value)
+
+
+def _checksum(text: str, width: int) -> str:
+    number = crc32(text.encode("utf-8", errors="surrogatepass"))
+    signs = []
+    for _ in range(width):
+        number, sign = divmod(number, len(_SIGNS))
+        signs.append(_SIGNS[sign])
+    return "".join(signs)

@@ -1,0 +1,218 @@
+"""Who wrote what stands in a block: the tool, on whichever branch, or a person.
+
+The block's own digest is asked first, then the lock, then the versions that git keeps. A value
+that none of them knows is a person's only if no branch can have brought it there; otherwise its
+author is unknown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from tracerisk.adder.blocks.block import Field, RiskBlock
+from tracerisk.adder.blocks.values import (
+    CALL_SEQUENCE,
+    NEXT,
+    NOTHING_COMPUTED,
+    PROBABILITY,
+    FieldKind,
+    component_fields,
+)
+from tracerisk.adder.lock.digest import DigestReading, digest_of
+from tracerisk.adder.lock.lock import WrittenBlock, WrittenComponent
+
+Author = Literal["tool", "person", "unknown"]
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """What is known of one source beyond its blocks and the lock.
+
+    `is_fresh`: nothing that the values depend on has changed since the lock was written, so that
+    no other branch has come in. `is_complete`: git kept every version of the source.
+    `written` are the blocks that the tool wrote in those versions, by function; `standing` all
+    blocks in them, whoever wrote what they say. `versions` are the functions that have a block in
+    each of them.
+    """
+
+    is_fresh: bool = True
+    is_complete: bool = False
+    written: Mapping[str, Sequence[WrittenBlock]] = field(default_factory=dict)
+    standing: Mapping[str, Sequence[RiskBlock]] = field(default_factory=dict)
+    versions: Collection[frozenset[str]] = ()
+
+
+class KnownBlock:
+    """What the tool is known to have written into one block."""
+
+    def __init__(
+        self,
+        current: RiskBlock,
+        bases: Sequence[WrittenBlock],
+        evidence: Callable[[], Evidence] = Evidence,
+        names: Mapping[str, str] | None = None,
+    ) -> None:
+        """`bases` are what the lock tells, the last first; `names` earlier names, by new ones."""
+        self._current = current
+        self._bases = bases
+        self._digest = DigestReading(current, names)
+        self._evidence = evidence
+        # What git keeps has the name of now, or that of before a renaming.
+        self._names = frozenset({current.name, (names or {}).get(current.name, current.name)})
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the tool has written the block, whatever became of it since."""
+        return bool(self._bases) or self._digest.is_there
+
+    def last(
+        self, component: str | None, kind: FieldKind, current: Field[Any]
+    ) -> tuple[str | None, bool]:
+        """Return the text that the tool last wrote for a value, and whether it stands there.
+
+        It is that which stands there, where the tool is known to have written it on any branch.
+        """
+        texts = [text for base in self._bases if (text := _value(base, component, kind))]
+        standing = current.computed if current.pinned else current.text
+        if standing and standing != NOTHING_COMPUTED:
+            value = kind.read(standing)
+            for text in texts:
+                if kind.same(kind.read(text), value):
+                    return text, True
+            if self._digest.vouches(component, kind, value):
+                return standing, True
+        return (texts[0] if texts else None), False
+
+    def held(self, component: str) -> bool | None:
+        """Return whether the block held a component when the tool last wrote it, not omitted.
+
+        Branches may differ: then it may have come, or gone, with any of them, and a component
+        that is not there counts as not held. `None` where nothing is known of the block.
+        """
+        written = [base.components.get(component) for base in self._bases]
+        if self._digest.is_there and not self._digest.has_component(component):
+            return False
+        if not self.is_known:
+            return None
+        return all(each is not None and not each.omitted for each in written)
+
+    def knows(self, component: str) -> bool:
+        """Return whether the tool has written a component into the block, on any branch."""
+        return (
+            any(component in base.components for base in self._bases)
+            or self._digest.has_component(component)
+            or self._digest.had_omitted(component)
+        )
+
+    def author_of_value(self, component: str | None, kind: FieldKind, value: Any) -> Author:
+        """Return who wrote a value that neither the digest nor the lock knows."""
+
+        earlier = self._digest.earlier(kind, value)
+
+        def is_it(text: str | None) -> bool:
+            return text is not None and any(
+                kind.same(kind.read(text), each) for each in (value, earlier)
+            )
+
+        if any(is_it(_value(each, component, kind)) for each in self._written()):
+            # A figure of four digits is no coincidence; a small number may be.
+            return "tool" if kind is PROBABILITY else "unknown"
+        # Nor is the figure of another function one: a merge may have put its lines here.
+        names = self._all_names() if kind is PROBABILITY else self._possible_names()
+        if any(is_it(_value(each, component, kind)) for each in self._written(names)):
+            return "unknown"
+        stood = any(
+            found is not None and not found.pinned and is_it(found.text or None)
+            for block in self._standing(names)
+            for found in (_field(block, component, kind),)
+        )
+        return self._person_or_unknown(stood)
+
+    def author_of_component(self, component: str, value: float) -> Author:
+        """Return who put in a component that neither the digest nor the lock knows."""
+        before = [each.components.get(component) for each in self._written()]
+        texts = [each.values.get(PROBABILITY.key) for each in before if each is not None]
+        if any(text is not None and PROBABILITY.read(text) == value for text in texts):
+            return "tool"
+        names = self._possible_names()
+        if any(component in each.components for each in self._written(names)):
+            return "unknown"
+        stood = any(
+            each.name == component and not each.added
+            for block in self._standing(names)
+            for each in block.components
+        )
+        return self._person_or_unknown(stood)
+
+    def author_of_removal(self, component: str) -> Author:
+        """Return who took out a component that the tool had written."""
+        entries = [{each.name: each for each in block.components} for block in self._standing()]
+        if any(component in each and each[component].omitted for each in entries):
+            # A person had omitted it, and has taken that back.
+            return "tool"
+        names = self._possible_names()
+        if any(component not in each.components for each in self._written(names)):
+            return "unknown"
+        was_without = any(
+            all(each.name != component for each in block.components)
+            for block in self._standing(names)
+        )
+        return self._person_or_unknown(was_without)
+
+    def author_of_block(self) -> Author:
+        """Return who put in a block of which neither a digest nor the lock knows."""
+        if self._written():
+            return "tool"
+        return self._person_or_unknown(bool(self._standing()))
+
+    def _written(self, names: Collection[str] = ()) -> list[WrittenBlock]:
+        kept = self._evidence().written
+        return [block for name in sorted(names or self._names) for block in kept.get(name, ())]
+
+    def _standing(self, names: Collection[str] = ()) -> list[RiskBlock]:
+        kept = self._evidence().standing
+        return [block for name in sorted(names or self._names) for block in kept.get(name, ())]
+
+    def _all_names(self) -> frozenset[str]:
+        return self._names.union(*self._evidence().versions)
+
+    def _possible_names(self) -> frozenset[str]:
+        """Return the names that the function may have on some branch: one may have renamed it.
+
+        A function that ever had a block beside it is another one.
+        """
+        beside = (names for names in self._evidence().versions if names & self._names)
+        return (self._all_names() - frozenset().union(*beside)) | self._names
+
+    def _person_or_unknown(self, stood_before: bool) -> Author:
+        """Decide on what no version is known to have had from the tool in this block.
+
+        What was committed may have come with a merge whose other branch is gone.
+        """
+        evidence = self._evidence()
+        if evidence.is_complete and not stood_before and self._written():
+            return "person"
+        return "person" if evidence.is_fresh and self._lock_is_that_of_the_block() else "unknown"
+
+    def _lock_is_that_of_the_block(self) -> bool:
+        if self._current.digest is None:
+            return len(self._bases) < 2
+        return len(self._bases) == 1 and digest_of(self._bases[0]) == self._current.digest
+
+
+def _value(base: WrittenBlock, component: str | None, kind: FieldKind) -> str | None:
+    if component is None:
+        return base.values.get(kind.key)
+    entry: WrittenComponent | None = base.components.get(component)
+    return None if entry is None else entry.values.get(kind.key)
+
+
+def _field(block: RiskBlock, component: str | None, kind: FieldKind) -> Field[Any] | None:
+    if component is None:
+        return {CALL_SEQUENCE: block.call_sequence, NEXT: block.next}[kind]
+    for each in block.components:
+        if each.name == component:
+            return dict(component_fields(each))[kind]
+    return None

@@ -1,0 +1,47 @@
+"""The block of one function held against what was last written, where nothing is to be written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TypeAlias
+
+from tracerisk.adder.blocks.block import RiskBlock
+from tracerisk.adder.lock.lock import ControllerLock, WrittenBlock
+from tracerisk.adder.merge.authors import Evidence
+from tracerisk.adder.merge.merge import Merged, MergePolicy, merge
+from tracerisk.trace import QualifiedName
+
+SourceEvidence: TypeAlias = Callable[[str], Evidence]
+"""What is known of a source beyond its blocks and the lock, by the name of its file."""
+
+
+def bases_of(file: str, entry: ControllerLock | None) -> list[Mapping[str, WrittenBlock]]:
+    """Return what was last written into a source, then all else that it may hold.
+
+    That is what it held before a write that was cut short, and what other branches had written.
+    """
+    if entry is None:
+        return [{}]
+    return [blocks.get(file, {}) for blocks in entry.all_blocks]
+
+
+def merge_with_bases(
+    name: QualifiedName,
+    bases: Sequence[Mapping[str, WrittenBlock]],
+    current: RiskBlock | None,
+    computed: RiskBlock | None,
+    policy: MergePolicy,
+    evidence: Callable[[], Evidence],
+    renamed: Mapping[QualifiedName, QualifiedName],
+) -> Merged:
+    """Merge the block of one function; `bases` are of its file, under the names of now."""
+    base, *others = [each.get(name) for each in bases]
+    return merge(
+        base,
+        current,
+        computed,
+        policy=policy,
+        others=[each for each in others if each is not None and each != base],
+        evidence=evidence,
+        names={str(new): str(old) for old, new in renamed.items()},
+    )

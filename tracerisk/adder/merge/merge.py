@@ -1,0 +1,408 @@
+"""The three-way merge of a block: what the tool wrote, what stands there, what it computes now.
+
+The base is known value by value, from the block's digest and the lock: see `authors.py`. A value
+that a person changed since is theirs and never lost; a value that only the tool changed, on any
+branch, is refreshed; where nobody can tell which of the two it is, it is left alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
+from tracerisk.adder.blocks.values import (
+    CALL_SEQUENCE,
+    NEXT,
+    NOTHING_COMPUTED,
+    FieldKind,
+    component_fields,
+)
+from tracerisk.adder.lock.lock import WrittenBlock
+from tracerisk.adder.merge.authors import Author, Evidence, KnownBlock
+from tracerisk.errors import EditInTheWayError, Location
+
+NOISE = 0.01
+"""The relative change of a computed probability up to which its text stays as written."""
+
+
+@dataclass(frozen=True, slots=True)
+class MergePolicy:
+    """What becomes of a person's edits of `=` values, and of changes within the noise.
+
+    `edits`: "stop" reports them, "accept" pins them (`:=`), "discard" writes the tool's value.
+    `fresh` writes every computed value anew.
+    """
+
+    edits: Literal["stop", "accept", "discard"] = "stop"
+    fresh: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class PersonEdit:
+    """What a person changed among the values that the tool writes.
+
+    `field` is its dotted path: `place.gripper.probability` for a value that is "changed",
+    `place.gripper` or `place` for a component or a block that was "added" or "removed".
+    `found` is what stands there, `written` what was last written and `computed` what the tool
+    computes now, as text, where there is such a value.
+    `is_certain` is false where nobody can tell whether a person did it, or another branch.
+    """
+
+    kind: Literal["changed", "added", "removed"]
+    field: str
+    location: Location | None
+    found: str | None = None
+    written: str | None = None
+    computed: str | None = None
+    is_certain: bool = True
+
+    def __str__(self) -> str:
+        place = "" if self.location is None else f"{self.location}: "
+        if self.kind != "changed":
+            return f"{place}{self.field} was {self.kind}"
+        return (
+            f"{place}{self.field} is {self.found} (last written {self.written or 'unknown'}, "
+            f"computed {self.computed or 'none'})"
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Merged:
+    """The outcome of a merge: the block to write, `None` for none, and the edits found.
+
+    With the policy "stop" and edits, the block is as if they were accepted; do not write it.
+    """
+
+    block: RiskBlock | None
+    edits: tuple[PersonEdit, ...]
+
+
+def edits_error(edits: Iterable[PersonEdit]) -> EditInTheWayError:
+    """Return the error that names every edited field, and those of which nobody can tell."""
+    listed = sorted(edits, key=_edit_order)
+    certain = [f"  {edit}" for edit in listed if edit.is_certain]
+    doubtful = [f"  {edit}" for edit in listed if not edit.is_certain]
+    parts = []
+    if certain:
+        parts += ["a person changed what tracerisk computes; nothing was written:", *certain]
+        parts += [
+            "Write `:=` for `=` to keep a value, or use --accept-edits to keep them all, "
+            "--discard-edits to drop them all."
+        ]
+    if doubtful:
+        parts += [
+            "of these nobody can tell who wrote them, a person or tracerisk on another branch; "
+            f"{'they were left alone' if certain else 'nothing was written'}:",
+            *doubtful,
+            "Use --discard-edits to have what is computed now in their place, or take the whole "
+            "block from a version that you trust.",
+        ]
+    return EditInTheWayError("\n".join(parts))
+
+
+def _edit_order(edit: PersonEdit) -> tuple[str, int, str]:
+    place = edit.location or Location("")
+    return (place.file, place.line or 0, edit.field)
+
+
+def merge_block(
+    base: WrittenBlock | None,
+    current: RiskBlock | None,
+    computed: RiskBlock | None,
+    *,
+    policy: MergePolicy,
+) -> RiskBlock | None:
+    """Return the block to write; `None` where there is to be none.
+
+    Raises:
+        EditInTheWayError: if a person edited a `=` value and the policy says "stop".
+    """
+    merged = merge(base, current, computed, policy=policy)
+    if in_the_way(merged.edits, policy):
+        raise edits_error(merged.edits)
+    return merged.block
+
+
+def in_the_way(edits: Iterable[PersonEdit], policy: MergePolicy) -> tuple[PersonEdit, ...]:
+    """Return the edits for which nothing may be written.
+
+    To accept edits is to accept a person's: not what a person may never have typed.
+    """
+    if policy.edits == "discard":
+        return ()
+    return tuple(edit for edit in edits if policy.edits == "stop" or not edit.is_certain)
+
+
+def merge(
+    base: WrittenBlock | None,
+    current: RiskBlock | None,
+    computed: RiskBlock | None,
+    *,
+    policy: MergePolicy,
+    others: Sequence[WrittenBlock] = (),
+    evidence: Callable[[], Evidence] = Evidence,
+    names: Mapping[str, str] | None = None,
+) -> Merged:
+    """Return what becomes of a block and which edits of a person were found.
+
+    `base` is what the lock says was last written, `None` where it knows of nothing, `others` what
+    else it says that the tool may have written there; `evidence` is asked only where these and
+    the block's own digest do not suffice. `names` are earlier names of functions renamed since.
+    `computed` is `None` for a function that is not relevant any more; a pinned field in it is
+    a person's word by another way (an operational profile), its tool value in `computed`.
+    """
+    if current is None:
+        return Merged(computed, ())
+    bases = [each for each in (base, *others) if each is not None]
+    known = KnownBlock(current, bases, evidence, names)
+    merger = _Merger(known, current, computed, policy)
+    return Merged(merger.block(), tuple(merger.edits))
+
+
+class _Merger:
+    def __init__(
+        self,
+        known: KnownBlock,
+        current: RiskBlock,
+        computed: RiskBlock | None,
+        policy: MergePolicy,
+    ) -> None:
+        self._known = known
+        self._current = current
+        self._computed = computed
+        self._policy = policy
+        self.edits: list[PersonEdit] = []
+
+    def block(self) -> RiskBlock | None:
+        current, computed = self._current, self._computed
+        if current.added:
+            return self._by_hand()
+        if computed is None and not self._known.is_known and not has_pins(current):
+            # Neither the lock knows the block nor does the tool compute it.
+            author = self._known.author_of_block()
+            if author != "tool":
+                self._report("added", current.name, current.location, author)
+                return None if self._policy.edits == "discard" else replace(current, added=True)
+        call_sequence = self._field(
+            None,
+            CALL_SEQUENCE,
+            current.call_sequence,
+            computed.call_sequence if computed else None,
+        )
+        following = self._next()
+        components = self._components()
+        block = replace(current, call_sequence=call_sequence, next=following, components=components)
+        if computed is None and not has_pins(block):
+            return None
+        return block
+
+    def _by_hand(self) -> RiskBlock:
+        """Keep a block given by hand, with what the tool computes beside its pinned values."""
+        current, computed = self._current, self._computed
+        call_sequence = following = None
+        others: dict[str, ComponentEntry] = {}
+        if computed is not None:
+            call_sequence, following = computed.call_sequence, computed.next
+            others = {component.name: component for component in computed.components}
+        return replace(
+            current,
+            call_sequence=_beside(current.call_sequence, call_sequence),
+            next=None if current.next is None else _beside(current.next, following),
+            components=tuple(
+                _component_beside(component, others.get(component.name))
+                for component in current.components
+            ),
+        )
+
+    def _next(self) -> Field[Any] | None:
+        current = self._current.next
+        computed = self._computed.next if self._computed else None
+        if current is None:
+            # The published form, which has none; or lines taken away, with no word of a person
+            # in them that could be kept.
+            return computed
+        if self._computed is None or computed is not None or current.pinned:
+            return self._field(None, NEXT, current, computed)
+        written, is_there = self._known.last(None, NEXT, current)
+        if is_there or not self._changed(None, NEXT, written, current, None):
+            return None
+        return None if self._policy.edits == "discard" else _pinned(current, None)
+
+    def _components(self) -> tuple[ComponentEntry, ...]:
+        computed = self._computed.components if self._computed else ()
+        current = {component.name: component for component in self._current.components}
+        merged = [self._component(new, current.pop(new.name, None)) for new in computed]
+        left = [self._no_longer_computed(current[name]) for name in sorted(current)]
+        return (*merged, *(component for component in left if component is not None))
+
+    def _component(self, new: ComponentEntry, current: ComponentEntry | None) -> ComponentEntry:
+        if current is None:
+            if self._known.held(new.name) is False:
+                return new
+            author = self._known.author_of_removal(new.name)
+            if author == "tool":
+                return new
+            path = f"{self._current.name}.{new.name}"
+            self._report("removed", path, self._current.location, author)
+            if self._policy.edits == "discard":
+                return new
+            return replace(new, omitted=True)
+        if current.added:
+            return _component_beside(current, new)
+        return self._fields(current, new)
+
+    def _no_longer_computed(self, current: ComponentEntry) -> ComponentEntry | None:
+        """Decide on a component that stands in the block and that the tool does not compute."""
+        if current.added or current.omitted:
+            return _component_beside(current, None)
+        if self._computed is None:
+            # The block stays for something a person set in it, and stays whole.
+            return self._fields(current, None)
+        if not self._known.knows(current.name) and not _is_component_pinned(current):
+            author = self._known.author_of_component(current.name, current.probability.value)
+            if author == "tool":
+                return None
+            path = f"{self._current.name}.{current.name}"
+            self._report("added", path, current.location, author)
+            return None if self._policy.edits == "discard" else replace(current, added=True)
+        merged = self._fields(current, None)
+        return merged if _is_component_pinned(merged) else None
+
+    def _fields(self, current: ComponentEntry, new: ComponentEntry | None) -> ComponentEntry:
+        computed = dict(component_fields(new)) if new else {}
+        probability, quantity, redundancy = (
+            self._field(current.name, kind, value, computed.get(kind))
+            for kind, value in component_fields(current)
+        )
+        return replace(current, probability=probability, quantity=quantity, redundancy=redundancy)
+
+    def _field(
+        self,
+        component: str | None,
+        kind: FieldKind,
+        current: Field[Any],
+        computed: Field[Any] | None,
+    ) -> Field[Any]:
+        written, is_there = self._known.last(component, kind, current)
+        tool = None if computed is None else self._tool_field(kind, written, computed)
+        edited = (
+            not is_there
+            and self._may_be_edited(kind, written, current, tool)
+            and self._changed(component, kind, written, current, tool)
+        )
+        if edited and self._policy.edits != "discard":
+            return _pinned(current, tool)
+        if computed is not None and computed.pinned:
+            # A pin from elsewhere is the newest word of a person.
+            if current.pinned and kind.same(current.value, computed.value):
+                return _beside(current, tool)
+            return _beside(computed, tool)
+        if current.pinned:
+            return _beside(current, tool)
+        if tool is not None:
+            return tool
+        # Nothing is computed: the value stays as last written beside what a person pinned.
+        return current if written is None else Field(kind.read(written), written)
+
+    def _tool_field(
+        self, kind: FieldKind, written: str | None, computed: Field[Any]
+    ) -> Field[Any] | None:
+        """Return the tool's own value as it is to be written, noise left aside."""
+        text = _tool_text(computed)
+        if text is None:
+            return None
+        value = kind.read(text)
+        if written is not None and not self._policy.fresh:
+            before = kind.read(written)
+            if kind.same(before, value):
+                return Field(value, text) if kind.is_noisy else Field(before, written)
+            if kind.is_noisy and abs(value - before) <= NOISE * abs(before):
+                return Field(before, written)
+        return Field(value, text)
+
+    def _may_be_edited(
+        self, kind: FieldKind, written: str | None, current: Field[Any], tool: Field[Any] | None
+    ) -> bool:
+        """Return whether a `=` value that the tool is not known to have written says another."""
+        if current.pinned or not current.is_stated:
+            return False
+        if tool is None:
+            # Kept as it stands beside something a person set: nothing is lost.
+            return written is not None or self._known.is_known
+        return not kind.same(current.value, tool.value)
+
+    def _changed(
+        self,
+        component: str | None,
+        kind: FieldKind,
+        written: str | None,
+        current: Field[Any],
+        tool: Field[Any] | None,
+    ) -> bool:
+        """Report a value that the tool is not known to have written; `False` if it did."""
+        author = self._known.author_of_value(component, kind, current.value)
+        if author == "tool":
+            return False
+        path = ".".join(part for part in (self._current.name, component, kind.key) if part)
+        texts = {
+            "found": current.text,
+            "written": written,
+            "computed": None if tool is None else tool.text,
+        }
+        self._report("changed", path, current.location, author, **texts)
+        return True
+
+    def _report(
+        self,
+        what: Literal["changed", "added", "removed"],
+        path: str,
+        location: Location | None,
+        author: Author,
+        **texts: str | None,
+    ) -> None:
+        self.edits.append(PersonEdit(what, path, location, **texts, is_certain=author == "person"))
+
+
+def _pinned(current: Field[Any], tool: Field[Any] | None) -> Field[Any]:
+    """Return a value that a person edited as the person's own."""
+    return replace(current, pinned=True, computed=NOTHING_COMPUTED if tool is None else tool.text)
+
+
+def _tool_text(computed: Field[Any]) -> str | None:
+    """Return the tool's text; `None` where it has none, as for an omitted component by name."""
+    return (computed.computed if computed.pinned else computed.text) or None
+
+
+def _beside(current: Field[Any], tool: Field[Any] | None) -> Field[Any]:
+    """Return a person's value with what the tool computes now written beside it."""
+    if not current.pinned:
+        return current
+    return replace(current, computed=NOTHING_COMPUTED if tool is None else _tool_text(tool))
+
+
+def _component_beside(current: ComponentEntry, new: ComponentEntry | None) -> ComponentEntry:
+    computed = dict(component_fields(new)) if new else {}
+    probability, quantity, redundancy = (
+        _beside(value, computed.get(kind)) for kind, value in component_fields(current)
+    )
+    return replace(current, probability=probability, quantity=quantity, redundancy=redundancy)
+
+
+def _is_component_pinned(component: ComponentEntry) -> bool:
+    return (
+        component.added
+        or component.omitted
+        or any(value.pinned for _, value in component_fields(component))
+    )
+
+
+def has_pins(block: RiskBlock) -> bool:
+    """Return whether anything in a block is a person's."""
+    return (
+        block.added
+        or block.call_sequence.pinned
+        or (block.next is not None and block.next.pinned)
+        or any(map(_is_component_pinned, block.components))
+    )

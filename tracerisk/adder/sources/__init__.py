@@ -1,0 +1,1 @@
+"""Sources: find their functions and blocks, insert and remove blocks, write files."""

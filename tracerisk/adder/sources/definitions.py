@@ -1,0 +1,246 @@
+"""Where the functions of a Python source stand, by the standard library alone.
+
+Reading and removing blocks must be fast and needs no libcst; and what libcst's positions put
+in is checked against what this module finds.
+"""
+
+from __future__ import annotations
+
+import ast
+import io
+import re
+import tokenize
+import unicodedata
+import warnings
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from tracerisk.adder.blocks.conflicts import is_conflict_marker
+from tracerisk.errors import BlockError, Location, SourceError
+from tracerisk.trace import QualifiedName
+
+MODULE = QualifiedName("<module>")
+"""The pseudo-function that module-level code is."""
+
+BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+
+_LEAVES = frozenset(
+    {
+        *(ast.Expr, ast.Assign, ast.AugAssign, ast.AnnAssign, ast.Return, ast.Import),
+        *(ast.ImportFrom, ast.Pass, ast.Raise, ast.Assert, ast.Delete, ast.Global),
+        *(ast.Nonlocal, ast.Break, ast.Continue),
+    }
+)
+# A header of one line without strings, comments or brackets that could go on over others.
+_PLAIN_HEADER = re.compile(rb"[ \t]*(?:async[ \t]+)?def[ \t][\w \t(),.=*:>-]*\)[\w \t.>-]*:")
+_CODING = re.compile(rb"[ \t\f]*#.*?coding[:=][ \t]*[-\w.]+")
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """One `def` or `async def`: lines count from 1.
+
+    `line` is that of the `def`, `body_line` the first of its first statement, decorators
+    included.
+    """
+
+    name: QualifiedName
+    line: int
+    body_line: int
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """Where the block of a function goes: before line `line`, indented as `indent_line`."""
+
+    line: int
+    indent_line: int
+
+
+@dataclass(frozen=True, slots=True)
+class PythonSource:
+    """A parsed Python source with its lines as bytes, line ends kept."""
+
+    file: str
+    lines: tuple[bytes, ...]
+    encoding: str
+    tree: ast.Module
+
+    def text(self, number: int) -> str:
+        """Return line `number` as text, without its line end.
+
+        Raises:
+            SourceError: if the line does not hold text in the file's encoding.
+        """
+        line = self.lines[number - 1].rstrip(b"\r\n")
+        if number == 1:
+            line = line.removeprefix(BYTE_ORDER_MARK)
+        try:
+            return line.decode(self.encoding)
+        except UnicodeDecodeError as error:
+            raise SourceError(
+                f"the line is not {self.encoding} text: {error.reason}",
+                Location(self.file, number),
+            ) from error
+
+
+def normal_name(name: str) -> str:
+    """Return `name` as Python compares identifiers (NFKC)."""
+    return unicodedata.normalize("NFKC", name)
+
+
+def parse_python(source: bytes, file: str) -> PythonSource:
+    """Return the parsed source.
+
+    Raises:
+        BlockError: if what makes it unreadable is a conflict marker.
+        SourceError: if it is not Python.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            tree = ast.parse(source, file)
+        encoding, _ = tokenize.detect_encoding(io.BytesIO(source).readline)
+    except SyntaxError as error:
+        _forbid_conflict_markers(source, file)
+        raise SourceError(
+            f"cannot be read as Python: {error.msg}", Location(file, error.lineno, error.offset)
+        ) from error
+    except (ValueError, RecursionError, MemoryError) as error:
+        raise SourceError(f"cannot be read as Python: {error}", Location(file)) from error
+    encoding = "utf-8" if encoding == "utf-8-sig" else encoding
+    return PythonSource(file, tuple(source.splitlines(keepends=True)), encoding, tree)
+
+
+def _forbid_conflict_markers(source: bytes, file: str) -> None:
+    for number, line in enumerate(source.splitlines(), start=1):
+        text = line.decode("ascii", "replace")
+        if is_conflict_marker(text):
+            raise BlockError(
+                f"`{text}` is a conflict marker; resolve the merge, then run tracerisk again",
+                Location(file, number),
+            )
+
+
+def first_line(statement: ast.stmt) -> int:
+    """Return the first line of a statement, decorators included."""
+    decorators: Sequence[ast.expr] = getattr(statement, "decorator_list", ())
+    return min([statement.lineno, *(decorator.lineno for decorator in decorators)])
+
+
+def module_line(source: PythonSource) -> int:
+    """Return the line of the module's first statement; 1 where it has none."""
+    return first_line(source.tree.body[0]) if source.tree.body else 1
+
+
+def definitions(tree: ast.Module) -> Iterator[Definition]:
+    """Yield every function definition of the module in the order of the source."""
+    # The children that can hold no statement are most of them.
+    stack: list[tuple[ast.AST, str]] = [(tree, "")]
+    while stack:
+        node, prefix = stack.pop()
+        inner = prefix
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            name = f"{prefix}{node.name}"
+            yield Definition(QualifiedName(name), node.lineno, first_line(node.body[0]))
+            inner = f"{name}.<locals>."
+        elif isinstance(node, ast.ClassDef):
+            inner = f"{prefix}{node.name}."
+        children: list[ast.AST] = []
+        for part in ("body", "handlers", "orelse", "finalbody", "cases"):
+            found = getattr(node, part, None)
+            if isinstance(found, list):
+                children += found
+        stack += [(child, inner) for child in reversed(children) if type(child) not in _LEAVES]
+
+
+def function_at(tree: ast.Module, line: int) -> QualifiedName:
+    """Return the innermost function around a line; the module's pseudo-function outside all."""
+    found, prefix = MODULE, ""
+    node: ast.AST = tree
+    while True:
+        inner = next(
+            (
+                child
+                for child in ast.walk(node)
+                if child is not node
+                and isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef)
+                and child.lineno <= line <= (child.end_lineno or child.lineno)
+            ),
+            None,
+        )
+        if inner is None:
+            return found
+        prefix += inner.name
+        if isinstance(inner, ast.ClassDef):
+            prefix += "."
+        else:
+            found = QualifiedName(prefix)
+            prefix += ".<locals>."
+        node = inner
+
+
+def header_end(source: PythonSource, definition: Definition) -> int | None:
+    """Return the line on which a function's header ends; `None` for a one-line function."""
+    if definition.body_line == definition.line:
+        return None
+    header = source.lines[definition.line - 1].rstrip()
+    if _PLAIN_HEADER.fullmatch(header) and header.count(b"(") == header.count(b")"):
+        return definition.line
+    for token in _tokens_from(source, definition.line):
+        if token.type == tokenize.NEWLINE:
+            line = definition.line + token.start[0] - 1
+            return line if line < definition.body_line else None
+    return None
+
+
+def _tokens_from(source: PythonSource, start: int) -> Iterator[tokenize.TokenInfo]:
+    numbers = iter(range(start, len(source.lines) + 1))
+
+    def readline() -> str:
+        number = next(numbers, None)
+        return "" if number is None else source.text(number) + "\n"
+
+    return tokenize.generate_tokens(readline)
+
+
+def comment_lines(source: PythonSource) -> frozenset[int]:
+    """Return the lines that hold a comment."""
+    found = set()
+    try:
+        for token in _tokens_from(source, 1):
+            if token.type == tokenize.COMMENT:
+                found.add(token.start[0])
+    except (tokenize.TokenError, SyntaxError):
+        # A source that the parser takes and the tokenizer does not (an odd dedent before a
+        # form feed): what was found until there stands.
+        pass
+    return frozenset(found)
+
+
+def preamble_end(source: PythonSource) -> int:
+    """Return the last line of `#!` and encoding declaration; 0 where there is neither."""
+    end = 0
+    if source.lines and source.lines[0].removeprefix(BYTE_ORDER_MARK).startswith(b"#!"):
+        end = 1
+    for number, line in enumerate(source.lines[:2], start=1):
+        content = line.removeprefix(BYTE_ORDER_MARK) if number == 1 else line
+        if _CODING.match(content):
+            return number
+        if number == 1 and content.strip() and not content.lstrip(b" \t\f").startswith(b"#"):
+            break
+    return end
+
+
+def docstring_end(source: PythonSource) -> int | None:
+    """Return the last line of the module's docstring, where it has its lines to itself."""
+    body = source.tree.body
+    if not body or not isinstance(body[0], ast.Expr):
+        return None
+    value = body[0].value
+    if not isinstance(value, ast.Constant) or not isinstance(value.value, str):
+        return None
+    end = value.end_lineno
+    if end is None or (len(body) > 1 and first_line(body[1]) <= end):
+        return None
+    return end

@@ -1,0 +1,233 @@
+"""Put risk blocks into a Python source and take them out, with no other byte changed.
+
+Edits are lines put into or cut out of the original bytes, at the places that libcst's
+positions give. Each result is checked before it is handed out: without its blocks it is the
+source without its blocks, byte for byte; its syntax tree is the same; and its blocks read
+back as they were meant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from tracerisk.adder.blocks.block import RiskBlock
+from tracerisk.adder.blocks.grammar import DEFAULT_WIDTH, print_block
+from tracerisk.adder.sources.definitions import (
+    BYTE_ORDER_MARK,
+    MODULE,
+    PythonSource,
+    Site,
+    definitions,
+    header_end,
+    module_line,
+    normal_name,
+    parse_python,
+    preamble_end,
+)
+from tracerisk.adder.sources.edits import Edit, apply_edits, line_starts
+from tracerisk.adder.sources.read import PlacedBlock, scan_blocks
+from tracerisk.adder.sources.safety import check_rewrite, check_same_program, without_blocks
+from tracerisk.errors import InputError, Location, UnsafeRewriteError, one_of
+from tracerisk.instance_name import is_name_at, places
+from tracerisk.trace import QualifiedName
+
+_NARROWEST = 40
+_TAB_COLUMNS = 8
+
+
+def strip_blocks(source: bytes, file: str) -> bytes:
+    """Return the source without its risk blocks; every other byte is kept.
+
+    Raises:
+        BlockError, SourceError: if a block or the source cannot be read.
+        UnsafeRewriteError: if the removal would change what the program says.
+    """
+    parsed = parse_python(source, file)
+    stripped = without_blocks(parsed, scan_blocks(parsed))
+    if stripped != source:
+        check_same_program(parsed, parse_python(stripped, file), "removing")
+    return stripped
+
+
+def insert_blocks(
+    source: bytes,
+    blocks: Mapping[QualifiedName, RiskBlock | None],
+    file: str,
+    lines: Mapping[QualifiedName, int] | None = None,
+) -> bytes:
+    """Return the source with each of `blocks` first in the body of its function.
+
+    A block that stands there already is replaced, `None` removes it, and the blocks of other
+    functions stay as they are. A name that is defined more than once takes its block at the
+    definition that `lines` gives (the line of the `def` in `source`), else where a block
+    stands, else at the last one: the one that counts when all are executed.
+
+    Raises:
+        BlockError, SourceError: if a block in the source or the source cannot be read.
+        InputError: if the source defines no such function.
+        UnsafeRewriteError: if the result cannot be proved to change nothing else.
+    """
+    parsed = parse_python(source, file)
+    placed = scan_blocks(parsed)
+    targets = _targets(parsed, placed, blocks, lines or {})
+    return _rewrite(source, parsed, placed, targets)
+
+
+def insert_everywhere(
+    source: bytes, blocks: Mapping[tuple[QualifiedName, int], RiskBlock | None], file: str
+) -> bytes:
+    """Return the source with a block at each definition, told by name and line of the `def`.
+
+    Raises:
+        As `insert_blocks`.
+    """
+    parsed = parse_python(source, file)
+    return _rewrite(source, parsed, scan_blocks(parsed), blocks)
+
+
+def _targets(
+    source: PythonSource,
+    placed: tuple[PlacedBlock, ...],
+    blocks: Mapping[QualifiedName, RiskBlock | None],
+    lines: Mapping[QualifiedName, int],
+) -> dict[tuple[QualifiedName, int], RiskBlock | None]:
+    found = [(MODULE, module_line(source))]
+    found += [(definition.name, definition.line) for definition in definitions(source.tree)]
+    defined = {name: places(name, found) for name in blocks}
+    holding = {block.function: block.line for block in placed}
+    targets: dict[tuple[QualifiedName, int], RiskBlock | None] = {}
+    for name, block in blocks.items():
+        if not defined[name]:
+            known = {function for function, _ in found}
+            raise InputError(
+                f"there is no function {name} to annotate; {one_of(known, name)}",
+                Location(source.file),
+            )
+        wanted = lines.get(name)
+        line = wanted if wanted in defined[name] else holding.get(name, defined[name][-1])
+        assert line is not None
+        targets[name, line] = block
+        if block is not None:
+            # A block at another definition of the same name gives way to this one.
+            for other in placed:
+                if other.function == name and other.line != line:
+                    targets[name, other.line] = None
+    return targets
+
+
+def _rewrite(
+    source: bytes,
+    parsed: PythonSource,
+    placed: tuple[PlacedBlock, ...],
+    targets: Mapping[tuple[QualifiedName, int], RiskBlock | None],
+) -> bytes:
+    for (name, line), wanted in targets.items():
+        if wanted is not None and normal_name(wanted.name) != name:
+            raise InputError(
+                f"the risk block of `{wanted.name}` is meant for `{name}`; give it that name",
+                Location(parsed.file, line),
+            )
+    starts = line_starts(parsed)
+    present = {(block.function, block.line): block for block in placed}
+    needed = [key for key, wanted in targets.items() if wanted is not None and key not in present]
+    sites = _sites(source, parsed, needed) if needed else {}
+    edits: list[Edit] = []
+    for key in sorted(targets, key=lambda key: _order(key, targets[key])):
+        wanted, current = targets[key], present.get(key)
+        if current is not None:
+            text = b""
+            if wanted is not None:
+                text = _lines_of(wanted, parsed, current.first_line, current.first_line)
+            start, end = starts[current.first_line - 1], starts[current.last_line]
+            edits.append(Edit(start, end, text))
+        elif wanted is not None:
+            site = sites[key]
+            at = starts[site.line - 1]
+            edits.append(Edit(at, at, _lines_of(wanted, parsed, site.line - 1, site.indent_line)))
+    result = apply_edits(source, edits)
+    if result != source:
+        kept = [b.block for b in placed if (b.function, b.line) not in targets]
+        wanted_blocks = [block for block in targets.values() if block is not None]
+        check_rewrite(parsed, placed, result, [*kept, *wanted_blocks])
+    return result
+
+
+def _order(
+    key: tuple[QualifiedName, int], block: RiskBlock | None
+) -> tuple[int, int, QualifiedName]:
+    """Return what sorts blocks: those of one function, which are of its instances, by rank."""
+    name, line = key
+    return (line, 0 if block is None else block.call_sequence.value, name)
+
+
+def _lines_of(block: RiskBlock, source: PythonSource, ends_as: int, indent_line: int) -> bytes:
+    """Return the block's lines as bytes, indented as one line and ending as another."""
+    line = source.lines[indent_line - 1] if source.lines else b""
+    if indent_line == 1:
+        line = line.removeprefix(BYTE_ORDER_MARK)
+    indent = line[: len(line) - len(line.lstrip(b" \t\f"))]
+    columns = len(indent.expandtabs(_TAB_COLUMNS))
+    newline = _newline(source, ends_as)
+    try:
+        return b"".join(
+            indent + text.encode(source.encoding) + newline
+            for text in print_block(block, max(_NARROWEST, DEFAULT_WIDTH - columns))
+        )
+    except UnicodeEncodeError as error:
+        raise UnsafeRewriteError(
+            f"the risk block of {block.name} holds {error.object[error.start : error.end]!r}, "
+            f"which the file's encoding {source.encoding} cannot write; declare UTF-8",
+            Location(source.file, indent_line),
+        ) from error
+
+
+def _newline(source: PythonSource, number: int) -> bytes:
+    """Return the line end of line `number`, or of the nearest line that has one."""
+    for line in (*source.lines[max(number - 1, 0) :], *reversed(source.lines[: max(number, 1)])):
+        for end in (b"\r\n", b"\n", b"\r"):
+            if line.endswith(end):
+                return end
+    return b"\n"
+
+
+def _sites(
+    source: bytes, parsed: PythonSource, needed: list[tuple[QualifiedName, int]]
+) -> dict[tuple[QualifiedName, int], Site]:
+    sites: dict[tuple[QualifiedName, int], Site] = {}
+    if any(name != MODULE for name, _ in needed):
+        from tracerisk.adder.sources.positions import function_sites
+
+        found = function_sites(source)
+        sites.update(_own_sites(parsed) if found is None else found)
+    sites[MODULE, module_line(parsed)] = _module_site(parsed)
+    for (function, line), site in list(sites.items()):
+        of_instances = [name for name, at in needed if at == line and is_name_at(name, function)]
+        sites.update({(name, line): site for name in of_instances})
+    for name, line in needed:
+        if (name, line) not in sites:
+            raise UnsafeRewriteError(
+                f"the place of {name} is told differently by libcst and by Python's own parser",
+                Location(parsed.file, line),
+            )
+    return sites
+
+
+def _own_sites(source: PythonSource) -> dict[tuple[QualifiedName, int], Site]:
+    """Return the sites as Python's own parser tells them, for a source beyond libcst."""
+    sites = {}
+    for definition in definitions(source.tree):
+        end = header_end(source, definition)
+        sites[definition.name, definition.line] = (
+            Site(definition.line, definition.line)
+            if end is None
+            else Site(end + 1, definition.body_line)
+        )
+    return sites
+
+
+def _module_site(source: PythonSource) -> Site:
+    """Return the top of the module, after `#!` and encoding and before the docstring.
+
+    After the docstring formatters would part the block from it by a blank line.
+    """
+    return Site(preamble_end(source) + 1, module_line(source))

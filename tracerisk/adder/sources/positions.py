@@ -1,0 +1,58 @@
+"""Where libcst sees the bodies of functions; the only module here that imports it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import cast
+
+import libcst as cst
+from libcst.metadata import CodeRange, MetadataWrapper, PositionProvider
+
+from tracerisk.adder.sources.definitions import Site, normal_name
+from tracerisk.trace import QualifiedName
+
+
+def function_sites(source: bytes) -> dict[tuple[QualifiedName, int], Site] | None:
+    """Return where the block of each function goes, by qualified name and line of the `def`.
+
+    `None` if libcst cannot read the source: it rejects some that CPython accepts
+    (`(x): int`), and a string of a thousand parts or a sum of as many is too deep for it.
+    """
+    try:
+        wrapper = MetadataWrapper(cst.parse_module(source), unsafe_skip_copy=True)
+        positions = cast(Mapping[cst.CSTNode, CodeRange], wrapper.resolve(PositionProvider))
+        collector = _SiteCollector(positions)
+        wrapper.module.visit(collector)
+    except (cst.ParserSyntaxError, RecursionError, KeyError):
+        # Within a function its provider of positions hides a RecursionError behind a KeyError.
+        return None
+    return collector.sites
+
+
+class _SiteCollector(cst.CSTVisitor):
+    def __init__(self, positions: Mapping[cst.CSTNode, CodeRange]) -> None:
+        super().__init__()
+        self._positions = positions
+        self._prefixes = [""]
+        self.sites: dict[tuple[QualifiedName, int], Site] = {}
+
+    def on_visit(self, node: cst.CSTNode) -> bool:
+        if isinstance(node, cst.ClassDef):
+            self._prefixes.append(f"{self._prefixes[-1]}{normal_name(node.name.value)}.")
+        elif isinstance(node, cst.FunctionDef):
+            name = f"{self._prefixes[-1]}{normal_name(node.name.value)}"
+            line = self._positions[node].start.line
+            self.sites[QualifiedName(name), line] = self._site(node, line)
+            self._prefixes.append(f"{name}.<locals>.")
+        # No function is defined inside an expression or a simple statement.
+        return not isinstance(node, cst.BaseExpression | cst.SimpleStatementLine)
+
+    def on_leave(self, original_node: cst.CSTNode) -> None:
+        if isinstance(original_node, cst.ClassDef | cst.FunctionDef):
+            self._prefixes.pop()
+
+    def _site(self, node: cst.FunctionDef, line: int) -> Site:
+        if not isinstance(node.body, cst.IndentedBlock):
+            return Site(line, line)
+        header_end = self._positions[node.body.header.newline].start.line
+        return Site(header_end + 1, self._positions[node.body.body[0]].start.line)

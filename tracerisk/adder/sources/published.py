@@ -1,0 +1,154 @@
+"""Read risk blocks in the published form, which stand in plain comments.
+
+    /***                          # RiskAnnotation
+     * RiskAnnotation             # @Function {
+     * @Function {                #   name = place
+     *   name = place             #   callSequence = 5
+     *   callSequence = 5         # }
+     * }
+     ***/
+
+The comment of C, C++ and Java on the left, of Python on the right; the line `RiskAnnotation` may
+be missing. Form: Grimmeisen, Golwalkar, Ma, Morozov (2024).
+They are read, never written; the name that a block gives is that of its function.
+The published method takes redundant units as good at the start of each visit, and so do these
+blocks where they do not say when a failure is detected.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import PurePath
+
+from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
+from tracerisk.adder.blocks.grammar import DIGEST, HEADER, BlockLine, is_header, parse_block
+from tracerisk.adder.sources.definitions import comment_lines, parse_python
+from tracerisk.errors import BlockError, Location
+
+C_SUFFIXES = frozenset(
+    {".c", ".cc", ".cpp", ".cxx", ".c++", ".h", ".hh", ".hpp", ".hxx", ".ino", ".java"}
+)
+"""The endings of the files whose blocks stand in `/* */`."""
+
+# Comments, and the literals in which a comment is none: raw strings of C++, text blocks of Java.
+_C_TOKEN = re.compile(
+    r'R"(?P<mark>[^()\\\s]{0,16})\(.*?\)(?P=mark)"'
+    r'|"""(?:\\.|[^\\])*?"""'
+    r'|"(?:\\.|[^"\\\n])*"'
+    r"|'(?:\\.|[^'\\\n])*'"
+    r"|//[^\n]*"
+    r"|/\*(?P<comment>.*?)\*/"
+    r"|/\*(?P<unclosed>.*)",
+    re.DOTALL,
+)
+_C_LEAD = re.compile(r"[ \t]*\*+[ \t]?|[ \t]+")
+_PLAIN = re.compile(r"[ \t\f]*#(?![ \t]?\|)[ \t]?(?P<text>.*)")
+# Told from the bytes: most sources have blocks behind the gutter only, and are not read twice.
+_PLAIN_BLOCK = re.compile(rb"(?:\A(?:\xef\xbb\xbf)?|[\r\n])[ \t\f]*#(?![ \t]?\|)[^\r\n]*@Function")
+_BEGINS = re.compile(rf"\s*(?:{HEADER}(?:[ \t]+{DIGEST})?|@(?:Function|Component)\b.*)\s*")
+
+
+def is_c_like(file: str) -> bool:
+    """Tell by its ending whether a file's comments are those of C, C++ and Java."""
+    return PurePath(file).suffix.lower() in C_SUFFIXES
+
+
+def read_c_blocks(source: bytes, file: str) -> tuple[RiskBlock, ...]:
+    """Return the blocks in the comments of a C, C++ or Java source, in the order of the file.
+
+    Raises:
+        BlockError: a block is malformed, or a comment with one is not closed; with the line.
+    """
+    text = source.decode("utf-8", errors="surrogateescape").replace("\r\n", "\n")
+    blocks: list[RiskBlock] = []
+    for found in _C_TOKEN.finditer(text):
+        line = text.count("\n", 0, found.start()) + 1
+        if found["comment"] is not None:
+            blocks += _blocks_of(_c_lines(found["comment"], line), file)
+        elif found["unclosed"] is not None and _begins_somewhere(found["unclosed"]):
+            raise BlockError("the comment with this risk block has no `*/`", Location(file, line))
+    return tuple(blocks)
+
+
+def read_plain_blocks(source: bytes, file: str) -> tuple[RiskBlock, ...]:
+    """Return the blocks in plain `#` comments of a Python source, in the order of the file.
+
+    Those behind the gutter `# | ` are not among them.
+
+    Raises:
+        BlockError: a block is malformed; with the line.
+        SourceError: the source is not Python.
+    """
+    if _PLAIN_BLOCK.search(source) is None:
+        return ()
+    parsed = parse_python(source, file)
+    comments = comment_lines(parsed)
+    blocks: list[RiskBlock] = []
+    run: list[BlockLine] = []
+    for number in range(1, len(parsed.lines) + 2):
+        found = _PLAIN.fullmatch(parsed.text(number).rstrip("\r\n")) if number in comments else None
+        if found is not None:
+            run.append(BlockLine(number, found["text"]))
+        elif run:
+            blocks += _blocks_of(run, file)
+            run = []
+    return tuple(blocks)
+
+
+def _c_lines(comment: str, first: int) -> list[BlockLine]:
+    return [
+        BlockLine(number, _C_LEAD.sub("", line, count=1).rstrip("* \t"))
+        for number, line in enumerate(comment.split("\n"), start=first)
+    ]
+
+
+def _begins_somewhere(comment: str) -> bool:
+    return any(_BEGINS.fullmatch(line.text) for line in _c_lines(comment, 1))
+
+
+def _blocks_of(lines: Sequence[BlockLine], file: str) -> Iterator[RiskBlock]:
+    """Yield the blocks of one comment; a comment without one is none of ours."""
+    at = next((i for i, line in enumerate(lines) if _BEGINS.fullmatch(line.text)), None)
+    if at is None:
+        return
+    for part in _parts(lines[at:]):
+        if not is_header(part[0].text):
+            part.insert(0, BlockLine(part[0].number, HEADER))
+        yield _in_the_published_reading(parse_block(part, file))
+
+
+def _in_the_published_reading(block: RiskBlock) -> RiskBlock:
+    return replace(block, components=tuple(map(_renewed, block.components)))
+
+
+def _renewed(entry: ComponentEntry) -> ComponentEntry:
+    stated = entry.redundancy
+    if not stated.value or "detected" in stated.text:
+        return entry
+    value = replace(stated.value, detected="each_visit")
+    return replace(entry, redundancy=replace(stated, value=value))
+
+
+def _parts(lines: Iterable[BlockLine]) -> list[list[BlockLine]]:
+    """Cut where another block begins: at each header, or at a second `@Function`."""
+    parts: list[list[BlockLine]] = [[]]
+    for line in lines:
+        text = line.text.strip()
+        begins = is_header(text) or (
+            text.startswith("@Function")
+            and any(each.text.strip().startswith("@Function") for each in parts[-1])
+        )
+        if begins and parts[-1]:
+            parts.append([])
+        parts[-1].append(line)
+    return [_to_last_brace(part) for part in parts]
+
+
+def _to_last_brace(part: list[BlockLine]) -> list[BlockLine]:
+    """Leave out what else the comment says below the block."""
+    closing = [index for index, line in enumerate(part) if line.text.strip() == "}"]
+    if not closing or any(line.text.strip().startswith("@") for line in part[closing[-1] + 1 :]):
+        return part
+    return part[: closing[-1] + 1]

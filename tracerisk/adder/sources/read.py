@@ -1,0 +1,265 @@
+"""Find the risk blocks of a Python source and the functions they stand in."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from tracerisk.adder.blocks.block import RiskBlock
+from tracerisk.adder.blocks.grammar import DIGEST, GUTTER, HEADER, BlockLine, parse_block
+from tracerisk.adder.sources.definitions import (
+    BYTE_ORDER_MARK,
+    MODULE,
+    Definition,
+    PythonSource,
+    comment_lines,
+    definitions,
+    docstring_end,
+    first_line,
+    header_end,
+    normal_name,
+    parse_python,
+)
+from tracerisk.errors import BlockError, Location
+from tracerisk.instance_name import is_name_at, name_at
+from tracerisk.trace import QualifiedName
+
+Place = Literal["body", "above", "module"]
+"""Where a block stands: first in a function's body, above a function whose body is on the
+line of its `def`, or at the top of a module's code."""
+
+_GUTTER = re.compile(rb"[ \t\f]*#[ \t]?\|(?:[ \t].*)?")
+_SECTION = re.compile(rb"[ \t\f]*#[ \t]?\|[ \t]+@(?:Function|Component)\b.*")
+_HEADER = re.compile(
+    rb"[ \t\f]*#[ \t]?\|[ \t]+RiskAnnotation(?:[ \t]+" + DIGEST.encode() + rb")?[ \t]*"
+)
+_HEADER_WORD = HEADER.encode()
+_ANY_BLOCK = re.compile(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component)")
+
+
+class MisplacedBlockError(BlockError):
+    """A block stands at another function than its `name` says: `owners` are what it may tell of.
+
+    `is_by_hand`: it is given by hand, so that no lock knows it. `is_written` tells that the block
+    has a digest: the tool wrote it, under that name.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        location: Location,
+        name: QualifiedName,
+        owners: tuple[QualifiedName, ...],
+        *,
+        is_by_hand: bool,
+        is_written: bool,
+    ) -> None:
+        super().__init__(message, location)
+        self.is_by_hand = is_by_hand
+        self.is_written = is_written
+        self.name = name
+        self.owners = owners
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedBlock:
+    """A block in a source: the function it tells of and the lines it takes, from 1 on.
+
+    Where it tells of one instance of several, `function` is the instance's name: `Pick (tray)`.
+    `line` is that of the function's `def`; of the first statement for module-level code.
+    """
+
+    block: RiskBlock
+    function: QualifiedName
+    line: int
+    place: Place
+    first_line: int
+    last_line: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Owner:
+    name: QualifiedName
+    line: int
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class _Run:
+    """Gutter lines without a gap, from the first `RiskAnnotation` on, and how many blocks."""
+
+    first: int
+    last: int
+    headers: tuple[int, ...]
+
+
+def read_blocks(source: bytes, file: str) -> tuple[PlacedBlock, ...]:
+    """Return the risk blocks of a Python source in the order of the file.
+
+    Block text inside strings is no block.
+
+    Raises:
+        BlockError: if a block is malformed, misplaced or under another function than its
+            `name` says, or two blocks tell of one function.
+        SourceError: if the source is not Python.
+    """
+    if _ANY_BLOCK.search(source) is None:
+        return ()
+    placed = scan_blocks(parse_python(source, file))
+    seen: dict[QualifiedName, PlacedBlock] = {}
+    for block in placed:
+        if block.function in seen:
+            raise BlockError(
+                f"{block.function} has two risk blocks, the first at line "
+                f"{seen[block.function].first_line}; delete one",
+                Location(file, block.first_line),
+            )
+        seen[block.function] = block
+    return placed
+
+
+def block_lines(source: bytes, file: str) -> tuple[int, ...]:
+    """Return the lines that belong to risk blocks, ascending, whatever the blocks say.
+
+    Raises SourceError if the source is not Python.
+    """
+    if _ANY_BLOCK.search(source) is None:
+        return ()
+    parsed = parse_python(source, file)
+    finder = _OwnerFinder(parsed)
+    runs = (run for run in _runs(parsed) if finder.owners(run))
+    return tuple(line for run in runs for line in range(run.first, run.last + 1))
+
+
+def scan_blocks(source: PythonSource) -> tuple[PlacedBlock, ...]:
+    """Return the blocks of a parsed source; functions of one name may have one each.
+
+    Raises:
+        BlockError: as `read_blocks`.
+    """
+    if not any(b"|" in line and _ANY_BLOCK.search(line) for line in source.lines):
+        return ()
+    runs = tuple(_runs(source))
+    finder = _OwnerFinder(source)
+    found: list[PlacedBlock] = []
+    strays: list[int] = []
+    for run in runs:
+        owners = finder.owners(run)
+        if owners:
+            found += _placed(source, run, owners)
+        else:
+            strays.append(run.first)
+    in_runs = {number for run in runs for number in range(run.first, run.last + 1)}
+    strays += [
+        number
+        for number, line in enumerate(source.lines, start=1)
+        if b"@" in line and number not in in_runs and _SECTION.fullmatch(line.rstrip(b"\r\n"))
+    ]
+    if strays:
+        _forbid_strays(source, strays)
+    return tuple(found)
+
+
+def _forbid_strays(source: PythonSource, strays: Sequence[int]) -> None:
+    comments = comment_lines(source)
+    for number in sorted(strays):
+        if number not in comments:
+            continue
+        location = Location(source.file, number)
+        if _HEADER.fullmatch(_bare(source.lines[number - 1])):
+            raise BlockError(
+                "a risk block stands where no function begins; allowed: the first lines of a "
+                "function's body, directly above a one-line function, or the top of a script",
+                location,
+            )
+        raise BlockError(
+            f"`{source.text(number).strip()}` stands outside a risk block, which begins with "
+            f"`{GUTTER}{HEADER}` and has no other line in between",
+            location,
+        )
+
+
+def _bare(line: bytes) -> bytes:
+    return line.rstrip(b"\r\n").removeprefix(BYTE_ORDER_MARK)
+
+
+def _runs(source: PythonSource) -> Iterator[_Run]:
+    first = 0
+    headers: list[int] = []
+    for number, line in enumerate((*source.lines, b""), start=1):
+        bare = _bare(line) if b"|" in line else b""
+        if bare and _GUTTER.fullmatch(bare):
+            if _HEADER_WORD in bare and _HEADER.fullmatch(bare):
+                first = first or number
+                headers.append(number)
+        elif first:
+            yield _Run(first, number - 1, tuple(headers))
+            first, headers = 0, []
+
+
+class _OwnerFinder:
+    """Tells which functions a block at some place may belong to."""
+
+    def __init__(self, source: PythonSource) -> None:
+        self._source = source
+        self._definitions = tuple(definitions(source.tree))
+        self._above: Mapping[int, Definition] = {d.line: d for d in self._definitions}
+
+    def owners(self, run: _Run) -> tuple[_Owner, ...]:
+        owners: list[_Owner] = []
+        for definition in self._definitions:
+            if definition.line < run.first and run.last < definition.body_line:
+                end = header_end(self._source, definition)
+                if end is not None and end < run.first:
+                    owners.append(_Owner(definition.name, definition.line, "body"))
+        module = self._module(run)
+        if module is not None:
+            owners.append(module)
+        below = self._above.get(run.last + 1)
+        if below is not None:
+            owners.append(_Owner(below.name, below.line, "above"))
+        return tuple(owners)
+
+    def _module(self, run: _Run) -> _Owner | None:
+        body = self._source.tree.body
+        if not body:
+            return _Owner(MODULE, 1, "module")
+        start = first_line(body[0])
+        if run.last < start:
+            return _Owner(MODULE, start, "module")
+        end = docstring_end(self._source)
+        if end is None or run.first <= end:
+            return None
+        if len(body) > 1 and run.last >= first_line(body[1]):
+            return None
+        return _Owner(MODULE, start, "module")
+
+
+def _placed(source: PythonSource, run: _Run, owners: tuple[_Owner, ...]) -> Iterator[PlacedBlock]:
+    for start, after in zip(run.headers, (*run.headers[1:], run.last + 1), strict=True):
+        lines = [
+            BlockLine(number, _behind_gutter(source.text(number))) for number in range(start, after)
+        ]
+        block = parse_block(lines, source.file)
+        name = QualifiedName(normal_name(block.name))
+        named = [owner for owner in owners if is_name_at(name, owner.name)]
+        if not named:
+            allowed = tuple(dict.fromkeys(name_at(name, owner.name) for owner in owners))
+            names = " or ".join(allowed)
+            raise MisplacedBlockError(
+                f"the risk block of `{block.name}` stands at `{names}`; write `name = {names}`, "
+                "or move or delete the block",
+                Location(source.file, start),
+                name,
+                allowed,
+                is_by_hand=block.added,
+                is_written=block.digest is not None,
+            )
+        owner = named[0]
+        yield PlacedBlock(block, name, owner.line, owner.place, start, after - 1)
+
+
+def _behind_gutter(line: str) -> str:
+    return line.partition("|")[2]

@@ -1,0 +1,104 @@
+"""Follow functions that were renamed since their blocks were written.
+
+A block stands in its function's body, so it moves with it; only the names in it stay behind. A
+block with a digest was written under the name that it has, and so was one that the lock knows:
+where no function has that name any more, the function that holds the block was renamed. A block
+given by hand is followed wherever no function has its name.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+
+from tracerisk.adder.blocks.values import NEXT
+from tracerisk.adder.lock.lock import WrittenBlock
+from tracerisk.adder.sources.definitions import definitions, parse_python
+from tracerisk.adder.sources.read import MisplacedBlockError, PlacedBlock, read_blocks
+from tracerisk.trace import QualifiedName
+
+_WORDS = rb"\S+(?: \([^()\r\n]+\))?"
+_NAME = re.compile(rb"([ \t\f]*#[ \t]?\|[ \t]+name = )(" + _WORDS + rb")([ \t\r\n]*)")
+_NEXT = re.compile(rb"([ \t\f]*#[ \t]?\|[ \t]+next :?= )(" + _WORDS + rb")([ \t].*)", re.DOTALL)
+
+
+@dataclass(frozen=True, slots=True)
+class FollowedBlocks:
+    """The blocks of a source under their functions' names, and the renamings that took.
+
+    `renamed` maps the old name, which a block still has, to that of its function; `source` has the
+    new names in the blocks.
+    """
+
+    source: bytes
+    placed: tuple[PlacedBlock, ...]
+    renamed: Mapping[QualifiedName, QualifiedName]
+
+
+def follow_renames(source: bytes, file: str, known: Collection[QualifiedName]) -> FollowedBlocks:
+    """Read the blocks of a source, those of renamed functions among them.
+
+    `known` are the names under which blocks of this file were written.
+
+    Raises:
+        BlockError, SourceError: as `read_blocks`; a block that merely stands under another
+            function than it says is such an error, and no renaming.
+    """
+    found: dict[QualifiedName, QualifiedName] = {}
+    while True:
+        named = _with_names(source, found)
+        try:
+            return FollowedBlocks(named, read_blocks(named, file), found)
+        except MisplacedBlockError as error:
+            new = _new_name(source, file, error, known)
+            if new is None or error.name in found or new in found.values():
+                raise
+            found[error.name] = new
+
+
+def _new_name(
+    source: bytes, file: str, error: MisplacedBlockError, known: Collection[QualifiedName]
+) -> QualifiedName | None:
+    defined = {each.name for each in definitions(parse_python(source, file).tree)}
+    is_known = error.is_written or error.is_by_hand or error.name in known
+    if not is_known or error.name in defined or len(error.owners) != 1:
+        return None
+    return error.owners[0]
+
+
+def _with_names(source: bytes, renamed: Mapping[QualifiedName, QualifiedName]) -> bytes:
+    """Return the source with new names in its blocks, in `name` and in `next` lines."""
+    if not renamed:
+        return source
+    names = {old.encode(): new.encode() for old, new in renamed.items()}
+    lines = []
+    for line in source.splitlines(keepends=True):
+        found = _NAME.fullmatch(line) or _NEXT.fullmatch(line)
+        if found is not None and found[2] in names:
+            line = found[1] + names[found[2]] + found[3]
+        lines.append(line)
+    return b"".join(lines)
+
+
+def base_with_names(
+    base: Mapping[str, WrittenBlock], renamed: Mapping[QualifiedName, QualifiedName]
+) -> Mapping[str, WrittenBlock]:
+    """Return what was last written as it would have been under the new names."""
+    if not renamed:
+        return base
+    return {
+        str(renamed.get(QualifiedName(name), name)): replace(
+            block, values={key: _value(key, text, renamed) for key, text in block.values.items()}
+        )
+        for name, block in base.items()
+    }
+
+
+def _value(key: str, text: str, renamed: Mapping[QualifiedName, QualifiedName]) -> str:
+    if key != NEXT.key:
+        return text
+    steps = (step.rpartition(" ") for step in text.split(", "))
+    return ", ".join(
+        f"{renamed.get(QualifiedName(target), target)} {share}" for target, _, share in steps
+    )

@@ -1,0 +1,48 @@
+"""Print a solved model, for the verbs that end in one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from tracerisk.cli.shared.output import note, print_text, terminal_width, use_color
+from tracerisk.errors import ExitCode
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from tracerisk.prm.hybrid.assessment import Assessment
+    from tracerisk.report.functions_table import Exposures
+
+
+def print_assessment(
+    assessment: Assessment,
+    *,
+    exposures: Exposures | None = None,
+    findings: Sequence[str] = (),
+    assumptions: Sequence[str] = (),
+    tables: Sequence[RenderableType] = (),
+) -> None:
+    """Print the tables of an assessment on standard output."""
+    from tracerisk.report.terminal import render_assessment
+
+    print_text(
+        render_assessment(
+            assessment,
+            exposures=exposures,
+            findings=findings,
+            assumptions=assumptions,
+            tables=tables,
+            width=terminal_width(),
+            color=use_color(),
+        )
+    )
+
+
+def risk_exit(assessment: Assessment, max_risk: float | None) -> ExitCode:
+    """Return 1 where the mission's failure probability is over the limit that was given."""
+    risk = assessment.mission.failure_probability
+    if max_risk is None or risk <= max_risk:
+        return ExitCode.FINE
+    note(f"tracerisk: mission failure {risk:.4g} is over --max-risk {max_risk:g}")
+    return ExitCode.WOULD_CHANGE

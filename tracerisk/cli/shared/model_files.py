@@ -1,0 +1,91 @@
+"""Read the model files of other tools that verbs are given."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
+
+from tracerisk.cli.shared.model_format import ModelFormat, detected
+from tracerisk.cli.shared.sources import read_file
+from tracerisk.errors import InputError, Location
+
+if TYPE_CHECKING:
+    from tracerisk.prm.dynamic import DynamicTree
+    from tracerisk.prm.formats.explicit_chain import ExplicitChain
+    from tracerisk.prm.hybrid.hybrid import HybridModel
+    from tracerisk.prm.linked import LinkedModel
+    from tracerisk.prm.logic.model import LogicModel
+
+    Model: TypeAlias = LogicModel | DynamicTree | ExplicitChain | LinkedModel | HybridModel
+
+OWN = (ModelFormat.HYBRID, ModelFormat.LINKED)
+"""The formats that are tracerisk's own."""
+
+
+def format_of(files: Sequence[str]) -> ModelFormat | None:
+    """Return the format of model files, told by the first; `None` where they are sources.
+
+    Raises InputError when the first cannot be read.
+    """
+    return detected(read_file(files[0]), files[0])
+
+
+def read_model(
+    files: Sequence[str],
+    kind: ModelFormat,
+    constants: Mapping[str, int | float | bool] | None = None,
+) -> Model:
+    """Read the model of one file, of several of Open-PSA, or of a .tra file with its .lab.
+
+    `constants` are values for the constants of a PRISM file.
+    Raises InputError, with the position, when a file cannot be read or is malformed.
+    """
+    first = files[0]
+    most = {ModelFormat.OPEN_PSA: len(files), ModelFormat.EXPLICIT: 2}.get(kind, 1)
+    if len(files) > most:
+        raise InputError(
+            f"{len(files)} files; a model of the format {kind.value} is one file"
+            f"{' and that of its labels' if kind is ModelFormat.EXPLICIT else ''}"
+        )
+    if kind is ModelFormat.OPEN_PSA:
+        from tracerisk.prm.formats.open_psa import read_open_psa
+
+        return read_open_psa(*files)
+    if kind is ModelFormat.OPENPRA:
+        from tracerisk.prm.formats.openpra import read_openpra
+
+        return read_openpra(first)
+    text = _text(first)
+    if kind is ModelFormat.GALILEO:
+        from tracerisk.prm.formats import galileo
+
+        return galileo.loads(text, first)
+    if kind is ModelFormat.PRISM:
+        from tracerisk.prm.formats.prism import read_prism
+
+        return read_prism(text, file=first, constants=constants)
+    if kind is ModelFormat.EXPLICIT:
+        from tracerisk.prm.formats.explicit import read_explicit
+
+        labels = files[1] if len(files) == 2 else str(labels_beside(first))
+        return read_explicit(text, _text(labels), transitions_file=first, labels_file=labels)
+    if kind is ModelFormat.LINKED:
+        from tracerisk.prm.formats import linked_json
+
+        return linked_json.loads(text, first)
+    from tracerisk.prm.formats import model_json
+
+    return model_json.loads(text, first)
+
+
+def labels_beside(transitions: str) -> Path:
+    """Return the file of labels that belongs to a file of transitions."""
+    return Path(transitions).with_suffix(".lab")
+
+
+def _text(name: str) -> str:
+    try:
+        return read_file(name).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError("is not UTF-8 text", Location(name)) from error

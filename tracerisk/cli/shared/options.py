@@ -1,0 +1,338 @@
+"""Options that several verbs share."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, get_args
+
+from tracerisk.config import ActiveMode, FailOn
+from tracerisk.errors import InputError
+
+if TYPE_CHECKING:
+    from tracerisk.adder.merge.merge import MergePolicy
+
+_WEIGHT = re.compile(r"\d{1,40}(?:/0*[1-9]\d{0,39}|\.\d{1,40})?|\.\d{1,40}")
+
+ProfileText = dict[str, dict[str, str]]
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """Add `--json` and `--quiet`."""
+    parser.add_argument("--json", action="store_true", help="print the result as JSON")
+    parser.add_argument(
+        "-q", "--quiet", action="store_true", help="print nothing but what is asked for"
+    )
+
+
+def add_sarif(parser: argparse.ArgumentParser) -> None:
+    """Add `--sarif`."""
+    parser.add_argument(
+        "--sarif", metavar="FILE", help="write what was found as SARIF, for code scanning"
+    )
+
+
+def add_run_options(parser: argparse.ArgumentParser) -> None:
+    """Add the controller and what its run depends on."""
+    parser.add_argument("controller", metavar="FILE", help="the controller's Python file")
+    parser.add_argument(
+        "argv", metavar="ARG", nargs="*", help="arguments for the controller, after --"
+    )
+    group = parser.add_argument_group("the run")
+    group.add_argument("--robot", metavar="NAME|FILE", help="the arm; else told by its names")
+    group.add_argument("--scene", metavar="NAME|FILE", help="the scene; else the robot's default")
+    group.add_argument(
+        "--scenario", metavar="FILE", help="what the controller's world gives it: docs/scenario.md"
+    )
+    group.add_argument(
+        "--params",
+        metavar="FILE",
+        action="append",
+        help="parameters as YAML, of ROS 1 or ROS 2; may be given again",
+    )
+    group.add_argument(
+        "--driver",
+        dest="drivers",
+        metavar="FILE",
+        action="append",
+        help="a description of what the robot's driver serves; may be given again",
+    )
+    launch = group.add_mutually_exclusive_group()
+    launch.add_argument(
+        "--launch", metavar="FILE", help="the launch file that starts it; else looked for"
+    )
+    launch.add_argument(
+        "--no-launch",
+        dest="launch",
+        action="store_const",
+        const=False,
+        help="give it nothing from a launch file",
+    )
+    group.add_argument(
+        "--no-companions",
+        dest="companions",
+        action="store_const",
+        const=False,
+        help="start no other node of its workspace that provides what it waits for",
+    )
+    group.add_argument(
+        "--duration",
+        dest="duration_s",
+        metavar="S",
+        type=_positive,
+        help="simulated time after which the run is over (300 s)",
+    )
+    group.add_argument(
+        "--cpu-limit",
+        dest="cpu_limit_s",
+        metavar="S",
+        type=_positive,
+        help="processor time after which the controller is stopped (120 s)",
+    )
+    group.add_argument(
+        "--wall-limit",
+        dest="wall_limit_s",
+        metavar="S",
+        type=_positive,
+        help="wall time after which it is stopped (1800 s)",
+    )
+    group.add_argument(
+        "--stall-limit",
+        dest="stall_limit_s",
+        metavar="S",
+        type=_positive,
+        help="time it computes or sleeps without simulated progress, and that of each process "
+        "that reads a launch, xacro or model file (30 s)",
+    )
+    group.add_argument(
+        "--memory-limit",
+        dest="memory_limit_mb",
+        metavar="MB",
+        type=count,
+        help="address space of the controller's process (8192 MB)",
+    )
+    group.add_argument(
+        "--mission-cycles",
+        dest="mission_cycles",
+        metavar="N",
+        type=_cycles,
+        help="cycles of a mission whose loop has no end of its own (10)",
+    )
+    add_sandbox(group)
+    group.add_argument("--seed", metavar="N", type=count, help="seed of all that is random (0)")
+    group.add_argument(
+        "--answer",
+        dest="answers",
+        metavar="TEXT",
+        action="append",
+        default=[],
+        help="an answer for input(), in turn; then Enter",
+    )
+    group.add_argument("--keep", metavar="DIR", help="keep the recording of the run in a folder")
+    add_log(group)
+
+
+def add_sandbox(group: argparse._ActionsContainer) -> None:
+    """Add the option for the sandbox of what is run of a workspace."""
+    group.add_argument(
+        "--sandbox",
+        choices=("auto", "require", "off"),
+        help="contain what is run of the workspace: where that works (auto), always and by no "
+        "setting widened (require), never (off)",
+    )
+
+
+def add_log(group: argparse._ArgumentGroup) -> None:
+    """Add the file for a log in the published format."""
+    group.add_argument("--log", metavar="FILE", help="write the log in the published text format")
+
+
+def add_hardware_options(parser: argparse.ArgumentParser) -> None:
+    """Add what turns use into probabilities."""
+    group = parser.add_argument_group("the hardware")
+    group.add_argument(
+        "--hardware", metavar="FILE", help="the hardware description; else that of the robot"
+    )
+    group.add_argument(
+        "--active",
+        choices=get_args(ActiveMode),
+        help="which time counts: moving, or also holding and grasping (moving+holding)",
+    )
+
+
+def add_profile(parser: argparse.ArgumentParser) -> None:
+    """Add the operational profile."""
+    parser.add_argument(
+        "--profile",
+        metavar="FUNCTION:TARGET=SHARE,...",
+        action="append",
+        default=[],
+        help="what follows a function, and how often: place:init=0.9,done=0.1",
+    )
+
+
+def add_explain(parser: argparse.ArgumentParser) -> None:
+    """Add the function whose figures are derived."""
+    parser.add_argument(
+        "--explain",
+        metavar="FUNCTION",
+        help="print where a function's figures come from, step by step",
+    )
+
+
+def add_fail_on(parser: argparse.ArgumentParser) -> None:
+    """Add the findings on which a run fails."""
+    parser.add_argument(
+        "--fail-on",
+        metavar="KIND",
+        choices=get_args(FailOn),
+        help=f"exit 1 if the run has findings, or those of a kind: {', '.join(get_args(FailOn))}",
+    )
+
+
+def add_mission_time(parser: argparse.ArgumentParser) -> None:
+    """Add the mission time of a tree or a chain."""
+    parser.add_argument(
+        "--mission-time",
+        dest="mission_time_h",
+        metavar="H",
+        type=_positive,
+        help="of a tree or a ctmc: how long it is in use, in hours",
+    )
+
+
+def add_write_options(parser: argparse.ArgumentParser) -> None:
+    """Add how sources are written."""
+    group = parser.add_argument_group("what is written")
+    group.add_argument(
+        "--check", action="store_true", help="write no source; exit 1 if one would change"
+    )
+    group.add_argument(
+        "--diff", action="store_true", help="write no source; print what would change"
+    )
+
+
+def add_edit_options(parser: argparse.ArgumentParser) -> None:
+    """Add what becomes of a person's edits."""
+    group = parser.add_argument_group("values that a person edited")
+    choice = group.add_mutually_exclusive_group()
+    choice.add_argument("--accept-edits", action="store_true", help="keep them, as := values")
+    choice.add_argument("--discard-edits", action="store_true", help="write the computed values")
+    group.add_argument(
+        "--fresh", action="store_true", help="write every computed value, within the noise too"
+    )
+
+
+def run_settings(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the options that override settings; those not given are `None`."""
+    names = (
+        "robot",
+        "scene",
+        "scenario",
+        "launch",
+        "companions",
+        "hardware",
+        "active",
+        "fail_on",
+        "duration_s",
+        "cpu_limit_s",
+        "wall_limit_s",
+        "stall_limit_s",
+        "memory_limit_mb",
+        "seed",
+        "mission_cycles",
+        "sandbox",
+    )
+    lists = {name: getattr(options, name, None) for name in ("params", "drivers")}
+    return {
+        **{name: getattr(options, name, None) for name in names},
+        **{name: None if given is None else tuple(given) for name, given in lists.items()},
+        "args": tuple(getattr(options, "argv", ())) or None,
+        "answers": tuple(getattr(options, "answers", ())) or None,
+    }
+
+
+def merge_policy(options: argparse.Namespace) -> MergePolicy:
+    """Return what becomes of a person's edits."""
+    from tracerisk.adder.merge.merge import MergePolicy
+
+    if options.accept_edits:
+        return MergePolicy("accept", options.fresh)
+    return MergePolicy("discard" if options.discard_edits else "stop", options.fresh)
+
+
+def read_profile(options: argparse.Namespace) -> ProfileText:
+    """Return the profile as text: for each function the share of each target.
+
+    Raises InputError when it is malformed.
+    """
+    profile: ProfileText = {}
+    for text in options.profile:
+        function, colon, row = text.partition(":")
+        if not colon or not function:
+            raise InputError(f"--profile {text}: expected FUNCTION:TARGET=SHARE,...")
+        if function in profile:
+            raise InputError(f"--profile names '{function}' twice; give each function once")
+        profile[function] = {}
+        for part in row.split(","):
+            target, equals, share = part.strip().rpartition("=")
+            if not equals or not _WEIGHT.fullmatch(share) or target in profile[function]:
+                raise InputError(
+                    f"--profile {text}: '{part}' is not a target of its own with a share, "
+                    "such as init=0.9 or init=9/10"
+                )
+            profile[function][target] = share
+    return profile
+
+
+def profile_fractions(profile: ProfileText) -> dict[str, dict[str, Fraction]]:
+    """Return the profile as exact fractions."""
+    return {
+        function: {target: Fraction(share) for target, share in row.items()}
+        for function, row in profile.items()
+    }
+
+
+def probability(text: str) -> float:
+    """Read a probability of the command line."""
+    value = _number(text)
+    if not 0.0 <= value <= 1.0:
+        raise argparse.ArgumentTypeError(f"{text} is no probability; allowed: 0 to 1")
+    return value
+
+
+def percentage(text: str) -> float:
+    """Read a percentage of the command line, which may be above 100."""
+    value = _number(text)
+    if not 0.0 <= value < 1e9:
+        raise argparse.ArgumentTypeError(f"{text} is not a percentage from 0 up")
+    return value
+
+
+def _positive(text: str) -> float:
+    value = _number(text)
+    if not 0.0 < value < 1e9:
+        raise argparse.ArgumentTypeError(f"{text} is not a number above 0 and below 1e9")
+    return value
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+
+
+def _cycles(text: str) -> int:
+    value = count(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{text} is below 1")
+    return value
+
+
+def count(text: str) -> int:
+    """Read a whole number of the command line, from 0 up."""
+    if not text.isascii() or not text.isdigit() or len(text) > 18:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0 up")
+    return int(text)

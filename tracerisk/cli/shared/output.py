@@ -1,0 +1,180 @@
+"""What the verbs print: JSON on standard output, notes and progress on standard error."""
+
+from __future__ import annotations
+
+import contextlib
+import difflib
+import json
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.errors import InputError, Location
+from tracerisk.text.printable import printable
+
+if TYPE_CHECKING:
+    from tracerisk.hardware.model import Hardware
+    from tracerisk.pipeline import Annotated
+    from tracerisk.report.sarif import Alert
+
+SCHEMA = "tracerisk"
+VERSION = 1
+"""Version of the JSON that every verb prints with `--json`."""
+
+_PLAIN_SIGNS = str.maketrans(
+    {"\N{BOX DRAWINGS LIGHT HORIZONTAL}": "-", **dict.fromkeys("\u2588\u2589\u258a\u258b", "#")}
+    | dict.fromkeys("\u258c\u258d\u258e\u258f", " ")
+)
+
+
+def print_json(verb: str, *, exit_code: int = 0, **data: Any) -> None:
+    """Print what a verb found as JSON: sorted keys, the same bytes for the same input."""
+    envelope = {"schema": SCHEMA, "version": VERSION, "verb": verb, "exit_code": exit_code}
+    text = json.dumps(
+        {**envelope, **data}, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False
+    )
+    sys.stdout.buffer.write(f"{text}\n".encode())
+    sys.stdout.flush()
+
+
+def write_file(path: str, text: str) -> None:
+    """Write an output file that was asked for.
+
+    Raises InputError when it cannot be written.
+    """
+    try:
+        Path(path).write_text(text, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise InputError(f"cannot be written: {error.strerror}", Location(path)) from error
+
+
+def write_sarif(path: str, alerts: Sequence[Alert]) -> None:
+    """Write alerts as SARIF; raises InputError when the file cannot be written."""
+    from tracerisk import __version__
+    from tracerisk.report.sarif import render_sarif
+
+    write_file(path, render_sarif(alerts, version=__version__))
+
+
+def scenario_advice(lines: str) -> str:
+    """Return what to do about what a controller asked for in vain."""
+    return f"These lines of a scenario file (--scenario) would give it:\n\n{lines}"
+
+
+def show(*lines: str, to_errors: bool = False) -> None:
+    """Print lines of text, on standard output unless they are an error's."""
+    for line in lines:
+        print(printable(line), file=sys.stderr if to_errors else sys.stdout)
+
+
+def note(message: str, *, quiet: bool = False) -> None:
+    """Print a line for the person at the terminal, on standard error."""
+    if not quiet:
+        show(message, to_errors=True)
+
+
+def note_warnings(hardware: Hardware, *, quiet: bool = False) -> None:
+    """Print what was left out of a hardware description, on standard error."""
+    for warning in hardware.warnings:
+        note(f"warning: {warning}", quiet=quiet)
+
+
+def print_diff(before: bytes, after: bytes, name: str) -> None:
+    """Print a unified diff of two versions of a file."""
+    lines = difflib.unified_diff(
+        _lines(before), _lines(after), fromfile=name, tofile=f"{name} (annotated)"
+    )
+    for line in lines:
+        end = "" if line.endswith("\n") else "\n\\ No newline at end of file\n"
+        sys.stdout.buffer.write((line + end).encode("utf-8", "surrogateescape"))
+    sys.stdout.flush()
+
+
+def print_diffs(annotated: Annotated) -> None:
+    """Print what would change in each source of a controller."""
+    for file, after in annotated.sources.items():
+        before = annotated.before[file]
+        if before != after:
+            print_diff(before, after, str(annotated.controller.path_of(file)))
+
+
+def use_color() -> bool:
+    """Return whether standard output wants colours: as `NO_COLOR` and `FORCE_COLOR` say.
+
+    Neither counts where it is empty, and the first has the last word (no-color.org).
+    """
+    if os.environ.get("NO_COLOR"):
+        return False
+    return bool(os.environ.get("FORCE_COLOR")) or (sys.stdout.isatty() and not _is_dumb())
+
+
+def terminal_width() -> int:
+    """Return the columns of the terminal, 80 where there is none."""
+    import shutil
+
+    return shutil.get_terminal_size((80, 24)).columns if sys.stdout.isatty() else 80
+
+
+def print_text(text: str) -> None:
+    """Print tables on standard output, with signs that its encoding has."""
+    encoding = sys.stdout.encoding or "utf-8"
+    try:
+        text.encode(encoding)
+    except UnicodeEncodeError:
+        text = text.translate(_PLAIN_SIGNS).encode(encoding, "backslashreplace").decode(encoding)
+    sys.stdout.write(text)
+    sys.stdout.flush()
+
+
+@contextlib.contextmanager
+def progress_bar(
+    most_s: float | None = None, *, quiet: bool
+) -> Iterator[Callable[[str, float], None] | None]:
+    """Yield what shows the phase and the simulated seconds; `None` where there is no terminal.
+
+    `most_s` is the simulated time [s] after which a run is over, where it is known.
+    What is printed on standard error meanwhile stands above the bar, which is gone at the end.
+    """
+    if quiet or not sys.stderr.isatty() or _is_dumb():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description:<17}"),
+        BarColumn(bar_width=20),
+        TextColumn("{task.fields[simulated]}"),
+        TimeElapsedColumn(),
+    )
+    bar = Progress(
+        *columns,
+        console=Console(stderr=True, no_color=bool(os.environ.get("NO_COLOR"))),
+        transient=True,
+        redirect_stdout=False,
+    )
+    with bar:
+        # Nobody knows when a controller will end: the bar says that it runs, not how far it is.
+        task = bar.add_task("reading", total=None, simulated="")
+
+        def tell(phase: str, simulated_s: float) -> None:
+            most = "" if most_s is None else f" of at most {most_s:g}"
+            simulated = f"{simulated_s:.1f}{most} s simulated" if simulated_s > 0.0 else ""
+            bar.update(task, description=phase, simulated=simulated)
+
+        yield tell
+
+
+def _is_dumb() -> bool:
+    return os.environ.get("TERM", "").lower() in ("dumb", "unknown")
+
+
+def _lines(data: bytes) -> list[str]:
+    # Only line feeds part lines here: a form feed or a lone CR is a character of its line.
+    text = data.decode("utf-8", "surrogateescape")
+    return [f"{line}\n" for line in text.split("\n")[:-1]] + [
+        last for last in [text.split("\n")[-1]] if last
+    ]

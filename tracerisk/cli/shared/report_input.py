@@ -1,0 +1,180 @@
+"""Gather what an HTML report is made of, for the verbs that write one."""
+
+from __future__ import annotations
+
+import io
+import tokenize
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.adder.blocks.model_names import model_names
+from tracerisk.adder.sources.published import is_c_like, read_c_blocks, read_plain_blocks
+from tracerisk.adder.sources.read import read_blocks
+from tracerisk.trace import FunctionRef, QualifiedName
+
+if TYPE_CHECKING:
+    from tracerisk.adder.blocks.block import RiskBlock
+    from tracerisk.adder.figures.computed import ComputedBlocks
+    from tracerisk.config import Settings
+    from tracerisk.hardware.model import Hardware
+    from tracerisk.prm.hybrid.assessment import Assessment
+    from tracerisk.prm.hybrid.hybrid import HybridModel
+    from tracerisk.prm.review.risk_change import Review
+    from tracerisk.report.html.report_input import Pin, SourceBlock, SourceFile
+    from tracerisk.report.html.section import Section
+    from tracerisk.trace import Trace
+
+
+@dataclass(frozen=True, slots=True)
+class RunShown:
+    """What a report tells of a run: its trace, the hardware, and what the two give.
+
+    `sections` show the run itself.
+    """
+
+    trace: Trace
+    hardware: Hardware
+    computed: ComputedBlocks
+    sections: tuple[Section, ...] = ()
+
+
+def run_shown(trace: Trace, settings: Settings) -> RunShown:
+    """Return what a report tells of a run whose trace is kept.
+
+    Raises HardwareError where the hardware description does not fit it.
+    """
+    from tracerisk.adder.figures.computed import compute_blocks
+    from tracerisk.pipeline import load_hardware
+    from tracerisk.pipeline.results.run_section import run_section
+
+    hardware = load_hardware(settings, trace.robot)
+    computed = compute_blocks(trace, hardware, active=settings.active)
+    section = run_section(trace, hardware)
+    return RunShown(trace, hardware, computed, () if section is None else (section,))
+
+
+def report_html(
+    assessment: Assessment,
+    model: HybridModel,
+    sources: Mapping[str, bytes],
+    *,
+    run: RunShown | str,
+    review: Review | None = None,
+    verdict: Sequence[str] = (),
+) -> str:
+    """Return the page; `sources` map the files that hold the blocks, as messages call them.
+
+    `run` is what is known of the run behind them, or why nothing is; `verdict` are the lines of
+    its verdict.
+    Raises BlockError or SourceError where blocks are malformed.
+    """
+    from tracerisk.cli.shared.run_report import finding_line, object_lines
+    from tracerisk.pipeline.stages import blocks_of
+    from tracerisk.report.html.report import render_report
+    from tracerisk.report.html.report_input import ReportInput
+    from tracerisk.report.run_figures import run_figures
+
+    report = ReportInput(
+        assessment=assessment,
+        model=model,
+        sources=shown_sources(sources),
+        pins=shown_pins(sources),
+        review=review,
+        verdict=tuple(verdict),
+    )
+    if isinstance(run, str):
+        return render_report(replace(report, no_trace=run))
+    blocks = [block for _, block in blocks_of(sources)]
+    return render_report(
+        replace(
+            report,
+            trace=run.trace,
+            outcome=tuple(line.strip() for line in object_lines(run.trace)),
+            exposures=run.computed.exposures_by_name,
+            findings=tuple(finding_line(each) for each in run.trace.findings),
+            assumptions=(*run.trace.assumptions, *run.computed.assumptions),
+            hardware=run.hardware,
+            figures=run_figures(assessment, run.hardware, run.computed.instances, blocks),
+            sections=run.sections,
+        )
+    )
+
+
+def shown_sources(sources: Mapping[str, bytes]) -> tuple[SourceFile, ...]:
+    """Return the sources as the report shows them, by the names of their files.
+
+    Raises BlockError or SourceError where blocks are malformed.
+    """
+    from tracerisk.report.html.report_input import SourceFile
+
+    texts = {file: _decoded(source) for file, source in sources.items()}
+    found = [
+        (FunctionRef(file, name), block)
+        for file, source in sources.items()
+        for name, block in _blocks_in(source, file, texts[file])
+    ]
+    names = model_names([ref for ref, _ in found])
+    return tuple(
+        SourceFile(
+            file,
+            text,
+            tuple(_named(block, names[ref]) for ref, block in found if ref.file == file),
+        )
+        for file, text in texts.items()
+    )
+
+
+def shown_pins(sources: Mapping[str, bytes]) -> tuple[Pin, ...]:
+    """Return what persons set in the blocks of the sources, with what is computed there."""
+    from tracerisk.pipeline.check.overrides import overrides_in
+    from tracerisk.report.html.report_input import Pin
+
+    return tuple(
+        Pin(each.field, each.value, each.computed, each.reason, each.drift, each.location)
+        for each in overrides_in([Path(file) for file in sources], contents=sources)
+    )
+
+
+def _blocks_in(source: bytes, file: str, text: str) -> Iterator[tuple[QualifiedName, SourceBlock]]:
+    from tracerisk.report.html.report_input import SourceBlock
+
+    if is_c_like(file):
+        for block in read_c_blocks(source, file):
+            yield QualifiedName(block.name), _published(block, text, "*/")
+        return
+    for placed in read_blocks(source, file):
+        name = placed.function
+        yield name, SourceBlock(name, placed.line, placed.first_line, placed.last_line)
+    for block in read_plain_blocks(source, file):
+        yield QualifiedName(block.name), _published(block, text, None)
+
+
+def _published(block: RiskBlock, text: str, end: str | None) -> SourceBlock:
+    """Return where a block of the published form stands: to its `*/`, or while comments go on."""
+    from tracerisk.report.html.report_input import SourceBlock
+
+    lines = text.splitlines()
+    first = block.location.line if block.location is not None and block.location.line else 1
+    last = first
+    for number in range(first, len(lines) + 1):
+        if end is None and not lines[number - 1].lstrip().startswith("#"):
+            break
+        last = number
+        if end is not None and end in lines[number - 1]:
+            break
+    return SourceBlock(block.name, first, first, last)
+
+
+def _named(block: SourceBlock, name: str) -> SourceBlock:
+    return replace(block, function=name)
+
+
+def _decoded(source: bytes) -> str:
+    """Return a source as text by the encoding that it declares."""
+    try:
+        encoding, _ = tokenize.detect_encoding(io.BytesIO(source).readline)
+        return source.decode(encoding)
+    except (SyntaxError, UnicodeDecodeError, LookupError):
+        return source.decode("utf-8", errors="replace")

@@ -1,0 +1,88 @@
+"""The pictures of `tracerisk report --png`: whose run, and from which recording."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.cli.shared.output import note, progress_bar
+from tracerisk.cli.shared.run_report import print_failure
+from tracerisk.errors import ExitCode, InputError, Location
+
+if TYPE_CHECKING:
+    from tracerisk.config import Settings
+    from tracerisk.pipeline.check.kept_run import KeptRun
+    from tracerisk.trace import Trace
+
+
+def add_picture_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of pictures."""
+    parser.add_argument(
+        "--png", metavar="DIR", help="write a picture of the arm for each function into DIR"
+    )
+    parser.add_argument(
+        "--recording",
+        metavar="DIR",
+        help="the recording that `run --keep DIR` left, for --png; else the run is done again",
+    )
+
+
+def check_picture_options(options: argparse.Namespace) -> None:
+    """Raise InputError where the options of pictures do not fit each other."""
+    if options.output is None and options.png is None:
+        raise InputError("nothing to write; give -o/--output OUT.html, --png DIR, or both")
+    if options.recording is not None and options.png is None:
+        raise InputError("--recording is for pictures; give --png DIR as well")
+    if options.trace is not None and options.png is not None and options.recording is None:
+        raise InputError("--png with --trace needs the recording of that run; give --recording DIR")
+    if options.png is not None:
+        _check_folder(Path(options.png))
+
+
+def _check_folder(folder: Path) -> None:
+    """Raise InputError, before anything runs, where a folder could not be made or written."""
+    there = next(each for each in (folder, *folder.absolute().parents) if each.exists())
+    if not there.is_dir() or not os.access(there, os.W_OK):
+        what = "is no folder" if not there.is_dir() else "cannot be written"
+        raise InputError(f"{what}; name another one for the pictures", Location(str(there)))
+
+
+def write_report_pictures(
+    options: argparse.Namespace, kept: KeptRun | None, given: Trace | None, settings: Settings
+) -> tuple[ExitCode, tuple[str, ...]]:
+    """Write the pictures; return the exit code, and the files written in the folder.
+
+    `given` is the trace that the command line names. A run that is done again may fail: then it
+    is told how, and nothing is written.
+    """
+    from tracerisk.pipeline.results.run_pictures import kept_recording, run_again, write_pictures
+
+    if options.recording is not None:
+        trace = given if given is not None else None if kept is None else kept.trace
+        if trace is None:
+            why = "No run is known of it." if kept is None else kept.reason
+            raise InputError(
+                f"has no trace to which the recording belongs: {why} --trace FILE names one",
+                Location(options.files[0]),
+            )
+        recorded = kept_recording(options.recording)
+    elif kept is None:
+        raise InputError(
+            "is no Python controller that can be run for its pictures; give the --recording and "
+            "the --trace of a run",
+            Location(options.files[0]),
+        )
+    else:
+        with progress_bar(settings.run_duration_s, quiet=options.quiet) as progress:
+            trace, found = run_again(kept.controller, settings, progress)
+        if not trace.is_usable or found is None:
+            return ExitCode(print_failure(trace)), ()
+        recorded = found
+    files = write_pictures(trace, recorded, settings, options.png)
+    note(
+        f"{Path(options.png)}: {len(files) - 1} pictures and {files[-1]}",
+        quiet=options.quiet or options.json,
+    )
+    return ExitCode.FINE, files

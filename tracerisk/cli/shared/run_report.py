@@ -1,0 +1,181 @@
+"""What a run showed, in a few lines for a person and as plain data."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from tracerisk.adder.blocks.model_names import model_names
+from tracerisk.adder.figures.computed import ComputedBlocks
+from tracerisk.cli.shared.output import note, scenario_advice, write_file
+from tracerisk.config import FailOn
+from tracerisk.errors import ExitCode
+from tracerisk.trace import NOTES, Element, Finding, QualifiedName, Trace
+from tracerisk.trace_log import write_log
+
+_AT_GOAL_M = 0.003
+_SHOWN_S = 0.005  # less is printed as 0.00
+_TOGETHER = {"encoder": "encoders", "torque": "torque sensors"}
+
+
+def headline(trace: Trace) -> str:
+    """Return one line: which controller, on what, how long, and how the run ended."""
+    seconds = "" if trace.end.simulated_s is None else f", {trace.end.simulated_s:.1f} s simulated"
+    where = f" ({trace.end.location})" if trace.end.location is not None else ""
+    on = f" on {trace.robot} in {trace.scene}" if trace.robot else ""
+    return f"{trace.controller}{on}{seconds}: {trace.end.message}{where}"
+
+
+def object_lines(trace: Trace) -> list[str]:
+    """Return one line on the things of the scene that have a goal, and one for each astray."""
+    with_goal = [each for each in trace.objects if each.goal is not None]
+    if not with_goal:
+        return []
+    at_goal = [each for each in with_goal if each.upright and each.offset_m < _AT_GOAL_M]
+    if not at_goal:
+        return [f"objects: none of {len(with_goal)} stands at its goal"]
+    lines = [f"objects: {len(at_goal)} of {len(with_goal)} stand at their goal"]
+    if at_goal:
+        largest = max(each.offset_m for each in at_goal)
+        lines[0] += f", at most {1000.0 * largest:.2f} mm off"
+    lines += [
+        f"  {each.name}: {1000.0 * each.offset_m:.1f} mm from {each.goal}"
+        + ("" if each.upright else ", not upright")
+        for each in with_goal
+        if each not in at_goal
+    ]
+    return lines
+
+
+def finding_line(finding: Finding) -> str:
+    """Return a finding as one line."""
+    place = "" if finding.location is None else f"{finding.location}: "
+    time = "" if finding.time_s is None else f" (at {finding.time_s:.2f} s)"
+    if finding.recovered_s is not None:
+        time = f" (at {finding.time_s:.2f} s, a retry at {finding.recovered_s:.2f} s succeeded)"
+    return f"{place}{finding.message}{time}"
+
+
+def finding_lines(trace: Trace) -> list[str]:
+    """Return the findings of a run, and the functions of which it tells nothing."""
+    lines = [finding_line(finding) for finding in trace.findings]
+    lines += [
+        f"{each.ref.file}:{each.line}: {each.ref.name} can move the arm and never ran: no risk data"
+        for each in trace.uncovered
+    ]
+    return lines
+
+
+def finding_exit(trace: Trace, fail_on: FailOn | None) -> ExitCode:
+    """Return 1 where the run has findings on which it is to fail, and say how many."""
+    counted = [
+        finding
+        for finding in trace.findings
+        if finding.recovered_s is None
+        and (finding.kind == fail_on or (fail_on == "finding" and finding.kind not in NOTES))
+    ]
+    if not counted:
+        return ExitCode.FINE
+    told = "1 finding" if len(counted) == 1 else f"{len(counted)} findings"
+    note(f"tracerisk: {told}, and --fail-on {fail_on}")
+    return ExitCode.WOULD_CHANGE
+
+
+def trace_lines(trace: Trace) -> list[str]:
+    """Return what the trace tells of each relevant function, a line each."""
+    lines = []
+    names = model_names([function.ref for function in trace.functions])
+    sensors = {each.name: each for each in trace.elements if each.kind == "sensor"}
+    for function in trace.functions:
+        visits = [visit for visit in trace.visits if visit.function == function.ref]
+        seconds: dict[str, float] = {}
+        read: dict[str, float] = {}
+        for visit in visits:
+            for name, exposure in visit.exposures.items():
+                if exposure is None:
+                    continue
+                if name in sensors:
+                    read[name] = read.get(name, 0.0) + exposure.reading_s
+                else:
+                    seconds[name] = seconds.get(name, 0.0) + exposure.active_s
+        active = ", ".join(
+            (
+                *(f"{name} {total:.2f} s" for name, total in seconds.items() if total),
+                *(f"{name} read {total:.2f} s" for name, total in _by_kind(read, sensors)),
+            )
+        )
+        is_script = function.ref.file == trace.controller
+        where = f"{'' if is_script else f'{function.ref.file}, '}line {function.line}"
+        count = f"{len(visits)} visit{'s' if len(visits) != 1 else ''}"
+        lines.append(
+            f"  {function.call_sequence} {names[function.ref]} ({where}, {count}): "
+            f"{active or 'nothing active'}"
+        )
+    return lines or ["  no function commanded hardware"]
+
+
+def _by_kind(
+    read: Mapping[str, float], sensors: Mapping[str, Element]
+) -> Iterable[tuple[str, float]]:
+    """Return for how long sensors were read, those in joints together: the longest of a kind."""
+    found: dict[str, float] = {}
+    for name, seconds in read.items():
+        kind = sensors[name].sensor
+        shown = _TOGETHER.get(kind or "", name)
+        found[shown] = max(found.get(shown, 0.0), seconds)
+    return [(name, seconds) for name, seconds in found.items() if seconds >= _SHOWN_S]
+
+
+def print_failure(trace: Trace) -> int:
+    """Tell how a run ended badly and what it had shown so far; return the exit code."""
+    place = "" if trace.end.location is None else f"{trace.end.location}: "
+    note(f"tracerisk: {place}{trace.end.message} [{trace.end.code}]")
+    if trace.verdict is not None:
+        note(f"verdict: {trace.verdict.kind}")
+    seconds = 0.0 if trace.end.simulated_s is None else trace.end.simulated_s
+    note(f"The trace so far, {seconds:.1f} s simulated:")
+    for line in [*trace_lines(trace), *(f"  {line}" for line in finding_lines(trace))]:
+        note(line)
+    note("No source was changed.")
+    if trace.end.scenario:
+        note(scenario_advice(trace.end.scenario))
+    return int(failure_code(trace))
+
+
+def failure_code(trace: Trace) -> ExitCode:
+    """Return the exit code of a badly ended run: an import that fails is bad input."""
+    missing = trace.end.cause == "not_importable"
+    return ExitCode.BAD_INPUT if missing else ExitCode.CONTROLLER_FAILED
+
+
+def failure_of(trace: Trace) -> dict[str, Any] | None:
+    """Return the error that a badly ended run amounts to, as data; `None` after a good end."""
+    if trace.end.is_good:
+        return None
+    place = trace.end.location
+    return {
+        "kind": ("SourceError" if trace.end.cause == "not_importable" else "ControllerFailedError"),
+        "code": trace.end.code,
+        "message": trace.end.message,
+        "file": None if place is None else place.file,
+        "line": None if place is None else place.line,
+        "column": None if place is None else place.column,
+        "scenario": trace.end.scenario or None,
+    }
+
+
+def write_outputs(options: argparse.Namespace, computed: ComputedBlocks) -> None:
+    """Write the log where one was asked for."""
+    if options.log is not None:
+        names = computed.names
+        log = {QualifiedName(names[ref]): found for ref, found in computed.observed.items()}
+        write_file(options.log, write_log(log))
+
+
+def blocks_line(path: str, count: int, *, keeps_files: bool, is_changed: bool) -> str:
+    """Return one line on what became of a source's blocks."""
+    outcome = "unchanged"
+    if is_changed:
+        outcome = "would change" if keeps_files else "changed"
+    return f"{path}: {count} risk block{'' if count == 1 else 's'}, {outcome}"

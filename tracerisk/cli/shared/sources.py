@@ -1,0 +1,70 @@
+"""Read the files that `build` and `solve` are given."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.cli.shared.options import ProfileText, profile_fractions
+from tracerisk.errors import InputError, Location
+
+if TYPE_CHECKING:
+    from tracerisk.prm.hybrid.hybrid import HybridModel
+    from tracerisk.prm.linked import LinkedModel
+
+
+def read_file(name: str) -> bytes:
+    """Return the bytes of a file; raise InputError when it cannot be read."""
+    try:
+        return Path(name).read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", Location(name)) from error
+
+
+def model_of_sources(files: Sequence[str], profile: ProfileText) -> HybridModel:
+    """Build the model of the blocks in the files."""
+    from tracerisk.pipeline import build
+
+    if len(set(files)) != len(files):
+        raise InputError("a file is named twice; name each once")
+    sources = {name: read_file(name) for name in files}
+    name = "+".join(Path(each).name for each in files)
+    return build(sources, name=name, profile=profile_fractions(profile))
+
+
+def model_of_files(files: Sequence[str], profile: ProfileText) -> HybridModel:
+    """Return the model that one JSON file holds, or that the blocks of sources make."""
+    if len(files) == 1:
+        data = read_file(files[0])
+        if data.lstrip().startswith(b"{"):
+            if profile:
+                raise InputError("--profile goes with sources; a model file has its own `next`")
+            return _read_model(data, files[0])
+    return model_of_sources(files, profile)
+
+
+def linked_model(files: Sequence[str]) -> LinkedModel | None:
+    """Return the linked model that one JSON file holds; `None` where it holds none."""
+    if len(files) != 1:
+        return None
+    data = read_file(files[0])
+    if not data.lstrip().startswith(b"{") or b"tracerisk-linked-model" not in data:
+        return None
+    from tracerisk.prm.formats import linked_json
+
+    text = _decoded(data, files[0])
+    return linked_json.loads(text, files[0]) if linked_json.is_linked(text) else None
+
+
+def _read_model(data: bytes, name: str) -> HybridModel:
+    from tracerisk.prm.formats import model_json
+
+    return model_json.loads(_decoded(data, name), name)
+
+
+def _decoded(data: bytes, name: str) -> str:
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError("is not UTF-8 text", Location(name)) from error

@@ -1,0 +1,1 @@
+"""Shapes, rotations and meshes: no simulator, no ROS."""

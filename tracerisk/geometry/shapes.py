@@ -1,0 +1,55 @@
+"""Primitive shapes: what bodies of robots and scenes are made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, cast, get_args
+
+from tracerisk.errors import one_of
+from tracerisk.text.yaml_reader import YamlMap
+
+ShapeKind = Literal["box", "sphere", "capsule", "cylinder"]
+
+_SIZES = {"box": 3, "sphere": 1, "capsule": 2, "cylinder": 2}
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A primitive in its body's frame; lengths in [m], `rpy` in [rad].
+
+    `size` is: box half lengths (x, y, z); sphere (radius); capsule and cylinder (radius, half
+    length of the straight part), along z.
+    `contact` is false for a shape that is only shown; `pad` marks the soft surface of a finger.
+    """
+
+    kind: ShapeKind
+    size: tuple[float, ...]
+    xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    contact: bool = True
+    pad: bool = False
+
+
+def read_shapes(entry: YamlMap) -> tuple[Shape, ...]:
+    """Return the shapes in the list `shapes` of a YAML mapping."""
+    return tuple(_shape(shape) for shape in entry.maps("shapes"))
+
+
+def _shape(entry: YamlMap) -> Shape:
+    entry.forbid_unknown({"kind", "size", "xyz", "rpy", "contact", "pad"})
+    kind = entry.string("kind")
+    if kind not in get_args(ShapeKind):
+        entry.fail("kind", f"unknown shape '{kind}'; {one_of(get_args(ShapeKind), kind)}")
+    size = entry.numbers("size", length=_SIZES[kind])
+    if min(size) <= 0.0:
+        entry.fail("size", "every length must be above 0")
+    xyz = entry.numbers("xyz", length=3) if "xyz" in entry else [0.0] * 3
+    rpy = entry.numbers("rpy", length=3) if "rpy" in entry else [0.0] * 3
+    return Shape(
+        kind=cast(ShapeKind, kind),
+        size=tuple(size),
+        xyz=(xyz[0], xyz[1], xyz[2]),
+        rpy=(rpy[0], rpy[1], rpy[2]),
+        contact=entry.boolean("contact", default=True),
+        pad=entry.boolean("pad", default=False),
+    )

@@ -1,0 +1,1 @@
+"""The SysML v2 textual notation: tokens, syntax tree, names."""

@@ -1,0 +1,1 @@
+"""Hardware descriptions in YAML: read and written."""

@@ -1,0 +1,474 @@
+"""Whether the blocks of controllers can be trusted as they stand, told without a simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+from tracerisk.adder.blocks.block import Field, RiskBlock
+from tracerisk.adder.blocks.model_names import model_names
+from tracerisk.adder.blocks.values import (
+    CALL_SEQUENCE,
+    NEXT,
+    NOTHING_COMPUTED,
+    FieldKind,
+    component_fields,
+)
+from tracerisk.adder.figures.instance_values import kept_values
+from tracerisk.adder.figures.pinned_redundancy import unfounded_redundancies
+from tracerisk.adder.lock.digest import is_as_written
+from tracerisk.adder.lock.lock import (
+    LOCK_NAME,
+    ControllerLock,
+    WrittenBlock,
+    as_written,
+)
+from tracerisk.adder.merge.bases import SourceEvidence, bases_of, merge_with_bases
+from tracerisk.adder.merge.merge import MergePolicy, PersonEdit, has_pins
+from tracerisk.adder.sources.definitions import MODULE, definitions, parse_python
+from tracerisk.adder.sources.read import PlacedBlock, read_blocks
+from tracerisk.adder.sources.renames import base_with_names, follow_renames
+from tracerisk.config import Settings, controller_root, read_settings
+from tracerisk.errors import BlockError, Location, ModelError, TraceRiskError
+from tracerisk.instance_name import places
+from tracerisk.pipeline.check.finding import Checked, CheckFinding
+from tracerisk.pipeline.check.run import (
+    CoverageLimits,
+    contact_findings,
+    coverage_findings,
+    verdict_findings,
+)
+from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons, values_reasons
+from tracerisk.pipeline.freshness.known_controllers import is_gone, lock_of, moved_from, with_moved
+from tracerisk.pipeline.freshness.known_functions import check_named_functions, check_steps
+from tracerisk.pipeline.freshness.who_wrote import evidence_for
+from tracerisk.pipeline.history.many_at_once import shared_out
+from tracerisk.pipeline.history.one_writer import one_writer
+from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
+from tracerisk.pipeline.workspace.controller import Controller, load_controller
+from tracerisk.trace import FunctionRef, QualifiedName, Verdict
+
+_OF_LOCK_AND_SOURCE = frozenset({"edited", "undecided", "missing", "orphaned"})
+
+
+_NO_LIMITS = CoverageLimits()
+
+
+def check_controller(path: Path | str, limits: CoverageLimits = _NO_LIMITS) -> Checked:
+    """Return what keeps the blocks of the controller at `path` from being trusted.
+
+    Raises BlockError, SourceError or InputError where a block, a source or the lock is malformed.
+    """
+    found = _check_once(path, limits)
+    if not any(map(_sets_source_against_lock, found.findings)):
+        return found
+    # Another run may have written between our looks at lock and source; it may not now.
+    with one_writer(controller_root(found.path)):
+        return _check_once(path, limits)
+
+
+def _sets_source_against_lock(finding: CheckFinding) -> bool:
+    of_a_block = finding.kind == "stale" and bool(finding.subject)
+    return of_a_block or finding.kind in _OF_LOCK_AND_SOURCE
+
+
+def _check_once(path: Path | str, limits: CoverageLimits) -> Checked:
+    if is_gone(Path(path)):
+        message = (
+            f"{LOCK_NAME} knows this controller, which is gone; `tracerisk refresh` forgets it"
+        )
+        return Checked(Path(path), (CheckFinding("gone", message, Location(str(path))),))
+    controller = load_controller(path)
+    place = Location(str(controller.path), 1)
+    lock = lock_of(controller.root)
+    was = moved_from(lock, controller)
+    entry = with_moved(lock, controller).controllers.get(controller.file)
+    if entry is None:
+        blocks = read_blocks(controller.source, str(controller.path))
+        check_steps(controller, [(placed.block, {}) for placed in blocks], (), before_run=False)
+        what = f"{LOCK_NAME} knows nothing of its {len(blocks)} risk blocks"
+        message = f"{what}; `tracerisk run {controller.path}`"
+        return Checked(controller.path, (CheckFinding("unknown", message, place),))
+    recorded = RunInputs.from_data(entry.inputs)
+    settings = read_settings(controller.root, controller.file)
+    check_named_functions(controller, settings, files=tuple(recorded.sources))
+    effective = settings.with_options(given_options(recorded, controller))
+    sources = _sources(controller, entry)
+    _check_steps(controller, entry, sources)
+    findings = [
+        *_stale(controller, entry, recorded, effective),
+        *_of_blocks(controller, entry, sources, evidence_for(controller, entry, effective)),
+        *_unjustified(settings, sources),
+        *_unequal(entry, sources),
+    ]
+    if was is not None:
+        message = f"{LOCK_NAME} knows this controller as {was}; `tracerisk refresh {place.file}`"
+        findings.append(CheckFinding("gone", message, place))
+    is_whole = all(each.kind not in ("missing", "orphaned") for each in findings)
+    if is_whole:
+        is_limited = settings.max_risk is not None and not findings
+        findings += _of_model(controller, entry, sources, settings.max_risk if is_limited else None)
+    if settings.fail_on in ("finding", "unexpected_contact"):
+        findings += contact_findings(controller, entry)
+    verdict = _verdict(entry, sources)
+    if verdict is not None:
+        findings += verdict_findings(controller, verdict)
+        least = settings.min_coverage if limits.least is None else limits.least
+        findings += coverage_findings(controller, verdict, least, limits.base)
+    return Checked(controller.path, tuple(sorted(findings, key=_order)), verdict)
+
+
+def check_controllers(
+    paths: Sequence[Path],
+    limits: Sequence[CoverageLimits] = (),
+    *,
+    jobs: int | None = None,
+) -> tuple[Checked | TraceRiskError, ...]:
+    """Return for each controller what `check_controller` returns or raises, in their order.
+
+    `limits` are those of each; none for all of them where it is empty.
+    Many are shared out among as many processes as there are cores, or `jobs`.
+    """
+    each = limits or [_NO_LIMITS] * len(paths)
+    return tuple(shared_out(_checked, list(zip(paths, each, strict=True)), jobs=jobs))
+
+
+def _checked(what: tuple[Path, CoverageLimits]) -> Checked | TraceRiskError:
+    try:
+        return check_controller(*what)
+    except TraceRiskError as error:
+        return error
+
+
+def given_options(recorded: RunInputs, controller: Controller) -> dict[str, object]:
+    """Return the options with which a controller was last run, for `Settings.with_options`.
+
+    A setting that only another version of tracerisk knows is left out.
+    """
+    root = controller.root.resolve()
+    known = {each.name for each in fields(Settings)}
+    options: dict[str, object] = {}
+    for name, value in recorded.given.items():
+        if name not in known:
+            continue
+        if name in ("params", "drivers"):
+            options[name] = tuple(str(root / file) for file in value)
+        elif isinstance(value, list):
+            options[name] = tuple(value)
+        elif isinstance(value, str) and Path(value).suffix and name != "active":
+            options[name] = str(root / value)
+        else:
+            options[name] = value
+    return options
+
+
+@dataclass(frozen=True, slots=True)
+class _Source:
+    """A file with blocks: the name it has in messages and the lock, and what it holds."""
+
+    file: str
+    shown: str
+    source: bytes
+    placed: tuple[PlacedBlock, ...]
+    renamed: Mapping[QualifiedName, QualifiedName]
+
+
+def _sources(controller: Controller, entry: ControllerLock) -> list[_Source]:
+    found = []
+    for file in (controller.file, *sorted(set(entry.blocks) - {controller.file})):
+        if file != controller.file and not controller.path_of(file).is_file():
+            continue
+        source, shown = controller.source_of(file), str(controller.path_of(file))
+        known = {QualifiedName(name) for base in bases_of(file, entry) for name in base}
+        followed = follow_renames(source, shown, known)
+        found.append(_Source(file, shown, source, followed.placed, followed.renamed))
+    return found
+
+
+def _check_steps(controller: Controller, entry: ControllerLock, sources: Sequence[_Source]) -> None:
+    placed = [
+        (block.block, base_with_names(entry.blocks.get(each.file, {}), each.renamed))
+        for each in sources
+        for block in each.placed
+    ]
+    others = {name for base in entry.blocks.values() for name in base}
+    check_steps(controller, placed, others, before_run=False)
+
+
+def _stale(
+    controller: Controller, entry: ControllerLock, recorded: RunInputs, settings: Settings
+) -> Iterable[CheckFinding]:
+    reasons = (
+        *stale_reasons(recorded, controller, settings),
+        *values_reasons(recorded, settings),
+    )
+    place = Location(str(controller.path), 1)
+    if reasons:
+        yield CheckFinding("stale", f"{'; '.join(reasons)} since the last run", place)
+    elif entry.others or entry.is_mixed:
+        message = f"{LOCK_NAME} holds the last runs of several branches; `tracerisk refresh`"
+        yield CheckFinding("stale", message, place)
+
+
+def _of_blocks(
+    controller: Controller,
+    entry: ControllerLock,
+    sources: Sequence[_Source],
+    evidence: SourceEvidence,
+) -> Iterable[CheckFinding]:
+    for each in sources:
+        for old, new in each.renamed.items():
+            line = next(b.first_line for b in each.placed if b.function == new)
+            yield CheckFinding(
+                "orphaned",
+                f"the function of the block `{old}` is called `{new}` now",
+                Location(each.shown, line),
+                old,
+            )
+        current = {block.function: block for block in each.placed}
+        bases = [base_with_names(base, each.renamed) for base in bases_of(each.file, entry)]
+        told = set()
+        for name, placed in current.items():
+            written = bases[0].get(name)
+            lost = () if written is None else tuple(_lost_lines(written, each, placed))
+            yield from lost
+            if lost:
+                told.add(name)
+        yield from _edits(bases, each, current, evidence, told)
+        yield from _missing(entry, each, current)
+    gone = set(entry.blocks) - {each.file for each in sources}
+    for file in sorted(file for file in gone if entry.blocks[file]):
+        shown = str(controller.path_of(file))
+        names = ", ".join(sorted(entry.blocks[file]))
+        yield CheckFinding(
+            "missing", f"the file is gone, and with it the blocks of {names}", Location(shown)
+        )
+
+
+def _edits(
+    bases: Sequence[Mapping[str, WrittenBlock]],
+    source: _Source,
+    current: Mapping[QualifiedName, PlacedBlock],
+    evidence: SourceEvidence,
+    told: Collection[QualifiedName],
+) -> Iterable[CheckFinding]:
+    """Yield what is not as the lock says it was written, and whose work that is.
+
+    Of the functions in `told` it is known already that they are stale.
+    """
+    for name, placed in current.items():
+        written = bases[0].get(name)
+        is_settled = written is not None and is_as_written(placed.block, written)
+        if is_settled or placed.block.added:
+            continue
+        outcome = merge_with_bases(
+            name,
+            bases,
+            placed.block,
+            None if written is None else as_written(name, written),
+            MergePolicy(),
+            lambda: evidence(source.file),
+            source.renamed,
+        )
+        place = Location(source.shown, placed.first_line)
+        for edit in outcome.edits:
+            yield _edit_finding(edit, edit.location or place)
+        if not outcome.edits and name not in told:
+            message = f"the risk block of {name} {_behind(placed.block, outcome.block)}"
+            yield CheckFinding("stale", f"{message}; `tracerisk refresh` mends it", place, name)
+
+
+def _edit_finding(edit: PersonEdit, place: Location) -> CheckFinding:
+    what = (
+        f"{edit.field} is {edit.found}, was written as {edit.written or 'nothing'}"
+        if edit.kind == "changed"
+        else f"{edit.field} was {edit.kind}{' by hand' if edit.is_certain else ''}"
+    )
+    if edit.is_certain:
+        advice = "write `:=` to keep it, or refresh with --accept-edits or --discard-edits"
+        return CheckFinding("edited", f"{what}; {advice}", place, edit.field)
+    advice = (
+        "nobody can tell whether a person did that or another branch: refresh with "
+        "--discard-edits, or take the block from a version that you trust"
+    )
+    return CheckFinding("undecided", f"{what}; {advice}", place, edit.field)
+
+
+def _behind(found: RiskBlock, due: RiskBlock | None) -> str:
+    """Return in what a block is not as it was last written, by no one's edit."""
+    if due is None:
+        return "is not of the last run"
+    if found.digest is None:
+        return "was written by an earlier version of tracerisk, without a digest"
+    return "holds values of another run or another branch"
+
+
+def _lost_lines(
+    written: WrittenBlock, source: _Source, placed: PlacedBlock
+) -> Iterable[CheckFinding]:
+    """Yield what the tool wrote and is not there, or not so: `next` lines, `computed` values."""
+    name, block = placed.function, placed.block
+    if block.next is None and NEXT.key in written.values:
+        place = Location(source.shown, placed.first_line)
+        message = f"the `next` lines of {name} are gone; `tracerisk refresh` writes them again"
+        yield CheckFinding("missing", message, place, f"{name}.{NEXT.key}")
+    values: list[tuple[str, FieldKind, Field[Any], Mapping[str, str]]] = [
+        (name, CALL_SEQUENCE, block.call_sequence, written.values)
+    ]
+    if block.next is not None:
+        values.append((name, NEXT, block.next, written.values))
+    for component in block.components:
+        known = written.components.get(component.name)
+        if known is not None:
+            path = f"{name}.{component.name}"
+            values += [
+                (path, kind, field, known.values) for kind, field in component_fields(component)
+            ]
+    for path, kind, field, texts in values:
+        was = texts.get(kind.key, NOTHING_COMPUTED)
+        if not _is_computed_as_written(kind, field, was):
+            message = (
+                f"{path}.{kind.key}: `! computed {field.computed}` was written as {was}; "
+                "`tracerisk refresh` writes it again"
+            )
+            place = field.location or Location(source.shown, placed.first_line)
+            yield CheckFinding("stale", message, place, f"{path}.{kind.key}")
+
+
+def _is_computed_as_written(kind: FieldKind, field: Field[Any], was: str) -> bool:
+    if not field.pinned or field.computed is None or field.computed == was:
+        return True
+    if NOTHING_COMPUTED in (field.computed, was):
+        return False
+    return kind.same(kind.read(field.computed), kind.read(was))
+
+
+def _missing(
+    entry: ControllerLock, source: _Source, current: Mapping[QualifiedName, PlacedBlock]
+) -> Iterable[CheckFinding]:
+    written = set(entry.blocks.get(source.file, {})) - set(source.renamed)
+    lost = sorted(written - set(current))
+    if not lost:
+        return
+    tree = parse_python(source.source, source.shown).tree
+    lines = [(MODULE, 1), *((each.name, each.line) for each in definitions(tree))]
+    for name in lost:
+        if found := places(name, lines):
+            place = Location(source.shown, found[-1])
+            yield CheckFinding("missing", f"the risk block of {name} is gone", place, name)
+
+
+def _unjustified(settings: Settings, sources: Sequence[_Source]) -> Iterable[CheckFinding]:
+    if not settings.require_reason:
+        return
+    for each in sources:
+        yield from without_reason(each.placed, each.shown)
+
+
+def without_reason(blocks: Iterable[PlacedBlock], shown: str) -> Iterable[CheckFinding]:
+    """Yield a finding for each thing that a person set without a reason in a file's blocks."""
+    for placed in blocks:
+        for path, place in _values_without_reason(placed.block):
+            message = f"{path} is set by hand without a reason; write `; why` behind it"
+            yield CheckFinding("unjustified", message, place or Location(shown), path)
+
+
+def _values_without_reason(block: RiskBlock) -> Iterable[tuple[str, Location | None]]:
+    if block.added and block.reason is None:
+        yield block.name, block.location
+    for key, value in (("callSequence", block.call_sequence), ("next", block.next)):
+        if value is not None and value.pinned and value.reason is None:
+            yield f"{block.name}.{key}", value.location
+    for component in block.components:
+        path = f"{block.name}.{component.name}"
+        if (component.added or component.omitted) and component.reason is None:
+            yield path, component.location
+        for kind, value in component_fields(component):
+            if value.pinned and value.reason is None:
+                yield f"{path}.{kind.key}", value.location
+
+
+def _unequal(entry: ControllerLock, sources: Sequence[_Source]) -> Iterable[CheckFinding]:
+    """Yield the redundancies set by hand over units that differed when it was last run."""
+    names = model_names(
+        [FunctionRef(each.file, placed.function) for each in sources for placed in each.placed]
+    )
+    for each in sources:
+        for placed in each.placed:
+            name = names[FunctionRef(each.file, placed.function)]
+            instances = kept_values(entry.trace, name)
+            for found in unfounded_redundancies(placed.block, instances):
+                place = found.location or Location(each.shown, placed.first_line)
+                yield CheckFinding("unequal", found.message, place, found.path)
+
+
+def _verdict(entry: ControllerLock, sources: Sequence[_Source]) -> Verdict | None:
+    """Return the verdict that the lock keeps, with the lines that the sources have now."""
+    verdict = kept_verdict(entry)
+    if verdict is None:
+        return None
+    held = {each.file: each.source for each in sources}
+    return verdict.with_lines(block_lines(held, {each.file: each.shown for each in sources}))
+
+
+def _of_model(
+    controller: Controller,
+    entry: ControllerLock,
+    sources: Sequence[_Source],
+    max_risk: float | None,
+) -> Iterable[CheckFinding]:
+    """Yield why the blocks make no model that can be solved, or one above the limit.
+
+    Blocks that are the tool's word alone were a model when they were written; they need no
+    solving again.
+    """
+    placed = {
+        FunctionRef(each.file, one.function): one.block for each in sources for one in each.placed
+    }
+    if not placed or (max_risk is None and _are_as_written(entry, placed)):
+        return
+    from tracerisk.pipeline.stages import solve
+    from tracerisk.prm.hybrid.build import build_model
+
+    names = model_names(placed)
+    blocks = [replace(block, name=QualifiedName(names[ref])) for ref, block in placed.items()]
+    place = Location(str(controller.path), 1)
+    try:
+        mission = solve(build_model(blocks, name=controller.path.name)).mission
+    except (BlockError, ModelError) as error:
+        yield CheckFinding("unsolvable", error.message, error.location or place)
+        return
+    if max_risk is not None and mission.failure_probability > max_risk:
+        yield CheckFinding(
+            "over_threshold",
+            f"the mission fails with probability {mission.failure_probability:.4g}, above the "
+            f"max_risk of {max_risk:g}",
+            place,
+        )
+
+
+def _are_as_written(entry: ControllerLock, placed: Mapping[FunctionRef, RiskBlock]) -> bool:
+    """Return whether all blocks of a controller state what the lock says, and nothing else."""
+    written = {
+        FunctionRef(file, QualifiedName(name)): block
+        for file, blocks in entry.blocks.items()
+        for name, block in blocks.items()
+    }
+    ranks = {block.call_sequence.value for block in placed.values()}
+    return (
+        written.keys() == placed.keys()
+        and len(ranks) == len(placed)
+        and not any(map(has_pins, placed.values()))
+        and all(is_as_written(block, written[ref]) for ref, block in placed.items())
+    )
+
+
+def _order(finding: CheckFinding) -> tuple[str, int, str, str]:
+    return (
+        finding.location.file,
+        finding.location.line or 0,
+        finding.kind,
+        finding.message,
+    )

@@ -1,0 +1,62 @@
+"""The run behind a controller's blocks, as it is kept: told without a simulation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, lock_key, read_lock
+from tracerisk.config import Settings, read_settings
+from tracerisk.pipeline.check.check import given_options
+from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons
+from tracerisk.pipeline.trace.cache import TraceCache
+from tracerisk.pipeline.workspace.controller import Controller, load_controller
+from tracerisk.trace import Trace
+
+
+@dataclass(frozen=True, slots=True)
+class KeptRun:
+    """A controller, the settings of its last run, and the trace of that run.
+
+    `files` are those with its risk blocks, as messages call them, the controller among them.
+    Where `trace` is `None`, `reason` says in a sentence why.
+    """
+
+    controller: Controller
+    settings: Settings
+    files: tuple[str, ...]
+    trace: Trace | None
+    reason: str = ""
+
+
+def kept_run(path: Path | str) -> KeptRun:
+    """Return what is kept of the last run of the controller at `path`.
+
+    A trace that the sources have outrun is none. Nothing is simulated or written.
+    Raises InputError for a file or a lock that cannot be read.
+    """
+    controller = load_controller(path)
+    lock = read_lock(controller.root / LOCK_NAME)
+    entry = lock.controllers.get(lock_key(controller.path, controller.root))
+    settings = read_settings(controller.root, controller.file)
+    if entry is None:
+        told = f"{LOCK_NAME} knows of no run of it."
+        return KeptRun(controller, settings, (str(controller.path),), None, told)
+    recorded = RunInputs.from_data(entry.inputs)
+    settings = settings.with_options(given_options(recorded, controller))
+    files = _files(controller, entry)
+    reasons = stale_reasons(recorded, controller, settings)
+    if reasons:
+        told = f"The trace of its last run is stale: {'; '.join(reasons)}."
+        return KeptRun(controller, settings, files, None, told)
+    trace = TraceCache(controller.root).read(recorded.fingerprint, controller.file)
+    told = "" if trace is not None else "The trace of its last run is not kept on this machine."
+    return KeptRun(controller, settings, files, trace, told)
+
+
+def _files(controller: Controller, entry: ControllerLock) -> tuple[str, ...]:
+    """Return the controller, and its other files that the lock knows to hold blocks."""
+    others = sorted(file for file, blocks in entry.blocks.items() if blocks)
+    listed = [file for file in others if file != controller.file]
+    paths = [controller.path, *(controller.path_of(file) for file in listed)]
+    return tuple(str(path) for path in paths if path.is_file())

@@ -1,0 +1,214 @@
+"""What persons set by hand in risk blocks, beside what the tool computes there now."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, Literal
+
+from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
+from tracerisk.adder.blocks.values import (
+    CALL_SEQUENCE,
+    NEXT,
+    NOTHING_COMPUTED,
+    PROBABILITY,
+    QUANTITY,
+    FieldKind,
+    component_fields,
+)
+from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, WrittenBlock, lock_key, read_lock
+from tracerisk.adder.merge.bases import bases_of
+from tracerisk.adder.sources.published import is_c_like, read_c_blocks, read_plain_blocks
+from tracerisk.adder.sources.renames import base_with_names, follow_renames
+from tracerisk.config import controller_root
+from tracerisk.errors import InputError, Location
+from tracerisk.trace import QualifiedName
+
+OverrideKind = Literal["value", "added", "omitted", "block"]
+"""A value (`:=`), a component added or omitted, or a whole block given by hand."""
+
+
+@dataclass(frozen=True, slots=True)
+class Override:
+    """One thing that a person set.
+
+    `field` is its dotted path, such as `place.gripper.probability`; `value` what the person
+    wrote, `computed` what the tool computes now, both as text: `None` where the tool computes
+    nothing there, or nothing is known of it.
+    `drift` is how far the person's value lies from the computed one [%], `None` where there is
+    nothing to compare: see `drift_of`.
+    """
+
+    kind: OverrideKind
+    field: str
+    value: str
+    location: Location
+    computed: str | None = None
+    reason: str | None = None
+    drift: float | None = None
+
+    def exceeds(self, max_drift: float) -> bool:
+        """Return whether the drift is known and greater, above or below, than `max_drift` [%]."""
+        return self.drift is not None and abs(self.drift) > max_drift
+
+
+def overrides_in(
+    files: Sequence[Path | str], *, contents: Mapping[str, bytes] | None = None
+) -> tuple[Override, ...]:
+    """Return what persons set in the blocks of the files, sorted by place.
+
+    `contents` is what files are to hold that are not written yet, by their paths.
+    What is computed now the lock tells, where there is one that knows the value; else the comment
+    beside the value.
+    Raises InputError for a file that cannot be read, BlockError for a malformed block.
+    """
+    found: dict[Path, list[Override]] = {}
+    for each in files:
+        path = Path(each)
+        if path.resolve() not in found:
+            found[path.resolve()] = list(_of_file(path, (contents or {}).get(str(each))))
+    listed = [override for of_one in found.values() for override in of_one]
+    return tuple(sorted(listed, key=_order))
+
+
+def files_of_lock(root: Path) -> tuple[Path, ...]:
+    """Return every file that the lock in a folder knows to hold blocks, and that is there."""
+    names = {
+        file
+        for controller, entry in read_lock(root / LOCK_NAME).controllers.items()
+        for file in (controller, *(name for name, blocks in entry.blocks.items() if blocks))
+    }
+    return tuple(root / name for name in sorted(names) if (root / name).is_file())
+
+
+def _of_file(path: Path, content: bytes | None) -> Iterator[Override]:
+    try:
+        source = path.read_bytes() if content is None else content
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", Location(str(path))) from error
+    if is_c_like(path.name):
+        for block in read_c_blocks(source, str(path)):
+            yield from _of_block(block, None, str(path))
+        return
+    bases = _bases(path)
+    known = {QualifiedName(name) for base in bases for name in base}
+    followed = follow_renames(source, str(path), known)
+    base = base_with_names(bases[0] if bases else {}, followed.renamed)
+    for placed in followed.placed:
+        yield from _of_block(placed.block, base.get(placed.function), str(path))
+    for block in read_plain_blocks(source, str(path)):
+        yield from _of_block(block, None, str(path))
+
+
+def _bases(path: Path) -> list[Mapping[str, WrittenBlock]]:
+    """Return what the lock says was last written into a file, by whichever controller."""
+    root = controller_root(path)
+    lock = read_lock(root / LOCK_NAME)
+    key = lock_key(path, root)
+    users: Iterable[ControllerLock] = (
+        entry for entry in lock.controllers.values() if key in entry.blocks
+    )
+    return [base for entry in users for base in bases_of(key, entry) if base]
+
+
+def _of_block(block: RiskBlock, base: WrittenBlock | None, file: str) -> Iterator[Override]:
+    place = block.location or Location(file)
+    if block.added:
+        yield Override("block", block.name, "by hand", place, reason=block.reason)
+    values = base.values if base is not None else {}
+    for kind, value in ((CALL_SEQUENCE, block.call_sequence), (NEXT, block.next)):
+        if value is not None:
+            yield from _of_value(kind, value, block.name, values, place)
+    for component in block.components:
+        written = base.components.get(component.name) if base is not None else None
+        yield from _of_component(
+            component, f"{block.name}.{component.name}", written.values if written else {}, place
+        )
+
+
+def _of_component(
+    component: ComponentEntry, path: str, written: Mapping[str, str], place: Location
+) -> Iterator[Override]:
+    place = component.location or place
+    if component.added:
+        text = _summary(component)
+        yield Override("added", path, f"added: {text}", place, reason=component.reason)
+    elif component.omitted:
+        yield Override(
+            "omitted", path, "omitted", place, _omitted(component, written), component.reason
+        )
+    for kind, value in component_fields(component):
+        yield from _of_value(kind, value, path, written, place)
+
+
+def _of_value(
+    kind: FieldKind,
+    value: Field[Any],
+    path: str,
+    written: Mapping[str, str],
+    place: Location,
+) -> Iterator[Override]:
+    if not value.pinned:
+        return
+    # The lock says what was computed; the comment may have been edited since.
+    computed = written.get(kind.key, value.computed)
+    if computed == NOTHING_COMPUTED:
+        computed = None
+    yield Override(
+        "value",
+        f"{path}.{kind.key}",
+        value.text,
+        value.location or place,
+        computed,
+        value.reason,
+        None if computed is None else drift_of(kind, value.value, kind.read(computed)),
+    )
+
+
+def _summary(component: ComponentEntry) -> str:
+    times = "" if component.quantity.value == 1 else f" x {component.quantity.text}"
+    redundant = ", redundant" if component.redundancy.value else ""
+    return f"{component.probability.text}{times}{redundant}"
+
+
+def _omitted(component: ComponentEntry, written: Mapping[str, str]) -> str | None:
+    """Return the figure that the omitted component would have: in short entries the lock's."""
+    stated = {kind.key: value.text for kind, value in component_fields(component) if value.text}
+    values = {**written, **stated}
+    if PROBABILITY.key not in values:
+        return None
+    quantity = values.get(QUANTITY.key, "1")
+    return values[PROBABILITY.key] + ("" if quantity == "1" else f" x {quantity}")
+
+
+def drift_of(kind: FieldKind, value: Any, computed: Any) -> float:
+    """Return how far a value set by hand lies from the computed one [%].
+
+    Of a number: the difference relative to the computed one, below zero where the person's is
+    the smaller; infinite where zero is computed and the person's is another.
+    Of `next`: the share of visits that the two send elsewhere (half the sum of the differences).
+    Of `redundancy` and `callSequence`, which have no size: 0 if the same, else 100.
+    """
+    if kind.same(value, computed):
+        return 0.0
+    if kind is NEXT:
+        return 100.0 * float(_moved(value, computed))
+    if kind in (PROBABILITY, QUANTITY):
+        return math.inf if computed == 0 else 100.0 * (value - computed) / computed
+    return 100.0
+
+
+def _moved(value: Sequence[Transition], computed: Sequence[Transition]) -> Fraction:
+    shares: dict[str, Fraction] = {}
+    for transition in value:
+        shares[transition.target] = transition.weight
+    for transition in computed:
+        shares[transition.target] = shares.get(transition.target, Fraction(0)) - transition.weight
+    return sum((abs(share) for share in shares.values()), Fraction(0)) / 2
+
+
+def _order(override: Override) -> tuple[str, int, str]:
+    return (override.location.file, override.location.line or 0, override.field)

@@ -1,0 +1,119 @@
+"""Bring a controller's blocks up to date, simulating only where its trace is stale."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from tracerisk.adder.lock.lock import LOCK_NAME, lock_key, read_lock
+from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.config import SANDBOX_SETTINGS, read_settings
+from tracerisk.errors import ControllerFailedError, Location
+from tracerisk.limits import SandboxMode
+from tracerisk.pipeline.check.check import check_controller, given_options
+from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons
+from tracerisk.pipeline.freshness.known_controllers import with_moved
+from tracerisk.pipeline.stages import (
+    Annotated,
+    annotate,
+    check_blocks,
+    load_hardware,
+    trace_controller,
+)
+from tracerisk.pipeline.trace.cache import TraceCache
+from tracerisk.pipeline.trace.kept_verdict import kept_verdict
+from tracerisk.pipeline.workspace.controller import load_controller
+from tracerisk.trace import Trace, Verdict
+
+# What a refresh mends; the rest is for a person to mend.
+_MENDED = frozenset(
+    {"stale", "edited", "undecided", "missing", "orphaned", "unknown", "gone", "unsolvable"}
+)
+
+How = Literal["fresh", "recomputed", "simulated"]
+"""Nothing was to do; values were made anew of a kept trace; the controller was run."""
+
+
+@dataclass(frozen=True, slots=True)
+class Refreshed:
+    """What a refresh came to: how, why, and what there is to write; nothing is written yet."""
+
+    how: How
+    reason: str
+    annotated: Annotated | None = None
+    verdict: Verdict | None = None
+
+    @property
+    def is_changed(self) -> bool:
+        """Whether there is something to write."""
+        return self.annotated is not None and self.annotated.is_changed
+
+
+def refresh_controller(
+    path: Path | str,
+    *,
+    policy: MergePolicy | None = None,
+    sandbox: SandboxMode | None = None,
+    progress: Callable[[str, float], None] | None = None,
+) -> Refreshed:
+    """Return what brings the blocks of a controller up to date.
+
+    It is run as it was run last, with the options of then, where its trace is stale or not kept.
+    `sandbox` goes before the setting of that name.
+    Raises EditInTheWayError where a person edited a computed value and the policy says to stop,
+    ControllerFailedError where the run fails, and what `run` raises else.
+    """
+    controller = load_controller(path)
+    check_blocks(controller)
+    lock = with_moved(read_lock(controller.root / LOCK_NAME), controller)
+    entry = lock.controllers.get(lock_key(controller.path, controller.root))
+    recorded = RunInputs.from_data(entry.inputs) if entry is not None else RunInputs()
+    settings = read_settings(controller.root, controller.file)
+    given = given_options(recorded, controller)
+    # A lock may come from anywhere: how a run is contained is not for it to say.
+    given = {name: value for name, value in given.items() if name not in SANDBOX_SETTINGS}
+    settings = settings.with_options({**given, "sandbox": sandbox})
+    cache = TraceCache(controller.root)
+    trace: Trace | None = None
+    reasons: tuple[str, ...] = ("it was never run",)
+    if entry is not None:
+        wants_fresh = policy is not None and policy.fresh
+        # A published log names no robot: there was no run to judge.
+        is_judged = kept_verdict(entry) is not None or entry.trace.get("robot") == ""
+        is_settled = entry.is_settled and not wants_fresh and is_judged
+        found = {finding.kind for finding in check_controller(controller.path).findings}
+        if is_settled and not found & _MENDED:
+            told = "nothing that it depends on has changed"
+            return Refreshed("fresh", told, verdict=kept_verdict(entry))
+        reasons = stale_reasons(recorded, controller, settings)
+        if not reasons:
+            trace = cache.read(recorded.fingerprint, controller.file)
+            reasons = () if trace is not None else ("its trace is not kept here",)
+            if not is_judged:
+                reasons = ("its last run has no verdict",) if trace is None else ()
+    how: How = "recomputed" if trace is not None else "simulated"
+    if trace is None:
+        trace = trace_controller(controller, settings, progress=progress)
+        _check_end(trace, str(controller.path))
+    if progress is not None:
+        progress("annotating", trace.end.simulated_s or 0.0)
+    annotated = annotate(
+        controller,
+        trace,
+        load_hardware(settings, trace.robot),
+        settings,
+        policy=policy,
+        given=given,
+    )
+    told = "; ".join(reasons) or "values made anew of the kept trace"
+    return Refreshed(how, told, annotated, trace.verdict)
+
+
+def _check_end(trace: Trace, path: str) -> None:
+    place = trace.end.location or Location(path, 1)
+    if not trace.is_usable:
+        raise ControllerFailedError(trace.end.message, place, code=trace.end.code)
+    if not trace.functions:
+        raise ControllerFailedError(f"{trace.end.message}, and it commanded no hardware", place)

@@ -1,0 +1,105 @@
+"""What a check finds in the last run of a controller: its contacts, verdict and coverage."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from tracerisk.adder.lock.lock import ControllerLock
+from tracerisk.adder.sources.definitions import MODULE, definitions, parse_python
+from tracerisk.errors import Location, TraceRiskError
+from tracerisk.instance_name import places
+from tracerisk.pipeline.check.finding import CheckFinding, FindingKind
+from tracerisk.pipeline.trace.last_run import kept_contacts
+from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.trace import GAPS, NEVER_RAN, FunctionRef, Reason, Verdict, VerdictKind
+
+_OF_VERDICT: Mapping[VerdictKind, FindingKind] = {
+    "complete": "partial",
+    "partial": "partial",
+    "faulted": "faulted",
+    "stuck": "stuck",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class CoverageLimits:
+    """How much of what can command hardware must have run.
+
+    `least` is a fraction, in place of the setting `min_coverage`; `base` the verdict of the
+    version that a change is made to.
+    """
+
+    least: float | None = None
+    base: Verdict | None = None
+
+
+def contact_findings(controller: Controller, entry: ControllerLock) -> Iterable[CheckFinding]:
+    """Yield what touched in the last run, in the functions that are there."""
+    for each in kept_contacts(entry.trace):
+        place = function_place(controller, each.function)
+        if place is not None:
+            yield CheckFinding("contact", str(each), place, each.function.name)
+
+
+def verdict_findings(controller: Controller, verdict: Verdict) -> Iterable[CheckFinding]:
+    """Yield the reasons for which a run does not pass: not what never ran."""
+    for each in verdict.open_reasons:
+        if each.code in GAPS:
+            continue
+        place = _place(controller, each)
+        where = f" (in {each.function})" if each.function else ""
+        advice = "" if each.verdict == "stuck" else f"; {each.code} may be accepted, with words"
+        message = f"{each.words}{where}{advice}"
+        yield CheckFinding(_OF_VERDICT[each.verdict], message, place, each.function)
+
+
+def _place(controller: Controller, reason: Reason) -> Location:
+    if reason.location is None:
+        return Location(str(controller.path), 1)
+    file = str(controller.path_of(reason.location.file))
+    return Location(file, reason.location.line, reason.location.column)
+
+
+def coverage_findings(
+    controller: Controller, verdict: Verdict, least: float | None, base: Verdict | None
+) -> Iterable[CheckFinding]:
+    """Yield a finding where too little ran: fewer functions than the limit, or than in the base."""
+    coverage = verdict.coverage
+    ran, number = coverage.ran, coverage.all
+    told = f"{ran} of {number} functions with commands ran"
+    place = Location(str(controller.path), 1)
+    if coverage.never_ran:
+        first = coverage.never_ran[0]
+        place = Location(str(controller.path_of(first.ref.file)), first.line)
+        names = ", ".join(str(each.ref.name) for each in coverage.never_ran)
+        told += f", not {names}"
+    if least is not None and ran < least * number:
+        message = f"{told}; the min_coverage is {least:g}"
+        yield CheckFinding("coverage", message, place)
+    if base is None:
+        return
+    before = base.coverage
+    if ran * before.all < before.ran * number:
+        message = f"{told}; before the change {before.ran} of {before.all} did"
+        yield CheckFinding("coverage", message, place)
+    known = Counter(each.key for each in base.reasons)
+    for each in verdict.open_reasons:
+        known[each.key] -= 1
+        if each.code in GAPS - {NEVER_RAN} and known[each.key] < 0:
+            where = f" (in {each.function})" if each.function else ""
+            message = f"{each.words}{where}; before the change that was not so"
+            yield CheckFinding("coverage", message, _place(controller, each), each.function)
+
+
+def function_place(controller: Controller, function: FunctionRef) -> Location | None:
+    """Return where a function stands now; `None` if it is gone, or its file cannot be read."""
+    shown = str(controller.path_of(function.file))
+    try:
+        tree = parse_python(controller.source_of(function.file), shown).tree
+    except TraceRiskError:
+        return None
+    lines = [(MODULE, 1), *((each.name, each.line) for each in definitions(tree))]
+    found = places(function.name, lines)
+    return Location(shown, found[-1]) if found else None

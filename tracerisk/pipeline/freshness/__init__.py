@@ -1,0 +1,1 @@
+"""What a run depended on, and whether it is still as it was."""

@@ -1,0 +1,262 @@
+"""Whether what a trace depended on is still as it was, told without a run.
+
+The lock keeps, for each controller, the settings of its run and a digest of each file it depended
+on: of its sources without comments and blank lines, of other files byte for byte.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+from tracerisk.config import Settings
+from tracerisk.errors import InputError, Location
+from tracerisk.hardware.source_files import source_files
+from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.pipeline.workspace.libraries import Libraries
+from tracerisk.source.code_digest import code_digest
+from tracerisk.trace import Trace
+
+GONE = "gone"
+"""What stands for the digest of a file that was looked for and is not there."""
+
+_SOURCES, _FILES, _SETTINGS, _GIVEN, _HARDWARE = "sources", "files", "settings", "given", "hardware"
+_LIBRARIES = "libraries"
+# Settings that change neither a run nor its values: how long it may take, what is demanded of it.
+_LIMITS = frozenset(
+    {
+        *("cpu_limit_s", "wall_limit_s", "stall_limit_s", "memory_limit_mb"),
+        *("max_risk", "require_reason", "fail_on", "min_coverage", "sandbox"),
+    }
+)
+_OF_VALUES = frozenset({"hardware", "active"})
+_NAMES_OF_FILES = ("robot", "scene", "scenario", "hardware", "launch")
+
+
+@dataclass(frozen=True, slots=True)
+class RunInputs:
+    """What a trace and the values made of it depended on, in plain JSON values.
+
+    `settings` are those that differ from their defaults, with the version of tracerisk; `given`
+    those of them that came from the command line.
+    `sources` and `files` map paths from the root to digests. `hardware` is a digest of the
+    description; it changes values, not the trace, and is no part of the fingerprint.
+    `libraries` are those of the sources that are library code, sorted: their functions are no
+    steps.
+    """
+
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    given: Mapping[str, Any] = field(default_factory=dict)
+    sources: Mapping[str, str] = field(default_factory=dict)
+    files: Mapping[str, str] = field(default_factory=dict)
+    hardware: str = ""
+    libraries: tuple[str, ...] = ()
+
+    @property
+    def fingerprint(self) -> str:
+        """A digest of all that a run depends on."""
+        run = {name: value for name, value in self.settings.items() if name not in _OF_VALUES}
+        parts: list[Any] = [run, dict(self.sources), dict(self.files)]
+        if self.libraries:
+            parts.append(list(self.libraries))
+        return _digest(json.dumps(parts, sort_keys=True).encode())
+
+    def data(self) -> dict[str, Any]:
+        """Return what the lock keeps."""
+        data: dict[str, Any] = {
+            _FILES: dict(self.files),
+            _GIVEN: dict(self.given),
+            _HARDWARE: self.hardware,
+            _SETTINGS: dict(self.settings),
+            _SOURCES: dict(self.sources),
+        }
+        if self.libraries:
+            data[_LIBRARIES] = list(self.libraries)
+        return data
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> RunInputs:
+        """Return the inputs that a lock keeps; what it lacks is empty, and so never fresh."""
+
+        def table(name: str) -> Mapping[str, Any]:
+            value = data.get(name)
+            return value if isinstance(value, dict) else {}
+
+        return cls(
+            table(_SETTINGS),
+            table(_GIVEN),
+            table(_SOURCES),
+            table(_FILES),
+            str(data.get(_HARDWARE, "")),
+            tuple(map(str, data.get(_LIBRARIES, ()))),
+        )
+
+
+def run_inputs(
+    controller: Controller,
+    trace: Trace,
+    settings: Settings,
+    *,
+    given: Mapping[str, Any] | None = None,
+) -> RunInputs:
+    """Return what a trace depended on, as it stands now.
+
+    `given` are those of the settings that came from the command line.
+    Raises InputError for a file that cannot be read.
+    """
+    # Not needed to tell whether a trace is fresh, which must be quick.
+    from tracerisk.pipeline.robot.choice import robot_files
+    from tracerisk.pipeline.workspace.driver_files import driver_files
+
+    root = controller.root.resolve()
+    scene = settings.scene if settings.scene is not None and Path(settings.scene).suffix else None
+    robot = map(str, robot_files(controller, settings))
+    drivers = map(str, driver_files(root, settings))
+    named = (settings.scenario, scene, *settings.params, *drivers, *robot)
+    listed = {*trace.inputs, *(_from(root, Path(file)) for file in named if file is not None)}
+    sources = {controller.file, *trace.files}
+    return RunInputs(
+        settings=settings_data(settings, root),
+        given=_given_data(given or {}, root),
+        sources={file: code_digest(controller.source_of(file)) for file in sorted(sources)},
+        files={file: file_digest(root / file) for file in sorted(listed - sources)},
+        hardware=hardware_digest(settings),
+        libraries=_libraries(controller, settings, sources),
+    )
+
+
+def settings_data(settings: Settings, root: Path) -> dict[str, Any]:
+    """Return the settings that a run or its values depend on and that are not the default."""
+    from tracerisk import __version__
+
+    default = Settings()
+    data: dict[str, Any] = {"tracerisk": __version__}
+    for each in fields(Settings):
+        value = getattr(settings, each.name)
+        if each.name not in _LIMITS and value != getattr(default, each.name):
+            data[each.name] = _plain(each.name, value, root)
+    return data
+
+
+def hardware_digest(settings: Settings) -> str:
+    """Return a digest of the hardware description of the settings; empty for a shipped one.
+
+    It covers the files beside it from which it is read.
+    """
+    if settings.hardware is None:
+        return ""
+    path, *beside = source_files(Path(settings.hardware))
+    own = file_digest(path)
+    if not beside:
+        return own
+    others = (f"{each.name} {file_digest(each)}" for each in beside)
+    return _digest("\n".join((own, *others)).encode())
+
+
+def file_digest(path: Path) -> str:
+    """Return a digest of a file's bytes, or that it is gone: then a run finds another."""
+    try:
+        return _digest(path.read_bytes())
+    except FileNotFoundError:
+        return GONE
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", Location(str(path))) from error
+
+
+def stale_reasons(
+    recorded: RunInputs, controller: Controller, settings: Settings
+) -> tuple[str, ...]:
+    """Return why the trace of a controller is no longer what a run would give; none if it is.
+
+    Raises as `run_inputs`.
+    """
+    root = controller.root.resolve()
+    return (
+        *_settings_reasons(recorded.settings, settings_data(settings, root)),
+        *_changed(recorded.sources, lambda file: _code_now(controller, file)),
+        *_changed(recorded.files, lambda file: file_digest(root / file)),
+        *_library_reasons(recorded, _libraries(controller, settings, recorded.sources)),
+    )
+
+
+def values_reasons(recorded: RunInputs, settings: Settings) -> tuple[str, ...]:
+    """Return why the values no longer follow from the trace: another hardware description."""
+    if recorded.hardware == hardware_digest(settings):
+        return ()
+    return (f"{settings.hardware or 'the hardware description'} has changed",)
+
+
+def _settings_reasons(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterable[str]:
+    for name in sorted({*before, *now}):
+        if before.get(name) != now.get(name):
+            told = "version of tracerisk" if name == "tracerisk" else f"setting {name}"
+            yield f"{told} was {_shown(before.get(name))}, is {_shown(now.get(name))}"
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return f"{len(value)} of them"
+    return "the default" if value is None else str(value)
+
+
+def _changed(recorded: Mapping[str, str], now: Callable[[str], str]) -> Iterable[str]:
+    for file, digest in sorted(recorded.items()):
+        found = now(file)
+        if found != digest:
+            verb = {GONE: "is gone"}.get(found, "is there now" if digest == GONE else "has changed")
+            yield f"{file} {verb}"
+
+
+def _libraries(
+    controller: Controller, settings: Settings, sources: Iterable[str]
+) -> tuple[str, ...]:
+    """Return which of the sources of a run are library code now; one that is gone is none."""
+    libraries = Libraries(controller.path, controller.root, settings.states)
+    paths = ((file, controller.path_of(file)) for file in sorted(sources))
+    return tuple(file for file, path in paths if path.is_file() and libraries.holds(path))
+
+
+def _library_reasons(recorded: RunInputs, now: Collection[str]) -> Iterable[str]:
+    for file in sorted({*recorded.libraries} ^ {*now}):
+        if file in now:
+            yield f"{file} is library code now: its functions are no steps any more"
+        elif file in recorded.sources:
+            yield f"{file} is no library code any more: its functions may be steps"
+
+
+def _code_now(controller: Controller, file: str) -> str:
+    if file != controller.file and not controller.path_of(file).is_file():
+        return GONE
+    return code_digest(controller.source_of(file))
+
+
+def _given_data(given: Mapping[str, Any], root: Path) -> dict[str, Any]:
+    return {
+        name: _plain(name, value, root)
+        for name, value in sorted(given.items())
+        if value not in (None, (), []) and name not in _LIMITS
+    }
+
+
+def _plain(name: str, value: Any, root: Path) -> Any:
+    """Return a setting as JSON; a file that it names is told from the root."""
+    if name in ("params", "drivers"):
+        return [_from(root, Path(file)) for file in value]
+    if name in _NAMES_OF_FILES and isinstance(value, str) and Path(value).suffix:
+        return _from(root, Path(value))
+    if name == "accept":
+        return [asdict(each) for each in value]
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _from(root: Path, path: Path) -> str:
+    return Path(os.path.relpath(path.resolve(), root)).as_posix()
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()

@@ -1,0 +1,209 @@
+"""Which controllers a lock knows, and which of them depend on a file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import TypeVar
+
+from tracerisk.adder.lock.lock import LOCK_NAME, Lock, lock_key, read_lock
+from tracerisk.adder.sources.read import read_blocks
+from tracerisk.adder.sources.write import FileWrite, write_all
+from tracerisk.config import controller_root
+from tracerisk.errors import InputError, Location
+from tracerisk.pipeline.freshness.freshness import RunInputs
+from tracerisk.pipeline.history.one_writer import one_writer
+from tracerisk.pipeline.workspace.controller import Controller
+
+T = TypeVar("T")
+
+_OF_ALL = ("pyproject.toml", LOCK_NAME)  # what every controller of a root depends on
+
+
+def controllers_of(files: Sequence[Path | str]) -> tuple[Path, ...]:
+    """Return the controllers whose blocks or traces depend on any of the files, sorted.
+
+    That are the files themselves where the lock knows them or they have blocks, and the
+    controllers that import them; all of the lock for the settings, the lock itself or its folder.
+    A file that has to do with no controller adds none.
+    Raises InputError for a file that is not there, or a lock that cannot be read.
+    """
+    found: dict[Path, Path] = {}
+    users_of: dict[Path, Mapping[str, Sequence[str]]] = {}
+    for each in files:
+        path = Path(each)
+        if path.is_dir():
+            inside = controllers_in(path)
+            if not inside:
+                message = f"no {LOCK_NAME} in this folder knows a controller; name a controller"
+                raise InputError(message, Location(str(path)))
+            found.update({controller.resolve(): controller for controller in inside})
+            continue
+        if not path.is_file():
+            if not is_gone(path):
+                raise InputError("there is no such file; name a controller", Location(str(path)))
+            found[path.resolve()] = path
+            continue
+        root = controller_root(path)
+        if root not in users_of:
+            users_of[root] = _users(lock_of(root))
+        key = lock_key(path, root)
+        users = users_of[root].get(key, ())
+        if key in _OF_ALL:
+            users = sorted(lock_of(root).controllers)
+        for name in users:
+            controller = path if name == key else _shown(root / name, path)
+            found.setdefault(controller.resolve(), controller)
+        if not users and path.suffix == ".py" and b"RiskAnnotation" in path.read_bytes():
+            found.setdefault(path.resolve(), path)
+    return tuple(found[each] for each in sorted(found))
+
+
+def controllers_in(root: Path) -> tuple[Path, ...]:
+    """Return every controller that the lock in a folder knows, sorted, gone ones among them."""
+    return tuple(root / key for key in sorted(lock_of(root).controllers))
+
+
+def is_gone(path: Path) -> bool:
+    """Return whether a lock knows a controller at `path` and there is no file."""
+    if path.is_file():
+        return False
+    root = controller_root(path)
+    return lock_key(path, root) in lock_of(root).controllers
+
+
+def forget_gone(root: Path, *, write: bool = True) -> tuple[str, ...]:
+    """Take the controllers that are gone out of the lock in a folder; return their names.
+
+    Without `write` the lock stays as it is. The last one takes the lock with it.
+    Raises InputError where the lock cannot be read or written.
+    """
+    path = root / LOCK_NAME
+    if not path.is_file():
+        return ()
+    with one_writer(root):
+        lock = read_lock(path)
+        gone = tuple(key for key in sorted(lock.controllers) if not (root / key).is_file())
+        if gone and write:
+            for key in gone:
+                lock = lock.without_controller(key)
+            write_or_remove(path, lock)
+    return gone
+
+
+def forget_blocks(files: Sequence[Path]) -> None:
+    """Take the blocks of files that have none any more out of the locks that know them.
+
+    A controller of which no block is left goes.
+    Raises InputError where a lock cannot be read or written.
+    """
+    for root in dict.fromkeys(map(controller_root, files)):
+        path = root / LOCK_NAME
+        if not path.is_file():
+            continue
+        here = {lock_key(file, root) for file in files if controller_root(file) == root}
+        with one_writer(root):
+            lock = before = read_lock(path)
+            for name, entry in before.controllers.items():
+                left = {file: blocks for file, blocks in entry.blocks.items() if file not in here}
+                if left == entry.blocks:
+                    continue
+                if any(left.values()):
+                    lock = lock.with_controller(name, replace(entry, blocks=left, previous=None))
+                else:
+                    lock = lock.without_controller(name)
+            if lock != before:
+                write_or_remove(path, lock)
+
+
+def write_or_remove(path: Path, lock: Lock) -> None:
+    """Write a lock; one that knows no controller any more is removed."""
+    if lock.controllers:
+        write_all([FileWrite(path, lock.dumps())])
+    else:
+        path.unlink(missing_ok=True)
+
+
+def with_moved(lock: Lock, controller: Controller) -> Lock:
+    """Return the lock with what it knows of a controller under the name that this has now.
+
+    A controller that the lock does not know is a renamed one where exactly one that it knows is
+    gone that had blocks in the same functions of its file.
+    """
+    key = controller.file
+    old = moved_from(lock, controller)
+    if old is None:
+        return lock
+    entry = lock.controllers[old]
+
+    def moved(values: Mapping[str, T]) -> dict[str, T]:
+        return {key if name == old else name: value for name, value in values.items()}
+
+    inputs = dict(entry.inputs)
+    if isinstance(inputs.get("sources"), dict):
+        inputs["sources"] = moved(inputs["sources"])
+    previous = None if entry.previous is None else moved(entry.previous)
+    new = replace(entry, blocks=moved(entry.blocks), previous=previous, inputs=inputs)
+    return lock.without_controller(old).with_controller(key, new)
+
+
+def moved_from(lock: Lock, controller: Controller) -> str | None:
+    """Return the name by which the lock knows a controller that was renamed; else `None`."""
+    if controller.file in lock.controllers or not lock.controllers:
+        return None
+    gone = {
+        key: set(entry.blocks.get(key, ()))
+        for key, entry in lock.controllers.items()
+        if not (controller.root / key).is_file()
+    }
+    if not gone:
+        return None
+    blocks = {placed.block.name for placed in read_blocks(controller.source, str(controller.path))}
+    found = [key for key, names in gone.items() if names and names <= blocks]
+    return found[0] if len(found) == 1 else None
+
+
+def without_controllers(files: Sequence[Path | str]) -> tuple[str, ...]:
+    """Return those of the files that have to do with no controller, in their order."""
+    return tuple(str(each) for each in files if not controllers_of([each]))
+
+
+def _users(lock: Lock) -> dict[str, list[str]]:
+    """Return, for each file, the controllers that it is, or that depend on it."""
+    users: dict[str, list[str]] = {}
+    for name, entry in lock.controllers.items():
+        inputs = RunInputs.from_data(entry.inputs)
+        hardware = inputs.settings.get("hardware", name)
+        for file in {name, hardware, *entry.blocks, *inputs.sources, *inputs.files}:
+            users.setdefault(file, []).append(name)
+    return users
+
+
+def lock_of(root: Path) -> Lock:
+    """Return the lock of a folder, an empty one where there is none; each version is read once."""
+    path = root / LOCK_NAME
+    try:
+        status = path.stat()
+    except FileNotFoundError:
+        return Lock()
+    version = (status.st_dev, status.st_ino, status.st_mtime_ns, status.st_size)
+    return _read_once(_LockFile(path, version))
+
+
+@dataclass(frozen=True, slots=True)
+class _LockFile:
+    path: Path = field(compare=False)
+    """By whichever name it was found."""
+    version: tuple[int, ...]
+
+
+@lru_cache(maxsize=8)
+def _read_once(file: _LockFile) -> Lock:
+    return read_lock(file.path)
+
+
+def _shown(path: Path, like: Path) -> Path:
+    return path if like.is_absolute() else Path(os.path.relpath(path))

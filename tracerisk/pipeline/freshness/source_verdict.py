@@ -1,0 +1,59 @@
+"""The verdict of the run behind annotated sources, by the lock beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from tracerisk.adder.lock.lock import LOCK_NAME, Lock, lock_key, read_lock
+from tracerisk.adder.sources.published import is_c_like
+from tracerisk.config import controller_root
+from tracerisk.errors import TraceRiskError
+from tracerisk.pipeline.freshness.freshness import RunInputs
+from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
+from tracerisk.source.code_digest import code_digest
+from tracerisk.trace import Verdict, verdict_line
+
+
+def source_verdicts(sources: Mapping[str, bytes]) -> dict[str, Verdict | None]:
+    """Return the verdict of each controller that the sources belong to, by its path.
+
+    It is `None` where no lock knows a source, the lock cannot be read, or the source's code is
+    no longer that of the run.
+    """
+    found: dict[str, Verdict | None] = {}
+    for file, source in sources.items():
+        if is_c_like(file):
+            found[file] = None
+            continue
+        root = controller_root(Path(file))
+        known = _of_source(root, file, source)
+        for name, verdict in (known or {file: None}).items():
+            # One source that does not match makes the whole controller unknown.
+            found[name] = verdict if found.get(name, verdict) is not None else None
+    return found
+
+
+def source_verdict_lines(verdicts: Mapping[str, Verdict | None]) -> Sequence[str]:
+    """Return the verdicts in words, a line each; alike ones in one line."""
+    lines = {name: verdict_line(each) for name, each in verdicts.items()}
+    if len(set(lines.values())) == 1:
+        return list(lines.values())[:1]
+    return [f"{name}: {line}" for name, line in lines.items()]
+
+
+def _of_source(root: Path, file: str, source: bytes) -> dict[str, Verdict | None]:
+    try:
+        lock: Lock = read_lock(root / LOCK_NAME)
+        key = lock_key(Path(file), root)
+    except TraceRiskError:
+        return {}
+    found: dict[str, Verdict | None] = {}
+    for name, entry in lock.controllers.items():
+        if key == name or entry.blocks.get(key):
+            recorded = RunInputs.from_data(entry.inputs).sources.get(key)
+            verdict = kept_verdict(entry) if recorded == code_digest(source) else None
+            if verdict is not None:
+                verdict = verdict.with_lines(block_lines({key: source}, {key: file}))
+            found[name] = verdict
+    return found

@@ -1,0 +1,1 @@
+"""What git keeps, and one writer at a time."""

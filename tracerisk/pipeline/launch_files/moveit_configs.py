@@ -1,0 +1,100 @@
+"""`moveit_configs_utils` for launch files: MoveIt's parameters from packages of the workspace."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from tracerisk.pipeline.launch_files.absent import ABSENT_FOLDER, Absent, AbsentModule
+from tracerisk.pipeline.launch_files.robot_sources import is_robot_file
+from tracerisk.ros.moveit.configs import ConfigsBuilder, MoveItConfigs
+
+
+def moveit_configs_modules(
+    packages: Mapping[str, Path],
+    on_read: Callable[[Path], None],
+    on_robot: Callable[[tuple[str, Mapping[str, Any]]], None],
+) -> dict[str, ModuleType]:
+    """Return the modules by their names.
+
+    `on_read` is told of each file that is read, `on_robot` of each that describes a robot.
+    """
+    files = _Files(packages, on_read, on_robot)
+
+    class MoveItConfigsBuilder(_LaunchBuilder):
+        def __init__(
+            self,
+            robot_name: str,
+            robot_description: str = "robot_description",
+            package_name: str | None = None,
+        ) -> None:
+            super().__init__(files, robot_name, robot_description, package_name)
+
+    modules: dict[str, ModuleType] = {}
+    for name in ("moveit_configs_utils", "moveit_configs_utils.moveit_configs_builder"):
+        # The launch descriptions that the real package makes start no controller.
+        module = modules[name] = AbsentModule(name)
+        module.__path__ = []
+        vars(module).update(MoveItConfigs=MoveItConfigs, MoveItConfigsBuilder=MoveItConfigsBuilder)
+    return modules
+
+
+class _Files:
+    """The packages of the workspace; what is not there is an absent value."""
+
+    def __init__(
+        self,
+        packages: Mapping[str, Path],
+        on_read: Callable[[Path], None],
+        on_robot: Callable[[tuple[str, Mapping[str, Any]]], None],
+    ) -> None:
+        self._packages = packages
+        self._on_read = on_read
+        self._on_robot = on_robot
+
+    def folder(self, package: str) -> Path | None:
+        return self._packages.get(package)
+
+    def text(self, path: Path) -> str:
+        self._on_read(path)
+        if is_robot_file(path):
+            self._on_robot((str(path), {}))
+        return path.read_text(encoding="utf-8")
+
+    def expanded(self, path: Path, arguments: Mapping[str, Any]) -> Absent:
+        # A controller needs no URDF: the robot is that of the run.
+        self._on_robot((str(path), arguments))
+        return Absent("the output of xacro")
+
+    def left_out(self, what: str) -> dict[str, Any]:
+        return {"*": Absent(what)}
+
+
+class _LaunchBuilder(ConfigsBuilder):
+    """A builder whose paths may lead to what is not here."""
+
+    def __init__(
+        self,
+        files: _Files,
+        robot_name: str,
+        robot_description: str,
+        package_name: str | None,
+    ) -> None:
+        super().__init__(files, robot_name, robot_description, package_name)
+        if self._configs.package_path is None:
+            self._configs.package_path = ABSENT_FOLDER / self._package_name
+
+    def _path(self, file_path: Any) -> Path | None:
+        if isinstance(file_path, Absent) or Path(file_path).is_relative_to(ABSENT_FOLDER):
+            return None
+        return super()._path(file_path)
+
+    def _missing(self, file_path: Any) -> str:
+        if isinstance(file_path, Absent):
+            return file_path.told
+        path = Path(file_path)
+        if path.is_relative_to(ABSENT_FOLDER) and path != ABSENT_FOLDER:
+            return f"package '{path.relative_to(ABSENT_FOLDER).parts[0]}'"
+        return super()._missing(path)

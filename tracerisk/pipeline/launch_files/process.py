@@ -1,0 +1,54 @@
+"""Read ROS 2 launch files in processes with limits of time and memory, which end the command."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from tracerisk.config import controller_root
+from tracerisk.contained.limited_process import run_limited
+from tracerisk.contained.process import regular_within
+from tracerisk.errors import Location
+from tracerisk.limits import DEFAULT_LIMITS, Limits
+from tracerisk.pipeline.launch_files.records import LaunchReading, RobotSource, StartedNode
+from tracerisk.pipeline.workspace.workspace import Workspace
+
+_LONGEST_REASON = 200
+# Launch files choose by it between what two releases name differently.
+_RELEASE = {"ROS_DISTRO": "jazzy", "ROS_VERSION": "2"}
+
+
+def read_launch(path: Path, workspace: Workspace, limits: Limits = DEFAULT_LIMITS) -> LaunchReading:
+    """Return what a ROS 2 launch file starts; what cannot be read of it is among its problems.
+
+    Raises LimitError where reading it takes too long or too much memory.
+    """
+    folders = {*workspace.import_paths, *workspace.python_packages.values()}
+    asked = {
+        "path": str(path.resolve()),
+        "packages": {name: str(folder) for name, folder in workspace.packages.items()},
+        "import_paths": sorted(str(folder) for folder in folders),
+    }
+    around = (path.parent, controller_root(path), *workspace.packages.values())
+    done = run_limited(
+        "tracerisk.pipeline.launch_files.child",
+        request=json.dumps(asked).encode(),
+        limits=limits,
+        doing="reading the launch file",
+        place=Location(str(path)),
+        folder=path.parent,
+        environment=_RELEASE,
+        reads=(*around, *folders),
+    )
+    try:
+        data = json.loads(done.stdout)
+        return LaunchReading(
+            nodes=tuple(StartedNode.from_json(each) for each in data["nodes"]),
+            sources=regular_within((str(each) for each in data["sources"]), around),
+            problems=tuple(str(each)[:_LONGEST_REASON] for each in data["problems"]),
+            robots=tuple(RobotSource.from_json(each) for each in data["robots"]),
+        )
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        lines = done.stderr.decode(errors="replace").strip().splitlines()
+        reason = lines[-1].strip() if lines else f"its process ended with {done.returncode}"
+        return LaunchReading(problems=(f"cannot be read: {reason[:_LONGEST_REASON]}",))

@@ -1,0 +1,304 @@
+"""`launch.substitutions`."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from tracerisk.pipeline.launch_files.absent import AbsentError
+from tracerisk.pipeline.launch_files.expressions import evaluate
+from tracerisk.pipeline.launch_files.robot_sources import RobotSource, source_of_command
+from tracerisk.pipeline.launch_files.stand_ins.launch.conditions import (
+    evaluate_condition_expression,
+)
+from tracerisk.pipeline.launch_files.stand_ins.launch.substitution import Substitution
+from tracerisk.pipeline.launch_files.stand_ins.launch.utilities import text_of
+
+
+class SubstitutionFailure(RuntimeError):
+    """A substitution has no text."""
+
+
+class TextSubstitution(Substitution):
+    """A text."""
+
+    def __init__(self, *, text: str) -> None:
+        if not isinstance(text, str):
+            raise TypeError(f"TextSubstitution expected Text object got '{type(text)}' instead.")
+        self.text = text
+
+    def perform(self, context: Any) -> str:
+        """Return the text."""
+        return self.text
+
+
+class LaunchConfiguration(Substitution):
+    """The value of a launch configuration: an argument of the launch file, mostly."""
+
+    def __init__(self, variable_name: Any, *, default: Any = None) -> None:
+        self.variable_name = variable_name
+        self.default = default
+
+    def perform(self, context: Any) -> str:
+        """Return the value, else the default."""
+        name = text_of(context, self.variable_name)
+        if name in context.launch_configurations:
+            return str(context.launch_configurations[name])
+        if self.default is None:
+            raise SubstitutionFailure(f"launch configuration '{name}' does not exist")
+        default = self.default
+        is_plain = isinstance(default, bool | int | float)
+        return str(default) if is_plain else text_of(context, default)
+
+
+class EnvironmentVariable(Substitution):
+    """The value of an environment variable."""
+
+    def __init__(self, name: Any, *, default_value: Any = None) -> None:
+        self.name = name
+        self.default_value = default_value
+
+    def perform(self, context: Any) -> str:
+        """Return the value, else the default."""
+        name = text_of(context, self.name)
+        if name in context.environment:
+            return str(context.environment[name])
+        if self.default_value is None:
+            raise SubstitutionFailure(f"environment variable '{name}' does not exist")
+        return text_of(context, self.default_value)
+
+
+class PathSubstitution(Substitution):
+    """Parts of a path, joined by `/`."""
+
+    def __init__(self, path: Any) -> None:
+        self._parts = [path]
+
+    def __truediv__(self, part: Any) -> PathSubstitution:
+        joined = PathSubstitution("")
+        joined._parts = [*self._parts, part]
+        return joined
+
+    def perform(self, context: Any) -> str:
+        """Return the path."""
+        return str(Path(*(text_of(context, part) for part in self._parts)))
+
+
+class PathJoinSubstitution(PathSubstitution):
+    """Parts of a path, joined."""
+
+    def __init__(self, substitutions: Iterable[Any]) -> None:
+        super().__init__("")
+        self._parts = list(substitutions)
+
+
+class StringJoinSubstitution(Substitution):
+    """Texts, joined by a delimiter."""
+
+    def __init__(self, substitutions: Iterable[Any], delimiter: Any = "") -> None:
+        self._parts = list(substitutions)
+        self._delimiter = delimiter
+
+    def perform(self, context: Any) -> str:
+        """Return the joined text."""
+        return text_of(context, self._delimiter).join(text_of(context, p) for p in self._parts)
+
+
+class FindExecutable(Substitution):
+    """A program of the machine: told by its name, for none is started."""
+
+    def __init__(self, *, name: Any) -> None:
+        self.name = name
+
+    def perform(self, context: Any) -> str:
+        """Return the program's name."""
+        return text_of(context, self.name)
+
+
+class Command(Substitution):
+    """The output of a program, which is not run."""
+
+    def __init__(self, command: Any, *, on_stderr: Any = "fail") -> None:
+        self.command = command
+
+    def perform(self, context: Any) -> str:
+        """Raise AbsentError: no program is run."""
+        try:
+            command = text_of(context, self.command)
+        except AbsentError as error:
+            context.reading.robots.append(RobotSource("", problem=str(error)))
+            raise
+        made = source_of_command(command, Path.cwd())
+        context.reading.robots += [] if made is None else [made]
+        words = command.split()
+        program = os.path.basename(words[0]) if words else "it"  # noqa: PTH119 - may be no path
+        raise AbsentError(f"the output of {program} is not here")
+
+
+class PythonExpression(Substitution):
+    """The value of a small Python expression."""
+
+    def __init__(self, expression: Any, python_modules: Any = ("math",)) -> None:
+        self.expression = expression
+
+    def perform(self, context: Any) -> str:
+        """Return the value as text."""
+        text = text_of(context, self.expression)
+        try:
+            return str(evaluate(text, {"math": math}))
+        except ValueError as error:
+            raise SubstitutionFailure(str(error)) from error
+
+
+class ThisLaunchFile(Substitution):
+    """The path of the launch file."""
+
+    def perform(self, context: Any) -> str:
+        """Return the path."""
+        return str(context.get_locals_as_dict()["current_launch_file_path"])
+
+
+class ThisLaunchFileDir(Substitution):
+    """The folder of the launch file."""
+
+    def perform(self, context: Any) -> str:
+        """Return the folder."""
+        return str(context.get_locals_as_dict()["current_launch_file_directory"])
+
+
+class LocalSubstitution(Substitution):
+    """A local value of the context."""
+
+    def __init__(self, expression: str, description: str | None = None) -> None:
+        self.expression = expression
+
+    def perform(self, context: Any) -> str:
+        """Return the value as text."""
+        values = context.get_locals_as_dict()
+        if self.expression not in values:
+            raise SubstitutionFailure(f"nothing local is called '{self.expression}'")
+        return str(values[self.expression])
+
+
+class AnonName(Substitution):
+    """A name that nothing else has: always the same, so that a run can be repeated."""
+
+    def __init__(self, name: Any) -> None:
+        self.name = name
+
+    def perform(self, context: Any) -> str:
+        """Return the name."""
+        return f"{text_of(context, self.name)}_anonymous"
+
+
+class FileContent(Substitution):
+    """What a file holds."""
+
+    def __init__(self, path: Any) -> None:
+        self.path = path
+
+    def perform(self, context: Any) -> str:
+        """Return the text of the file."""
+        path = Path(text_of(context, self.path))
+        context.reading.sources.append(path)
+        return path.read_text(encoding="utf-8")
+
+
+class LaunchLogDir(Substitution):
+    """The folder of log files, of which none is written."""
+
+    def perform(self, context: Any) -> str:
+        """Raise AbsentError."""
+        raise AbsentError("the folder of log files is not here")
+
+
+class EqualsSubstitution(Substitution):
+    """`true` where two texts are equal, as numbers or truth values too."""
+
+    def __init__(self, left: Any, right: Any) -> None:
+        self._sides = (left, right)
+
+    def _equal(self, context: Any) -> bool:
+        left, right = (
+            str(side) if isinstance(side, bool | int | float) else text_of(context, side)
+            for side in self._sides
+        )
+        if left == right or left.lower() == right.lower() in ("true", "false"):
+            return True
+        try:
+            return math.isclose(float(left), float(right))
+        except ValueError:
+            return False
+
+    def perform(self, context: Any) -> str:
+        """Return `true` or `false`."""
+        return str(self._equal(context)).lower()
+
+
+class NotEqualsSubstitution(EqualsSubstitution):
+    """`true` where two texts differ."""
+
+    def perform(self, context: Any) -> str:
+        """Return `true` or `false`."""
+        return str(not self._equal(context)).lower()
+
+
+class NotSubstitution(Substitution):
+    """`true` where a text says false."""
+
+    def __init__(self, value: Any) -> None:
+        self._value = value
+
+    def perform(self, context: Any) -> str:
+        """Return `true` or `false`."""
+        return str(not evaluate_condition_expression(context, self._value)).lower()
+
+
+class AllSubstitution(Substitution):
+    """`true` where all texts say true."""
+
+    def __init__(self, *args: Any) -> None:
+        self._values = args
+
+    def perform(self, context: Any) -> str:
+        """Return `true` or `false`."""
+        return str(all(evaluate_condition_expression(context, v) for v in self._values)).lower()
+
+
+class AnySubstitution(AllSubstitution):
+    """`true` where a text says true."""
+
+    def perform(self, context: Any) -> str:
+        """Return `true` or `false`."""
+        return str(any(evaluate_condition_expression(context, v) for v in self._values)).lower()
+
+
+class AndSubstitution(AllSubstitution):
+    """`true` where both texts say true."""
+
+    def __init__(self, left: Any, right: Any) -> None:
+        super().__init__(left, right)
+
+
+class OrSubstitution(AnySubstitution):
+    """`true` where one of two texts says true."""
+
+    def __init__(self, left: Any, right: Any) -> None:
+        super().__init__(left, right)
+
+
+class IfElseSubstitution(Substitution):
+    """One of two texts."""
+
+    def __init__(self, condition: Any, if_value: Any = "", else_value: Any = "") -> None:
+        self._condition = condition
+        self._values = (else_value, if_value)
+
+    def perform(self, context: Any) -> str:
+        """Return the text that the condition chooses."""
+        return text_of(
+            context, self._values[evaluate_condition_expression(context, self._condition)]
+        )

@@ -1,0 +1,278 @@
+"""What code scanning should show of controllers: from checks, reviews and runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+from tracerisk.adder.blocks.model_names import model_names
+from tracerisk.adder.blocks.values import COMPONENT_KINDS
+from tracerisk.adder.lock.lock import ControllerLock, lock_key
+from tracerisk.adder.sources.read import PlacedBlock, read_blocks
+from tracerisk.config import controller_root
+from tracerisk.errors import Location, TraceRiskError
+from tracerisk.pipeline.check.check import without_reason
+from tracerisk.pipeline.check.finding import Checked, CheckFinding, FindingKind
+from tracerisk.pipeline.check.run import function_place
+from tracerisk.pipeline.freshness.known_controllers import is_gone, lock_of
+from tracerisk.pipeline.trace.last_run import (
+    UnexpectedContact,
+    kept_contacts,
+    kept_uncovered,
+    told_contact,
+    unexpected_contacts,
+)
+from tracerisk.pipeline.workspace.controller import load_controller
+from tracerisk.prm.review.risk_change import Review
+from tracerisk.report.diff.words import some
+from tracerisk.report.sarif import Alert, alert_at
+from tracerisk.trace import NEVER_RAN, FunctionRef, Reason, Trace
+
+_RULES: dict[FindingKind, str] = {
+    "stale": "stale-block",
+    "edited": "edited-block",
+    "undecided": "undecided-block",
+    "missing": "missing-block",
+    "orphaned": "missing-block",
+    "over_threshold": "over-threshold",
+    "unjustified": "unjustified-pin",
+    "unequal": "unequal-units",
+    "unknown": "unknown-blocks",
+    "gone": "unknown-blocks",
+    "unsolvable": "unreadable",
+    "contact": "unexpected-contact",
+    "faulted": "faulted-run",
+    "stuck": "faulted-run",
+    "partial": "partial-run",
+    "coverage": "partial-run",
+}
+_CONTACT = "unexpected_contact"
+
+
+def repository_root(path: Path) -> Path:
+    """Return the folder that holds the `.git` above a file, else that of its controller."""
+    folder = path.resolve().parent
+    for each in (folder, *folder.parents):
+        if (each / ".git").exists():
+            return each
+    return controller_root(path)
+
+
+def check_alerts(
+    paths: Sequence[Path], found: Sequence[Checked | TraceRiskError]
+) -> tuple[Alert, ...]:
+    """Return the alerts of checked controllers: what `check_controllers` found for `paths`.
+
+    Beside what a check does not let pass they tell of single points of failure, of values set by
+    hand without a reason, whether or not the settings demand one, and of what the lock keeps of
+    the last run: motions that never ran, and unexpected contacts.
+    """
+    alerts: list[Alert] = []
+    for path, each in zip(paths, found, strict=True):
+        if isinstance(each, TraceRiskError):
+            place = each.location or Location(str(path))
+            alerts.append(alert_at("unreadable", each.message, place, _file(place.file)))
+            continue
+        if is_gone(path):
+            alerts += [_of_check(one, ()) for one in each.findings]
+            continue
+        root = controller_root(path)
+        entry = lock_of(root).controllers.get(lock_key(path, root))
+        held = {file: file.read_bytes() for file in _sources(path, root, entry)}
+        sources = {file: read_blocks(text, str(file)) for file, text in held.items()}
+        placed = [block for blocks in sources.values() for block in blocks]
+        pins = [one for file, here in sources.items() for one in without_reason(here, str(file))]
+        found_here = [one for one in each.findings if one.kind != "contact"]
+        alerts += [_of_check(one, placed) for one in (*found_here, *pins)]
+        alerts += _of_last_run(path, root, entry, sources)
+        if not any(
+            finding.kind in ("missing", "orphaned", "unsolvable") for finding in each.findings
+        ):
+            alerts += _single_points(path.name, held, sources)
+    return tuple(dict.fromkeys(alerts))
+
+
+def review_alerts(review: Review, folder: Path) -> tuple[Alert, ...]:
+    """Return the alerts of a change: redundancy that it took, single points that it made, and
+    components that it leaves out by hand.
+
+    `folder` is where the places of the review stand, the root of the repository.
+    """
+    alerts = []
+    for diff in review.controllers:
+        for change in diff.changes:
+            field = next((each for each in change.fields if not each.is_gone), None)
+            place = None if field is None else field.location
+            if field is None or place is None:
+                continue
+            names = {"function": field.function, "component": change.component or ""}
+            if change.kind == "component_omitted":
+                file = _file(str(folder / place.file))
+                alerts.append(alert_at("omitted-component", change.summary, place, file, **names))
+            for mark, rule in (
+                ("lost_redundancy", "lost-redundancy"),
+                ("single_point_of_failure", "single-point-of-failure"),
+            ):
+                if mark in change.marks:
+                    file = _file(str(folder / place.file))
+                    alerts.append(alert_at(rule, change.summary, place, file, **names))
+    return tuple(alerts)
+
+
+def run_alerts(trace: Trace, root: Path) -> tuple[Alert, ...]:
+    """Return the alerts of a run: its findings, and motions of which it tells nothing.
+
+    `root` is the controller's root, from which the trace names files.
+    """
+    alerts: list[Alert] = []
+    if trace.verdict is not None:
+        reasons = [each for each in trace.verdict.open_reasons if each.code != NEVER_RAN]
+        alerts += [_of_reason(each, trace, root) for each in reasons]
+    told = {each.message for each in alerts}
+    for finding in trace.findings:
+        if finding.kind != _CONTACT and finding.message not in told:
+            place = finding.location or Location(trace.controller)
+            subject = f"{finding.kind} {finding.message}"
+            file = _file(str(root / place.file))
+            alerts.append(alert_at("run-finding", finding.message, place, file, subject=subject))
+    lines = {each.ref: each.line for each in trace.functions}
+    links = {each.part or each.name for each in trace.elements if each.kind == "contact"}
+    for contact, touches in unexpected_contacts(trace.visits).items():
+        place = Location(str(root / contact.function.file), lines[contact.function])
+        alerts.append(_touched(contact, told_contact(contact, touches, links), place))
+    names = model_names([each.ref for each in trace.uncovered])
+    alerts += [_uncovered(each.ref, names[each.ref], each.line, root) for each in trace.uncovered]
+    return tuple(alerts)
+
+
+def _of_reason(reason: Reason, trace: Trace, root: Path) -> Alert:
+    """Return the alert of a reason for which a run is not complete."""
+    place = reason.location or Location(trace.controller)
+    return alert_at(
+        "partial-run" if reason.verdict == "partial" else "faulted-run",
+        reason.words,
+        place,
+        _file(str(root / place.file)),
+        function=reason.function,
+        subject=f"{reason.code} {reason.object}",
+    )
+
+
+def _of_last_run(
+    path: Path,
+    root: Path,
+    entry: ControllerLock | None,
+    sources: Mapping[Path, Sequence[PlacedBlock]],
+) -> Iterator[Alert]:
+    """Yield what the lock keeps of the last run, for the functions that are there.
+
+    One with a block by hand has risk data.
+    """
+    if entry is None:
+        return
+    controller = load_controller(path)
+    given = {
+        FunctionRef(lock_key(file, root), placed.function)
+        for file, blocks in sources.items()
+        for placed in blocks
+    }
+    uncovered = [ref for ref in kept_uncovered(entry.trace) if ref not in given]
+    names = model_names(uncovered)
+    for ref in uncovered:
+        place = function_place(controller, ref)
+        if place is not None and place.line is not None:
+            yield _uncovered(ref, names[ref], place.line, root)
+    for contact in kept_contacts(entry.trace):
+        place = function_place(controller, contact.function)
+        if place is not None:
+            yield _touched(contact, str(contact), place)
+
+
+def _touched(contact: UnexpectedContact, message: str, place: Location) -> Alert:
+    return alert_at(
+        "unexpected-contact",
+        message,
+        place,
+        _file(place.file),
+        function=contact.function.name,
+        subject=contact.bodies,
+    )
+
+
+def _uncovered(ref: FunctionRef, name: str, line: int, root: Path) -> Alert:
+    message = f"{name} can move the arm and never ran: no risk data, which is not no risk"
+    file = _file(str(root / ref.file))
+    return Alert("uncovered-motion", message, file, line, function=ref.name)
+
+
+def _file(shown: str) -> str:
+    """Return a file's name from the root of its repository, with `/`."""
+    path = Path(shown)
+    resolved = path.resolve()
+    root = repository_root(path)
+    return (resolved.relative_to(root) if resolved.is_relative_to(root) else path).as_posix()
+
+
+def _sources(path: Path, root: Path, entry: ControllerLock | None) -> list[Path]:
+    """Return the files with blocks of a controller, itself first."""
+    others = [] if entry is None else [root / file for file in sorted(entry.blocks)]
+    return [path, *(each for each in others if each.is_file() and not each.samefile(path))]
+
+
+def _of_check(finding: CheckFinding, placed: Sequence[PlacedBlock]) -> Alert:
+    function, component, rest = _names(finding.subject, placed)
+    return alert_at(
+        _RULES[finding.kind],
+        finding.message,
+        finding.location,
+        _file(finding.location.file),
+        function=function,
+        component=component,
+        subject=rest,
+    )
+
+
+def _names(path: str, placed: Sequence[PlacedBlock]) -> tuple[str, str, str]:
+    """Return the function, the component and the key of a dotted path into a block."""
+    names = [each.block.name for each in placed]
+    inside = [name for name in names if path == name or path.startswith(f"{name}.")]
+    if not inside:
+        return path, "", ""
+    function = max(inside, key=len)
+    rest = path[len(function) + 1 :]
+    component, _, key = rest.rpartition(".")
+    if key in {kind.key for kind in COMPONENT_KINDS}:
+        return function, component, key
+    return (function, "", rest) if rest in ("callSequence", "next", "") else (function, rest, "")
+
+
+def _single_points(
+    name: str, held: Mapping[Path, bytes], sources: Mapping[Path, Sequence[PlacedBlock]]
+) -> Iterator[Alert]:
+    from tracerisk.pipeline.stages import build
+    from tracerisk.prm.review.model_parts import single_points
+
+    annotated = {str(file): held[file] for file, blocks in sources.items() if blocks}
+    if not annotated:
+        return
+    points = single_points(build(annotated, name=name))
+    for component, functions in points.items():
+        places = [
+            (each.block, entry.location)
+            for blocks in sources.values()
+            for each in blocks
+            for entry in each.block.components
+            if entry.name == component and not entry.omitted and entry.location is not None
+        ]
+        if not places:
+            continue
+        block, place = places[0]
+        assert place is not None
+        yield alert_at(
+            "single-point-of-failure",
+            f"one failed unit of {component} fails the mission: in {some(functions)}",
+            place,
+            _file(place.file),
+            function=block.name,
+            component=component,
+        )

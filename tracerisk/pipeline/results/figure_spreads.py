@@ -1,0 +1,157 @@
+"""How far a hardware description's figures may be off, for the components of a model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+from tracerisk.hardware.model import Component, FailureFigure, Hardware
+from tracerisk.prm.hybrid.hybrid import HybridModel
+
+if TYPE_CHECKING:
+    from tracerisk.adder.figures.instances import ComponentInstances
+    from tracerisk.prm.numbers.distributions import Lognormal
+    from tracerisk.prm.questions.uncertainty import FigureSpread
+
+
+@dataclass(frozen=True, slots=True)
+class HardwareSpreads:
+    """The spreads of a description's figures, by component, and what a reader must know of them."""
+
+    figures: Mapping[str, tuple[FigureSpread, ...]]
+    notes: tuple[str, ...]
+
+
+def hardware_spreads(
+    model: HybridModel,
+    hardware: Hardware,
+    instances: Sequence[ComponentInstances] | None = None,
+    *,
+    by_hand: Iterable[str] = (),
+) -> HardwareSpreads:
+    """Return how far the figures of the model's components may be off.
+
+    `instances` are those of a run, which tell the part that each of several figures has; without
+    one, the figures of a component are taken to be off together, by the widest factor of them.
+    Components that `by_hand` names have no figure of the description.
+    """
+    from tracerisk.prm.questions.uncertainty import FigureSpread
+    from tracerisk.prm.questions.what_if import groups_of
+
+    known = groups_of(model)
+    shares = {each.component.name: each.figure_shares for each in instances or ()}
+    found: dict[str, tuple[FigureSpread, ...]] = {}
+    notes = []
+    left_out = set(by_hand)
+    for component in hardware.components:
+        name = component.name
+        factors = [figure for figure in component.figures if figure.error_factor is not None]
+        if not factors or name in left_out:
+            continue
+        if name not in known:
+            if component.redundancy.has_spares and f"{name} {{spares}}" in known:
+                notes.append(
+                    f"{name}: the error factors of a group with spares are left out, for its "
+                    "figure in the model is that of the group"
+                )
+            continue
+        if len(component.figures) == 1:
+            found[name] = (FigureSpread("", 1.0, _lognormal(factors[0])),)
+        elif shares.get(name):
+            found[name] = _parts(component, shares[name])
+        else:
+            widest = max(factors, key=_factor)
+            found[name] = (FigureSpread("", 1.0, _lognormal(widest)),)
+            notes.append(
+                f"{name}: which part each of its {len(component.figures)} figures has, a run "
+                f"tells; here all of it is off by the widest error factor, {_factor(widest):g}"
+            )
+    return HardwareSpreads(found, tuple(notes))
+
+
+def with_distributions(
+    model: HybridModel, spreads: Mapping[str, Sequence[FigureSpread]]
+) -> HybridModel:
+    """Return the model with a distribution for each component that has spreads.
+
+    Of several figures it is the lognormal of the same relative variance (L. F. Fenton, "The sum
+    of log-normal probability distributions in scatter transmission systems", IRE Transactions on
+    Communications Systems 8, 1960), about the value as its mean where each figure is one.
+    """
+    from tracerisk.prm.questions.what_if import groups_of
+
+    given = {
+        part.name: _joined(spreads[name])
+        for name, parts in groups_of(model).items()
+        if name in spreads
+        for part in parts
+    }
+    return replace(
+        model,
+        parameters=tuple(
+            replace(each, distribution=given.get(each.name, each.distribution))
+            for each in model.parameters
+        ),
+    )
+
+
+def _parts(component: Component, shares: Sequence[float]) -> tuple[FigureSpread, ...]:
+    from tracerisk.prm.questions.uncertainty import FigureSpread
+
+    names = _names(component.figures)
+    return tuple(
+        FigureSpread(name, share, _lognormal(figure))
+        for name, share, figure in zip(names, shares, component.figures, strict=True)
+        if figure.error_factor is not None and share > 0.0
+    )
+
+
+def _names(figures: Sequence[FailureFigure]) -> list[str]:
+    """Return what each figure of a component is called, alike ones numbered."""
+    plain = [
+        " ".join(
+            (
+                *(("standby",) if figure.standby else ()),
+                figure.kind.replace("_", " "),
+                f"per {figure.demand or figure.per.value}",
+            )
+        )
+        for figure in figures
+    ]
+    return [
+        name if plain.count(name) == 1 else f"{name} ({plain[: place + 1].count(name)})"
+        for place, name in enumerate(plain)
+    ]
+
+
+def _factor(figure: FailureFigure) -> float:
+    return figure.error_factor or 1.0
+
+
+def _lognormal(figure: FailureFigure) -> Lognormal:
+    from tracerisk.prm.numbers.distributions import Lognormal
+
+    return Lognormal(_factor(figure), figure.value_is)
+
+
+def _joined(spreads: Sequence[FigureSpread]) -> Lognormal:
+    import math
+
+    from tracerisk.prm.numbers.distributions import NORMAL_95, Lognormal
+
+    laws = [each.distribution for each in spreads]
+    if len(spreads) == 1 and spreads[0].share == 1.0:
+        assert isinstance(laws[0], Lognormal)
+        return laws[0]
+    mean = 1.0 - math.fsum(each.share for each in spreads)
+    variance = 0.0
+    for each, law in zip(spreads, laws, strict=True):
+        assert isinstance(law, Lognormal)
+        part = law.mean(each.share)
+        mean += part
+        variance += part**2 * math.expm1(law.sigma**2)
+    sigma = math.sqrt(math.log1p(variance / mean**2))
+    is_mean = all(isinstance(law, Lognormal) and law.value_is == "mean" for law in laws)
+    value_is: Literal["mean", "median"] = "mean" if is_mean else "median"
+    return Lognormal(math.exp(NORMAL_95 * sigma), value_is)

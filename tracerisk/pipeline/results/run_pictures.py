@@ -1,0 +1,87 @@
+"""Pictures of a run: of its recording, or of the run done once more to have one."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.adder.sources.write import atomic_write
+from tracerisk.config import Settings
+from tracerisk.errors import InputError, Location, LogError
+from tracerisk.hardware.binding import bind
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline.run.controller_run import Progress
+    from tracerisk.pipeline.workspace.controller import Controller
+    from tracerisk.report.html.run.replay import RecordedRun
+    from tracerisk.trace import Trace
+
+
+def run_again(
+    controller: Controller, settings: Settings, progress: Progress | None = None
+) -> tuple[Trace, RecordedRun | None]:
+    """Run a controller and return its trace and what was recorded; no file is written.
+
+    The same sources and settings make the same run. The recording is `None` where nothing was
+    simulated. Raises as `trace_controller`.
+    """
+    from tracerisk.pipeline.results.run_section import recorded_run
+    from tracerisk.pipeline.stages import trace_controller
+
+    with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
+        trace = trace_controller(controller, settings, keep=Path(folder), progress=progress)
+        return trace, recorded_run(Path(folder))
+
+
+def kept_recording(folder: str) -> RecordedRun:
+    """Return what was recorded in a folder that `tracerisk run --keep` left.
+
+    Raises LogError where it holds none.
+    """
+    from tracerisk.pipeline.results.run_section import recorded_run
+
+    try:
+        found = recorded_run(Path(folder))
+    except OSError as error:
+        raise LogError(f"cannot be read: {error.strerror}", Location(folder)) from error
+    if found is None:
+        raise LogError(
+            "holds no recording of a run; `tracerisk run --keep DIR` leaves one", Location(folder)
+        )
+    return found
+
+
+def write_pictures(
+    trace: Trace, run: RecordedRun, settings: Settings, folder: str
+) -> tuple[str, ...]:
+    """Write a picture for each function, and their legend; return the names of the files.
+
+    Raises RenderError where nothing can be drawn on this machine, InputError where the folder
+    cannot be written, LogError where the recording is not of the trace.
+    """
+    from tracerisk.pipeline.stages import load_hardware
+    from tracerisk.report.png.drawn import drawn
+    from tracerisk.report.png.pictures import LEGEND, legend_data, make_pictures
+
+    hardware = load_hardware(settings, trace.robot)
+    components = {each.component.name: each.elements for each in bind(hardware, trace.elements)}
+    pictures = make_pictures(trace, components, run)
+    files = dict(
+        zip(
+            (each.file for each in pictures),
+            drawn(pictures, limits=settings.drawing_limits),
+            strict=True,
+        )
+    )
+    text = json.dumps(legend_data(trace, pictures), indent=1, ensure_ascii=False)
+    files[LEGEND] = f"{text}\n".encode()
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        told = f"is no folder for pictures: {error.strerror}"
+        raise InputError(told, Location(folder)) from error
+    for name, data in files.items():
+        atomic_write(Path(folder) / name, data)
+    return tuple(files)

@@ -1,0 +1,55 @@
+"""The section of a report that shows a run: its timeline, and its replay where it was recorded."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.hardware.binding import bind
+from tracerisk.pipeline.trace.run_files import ROBOT, RunRequest
+from tracerisk.report.html.run.replay import RecordedRun
+
+if TYPE_CHECKING:
+    from tracerisk.hardware.model import Hardware
+    from tracerisk.report.html.section import Section
+    from tracerisk.trace import Trace
+
+
+def run_section(trace: Trace, hardware: Hardware, run: RecordedRun | None = None) -> Section | None:
+    """Return the section of a run; `None` for one of which no visit has a time.
+
+    `run` is what was recorded of it; without it there is no replay.
+    Raises HardwareError where the hardware description does not fit the trace.
+    """
+    from tracerisk.report.html.run.replay import make_replay
+    from tracerisk.report.html.run.timeline import timeline_section
+
+    if not trace.end.simulated_s or all(each.duration_s is None for each in trace.visits):
+        return None
+    components = {each.component.name: each.elements for each in bind(hardware, trace.elements)}
+    replay = None if run is None else make_replay(run, trace.end.simulated_s)
+    return timeline_section(trace, components, replay=replay)
+
+
+def recorded_run(recording: Path) -> RecordedRun | None:
+    """Return what was simulated, from the folder that keeps it; `None` where nothing was.
+
+    What is returned needs the folder no longer.
+    Raises LogError where the recording is damaged.
+    """
+    from tracerisk.twin.physics.declared_log import read_declared
+    from tracerisk.twin.physics.scene import load_scene
+    from tracerisk.twin.recording.samples import has_samples, read_samples
+    from tracerisk.twin.robots.file import read_dumped_robot
+
+    if not has_samples(recording):
+        return None
+    request = RunRequest.loads((recording / "request.json").read_text(encoding="utf-8"))
+    robot = read_dumped_robot(recording / ROBOT)
+    scene = load_scene(request.scene)
+    if request.scenario is not None:
+        from tracerisk.ros.scenario.objects import with_objects
+        from tracerisk.ros.scenario.scenario import read_scenario
+
+        scene = with_objects(scene, read_scenario(Path(request.scenario)).objects)
+    return RecordedRun(read_samples(recording), robot, scene, read_declared(recording))

@@ -1,0 +1,1 @@
+"""Which robot a controller drives."""

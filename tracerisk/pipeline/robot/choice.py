@@ -1,0 +1,140 @@
+"""Which robot a controller drives: the settings, its workspace, its strings, else a generic arm."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.config import Settings, controller_root
+from tracerisk.errors import Location, RobotError
+from tracerisk.limits import Limits
+from tracerisk.pipeline.launch.choose import NOTHING_CHOSEN, LaunchChoice
+from tracerisk.pipeline.launch.spoken import with_parameters
+from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.pipeline.workspace.own_modules import with_own_modules
+from tracerisk.pipeline.workspace.workspace import find_workspace
+from tracerisk.twin.robots.robot import is_model_file
+
+if TYPE_CHECKING:
+    from tracerisk.twin.model_files.model_file import ModelFile
+    from tracerisk.twin.robots.robot import Robot
+
+
+@dataclass(frozen=True, slots=True)
+class RobotChoice:
+    """The robot that was taken, and files of the workspace that were not, each with its reason.
+
+    `files` are those that the robot was read from, if it is not a shipped one.
+    """
+
+    robot: Robot
+    skipped: tuple[str, ...] = ()
+    files: tuple[Path, ...] = ()
+
+
+def choose_launched_robot(
+    controller: Controller,
+    settings: Settings,
+    launch: LaunchChoice,
+    *,
+    also_named: tuple[str, ...] = (),
+) -> RobotChoice:
+    """Return the robot of which a controller's source speaks, or its parameters of a launch file.
+
+    Raises RobotError as `choose_robot` does; a name that only the launch file has raises none.
+    """
+    from tracerisk.twin.workspace.robot_of_workspace import UnreadableRobotError
+
+    launched = with_parameters(controller, launch.setup)
+    try:
+        return choose_robot(launched, settings, launch, also_named=also_named)
+    except RobotError as error:
+        if isinstance(error, UnreadableRobotError) or launched is controller:
+            raise
+        return choose_robot(controller, settings, launch, also_named=also_named)
+
+
+def choose_robot(
+    controller: Controller,
+    settings: Settings,
+    launch: LaunchChoice = NOTHING_CHOSEN,
+    *,
+    also_named: tuple[str, ...] = (),
+) -> RobotChoice:
+    """Return the robot that a controller drives; its `chosen_by` says why it is this one.
+
+    It is the one that the settings name, else the one that `searched_robot` finds. `launch` is
+    what was chosen of launch files, `also_named` joints that the controller names in its run, and
+    not in its source.
+    Raises RobotError when the settings name none that is known, several fit equally well, or that
+    of the workspace cannot be read.
+    """
+    from tracerisk.twin.robots.generic import NAME as GENERIC
+    from tracerisk.twin.robots.robot import load_robot
+
+    told = "as the settings say"
+    if settings.robot is None:
+        from tracerisk.pipeline.robot.search import searched_robot
+
+        return searched_robot(controller, settings, launch, also_named)
+    whole = with_own_modules(controller)
+    if settings.robot == GENERIC:
+        from tracerisk.pipeline.robot.search import stand_in
+
+        return stand_in(controller, told)
+    if is_model_file(settings.robot):
+        read = read_model(controller.root, settings.robot, settings.limits)
+        return RobotChoice(replace(read.robot, chosen_by=told), files=read.files)
+    robot = replace(load_robot(settings.robot), chosen_by=told)
+    return RobotChoice(equipped(robot, whole))
+
+
+def equipped(robot: Robot, controller: Controller) -> Robot:
+    """Return a robot, with an assumed gripper if it has none and the controller commands one."""
+    from tracerisk.twin.robots.assumed_gripper import commands_gripper, with_assumed_gripper
+    from tracerisk.twin.robots.generic import names_asked
+
+    if robot.grippers or not commands_gripper(controller.source):
+        return robot
+    return with_assumed_gripper(robot, names_asked(controller.source).joints)
+
+
+def read_model(root: Path, name: str, limits: Limits) -> ModelFile:
+    """Read the model file that the settings name; what it names stands in its own project.
+
+    That is the controller's own root, or the nearest folder above the file that is marked as the
+    root of one; and the packages of the controller's workspace and of the file's.
+    Raises RobotError when it is malformed, or names a file elsewhere; LimitError when reading it
+    takes too long or too much memory.
+    """
+    from tracerisk.twin.model_files.model_file import read_model_file
+    from tracerisk.twin.model_files.paths import ModelFolder
+
+    path = Path(name)
+    try:
+        resolved = path.resolve()
+    except (OSError, RuntimeError) as error:
+        raise RobotError(f"names no file: {error}", Location(name)) from error
+    top = root.resolve() if resolved.is_relative_to(root.resolve()) else controller_root(path)
+    packages = {**_own_packages(top), **_own_packages(root)}
+    return read_model_file(path, ModelFolder(resolved.parent, top, packages), limits=limits)
+
+
+def robot_files(controller: Controller, settings: Settings) -> tuple[Path, ...]:
+    """Return the files that are read for a robot that the settings name by its file, that first.
+
+    Raises RobotError as `choose_robot` does.
+    """
+    name = settings.robot
+    if name is None or not Path(name).suffix:
+        return ()
+    if not is_model_file(name):
+        return (Path(name),)
+    return read_model(controller.root, name, settings.limits).files
+
+
+def _own_packages(root: Path) -> Mapping[str, Path]:
+    """Return the packages of the controller's own project."""
+    return find_workspace(root).packages

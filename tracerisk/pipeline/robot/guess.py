@@ -1,0 +1,28 @@
+"""With which robot a controller may be tried whose own cannot be told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from tracerisk.errors import TraceRiskError
+from tracerisk.twin.robots.detect import SeveralRobotsError
+from tracerisk.twin.robots.generic import NAME as GENERIC
+from tracerisk.twin.workspace.robot_of_workspace import UnreadableRobotError
+
+
+@dataclass(frozen=True, slots=True)
+class RobotGuess:
+    """A robot for a scenario, and why it is this one."""
+
+    name: str
+    told: str
+
+
+def guessed_robot(error: TraceRiskError | None) -> RobotGuess | None:
+    """Return a robot to assume where an error says that none is known, else `None`."""
+    if isinstance(error, SeveralRobotsError) and error.names:
+        return RobotGuess(error.names[0], "one of several that fit")
+    if isinstance(error, UnreadableRobotError):
+        told = "a stand-in, for that of the workspace cannot be read; better give its file"
+        return RobotGuess(GENERIC, told)
+    return None

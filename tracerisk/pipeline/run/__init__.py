@@ -1,0 +1,1 @@
+"""Run a controller in a child process under limits; both ends of that process."""

@@ -1,0 +1,192 @@
+"""Run a controller with what is assumed of its surroundings, and again where that does not fit."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.config import Settings
+from tracerisk.hardware.binding import bind
+from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
+from tracerisk.pipeline.robot.choice import choose_launched_robot
+from tracerisk.pipeline.run.companions import find_companions
+from tracerisk.pipeline.run.controller_run import ControllerRun, Progress, run_controller
+from tracerisk.pipeline.run.scenario_settings import with_scenario
+from tracerisk.pipeline.trace.run_files import Companion
+from tracerisk.pipeline.trace.sensors import elements_of
+from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.trace import EndCause, Trace
+
+if TYPE_CHECKING:
+    from tracerisk.hardware.model import Hardware
+
+_MOST_COMPANIONS = 4
+_MOST_DURATIONS = 4  # simulated time of all attempts, in that which one run may take
+# A process that died may have been ended for want of memory.
+OF_THE_MACHINE: frozenset[EndCause] = frozenset({"wall_limit", "memory_limit", "died"})
+"""How a run may end by a limit of the machine: nothing is concluded from it."""
+_ROBOTS_TRIED = 3  # for the names that a run shows, of an arm and then of its gripper
+
+
+def trace_attempts(
+    controller: Controller,
+    settings: Settings,
+    *,
+    hardware_of: Callable[[Settings, str], Hardware],
+    keep: Path | None = None,
+    progress: Progress | None = None,
+    on_run: Callable[[ControllerRun], None] | None = None,
+) -> Trace:
+    """Return what the run showed whose launch file and robot fit the controller.
+
+    A run that moves joints which a robot lacks that nobody named is done again with the robot
+    that has them: no source tells the names that a controller puts together as it runs.
+    A run that shows no risk with what a launch file gives is done again without it: the file was
+    found, not asked for, and must not keep a controller from running.
+    A run that shows no risk for want of something that other nodes of the workspace provide is
+    done again with these beside it.
+    Simulated time and the number of runs bound the attempts. A run that a limit of the machine
+    ended is the last: nothing is concluded from it.
+    `on_run` is told of each run, with what a scenario could say for its needs.
+    """
+    settings = with_scenario(settings)
+    simulated_s = 0.0
+
+    def may_go_on() -> bool:
+        return simulated_s < _MOST_DURATIONS * settings.run_duration_s
+
+    def run(
+        choice: LaunchChoice, keep: Path | None, companions: tuple[Companion, ...] = ()
+    ) -> ControllerRun:
+        nonlocal simulated_s
+        done = _with_robot(
+            controller,
+            settings,
+            choice,
+            hardware_of,
+            companions,
+            keep,
+            progress,
+            drafts_all=on_run is not None,
+        )
+        simulated_s += done.trace.end.simulated_s or 0.0
+        if on_run is not None:
+            on_run(done)
+        return done
+
+    def attempt(choice: LaunchChoice, keep: Path | None) -> Trace:
+        done = run(choice, keep)
+        if not settings.companions or _is_final(done.trace):
+            return done.trace
+        found = _with_companions(
+            controller, settings, done, lambda companions: run(choice, None, companions), may_go_on
+        )
+        if found is None or keep is None or _is_cut_short(found[0]):
+            return done.trace if found is None else found[0]
+        return run(choice, keep, found[1]).trace
+
+    choice = choose_launch(controller, settings)
+    trace = attempt(choice, keep)
+    is_found = choice.setup is not None and settings.launch is True
+    if not is_found or not may_go_on() or _is_final(trace):
+        return trace
+    assert choice.setup is not None
+    without = LaunchChoice(
+        notes=(
+            f"launch: nothing is taken from {choice.setup.file}: with it the run shows no risk "
+            f"({trace.end.message}); --launch FILE takes it",
+        )
+    )
+    plain = attempt(without, None)
+    if _is_cut_short(plain):
+        return plain
+    if not _shows_risk(plain):
+        # What is kept is the recording of the run that is told.
+        return trace
+    return plain if keep is None else attempt(without, keep)
+
+
+def _shows_risk(trace: Trace) -> bool:
+    return trace.end.is_good and bool(trace.functions)
+
+
+def _is_cut_short(trace: Trace) -> bool:
+    """Tell whether the machine may have ended a run, by a limit or for want of memory."""
+    return trace.end.cause in OF_THE_MACHINE
+
+
+def _is_final(trace: Trace) -> bool:
+    return _shows_risk(trace) or _is_cut_short(trace)
+
+
+def _with_companions(
+    controller: Controller,
+    settings: Settings,
+    done: ControllerRun,
+    run: Callable[[tuple[Companion, ...]], ControllerRun],
+    may_go_on: Callable[[], bool],
+) -> tuple[Trace, tuple[Companion, ...]] | None:
+    """Run a controller with the nodes beside it that provide what a run lacked.
+
+    Return the trace and the companions; None where no run shows risk, or where a companion moved
+    the robot unasked: then it is a controller itself. A run that was cut short is returned.
+    """
+    companions: tuple[Companion, ...] = ()
+    while done.needs and len(companions) < _MOST_COMPANIONS and may_go_on():
+        more = find_companions(controller, done.needs, settings, companions)
+        if not more:
+            return None
+        companions = (*companions, *more)[:_MOST_COMPANIONS]
+        done = run(companions)
+        if _is_cut_short(done.trace):
+            return done.trace, companions
+        if _shows_risk(done.trace):
+            theirs = {each.told for each in companions}
+            is_own = not any(each.ref.file in theirs for each in done.trace.functions)
+            return (done.trace, companions) if is_own else None
+    return None
+
+
+def _with_robot(
+    controller: Controller,
+    settings: Settings,
+    launch: LaunchChoice,
+    hardware_of: Callable[[Settings, str], Hardware],
+    companions: tuple[Companion, ...],
+    keep: Path | None,
+    progress: Progress | None,
+    *,
+    drafts_all: bool,
+) -> ControllerRun:
+    """Run the controller on the robot of its names, then on that of the names its run shows."""
+    asked: tuple[str, ...] = ()
+    choice = choose_launched_robot(controller, settings, launch)
+    for _ in range(_ROBOTS_TRIED):
+        # What the robot has no place for is told before a minute is spent on simulation.
+        bind(hardware_of(settings, choice.robot.name), elements_of(choice.robot, settings))
+        done = run_controller(
+            controller,
+            choice.robot,
+            settings,
+            launch,
+            companions=companions,
+            keep=keep,
+            progress=progress,
+            drafts_all=drafts_all,
+        )
+        if _is_cut_short(done.trace):
+            break
+        if settings.robot is not None or not set(done.joints_asked) - set(asked):
+            break
+        asked = (*asked, *done.joints_asked)
+        other = choose_launched_robot(controller, settings, launch, also_named=asked)
+        if other.robot == choice.robot:
+            break
+        choice = other
+    root = controller.root.resolve()
+    read = {Path(os.path.relpath(file.resolve(), root)).as_posix() for file in choice.files}
+    inputs = tuple(sorted({*done.trace.inputs, *read}))
+    return replace(done, trace=replace(done.trace, inputs=inputs))

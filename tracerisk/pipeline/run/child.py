@@ -1,0 +1,376 @@
+"""The process in which a controller runs: the twin, the stand-ins, the tracer and its end.
+
+Started by `tracerisk.pipeline` with the name of a file, the request; what it finds it
+writes into the folder of the recording at once, so that a sudden death loses nothing seen.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import faulthandler
+import os
+import resource
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import asdict
+from pathlib import Path
+
+from tracerisk.contained.limited_process import mark_start
+from tracerisk.contained.overlay import Overlay
+from tracerisk.errors import ExitCode, TraceRiskError
+from tracerisk.instrument.import_finder import ControllerFinder, controller_imports
+from tracerisk.instrument.loader import prepared_controller
+from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.tracer import Tracer
+from tracerisk.pipeline.launch.around import ParametersAround
+from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
+from tracerisk.pipeline.run.companion_run import Companions
+from tracerisk.pipeline.run.controller_end import ControllerEnd
+from tracerisk.pipeline.run.missing_modules import MissingModules
+from tracerisk.pipeline.run.run_watch import RunWatch
+from tracerisk.pipeline.run.scripted_input import scripted_input
+from tracerisk.pipeline.run.stall_watch import StallWatch
+from tracerisk.pipeline.run.unmet_needs import UnmetNeeds
+from tracerisk.pipeline.trace.run_files import (
+    AROUND,
+    DEFINITIONS,
+    ELSEWHERE,
+    ENTRY,
+    EVENTS,
+    GIVEN,
+    JOINTS_ASKED,
+    ROBOT,
+    STACKS,
+    STARTED,
+    RunRequest,
+    WallTime,
+)
+from tracerisk.pipeline.workspace.asked_in_source import asked_in_file
+from tracerisk.pipeline.workspace.entry_point import find_entry_point
+from tracerisk.pipeline.workspace.libraries import Libraries
+from tracerisk.pipeline.workspace.workspace import Workspace
+from tracerisk.ros.controller.needs import asking_place
+from tracerisk.ros.drafts.draft import known_answers
+from tracerisk.ros.drafts.usable_values import UsableValues
+from tracerisk.ros.graph.graph import Graph
+from tracerisk.ros.graph.parameter_files import read_parameters
+from tracerisk.ros.graph.runtime import Runtime, activate
+from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES
+from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.messages.ros2 import Interfaces2
+from tracerisk.ros.robot.frames import TwinFrames
+from tracerisk.ros.robot.state_topics import TwinTopics
+from tracerisk.ros.scenario.objects import with_objects
+from tracerisk.ros.scenario.scenario import Scenario, read_scenario
+from tracerisk.ros.scenario.world import ScenarioWorld
+from tracerisk.ros.time.patches import virtual_time
+from tracerisk.ros.time.scheduler import Scheduler
+from tracerisk.ros.twin_interfaces import TwinInterfaces
+from tracerisk.source.ros_version import ros_version
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.recording.samples import SampleWriter
+from tracerisk.twin.robots.assumed_names import with_assumed_names
+from tracerisk.twin.robots.file import read_dumped_robot
+from tracerisk.twin.simulation.twin import Twin
+from tracerisk.vendors.found import read_drivers, shipped_drivers, write_definitions
+from tracerisk.vendors.serving import serve_vendors
+
+_MB = 1024 * 1024
+_MOST_DENIED = 50
+
+
+def main() -> int:
+    """Run the request named on the command line; the exit code says how the run ended."""
+    request = RunRequest.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+    _apply_limits(request)
+    folder = Path(request.folder)
+    with (folder / STACKS).open("w") as stacks:
+        # The parent asks where an endless loop stands before it ends the process.
+        faulthandler.register(signal.SIGUSR1, file=stacks, all_threads=True)
+        return _run(request, folder)
+
+
+def _apply_limits(request: RunRequest) -> None:
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    wanted = request.memory_limit_mb * _MB
+    limit = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
+    resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
+
+
+def _run(request: RunRequest, folder: Path) -> int:
+    with (
+        (folder / EVENTS).open("wb", buffering=0) as stream,
+        SampleWriter(folder) as samples,
+    ):
+        # The recorder's clock and the tracer know each other only through the scheduler.
+        clock: list[Callable[[], int]] = [lambda: 0]
+        recorder = Recorder(stream, clock=lambda: clock[0]())
+        try:
+            _run_recorded(request, folder, samples, recorder, clock)
+        except TraceRiskError as error:
+            # Nothing has run: the source, the robot or the scene is at fault.
+            _refuse(recorder, error)
+            return int(error.exit_code)
+    return 0
+
+
+def _run_recorded(
+    request: RunRequest,
+    folder: Path,
+    samples: SampleWriter,
+    recorder: Recorder,
+    clock: list[Callable[[], int]],
+) -> None:
+    script, root = Path(request.controller), Path(request.root)
+    launch = request.launch or NOTHING_LAUNCHED
+    # Bound before virtual time takes the place of the machine's.
+    wall_clock = time.perf_counter
+    robot = with_assumed_names(
+        read_dumped_robot(folder / ROBOT),
+        lambda message: recorder.finding("assumed_name", message),
+    )
+    scenario = Scenario() if request.scenario is None else read_scenario(Path(request.scenario))
+    scene = with_objects(load_scene(request.scene), scenario.objects)
+    twin = Twin.build(robot, scene, samples=samples)
+    twin.on_unknown_joints = lambda names: recorder.note(JOINTS_ASKED, names=names)
+    tracer = Tracer(recorder.function_ran)
+    tracer.on_source = recorder.source_compiled
+    world = _Metered(twin, wall_clock)
+    scheduler = Scheduler(
+        world,
+        duration_ns=round(request.duration_s * 1e9),
+        tracer=tracer,
+        on_stuck=lambda over: end.kill(over),
+    )
+    clock[0] = lambda: scheduler.now_ns
+    workspace = Workspace({name: Path(each) for name, each in request.packages.items()})
+    runtime = Runtime(
+        scheduler,
+        Graph(scheduler, tracer),
+        twin=twin,
+        tracer=tracer,
+        recorder=recorder,
+        argv=(str(script), *request.argv),
+        seed=request.seed,
+        parameters=(
+            *launch.parameters,
+            *scenario.parameters,
+            *(each for file in request.params for each in read_parameters(Path(file))),
+        ),
+        packages=workspace.packages,
+    )
+    companions = Companions(request.companions, runtime, recorder)
+    watch = RunWatch(scheduler, recorder)
+    recorder.note(
+        GIVEN,
+        objects=[
+            each.string("name")
+            for each in scenario.objects
+            if each.boolean("graspable", default="mass" in each)
+        ],
+        accept=[asdict(each) for each in scenario.accept],
+        unconfirmed=[asdict(each) for each in scenario.unconfirmed],
+    )
+    recorder.watch, tracer.on_iteration = watch, watch.looped
+    is_ros2 = ros_version(script, root) == 2
+    own = workspace.interfaces
+    drivers = read_drivers(map(Path, request.drivers), root)
+    more = write_definitions((*shipped_drivers(), *drivers), folder / DEFINITIONS)
+    interfaces = (
+        Interfaces2(workspace=own, more=more) if is_ros2 else Interfaces(workspace=own, more=more)
+    )
+    TwinTopics(runtime, interfaces)
+    serve_vendors(runtime, TwinInterfaces(runtime, interfaces), drivers)
+    frames = TwinFrames(runtime, interfaces)
+    for driver in (*drivers, *shipped_drivers()):
+        frames.also(driver.frames)
+    scenario_world = ScenarioWorld(runtime, interfaces, scenario)
+    schedule = watch.schedule = scenario_world.schedule
+    values = UsableValues(
+        robot,
+        twin.forward_kinematics,
+        lambda group, pose: twin.inverse_kinematics(group, pose, avoid_collisions=True),
+    )
+    needs = UnmetNeeds(
+        runtime,
+        interfaces,
+        root,
+        lambda: watch.has_commanded,
+        scenario_world.unused,
+        values,
+        in_source=lambda: asked_in_file(script, 2 if is_ros2 else 1),
+        drafts_all=request.drafts_all,
+    )
+    stall = StallWatch(scheduler, watch, needs, lambda: schedule.is_pending)
+    world.time_passed = [watch.time_passed, stall.time_passed]
+
+    def run_over(cause: str) -> None:
+        runtime.client(SensorReading).finish()
+        watch.run_over(cause)
+
+    stand_ins = StandInFinder(interfaces)
+    missing = MissingModules(script, root, stand_ins.provides)
+    end = ControllerEnd(
+        recorder,
+        twin,
+        root,
+        request.memory_limit_mb,
+        run_over,
+        needs.judge,
+        missing,
+        scheduler.outlast,
+    )
+    kinds = stand_ins.provides.items()
+    libraries = {name for name, kind in kinds if kind.startswith("library")} - VENDOR_LIBRARIES
+    imports = ControllerFinder(
+        tracer,
+        root,
+        packages=workspace.python_packages,
+        reserved=libraries,
+        shared=set(stand_ins.provides) - libraries - VENDOR_LIBRARIES,
+        elsewhere=lambda name: _found_elsewhere(name, workspace, root, recorder),
+        is_library=Libraries(script, root, request.states).holds,
+    )
+    entry = find_entry_point(script, script.read_bytes(), root)
+    with (
+        _files(request, recorder),
+        activate(runtime),
+        stand_ins,
+        virtual_time(scheduler, seed=request.seed),
+        scripted_input(
+            (*request.answers, *scenario.answers),
+            recorder,
+            scheduler.touch,
+            scheduler.miss,
+            lambda message: scheduler.end("deadlock", message),
+            assume=lambda: known_answers(asking_place(), values),
+            progress=lambda: watch.last_command_ns,
+        ),
+        prepared_controller(
+            script, tracer, request.argv, root=root, entry=entry.function if entry else None
+        ) as run,
+        controller_imports(imports),
+    ):
+        # Behind what is installed: a build puts no file before another package's.
+        sys.path += [str(folder) for folder in workspace.import_paths]
+
+        # The controller's own modules leave no `__pycache__` in its folder.
+        sys.dont_write_bytecode = True
+        recorder.note(STARTED)
+        if not is_ros2 and request.reads_around:
+            runtime.graph.parameters.fall_back_on(
+                ParametersAround(
+                    script,
+                    root,
+                    workspace,
+                    lambda name, files: recorder.note(
+                        AROUND, name=name, files=[str(file) for file in files]
+                    ),
+                )
+            )
+        os.environ.update(
+            {"ROS_DISTRO": "jazzy", "ROS_VERSION": "2"}
+            if is_ros2
+            else {"ROS_DISTRO": "noetic", "ROS_VERSION": "1"}
+        )
+        os.environ.update(launch.environment)
+        if entry is not None:
+            recorder.note(ENTRY, function=entry.function, named_in=entry.named_in)
+
+        def begin() -> None:
+            companions.start()
+            run()
+
+        mark_start()
+        began = wall_clock()
+        end.run(lambda: scheduler.run_main(begin))
+        twin.close()
+        WallTime(wall_clock() - began, world.seconds).write(folder)
+
+
+def _found_elsewhere(
+    name: str, workspace: Workspace, root: Path, recorder: Recorder
+) -> Path | None:
+    """Return the folder of a module that stands off the import path, and say so."""
+    folder = workspace.folder_of_module(name, root)
+    if folder is not None:
+        recorder.note(ELSEWHERE, module=name, folder=os.path.relpath(folder, root))
+    return folder
+
+
+@contextlib.contextmanager
+def _files(request: RunRequest, recorder: Recorder) -> Iterator[None]:
+    """Have a contained controller write beside the real files; tell once what it is refused."""
+    if request.written is None:
+        yield
+        return
+    told: set[tuple[str, str]] = set()
+
+    def denied(verb: str, what: str) -> None:
+        if (verb, what) in told or len(told) >= _MOST_DENIED:
+            return
+        told.add((verb, what))
+        advice = "nothing leaves the process of a run"
+        if verb == "read":
+            advice = f'readable = ["{what}"] in [tool.tracerisk] allows it'
+        recorder.finding(
+            "denied", f"{what} was not {verb}: the run is contained; {advice}", object_name=what
+        )
+
+    with Overlay(request.written, request.writable, denied).active():
+        yield
+
+
+def _refuse(recorder: Recorder, error: TraceRiskError) -> None:
+    place = error.location
+    recorder.note(
+        "failed",
+        error=type(error).__name__,
+        message=error.message,
+        location=None if place is None else [place.file, place.line, place.column],
+    )
+
+
+class _Metered:
+    """The twin as the scheduler's world, with the wall time that its steps take [s]."""
+
+    def __init__(self, twin: Twin, wall_clock: Callable[[], float]) -> None:
+        self._twin = twin
+        self._wall_clock = wall_clock
+        self.seconds = 0.0
+        self.time_passed: list[Callable[[], None]] = []
+
+    @property
+    def time_ns(self) -> int:
+        return self._twin.time_ns
+
+    @property
+    def busy(self) -> bool:
+        return self._twin.busy
+
+    def advance(self, until_ns: int) -> int:
+        began = self._wall_clock()
+        try:
+            reached_ns = self._twin.advance(until_ns)
+        finally:
+            self.seconds += self._wall_clock() - began
+        for told in self.time_passed:
+            told()
+        return reached_ns
+
+
+if __name__ == "__main__":
+    try:
+        code = main()
+    except TraceRiskError as problem:
+        print(problem, file=sys.stderr)  # noqa: T201 - it has no other mouth
+        code = int(problem.exit_code)
+    except MemoryError:
+        code = int(ExitCode.CONTROLLER_FAILED)
+    sys.stdout.flush()
+    sys.exit(code)

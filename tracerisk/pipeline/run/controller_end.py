@@ -1,0 +1,248 @@
+"""How a controller ends: watched in its process, told to the recording."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import os
+import resource
+import signal
+import sys
+import threading
+import traceback
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import FrameType, TracebackType
+
+from tracerisk.errors import Location, SourceError, UnsafeRewriteError
+from tracerisk.instrument.recording import Recorder
+from tracerisk.pipeline.run.missing_modules import MissingModules
+from tracerisk.pipeline.run.unmet_needs import JudgedEnd
+from tracerisk.pipeline.trace.run_files import NEEDS, SCENARIO
+from tracerisk.ros.controller.frames import is_library
+from tracerisk.ros.time.scheduler import RunOver
+from tracerisk.source.python_2 import METHODS, NAMES
+from tracerisk.text.printable import cut, printable
+from tracerisk.trace import EndCause
+from tracerisk.twin.simulation.twin import Twin
+
+_CONTEXTS = 20
+_BY_ITSELF = frozenset({"ended", "exited", "raised"})
+
+
+class ControllerEnd:
+    """Tells the recording how the run of the controller below `root` ended, once.
+
+    `judge` tells what the end is in the light of what the controller lacked, and `run_over` is
+    told the cause before it is recorded. `missing` tells of modules that are not there. `outlast`
+    carries out what a controller that ended by itself had left under way.
+    """
+
+    def __init__(
+        self,
+        recorder: Recorder,
+        twin: Twin,
+        root: Path,
+        memory_limit_mb: int,
+        run_over: Callable[[str], None] = lambda _: None,
+        judge: Callable[[EndCause, str, Location | None], JudgedEnd] = JudgedEnd,
+        missing: MissingModules | None = None,
+        outlast: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._outlast = outlast
+        self._judge = judge
+        self._missing = missing
+        self._run_over = run_over
+        self._recorder = recorder
+        self._twin = twin
+        self._root = root
+        self._memory_limit_mb = memory_limit_mb
+        self._told = False
+
+    def run(self, run: Callable[[], None]) -> None:
+        """Run the controller, and tell how it ended."""
+        with self._exit_watched(), self._threads_watched():
+            try:
+                run()
+            except RunOver as over:
+                self._over(over)
+            except SystemExit as error:
+                self._exited(error)
+            except MemoryError as error:
+                self._out_of_memory(error)
+            except BaseException as error:  # noqa: BLE001 - here the controller ends
+                self._raised(error)
+            else:
+                self._tell("ended", "the controller ended")
+
+    def kill(self, over: RunOver) -> None:
+        """Tell how the run is over, and end a process that takes no notice of it."""
+        self._over(over)
+        os.kill(os.getpid(), signal.SIGKILL)
+
+    def _tell(self, cause: EndCause, message: str, location: Location | None = None) -> None:
+        if self._told:
+            return
+        self._told = True
+        if cause in _BY_ITSELF:
+            self._outlast()
+        self._recorder.note(
+            "objects", found=[dataclasses.asdict(each) for each in self._twin.object_offsets()]
+        )
+        judged = self._judge(cause, message, location)
+        if judged.scenario:
+            self._recorder.note(SCENARIO, lines=judged.scenario)
+        if judged.needs:
+            needs = [[each.kind, each.name, each.type_name] for each in judged.needs]
+            self._recorder.note(NEEDS, needs=needs)
+        self._run_over(judged.cause)
+        self._recorder.run_ended(judged.cause, judged.message, judged.location)
+
+    def _over(self, over: RunOver) -> None:
+        place = over.location
+        if place is not None and self._is_controllers(place.file):
+            place = dataclasses.replace(place, file=self._below_root(place.file))
+        self._tell(over.cause, over.message, place)
+
+    def _exited(self, error: SystemExit) -> None:
+        code = error.code
+        if code in (None, 0):
+            self._tell("ended", "the controller ended")
+            return
+        text = f"with code {code}" if isinstance(code, int) else f"with the message: {code}"
+        self._tell("exited", f"the controller exited {text}", self._place_of(error))
+
+    def _out_of_memory(self, error: MemoryError) -> None:
+        # What is left of the limit may be too little to tell it.
+        _, hard = resource.getrlimit(resource.RLIMIT_AS)
+        resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
+        message = (
+            f"the controller ran out of memory: its process may take {self._memory_limit_mb} MB "
+            "(--memory-limit)"
+        )
+        self._tell("memory_limit", message, self._place_of(error))
+        _print_traceback(error)
+
+    def _raised(self, error: BaseException) -> None:
+        if isinstance(error, ModuleNotFoundError):
+            self._tell("not_importable", self._not_there(error), self._place_of(error))
+            return
+        hint = self._python_2(error)
+        if hint is not None:
+            self._tell("not_importable", hint, self._place_of(error))
+            return
+        if isinstance(error, SyntaxError) and self._is_controllers(error.filename or ""):
+            place = Location(self._below_root(error.filename or ""), error.lineno, error.offset)
+            self._tell("not_importable", f"not valid Python: {error.msg}", place)
+            return
+        if isinstance(error, SourceError | UnsafeRewriteError):
+            # A module that it imports cannot be read or instrumented.
+            self._tell("not_importable", error.message, error.location)
+            return
+        self._tell("raised", f"the controller raised {_one_text(error)}", self._place_of(error))
+        _print_traceback(error)
+
+    def _not_there(self, error: ModuleNotFoundError) -> str:
+        """Say which modules are not there; of a part of a package, what the error says."""
+        name = error.name or ""
+        plain = f"No module named '{name}'"
+        if self._missing is None or not str(error).startswith(plain):
+            return str(error)
+        parent, _, _ = name.partition(".")
+        if parent != name and parent in sys.modules:
+            return str(error)
+        return self._missing.told(name)
+
+    def _python_2(self, error: BaseException) -> str | None:
+        """Return the hint where a name is missing that only Python 2 has."""
+        if self._missing is None or not isinstance(error, NameError | AttributeError):
+            return None
+        return self._missing.python_2() if error.name in NAMES | METHODS else None
+
+    def _exited_at_once(self, code: int, frame: FrameType | None) -> None:
+        while frame is not None and not self._is_controllers(frame.f_code.co_filename):
+            frame = frame.f_back
+        place = None if frame is None else self._location(frame, frame.f_lineno)
+        if code == 0:
+            self._tell("ended", "the controller ended by os._exit(0)", place)
+        else:
+            self._tell("exited", f"the controller called os._exit({code})", place)
+
+    @contextlib.contextmanager
+    def _exit_watched(self) -> Iterator[None]:
+        """Let `os._exit` tell where it was called before it ends the process."""
+        real, owner = os._exit, os.getpid()
+
+        def told(status: int) -> None:
+            if os.getpid() == owner:
+                self._exited_at_once(status, sys._getframe(1))
+            real(status)
+
+        os._exit = told  # type: ignore[assignment]
+        try:
+            yield
+        finally:
+            os._exit = real
+
+    @contextlib.contextmanager
+    def _threads_watched(self) -> Iterator[None]:
+        """Make a finding of each thread that dies of an error, with which Python goes on."""
+        real = threading.excepthook
+
+        def told(failure: threading.ExceptHookArgs) -> None:
+            error, thread = failure.exc_value, failure.thread
+            if error is not None and not isinstance(error, SystemExit | RunOver):
+                name = "" if thread is None else f" {thread.name}"
+                message = f"thread{name} died of {_one_text(error)}, and the controller went on"
+                self._recorder.finding("thread_failed", message, self._place_of(error))
+            real(failure)
+
+        threading.excepthook = told
+        try:
+            yield
+        finally:
+            threading.excepthook = real
+
+    def _place_of(self, error: BaseException) -> Location | None:
+        """Return the controller's innermost place in the error, or in one that led to it."""
+        found: BaseException | None = error
+        for _ in range(_CONTEXTS):
+            if found is None:
+                return None
+            place = self._innermost(found.__traceback__)
+            if place is not None:
+                return place
+            found = found.__cause__ or found.__context__
+        return None
+
+    def _innermost(self, trace: TracebackType | None) -> Location | None:
+        place = None
+        while trace is not None:
+            if self._is_controllers(trace.tb_frame.f_code.co_filename):
+                place = self._location(trace.tb_frame, trace.tb_lineno)
+            trace = trace.tb_next
+        return place
+
+    def _is_controllers(self, file: str) -> bool:
+        # A virtual environment may stand below the root.
+        return not is_library(file) and Path(file).is_relative_to(self._root)
+
+    def _location(self, frame: FrameType, line: int) -> Location:
+        return Location(self._below_root(frame.f_code.co_filename), line)
+
+    def _below_root(self, file: str) -> str:
+        return Path(file).relative_to(self._root).as_posix()
+
+
+def _one_text(error: BaseException) -> str:
+    if isinstance(error, SyntaxError):
+        return f"{type(error).__name__}: {error.msg}"
+    return cut("".join(traceback.format_exception_only(error)).strip())
+
+
+def _print_traceback(error: BaseException) -> None:
+    # The controller may have closed its standard error.
+    with contextlib.suppress(OSError, ValueError, AttributeError):
+        # A line of it is a line of the source, or the text of an error: that may be endless.
+        lines = map(printable, traceback.format_exception(error))
+        print("".join(lines), end="", file=sys.stderr)  # noqa: T201 - as Python does

@@ -1,0 +1,132 @@
+"""The modules that a controller imports and that are not there, told all at once."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+from tracerisk.errors import SourceError, TraceRiskError
+from tracerisk.pipeline.workspace.controller import load_controller
+from tracerisk.pipeline.workspace.own_modules import own_modules
+from tracerisk.ros.imports.vendor_libraries import remedy
+from tracerisk.source.python_2 import python_2_hint, walk_with_guards
+from tracerisk.source.python_source import parse_source
+
+
+@dataclass(frozen=True, slots=True)
+class MissingModules:
+    """Tells what the script below `root` and its own modules lack.
+
+    `provided` are the names that have stand-ins.
+    """
+
+    script: Path
+    root: Path
+    provided: Collection[str]
+
+    def told(self, failed: str) -> str:
+        """Return what to say where the import of `failed` did: of all that would, with remedies.
+
+        Python 2 has one hint of its own, and so has a module of its own that is no Python 3:
+        whoever installs the others gets no further.
+        """
+        files = self._files()
+        for path in files:
+            shown = self._shown(path)
+            hint = python_2_hint(_read(path), shown) or _unreadable(path, shown)
+            if hint is not None:
+                return hint
+        top = failed.partition(".")[0]
+        names = dict.fromkeys([top, *_absent(self._imported(files), top)])
+        return _sentence(list(names), self.provided)
+
+    def python_2(self) -> str | None:
+        """Return the hint where the script or one of its own modules is Python 2."""
+        hints = (python_2_hint(_read(path), self._shown(path)) for path in self._files())
+        return next((hint for hint in hints if hint is not None), None)
+
+    def _shown(self, path: Path) -> str:
+        try:
+            return path.resolve().relative_to(self.root.resolve()).as_posix()
+        except ValueError:
+            return path.name
+
+    def _files(self) -> Sequence[Path]:
+        try:
+            return (self.script, *own_modules(load_controller(self.script)))
+        except TraceRiskError:
+            return (self.script,)
+
+    def _imported(self, files: Iterable[Path]) -> Iterator[str]:
+        for path in files:
+            try:
+                tree = ast.parse(_read(path))
+            except (SyntaxError, ValueError, RecursionError):
+                continue
+            for node, is_guarded in walk_with_guards(tree):
+                if isinstance(node, ast.Import) and not is_guarded:
+                    yield from (alias.name.partition(".")[0] for alias in node.names)
+                elif isinstance(node, ast.ImportFrom) and not is_guarded and not node.level:
+                    yield (node.module or "").partition(".")[0]
+
+
+def _unreadable(path: Path, shown: str) -> str | None:
+    """Return what keeps a source from being parsed, `None` for nothing."""
+    try:
+        parse_source(_read(path), shown)
+    except SourceError as error:
+        return str(error)
+    return None
+
+
+def _absent(names: Iterable[str], known: str) -> Iterator[str]:
+    for name in sorted(set(names) - {known, ""}):
+        try:
+            if find_spec(name) is None:
+                yield name
+        except ModuleNotFoundError:
+            yield name
+        except (ImportError, ValueError, TraceRiskError):
+            # It is there, whatever is wrong with it.
+            continue
+
+
+def _sentence(names: Sequence[str], provided: Collection[str]) -> str:
+    """Return one sentence: those that one command installs together, then each other remedy."""
+    groups: dict[str, list[str]] = {}
+    commands: dict[str, str] = {}
+    for name in names:
+        found = remedy(name, provided)
+        if found.distribution is not None:
+            commands[name] = found.distribution
+        else:
+            groups.setdefault(found.words, []).append(name)
+    parts = []
+    if commands:
+        distributions = " ".join(sorted(set(commands.values())))
+        parts.append((list(commands), f"`pip install {distributions}` in {_ENVIRONMENT}"))
+    parts += [(group, words) for words, group in groups.items()]
+    parts.sort(key=lambda part: names.index(part[0][0]))
+    if len(parts) == 1:
+        group, words = parts[0]
+        return f"No module named {_listed(group)}: {words}"
+    told = "; ".join(f"{_listed(group)}: {words}" for group, words in parts)
+    return f"No modules named {_listed(names)}; {told}"
+
+
+_ENVIRONMENT = "the environment in which tracerisk runs"
+
+
+def _listed(names: Sequence[str]) -> str:
+    quoted = [f"'{name}'" for name in names]
+    return quoted[0] if len(quoted) == 1 else f"{', '.join(quoted[:-1])} and {quoted[-1]}"
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError:
+        return b""

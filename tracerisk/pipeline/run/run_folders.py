@@ -1,0 +1,91 @@
+"""The folders of a run: what is recorded, and what the controller writes."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+import stat
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from tracerisk import errors
+from tracerisk.errors import Location
+from tracerisk.pipeline.trace.run_files import DEFINITIONS, MOST_ROWS, MOST_TEXT
+
+
+@contextlib.contextmanager
+def run_folders(keep: Path | None) -> Iterator[tuple[Path, Path]]:
+    """Yield the folders of a run: that of its recording, and that of what the controller writes.
+
+    Both are gone afterwards; what was recorded goes into `keep`.
+    """
+    if keep is not None:
+        try:
+            keep.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            told = f"is no folder that a recording can be kept in: {error.strerror}"
+            raise errors.InputError(told, Location(str(keep))) from error
+    top = Path(tempfile.mkdtemp(prefix="tracerisk-")).resolve()
+    recording, written = top / "recording", top / "written"
+    try:
+        recording.mkdir()
+        written.mkdir()
+        yield recording, written
+    finally:
+        try:
+            if keep is not None:
+                keep_recording(recording, keep)
+        finally:
+            _remove(top)
+
+
+def keep_recording(recording: Path, keep: Path) -> None:
+    """Copy what was recorded; a controller's process can put anything beside it, or in its place.
+
+    Raises InputError where the folder cannot be written.
+    """
+    try:
+        for each in sorted(recording.iterdir()):
+            if not each.is_symlink() and each.is_file():
+                (keep / each.name).unlink(missing_ok=True)
+                shutil.copyfile(each, keep / each.name, follow_symlinks=False)
+    except OSError as error:
+        told = f"cannot keep the recording: {error.strerror}"
+        raise errors.InputError(told, Location(str(keep))) from error
+
+
+def _remove(folder: Path) -> None:
+    """Remove a folder, however deep a controller has made it."""
+    try:
+        shutil.rmtree(folder)
+    except (OSError, RecursionError):
+        for command in (["chmod", "-R", "u+rwx"], ["rm", "-rf"]):
+            with contextlib.suppress(OSError):
+                subprocess.run(
+                    [*command, "--", str(folder)], stderr=subprocess.DEVNULL, check=False
+                )
+
+
+def check_left(folder: Path) -> None:
+    """Raise LogError at what is no regular file of a recording, LimitError at a too large one.
+
+    Of a folder that is gone there is nothing to say: its recording is empty.
+    """
+    if not folder.is_dir():
+        return
+    for each in sorted(folder.iterdir()):
+        status = each.lstat()
+        if each.name == DEFINITIONS and stat.S_ISDIR(status.st_mode):
+            continue  # read by the child alone
+        if not stat.S_ISREG(status.st_mode):
+            raise errors.LogError(
+                f"{each.name} of the recording is no regular file: the controller's process has "
+                "put it there",
+            )
+        if status.st_size > (MOST_ROWS if each.suffix == ".bin" else MOST_TEXT):
+            raise errors.LimitError(
+                f"the run left {each.name} with {status.st_size} bytes, more than are read; "
+                "let it end earlier, with --duration"
+            )

@@ -1,0 +1,283 @@
+"""When a run without an end of its own is over: it repeats itself, or only idles.
+
+See docs/theory.md#when-a-run-ends.
+"""
+
+from __future__ import annotations
+
+from _thread import get_ident
+from bisect import bisect
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from tracerisk.errors import Location
+from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.tracer import Frame
+from tracerisk.pipeline.trace.run_files import CYCLE, MISSION_END
+from tracerisk.ros.scenario.schedule import Schedule
+from tracerisk.ros.time.scheduler import ControllerThread, Scheduler
+
+CYCLES_SEEN = 3
+"""How often the same cycle must have come."""
+_CYCLES_ELSEWHERE = 60  # how often, if its ways are the same but it leads elsewhere each time
+_SAME_GOAL = 0.1  # goals of a joint are the same within this [rad or m]
+IDLE_S = 60.0
+"""For how long nothing must have been commanded before a loop counts as idle [s]."""
+_LONGEST_CYCLE = 100
+
+# A way to a command: each function and the place in it. An iteration is its ways, in turn.
+_Way = tuple[object, ...]
+
+
+@dataclass(slots=True)
+class _Iteration:
+    start_ns: int
+    ways: list[_Way] = field(default_factory=list)
+    goals: list[tuple[float, ...]] = field(default_factory=list)
+    has_reached: bool = False
+
+
+@dataclass(slots=True)
+class _Loop:
+    """An endless loop, or all callbacks together; `quiet_ns` is since when it commands nothing."""
+
+    thread: int
+    place: Location | None
+    current: _Iteration
+    quiet_ns: int
+    past: list[_Iteration] = field(default_factory=list)
+    root: int = 0
+
+
+class RunWatch:
+    """Watches commands and loops of a run, and ends it where nothing new will come.
+
+    `schedule` (an attribute) is that of the scenario: while it has more to give, a run goes on.
+    """
+
+    def __init__(self, scheduler: Scheduler, recorder: Recorder) -> None:
+        self._scheduler = scheduler
+        self._recorder = recorder
+        self.schedule: Schedule | None = None
+        self._loops: dict[tuple[int, str, int], _Loop] = {}
+        self._callbacks: _Loop | None = None
+        self._iteration_of: dict[int, list[_Iteration]] = {}
+        self._last_command_ns: int | None = None
+        self._idle_ns: int | None = None
+        self._spin: object = None
+        self._spin_ns = 0
+
+    def looped(self, file: str, line: int) -> None:
+        """Note that an iteration of an endless loop begins."""
+        now_ns, thread = self._scheduler.now_ns, get_ident()
+        key = (thread, file, line)
+        loop = self._loops.pop(key, None)
+        if loop is None:
+            loop = _Loop(thread, Location(file, line), _Iteration(now_ns), now_ns)
+        elif loop.current.ways:
+            self._close(loop, now_ns)
+        # The last of the table is the innermost of those that run.
+        self._loops[key] = loop
+        loop.current = _Iteration(now_ns)
+        self._scheduler.raise_if_over()
+
+    def before_command(self, stack: Sequence[Frame]) -> None:
+        """Note that a command is about to be issued, while callbacks may have repeated."""
+        root = stack[0]
+        if root.root in (None, "main", "thread"):
+            return
+        if not self._main_spins() and not self._main_leaves_it_to_callbacks():
+            return
+        now_ns = self._scheduler.now_ns
+        loop = self._callbacks
+        if loop is None:
+            loop = self._callbacks = _Loop(
+                0, None, _Iteration(now_ns), now_ns, root=root.activation
+            )
+        if loop.root != root.activation:
+            loop.root = root.activation
+            if loop.current.ways:
+                self._close(loop, now_ns)
+            loop.current = _Iteration(now_ns)
+            self._scheduler.raise_if_over()
+
+    def issued(self, command_id: int, stack: Sequence[Frame], goal: Sequence[float]) -> None:
+        """Note that a command is issued that leads to `goal`."""
+        self._last_command_ns = self._scheduler.now_ns
+        way = tuple((frame.function, frame.site, frame.instance) for frame in stack)
+        is_callback = stack[0].root not in (None, "main", "thread")
+        loops = [loop for loop in self._loops.values() if loop.thread == get_ident()]
+        if is_callback and self._callbacks is not None:
+            loops.append(self._callbacks)
+        for loop in loops:
+            current = loop.current
+            is_another = not current.ways or current.ways[-1] != way
+            if is_another:
+                current.ways.append(way)
+            if is_another or not _are_near(current.goals[-1], tuple(goal)):
+                current.goals.append(tuple(goal))
+        self._iteration_of[command_id] = [loop.current for loop in loops]
+
+    def ended(self, command_id: int, outcome: str) -> None:
+        """Note that a command ends."""
+        self._last_command_ns = self._scheduler.now_ns
+        for iteration in self._iteration_of.pop(command_id, ()):
+            iteration.has_reached |= outcome == "succeeded"
+
+    @property
+    def has_commanded(self) -> bool:
+        """Whether anything was commanded yet."""
+        return self._last_command_ns is not None
+
+    @property
+    def last_command_ns(self) -> int | None:
+        """When something was commanded last [ns]; None before the first time."""
+        return self._last_command_ns
+
+    @property
+    def is_commanding(self) -> bool:
+        """Whether a command is live."""
+        return bool(self._iteration_of)
+
+    @property
+    def last_event_ns(self) -> int:
+        """When a command began or ended last, or the scenario acted [ns]."""
+        acted_ns = 0 if self.schedule is None else self.schedule.last_ns
+        return max(self._last_command_ns or 0, acted_ns)
+
+    @property
+    def _is_expecting(self) -> bool:
+        return self.schedule is not None and self.schedule.is_pending
+
+    def time_passed(self) -> None:
+        """Look whether the controller only idles; called whenever the world has moved."""
+        since_ns = self._idle_ns = self._idle_since_ns()
+        now_ns = self._scheduler.now_ns
+        if since_ns is None or now_ns - since_ns < IDLE_S * 1e9:
+            return
+        if self._scheduler.over is not None:
+            return
+        loop = self._innermost_of_main()
+        place = loop.place if loop is not None and not self._main_spins() else None
+        if self._last_command_ns is None:
+            self._scheduler.end(
+                "no_motion",
+                f"a loop without an end, in which nothing was commanded for {IDLE_S:g} s of "
+                "simulated time",
+                place,
+            )
+            return
+        self._scheduler.end(
+            "idle", f"nothing more was commanded in {IDLE_S:g} s of a loop without an end", place
+        )
+
+    def run_over(self, cause: str) -> None:
+        """Note when the mission was over, at the end of a run that had nothing left to do."""
+        # By now the threads unwind: what was seen when the world last moved is what counts.
+        if cause in ("idle", "quiescent") and self._idle_ns is not None:
+            self._recorder.note(MISSION_END, ns=self._idle_ns)
+
+    def _idle_since_ns(self) -> int | None:
+        """Return since when nothing is under way and the main thread only waits or loops."""
+        if self._iteration_of or self._is_expecting:
+            return None
+        loop = self._innermost_of_main()
+        if self._main_spins():
+            quiet_ns = self._spin_ns
+        elif loop is not None and not loop.current.ways:
+            quiet_ns = loop.quiet_ns
+        else:
+            return None
+        return max(quiet_ns, self.last_event_ns)
+
+    def _innermost_of_main(self) -> _Loop | None:
+        main = self._main()
+        if main is None:
+            return None
+        loops = [loop for loop in self._loops.values() if loop.thread == main.ident]
+        return loops[-1] if loops else None
+
+    def _main(self) -> ControllerThread | None:
+        return next((each for each in self._scheduler.threads if each.is_main), None)
+
+    def _main_leaves_it_to_callbacks(self) -> bool:
+        """Tell whether the main thread loops without an end, and has never commanded anything."""
+        loop = self._innermost_of_main()
+        if loop is None or loop.thread == get_ident():
+            return False
+        return not loop.past and not loop.current.ways
+
+    def _main_spins(self) -> bool:
+        main = self._main()
+        # A main thread that waits for the end of the one that spins spins as well.
+        while main is not None and main.wait is not None and main.wait.deadline_ns is None:
+            if not isinstance(main.wait.on, ControllerThread):
+                break
+            main = main.wait.on
+        wait = main.wait if main is not None else None
+        is_idle = wait is not None and wait.kind == "idle" and wait.deadline_ns is None
+        if main is not None and main.spins_since_ns is not None and (wait is None or is_idle):
+            # It runs the callbacks itself, and waits anew after each.
+            self._spin, self._spin_ns = main, main.spins_since_ns
+            return True
+        if not is_idle:
+            self._spin = None
+            return False
+        if self._spin is not wait:
+            self._spin, self._spin_ns = wait, self._scheduler.now_ns
+        return True
+
+    def _close(self, loop: _Loop, now_ns: int) -> None:
+        """Close an iteration that commanded something, and end the run at the third cycle."""
+        loop.past.append(loop.current)
+        loop.quiet_ns = now_ns
+        found = _cycle_start(loop.past)
+        if found is not None and self._scheduler.over is None and not self._is_expecting:
+            start, seen = found
+            self._recorder.note(CYCLE, start_ns=loop.past[start].start_ns, seen=seen)
+            self._scheduler.end(
+                "cycles",
+                f"the same cycle came {seen} times in a loop without an end",
+                loop.place,
+            )
+
+
+def _cycle_start(past: Sequence[_Iteration]) -> tuple[int, int] | None:
+    """Return where in the iterations the last equal cycles begin and how many, if enough are.
+
+    A goal must have been reached in each. Cycles of the same ways that lead elsewhere each time,
+    to places drawn at random say, are taken as equal when very many of them have come.
+    """
+    # Asked at each iteration of a loop that may do nothing else: what is quickly told comes first.
+    reached = [number for number, each in enumerate(past) if each.has_reached]
+    if len(reached) < CYCLES_SEEN:
+        return None
+    for length in range(1, min(len(past) // CYCLES_SEEN, _LONGEST_CYCLE) + 1):
+        for seen, is_same in ((CYCLES_SEEN, _is_same_cycle), (_CYCLES_ELSEWHERE, _has_same_ways)):
+            start = len(past) - seen * length
+            if start < 0:
+                continue
+            at = range(start, len(past), length)
+            if any(bisect(reached, each - 1) == bisect(reached, each + length - 1) for each in at):
+                continue
+            cycles = [past[each : each + length] for each in at]
+            if all(is_same(each, cycles[0]) for each in cycles[1:]):
+                return start, seen
+    return None
+
+
+def _has_same_ways(cycle: Sequence[_Iteration], other: Sequence[_Iteration]) -> bool:
+    return [each.ways for each in cycle] == [each.ways for each in other]
+
+
+def _is_same_cycle(cycle: Sequence[_Iteration], other: Sequence[_Iteration]) -> bool:
+    return _has_same_ways(cycle, other) and all(
+        len(one.goals) == len(two.goals) and all(map(_are_near, one.goals, two.goals))
+        for one, two in zip(cycle, other, strict=True)
+    )
+
+
+def _are_near(goal: tuple[float, ...], other: tuple[float, ...]) -> bool:
+    return len(goal) == len(other) and all(
+        abs(one - two) <= _SAME_GOAL for one, two in zip(goal, other, strict=True)
+    )

@@ -1,0 +1,106 @@
+"""When a controller only waits: in a loop of waits with limits, for what nobody provides.
+
+`while not client.wait_for_service(timeout_sec=1.0)` and `while self.pose is None: sleep(0.1)` never
+stand still, and end only with the duration of the run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from tracerisk.errors import Location
+from tracerisk.pipeline.run.run_watch import IDLE_S, RunWatch
+from tracerisk.pipeline.run.unmet_needs import UnmetNeeds
+from tracerisk.ros.controller.frames import controller_stack
+from tracerisk.ros.controller.thread import ControllerThread
+from tracerisk.ros.time.scheduler import Scheduler
+
+_WAITS_OF_A_LOOP = 3
+
+
+@dataclass(slots=True)
+class _Waits:
+    """Where a thread waited since the last command, and since when at no new place [ns]."""
+
+    new_ns: int
+    places: set[Any] = field(default_factory=set)
+    count: int = 0
+    since: int = -1
+    location: Location | None = None
+
+
+class StallWatch:
+    """Ends a run in which every thread waits at the same places again and again.
+
+    That is so where nothing was commanded for 60 s of simulated time, something that the
+    controller asked for is not there, and `is_pending` says that the scenario has no more to give.
+    """
+
+    def __init__(
+        self,
+        scheduler: Scheduler,
+        watch: RunWatch,
+        needs: UnmetNeeds,
+        is_pending: Callable[[], bool],
+    ) -> None:
+        self._scheduler = scheduler
+        self._watch = watch
+        self._needs = needs
+        self._is_pending = is_pending
+        self._waits: dict[int, _Waits] = {}
+
+    def time_passed(self) -> None:
+        """Look whether the controller only waits; called whenever the world has moved."""
+        if self._scheduler.over is not None:
+            return
+        now_ns = self._scheduler.now_ns
+        if self._watch.is_commanding or self._is_pending():
+            self._waits.clear()
+            return
+        threads = [each for each in self._scheduler.threads if each.is_controllers]
+        for thread in threads:
+            self._note(thread, now_ns)
+        if now_ns - self._watch.last_event_ns < IDLE_S * 1e9:
+            return
+        stalled = [thread for thread in threads if self._stalls(thread, now_ns)]
+        if not stalled or any(
+            each.wait is None or each.wait.deadline_ns is not None
+            for each in threads
+            if each not in stalled
+        ):
+            return
+        unmet = self._needs.waited_for()
+        if unmet:
+            thread = stalled[0]
+            place = self._waits[thread.number].location
+            self._scheduler.end(
+                "deadlock",
+                f"{thread.name} has only waited for {IDLE_S:g} s of simulated time, and nothing "
+                f"provides {self._needs.told(unmet)}",
+                place or unmet[0].location,
+            )
+
+    def _note(self, thread: ControllerThread, now_ns: int) -> None:
+        known = self._waits.get(thread.number)
+        if known is None or known.new_ns < self._watch.last_event_ns:
+            known = self._waits[thread.number] = _Waits(now_ns)
+        wait = thread.wait
+        if wait is None or wait.since == known.since:
+            return
+        known.since = wait.since
+        stack = controller_stack(wait.frame)
+        if stack not in known.places:
+            known.places.add(stack)
+            known.new_ns, known.count = now_ns, 0
+            known.location = stack[-1][0] if stack else None
+        known.count += 1
+
+    def _stalls(self, thread: ControllerThread, now_ns: int) -> bool:
+        known = self._waits[thread.number]
+        if now_ns - known.new_ns < IDLE_S * 1e9:
+            return False
+        wait = thread.wait
+        is_lasting = wait is not None and wait.deadline_ns is None and wait.kind == "unmet"
+        return is_lasting or known.count > _WAITS_OF_A_LOOP

@@ -1,0 +1,317 @@
+"""What a controller asked its world for in vain, told at the end of a run with its remedy."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from tracerisk.errors import Location
+from tracerisk.pipeline.trace.run_files import DRAFTS, UNMET
+from tracerisk.ros.controller.needs import Missed, Need, NeedKind
+from tracerisk.ros.drafts.draft import drafts
+from tracerisk.ros.drafts.usable_values import UsableValues
+from tracerisk.ros.graph.actions import Actions
+from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.scenario.lines import scenario_lines
+from tracerisk.source.service_types import service_type
+from tracerisk.trace import GOOD_ENDS, EndCause
+
+_RECENT_NS = 1_000_000_000  # what was asked for last before an error may have led to it
+_ASKED_AGAIN_NS = 10_000_000_000
+_TOLD = 3
+_DONE = frozenset({"no_motion", "ended", "duration"})
+_OF_ENTER = re.compile(r"""(''|"")(?![\w])|could not convert string|EOF""")
+# What the twin publishes once somebody listens.
+_OF_THE_TWIN = re.compile(
+    r"sensor_msgs/|geometry_msgs/Wrench|control_msgs/|tf2_msgs/|rosgraph_msgs/"
+)
+_LISTENING = frozenset({"quiescent", "idle"})
+# An answer that never comes: the call of a service that nobody serves, a goal for nobody.
+_LASTING: frozenset[NeedKind] = frozenset({"topic", "service", "action"})
+
+
+@dataclass(frozen=True, slots=True)
+class JudgedEnd:
+    """How a run ended in the light of the `needs` it lacked; `scenario` lines would give them."""
+
+    cause: EndCause
+    message: str
+    location: Location | None
+    scenario: str = ""
+    needs: tuple[Need, ...] = ()
+
+
+class UnmetNeeds:
+    """The needs of one run; `has_commanded` tells whether anything was commanded.
+
+    `in_source` is what the source asks for, whether or not the run came so far.
+    With `drafts_all` the end notes what a scenario could say for every need, however it came.
+
+    `unused` tells what of the scenario nobody made use of, which becomes a finding at the end.
+
+    `interfaces` makes the message classes whose fields the scenario lines show, and `values` are
+    what is in them.
+    """
+
+    def __init__(
+        self,
+        runtime: Runtime,
+        interfaces: Any,
+        root: Path,
+        has_commanded: Callable[[], bool],
+        unused: Callable[[], Iterable[tuple[str, Location]]],
+        values: UsableValues,
+        *,
+        in_source: Callable[[], Iterable[Missed]] = tuple,
+        drafts_all: bool = False,
+    ) -> None:
+        self._in_source = in_source
+        self._values = values
+        self._drafts_all = drafts_all
+        self._unused = unused
+        self._runtime = runtime
+        self._interfaces = interfaces
+        self._root = root
+        self._has_commanded = has_commanded
+        self._at_end: tuple[tuple[Missed, ...], ...] | None = None
+        runtime.scheduler.on_over = self._keep
+
+    def _keep(self) -> None:
+        """Keep what is lacking now: a controller that is ended may still take down its node."""
+        self._at_end = (
+            self._missed_now(),
+            self._all_now(),
+            self._unserved_now(),
+            self._uncalled_now(),
+        )
+
+    def waited_for(self) -> tuple[Missed, ...]:
+        """Return what a controller that only waits may be waiting for."""
+        now_ns = self._runtime.scheduler.now_ns
+        return tuple(
+            each
+            for each in self._all()
+            if each.need.kind in _LASTING or now_ns - each.last_ns < _ASKED_AGAIN_NS
+        )
+
+    def judge(self, cause: EndCause, message: str, location: Location | None) -> JudgedEnd:
+        """Return the end of a run with what it lacked, where that may be why it ended."""
+        for told, place in self._unused():
+            here = replace(place, file=Path(place.file).name)
+            self._runtime.recorder.finding("unused", f"in the scenario, but {told}", here)
+        if self._drafts_all:
+            self._note_drafts()
+        plain = JudgedEnd(cause, message, location)
+        if cause in GOOD_ENDS and self._has_commanded():
+            self._note_unmet()
+            if cause in _LISTENING:
+                self._tell_unpublished()
+            return plain
+        found = self._led_to(cause, message)
+        if not found:
+            unheard = self._unheard() if cause in _DONE else ""
+            return replace(plain, message=f"{message}{unheard}")
+        unmet = tuple(_typed(each) for each in found)
+        for before, after in zip(found, unmet, strict=True):
+            message = message.replace(f"{before.need.told},", f"{after.need.told},")
+        plain = replace(plain, message=message, needs=tuple(each.need for each in unmet))
+        plain = replace(plain, location=location or self.below_root(unmet[0].location))
+        # What it would wait for next is reported now, not after another run.
+        names = {(each.need.kind, each.need.name) for each in unmet}
+        more = tuple(
+            each
+            for each in (*self._unserved(), *self._further())
+            if (each.need.kind, each.need.name) not in names
+        )
+        lines = scenario_lines(drafts((*unmet, *more), self._interfaces, self._values))
+        also = f"; nor does anything provide {self.told(more, len(more))}" if more else ""
+        if cause == "quiescent":
+            told = f"nothing was commanded, and nothing provides {self.told(unmet)}{also}"
+            asked_at = self.below_root(unmet[0].location)
+            return JudgedEnd("no_motion", told, asked_at, lines, plain.needs)
+        if cause in _DONE:
+            told = f"{message}; nothing provides {self.told(unmet)}{also}"
+            return replace(plain, message=told, scenario=lines)
+        return replace(plain, message=f"{message}{also}", scenario=lines)
+
+    def _further(self) -> tuple[Missed, ...]:
+        """Return what the source asks for by name further on, and nothing would give it."""
+        waits = {(each.need.kind, each.need.name) for each in self._unserved()}
+        asked = [_plain(each.need.name) for each in self._missed() if each.need.kind == "parameter"]
+        found: dict[tuple[NeedKind, str], Missed] = {}
+        for each in self._in_source():
+            need = each.need
+            if need.name.startswith("("):
+                continue
+            name = _plain(need.name) if need.kind == "parameter" else need.name
+            if need.kind != "parameter" and not name.startswith(("/", "~")):
+                name = f"/{name}"
+            need = replace(need, name=name)
+            if (need.kind, name) in waits or self._is_given(need):
+                continue
+            if need.kind == "parameter" and any(f"/{each}".endswith(f"/{name}") for each in asked):
+                continue
+            kept = replace(each.need, name=each.need.name if need.kind == "parameter" else name)
+            found.setdefault((need.kind, name), replace(each, need=kept))
+        return tuple(found.values())
+
+    def _is_given(self, need: Need) -> bool:
+        """Tell whether somebody gives what a source asks for, or it cannot be known yet."""
+        graph, actions = self._runtime.graph, self._runtime.client(Actions)
+        if need.kind == "parameter":
+            given = {_plain(each.name) for each in self._runtime.parameters}
+            is_given = any(f"/{each}".endswith(f"/{need.name}") for each in given)
+            return is_given or graph.parameters.has(f"/{need.name}")
+        if need.name.startswith("~") or "/" not in need.type_name:
+            return True
+        if need.kind == "service":
+            return graph.service(need.name) is not None
+        if need.kind == "action":
+            return actions.server(need.name, need.type_name) is not None or self._is_arms(need)
+        if need.kind == "topic":
+            is_twins = _OF_THE_TWIN.match(need.type_name) is not None
+            return is_twins or bool(graph.publications(need.name))
+        return True
+
+    def _is_arms(self, need: Need) -> bool:
+        (draft,) = drafts([Missed(need, 0, 0, None)], self._interfaces, self._values)
+        return draft.value is None
+
+    def _note_drafts(self) -> None:
+        """Note what a scenario could say for all that nothing has given the controller."""
+        found = {(each.need.kind, each.need.name): each for each in map(_typed, self._missed())}
+        for each in (*self._unserved(), *self._uncalled()):
+            found.setdefault((each.need.kind, each.need.name), each)
+        made = drafts(found.values(), self._interfaces, self._values, with_others=True)
+        placed = [replace(each, location=self.below_root(each.location)) for each in made]
+        self._runtime.recorder.note(DRAFTS, drafts=[asdict(each) for each in placed])
+
+    def told(self, unmet: tuple[Missed, ...], most: int = _TOLD) -> str:
+        """Return the needs in words, at most `most`, each with the place that asks for it."""
+        places = [(each.need.told, self.below_root(each.location)) for each in unmet[:most]]
+        told = [name + (f", asked for at {place}" if place else "") for name, place in places]
+        if len(unmet) > most:
+            told.append(f"{len(unmet) - most} more")
+        return "; ".join(told)
+
+    def below_root(self, place: Location | None) -> Location | None:
+        """Return a place in the controller's source by its file's name below the root."""
+        if place is None or not Path(place.file).is_relative_to(self._root):
+            return place
+        return replace(place, file=Path(place.file).relative_to(self._root).as_posix())
+
+    def _unheard(self) -> str:
+        """Return in words that what a controller publishes reaches nobody, the twin included."""
+        needs = self._runtime.graph.unheard()
+        told = [f"{each.name} ({each.type_name})" for each in needs[:_TOLD]]
+        if len(needs) > _TOLD:
+            told.append(f"{len(needs) - _TOLD} more")
+        return f"; nobody receives what it publishes on {', '.join(told)}" if told else ""
+
+    def _tell_unpublished(self) -> None:
+        """Tell of topics on which nobody publishes: the run may have ended for want of them."""
+        for each in self._runtime.graph.unpublished():
+            self._runtime.recorder.finding(
+                "unprovided",
+                f"nothing provides {each.need.told}, to which the controller listens; a scenario "
+                "(--scenario) can",
+                self.below_root(each.location),
+                object_name=each.need.name,
+            )
+
+    def _note_unmet(self) -> None:
+        """Note what the controller asked for in vain and went on without."""
+        needs = [
+            {
+                "kind": each.need.kind,
+                "name": each.need.name,
+                "words": each.need.told,
+                "location": None if place is None else [place.file, place.line, place.column],
+            }
+            for each in map(_typed, self._missed())
+            for place in (self.below_root(each.location),)
+        ]
+        if needs:
+            self._runtime.recorder.note(UNMET, needs=needs)
+
+    def _led_to(self, cause: EndCause, message: str) -> tuple[Missed, ...]:
+        if cause in ("raised", "exited"):
+            now_ns = self._runtime.scheduler.now_ns
+            missed = self._missed()
+            return tuple(
+                each
+                for each in missed
+                if now_ns - each.last_ns <= _RECENT_NS
+                # An answer that was only Enter shows in what is raised for it.
+                and (each.need.kind != "input" or cause == "exited" or _OF_ENTER.search(message))
+            )
+        if cause == "deadlock":
+            return self._missed() or self._all()
+        if cause in ("no_motion", "quiescent", "ended", "duration", "idle"):
+            return self._all()
+        return ()
+
+    def _all(self) -> tuple[Missed, ...]:
+        return self._all_now() if self._at_end is None else self._at_end[1]
+
+    def _missed(self) -> tuple[Missed, ...]:
+        return self._missed_now() if self._at_end is None else self._at_end[0]
+
+    def _unserved(self) -> tuple[Missed, ...]:
+        return self._unserved_now() if self._at_end is None else self._at_end[2]
+
+    def _unserved_now(self) -> tuple[Missed, ...]:
+        """Return what the controller has a client of, or listens to, and nobody provides."""
+        graph, actions = self._runtime.graph, self._runtime.client(Actions)
+        found = (*graph.unserved(), *actions.unserved(), *graph.unpublished())
+        return tuple({(each.need.kind, each.need.name): each for each in found}.values())
+
+    def _all_now(self) -> tuple[Missed, ...]:
+        """Return what was asked for in vain, then the topics on which nobody publishes.
+
+        Where there is neither, what the controller serves and nobody calls.
+        """
+        missed = self._missed_now()
+        names = {(each.need.kind, each.need.name) for each in missed}
+        topics: dict[str, Missed] = {}
+        for each in self._runtime.graph.unpublished():
+            if ("topic", each.need.name) not in names:
+                topics.setdefault(each.need.name, each)
+        lacking = (*missed, *topics.values())
+        # Who lacks nothing and serves something waits to be asked.
+        return lacking or self._uncalled_now()
+
+    def _uncalled(self) -> tuple[Missed, ...]:
+        return self._uncalled_now() if self._at_end is None else self._at_end[3]
+
+    def _uncalled_now(self) -> tuple[Missed, ...]:
+        graph, actions = self._runtime.graph, self._runtime.client(Actions)
+        return (*graph.uncalled(), *actions.uncalled())
+
+    def _missed_now(self) -> tuple[Missed, ...]:
+        graph, actions = self._runtime.graph, self._runtime.client(Actions)
+        given: dict[NeedKind, Callable[[Missed], bool]] = {
+            "service": lambda each: graph.service(each.need.name) is not None,
+            "action": lambda each: actions.server(each.need.name, each.need.type_name) is not None,
+            "parameter": lambda each: graph.parameters.has(each.need.name),
+        }
+        return tuple(
+            each
+            for each in self._runtime.scheduler.needs.missed
+            if not (each.need.kind in given and given[each.need.kind](each))
+        )
+
+
+def _plain(name: str) -> str:
+    return name.strip("~/").replace(".", "/")
+
+
+def _typed(missed: Missed) -> Missed:
+    """Return a service that was waited for by its name with the type that the source shows."""
+    need = missed.need
+    if need.kind != "service" or need.type_name:
+        return missed
+    return replace(missed, need=replace(need, type_name=service_type(need.name, missed.location)))

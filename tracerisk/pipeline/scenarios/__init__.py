@@ -1,0 +1,1 @@
+"""Draft the scenario that a controller needs."""

@@ -1,0 +1,398 @@
+"""Find what a controller needs by running it again and again, each time with what it lacked before.
+
+A scenario grows from run to run until nothing is asked for in vain. Where more makes a run worse,
+it is left out.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.config import Settings
+from tracerisk.errors import ScenarioError, TraceRiskError
+from tracerisk.pipeline.launch.program import program_of
+from tracerisk.pipeline.robot.guess import RobotGuess, guessed_robot
+from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
+from tracerisk.pipeline.run.controller_run import ControllerRun
+from tracerisk.pipeline.scenarios.text import with_entries
+from tracerisk.pipeline.scenarios.written_values import WrittenValues
+from tracerisk.pipeline.workspace.asked_in_source import CommandLine, command_lines
+from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
+from tracerisk.ros.drafts.draft import Draft
+from tracerisk.ros.scenario.lines import entry_lines, word_lines
+from tracerisk.ros.scenario.marks import MARK
+from tracerisk.ros.scenario.scenario import Scenario, read_scenario
+from tracerisk.source.ros_version import ros_version
+from tracerisk.trace import Trace
+
+if TYPE_CHECKING:
+    from tracerisk.hardware.model import Hardware
+    from tracerisk.pipeline.run.controller_run import Progress
+
+_MOST_RUNS = 12
+_ASKED_AGAIN = 3  # rounds of answers for a question that comes again
+_PUBLISHERS = ("joint_state_publisher_gui", "joint_state_publisher", "joint_state_slider")
+_MOST_PLACES = 2  # other poses for what a motion did not reach
+_UNREACHED = frozenset(
+    {"planning-failed", "ik-failed", "path-cut", "command-aborted", "command-rejected"}
+)
+_CONTENT = {"topic": "message", "call": "request", "goal": "goal"}
+_Key = tuple[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioDraft:
+    """A scenario that a controller runs with, as far as one was found.
+
+    `given` are its new entries, `missing` what no scenario can give. `trace` is the run with it,
+    `error` what kept it from running.
+    """
+
+    text: str
+    given: tuple[Draft, ...]
+    missing: tuple[Draft, ...]
+    robot: RobotGuess | None = None
+    arguments: CommandLine | None = None
+    trace: Trace | None = None
+    error: TraceRiskError | None = None
+
+
+@dataclass(slots=True)
+class _Entries:
+    """What a scenario holds beside its base; `repeats` are how often answers are given anew."""
+
+    drafts: dict[_Key, Draft] = field(default_factory=dict)
+    repeats: dict[_Key, int] = field(default_factory=dict)
+    robot: RobotGuess | None = None
+    arguments: CommandLine | None = None
+
+    def copy(self) -> _Entries:
+        return _Entries(dict(self.drafts), dict(self.repeats), self.robot, self.arguments)
+
+    @property
+    def sections(self) -> Mapping[str, list[str]]:
+        sections: dict[str, list[str]] = {}
+        if self.robot is not None:
+            sections["robot"] = [f"{self.robot.name}  {MARK}: {self.robot.told}"]
+        if self.arguments is not None:
+            sections["arguments"] = word_lines(self.arguments.words, self.arguments.told)
+        for key, draft in self.drafts.items():
+            for _ in range(self.repeats.get(key, 1)):
+                sections.setdefault(draft.section, []).extend(entry_lines(draft))
+        return sections
+
+
+@dataclass(frozen=True, slots=True)
+class _Attempt:
+    entries: _Entries
+    trace: Trace | None = None
+    wanted: tuple[Draft, ...] = ()
+    error: TraceRiskError | None = None
+
+    @property
+    def is_traced(self) -> bool:
+        return self.trace is not None and self.trace.is_usable and bool(self.trace.functions)
+
+    @property
+    def score(self) -> tuple[bool, bool, int]:
+        """Rank runs: one that shows risk, one that did not go wrong, one that shows most."""
+        trace = self.trace
+        if trace is None or not self.is_traced:
+            return False, False, 0
+        is_well = trace.verdict is not None and trace.verdict.kind != "faulted"
+        return True, is_well, len(trace.functions)
+
+
+def draft_scenario(
+    controller: Controller,
+    settings: Settings,
+    base: Path | None,
+    *,
+    hardware_of: Callable[[Settings, str], Hardware],
+    progress: Progress | None = None,
+) -> ScenarioDraft:
+    """Return a scenario with which the controller runs: `base`, and what that does not give.
+
+    Raises ScenarioError where the base is malformed. What else keeps the controller from running
+    is in the result.
+    """
+    rounds = _Rounds(controller, settings, base, hardware_of, progress)
+    return rounds.result()
+
+
+class _Rounds:
+    def __init__(
+        self,
+        controller: Controller,
+        settings: Settings,
+        base: Path | None,
+        hardware_of: Callable[[Settings, str], Hardware],
+        progress: Progress | None,
+    ) -> None:
+        self._controller = controller
+        self._settings = settings
+        self._base = base
+        self._known = Scenario() if base is None else read_scenario(base)
+        self._hardware_of = hardware_of
+        self._progress = progress
+        root = controller.root.resolve()
+        script = controller.path.resolve()
+        program = program_of(script, root, find_workspace(root))
+        ros = ros_version(script, root)
+        self._written = WrittenValues(project_top(controller.root), program, ros)
+        self._usable: dict[_Key, Draft] = {}
+        self._cannot: dict[_Key, Draft] = {}
+        self._places = 0
+        self._best = _Attempt(_Entries())
+        self._singles: list[_Entries] = []
+        self._lines: list[CommandLine] | None = None
+
+    def result(self) -> ScenarioDraft:
+        """Run until nothing is lacking, or nothing helps."""
+        entries = _Entries()
+        seen: set[str] = set()
+        for _ in range(_MOST_RUNS):
+            attempt = self._run(entries)
+            seen.add(self._text(entries))
+            following = (each for each in self._next(attempt) if self._text(each) not in seen)
+            more = next(following, None)
+            if more is None:
+                break
+            entries = more
+        return self._draft(self._best)
+
+    def _next(self, attempt: _Attempt) -> Iterator[_Entries]:
+        """Yield what may be tried after a run, the likeliest first."""
+        if attempt.trace is not None and attempt.trace.end.cause in OF_THE_MACHINE:
+            # Nothing is concluded from it, and no other run begins.
+            if not self._best.is_traced:
+                self._best = attempt
+            return
+        mended = self._mended(attempt)
+        if mended is not None:
+            yield mended
+            return
+        if attempt.score >= self._best.score:
+            self._best = attempt
+            wanted = self._with_wanted(attempt)
+            if wanted is not None:
+                yield wanted
+        elif self._best.is_traced and not self._singles:
+            # Of what was given together, what does no harm alone.
+            self._singles = self._one_by_one(self._best.entries, attempt.entries)
+        while self._singles:
+            yield self._on_top(self._best.entries, self._singles.pop(0))
+        elsewhere = self._elsewhere(self._best)
+        if elsewhere is not None:
+            yield elsewhere
+        if not self._best.is_traced and self._may_need_arguments(attempt):
+            if self._lines is None:
+                self._lines = list(command_lines(self._controller, self._written.arguments))
+            while self._lines:
+                entries = self._best.entries.copy()
+                entries.arguments = self._lines.pop(0)
+                yield entries
+
+    def _draft(self, best: _Attempt) -> ScenarioDraft:
+        entries = best.entries
+        given = tuple(entries.drafts.values())
+        missing = tuple(self._cannot.values())
+        return ScenarioDraft(
+            self._text(entries),
+            given,
+            missing,
+            entries.robot,
+            entries.arguments,
+            best.trace,
+            best.error,
+        )
+
+    def _text(self, entries: _Entries) -> str:
+        remarks = [f"# {each.need.told}: {each.words}" for each in self._cannot.values()]
+        if not remarks and not entries.sections and self._base is None:
+            remarks = ["# The controller asks its world for nothing that is not there."]
+        return with_entries(self._base, entries.sections, remarks)
+
+    def _run(self, entries: _Entries) -> _Attempt:
+        runs: list[ControllerRun] = []
+        with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
+            # Files that the base names stand in its own folder.
+            path = Path(folder, "scenario.yaml")
+            path.write_text(self._text(entries), encoding="utf-8", newline="")
+            settings = replace(
+                self._settings,
+                scenario=str(path),
+                robot=self._settings.robot
+                or self._known.robot
+                or (None if entries.robot is None else entries.robot.name),
+            )
+            try:
+                trace = trace_attempts(
+                    self._controller,
+                    settings,
+                    hardware_of=self._hardware_of,
+                    progress=self._progress,
+                    on_run=runs.append,
+                )
+            except TraceRiskError as error:
+                return _Attempt(entries, error=error)
+        told = next((run for run in runs if run.trace is trace), runs[-1])
+        if not trace.is_usable:
+            # What nodes of the workspace give beside the controller needs no scenario, unless it
+            # shows nothing with all else that it lacks beside them.
+            had = entries.drafts.keys() | self._cannot.keys()
+            beside = next((run for run in reversed(runs) if _is_accompanied(run)), told)
+            told = beside if any((e.section, e.key) not in had for e in beside.drafts) else told
+        return _Attempt(entries, trace, told.drafts)
+
+    def _mended(self, attempt: _Attempt) -> _Entries | None:
+        """Return the entries without what kept the controller from being run; None for nothing."""
+        error, entries = attempt.error, attempt.entries.copy()
+        if entries.robot is None and (guess := guessed_robot(error)) is not None:
+            entries.robot = guess
+            return entries
+        if isinstance(error, ScenarioError) and error.location is not None:
+            key = self._entry_at(entries, error.location.line or 0)
+            if key is None:
+                return None
+            if key in self._usable and entries.drafts[key] != self._usable[key]:
+                entries.drafts[key] = self._usable[key]
+            else:
+                self._cannot[key] = replace(
+                    entries.drafts.pop(key), value=None, words=f"not given: {error.message}"
+                )
+            return entries
+        return None
+
+    def _entry_at(self, entries: _Entries, line: int) -> _Key | None:
+        """Return the entry that stands at a line of the scenario."""
+        lines = self._text(entries).splitlines()[:line]
+        last: _Key | None = None
+        for number in range(len(lines), 0, -1):
+            for key, draft in entries.drafts.items():
+                if lines[number - 1].strip() == entry_lines(draft)[0].strip():
+                    last = key
+                    break
+            if last is not None:
+                break
+        return last
+
+    def _with_wanted(self, attempt: _Attempt) -> _Entries | None:
+        """Return the entries with what the run lacked; None where there is nothing new."""
+        entries = attempt.entries.copy()
+        is_new = False
+        for draft in attempt.wanted:
+            key = draft.section, draft.key
+            if key in entries.drafts:
+                if draft.section == "answers" and not attempt.is_traced:
+                    entries.repeats[key] = entries.repeats.get(key, 1) + 1
+                    is_new |= entries.repeats[key] <= _ASKED_AGAIN
+                continue
+            if key in self._cannot or self._is_known(draft):
+                continue
+            if draft.value is None:
+                self._cannot[key] = draft
+                continue
+            self._usable[key] = draft
+            entries.drafts[key] = self._from_repository(draft)
+            is_new = True
+        return entries if is_new else None
+
+    def _is_known(self, draft: Draft) -> bool:
+        """Tell whether the base gives it already, though nobody has made use of it yet."""
+        known = self._known
+        names: Mapping[str, Iterable[str]] = {
+            "publish": (each.topic for each in known.published),
+            "services": (each.name for each in known.services),
+            "actions": (each.name for each in known.actions),
+            "frames": (each.frame for each in known.frames),
+            "calls": (
+                str(each.get(key))
+                for each in known.calls
+                for key in ("service", "action")
+                if key in each
+            ),
+        }
+        return draft.need.name.strip("/") in {
+            each.strip("/") for each in names.get(draft.section, ())
+        }
+
+    def _from_repository(self, draft: Draft) -> Draft:
+        """Return the draft with the value that the repository writes, if it does."""
+        need = replace(draft.need, name=draft.key) if draft.need.kind == "parameter" else draft.need
+        is_one_of_several = draft.key.endswith("]")
+        written = None if is_one_of_several else self._written.of(need)
+        if written is None:
+            return self._as_published(draft)
+        value = written.value
+        if draft.need.kind != "parameter":
+            content = _CONTENT[draft.need.kind]
+            if not written.is_whole:
+                # The frame of a computed pose is not that of the one which stands in for it.
+                value = {key: each for key, each in value.items() if key != "header"}
+                if not value or content not in draft.value:
+                    return self._as_published(draft)
+                value = _merged(draft.value[content], value)
+            value = {**draft.value, content: value}
+            value.pop("messages", None)
+            if "rate" in value and "messages" in draft.value:
+                for key in ("rate", "count", "at"):
+                    value.pop(key, None)
+        return replace(draft, value=value, words=f"as in {written.place}")
+
+    def _as_published(self, draft: Draft) -> Draft:
+        if draft.need.type_name != "sensor_msgs/JointState":
+            return draft
+        place = self._written.started_with(draft.need.name, _PUBLISHERS)
+        return draft if place is None else replace(draft, words=f"{draft.words}; as {place} would")
+
+    def _one_by_one(self, best: _Entries, tried: _Entries) -> list[_Entries]:
+        """Return each of what was tried beyond the best, alone."""
+        more = [key for key in tried.drafts if key not in best.drafts]
+        if len(more) < 2:
+            return []
+        return [_Entries({key: tried.drafts[key]}) for key in more]
+
+    def _elsewhere(self, best: _Attempt) -> _Entries | None:
+        """Return the entries with other poses, where a motion to those of the best run failed."""
+        verdict = None if best.trace is None else best.trace.verdict
+        if verdict is None or not any(each.code in _UNREACHED for each in verdict.reasons):
+            return None
+        if self._places >= _MOST_PLACES:
+            return None
+        entries = best.entries.copy()
+        for key, draft in entries.drafts.items():
+            others = self._usable[key].others if key in self._usable else ()
+            if self._places < len(others) and draft.value in (
+                self._usable[key].value,
+                *others,
+            ):
+                entries.drafts[key] = replace(draft, value=others[self._places])
+        self._places += 1
+        return entries
+
+    def _on_top(self, best: _Entries, single: _Entries) -> _Entries:
+        entries = best.copy()
+        entries.drafts.update(single.drafts)
+        return entries
+
+    def _may_need_arguments(self, attempt: _Attempt) -> bool:
+        has_some = bool(self._settings.args or self._known.arguments)
+        return not has_some and attempt.error is None
+
+
+def _merged(fields: Any, over: Any) -> Any:
+    """Return fields with others put over them, down into nested ones."""
+    if not isinstance(fields, dict) or not isinstance(over, dict):
+        return over
+    more = {key: _merged(fields.get(key), each) for key, each in over.items()}
+    return {**fields, **more}
+
+
+def _is_accompanied(run: ControllerRun) -> bool:
+    return any(line.startswith("started beside:") for line in run.trace.assumptions)

@@ -1,0 +1,349 @@
+"""Values that a repository writes for what a controller needs: commands, YAML, launch files, code.
+
+A reader of the repository would take them first: the `rostopic pub` of its readme, the parameters
+of its configuration, what a test or another program publishes on the same topic. Nothing is run.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from tracerisk.pipeline.launch.program import Program
+from tracerisk.ros.controller.needs import Need
+from tracerisk.source.filled_messages import filled_fields, plain_value
+
+_MOST_FILES = 4000
+_MOST_BYTES = 512 * 1024
+_MOST_LINES = 60  # of one command, with the message that it holds
+_NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
+_TEXTS = (".md", ".rst", ".txt", ".sh", ".bash", ".py", ".yml", ".yaml", ".launch", ".xml")
+_NAMED = 1  # words before those that may be numbers: the verb and the name
+_PUBLISHES = re.compile(
+    r"(?:rostopic|ros2\s+topic)\s+pub\b|(?:rosservice|ros2\s+service)\s+call\b|"
+    r"ros2\s+action\s+send_goal\b|rosparam\s+set\b|ros2\s+param\s+set\b"
+)
+_RUNS = re.compile(r"(?:rosrun|ros2\s+run|python[23]?)\s")
+_TAKES = frozenset({"-r", "--rate", "-n", "--node-name", "-t", "--times", "-w", "-p", "-s"})
+_ENDS_COMMAND = frozenset({"&&", "||", ";", "|", "&", ">", ">>", "#"})
+_PLACEHOLDER = re.compile(r"^[\[<{].*[\]>}]?$|^\.\.\.$|[<>{}\[\]$|]")
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """A value that the repository writes, and where: `README.md:12`.
+
+    One that is not whole leaves fields open, which a program computes.
+    """
+
+    value: Any
+    place: str
+    is_whole: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class _Command:
+    words: tuple[str, ...]
+    place: str
+
+
+class WrittenValues:
+    """The values written below `top`; those nearest to the controller `program` come first."""
+
+    def __init__(self, top: Path, program: Program, ros: int) -> None:
+        self._top = top
+        self._program = program
+        self._ros = ros
+
+    def of(self, need: Need) -> Written | None:
+        """Return the value that is written for a need, as its entry holds it; None for none.
+
+        Of messages, requests, replies and goals that is the mapping of their fields.
+        """
+        if need.kind == "parameter":
+            return self._set_parameter(need) or self._configured(need)
+        if need.kind in ("topic", "call", "goal"):
+            return self._sent(need) or self._made(need)
+        return None
+
+    @cached_property
+    def arguments(self) -> tuple[tuple[tuple[str, ...], str], ...]:
+        """The command lines with which the controller is started, each with its place."""
+        found: dict[tuple[str, ...], str] = {}
+        for command in self._commands(_RUNS):
+            rest = self._rest(command.words)
+            if rest and not any(_PLACEHOLDER.search(each) for each in rest):
+                found.setdefault(rest, command.place)
+        return tuple(found.items())
+
+    def _rest(self, words: tuple[str, ...]) -> tuple[str, ...]:
+        for at, word in enumerate(words[:6]):
+            name = Path(word).name
+            if name in self._program.names and at:
+                return tuple(each for each in words[at + 1 :])
+        return ()
+
+    # Commands
+
+    def _sent(self, need: Need) -> Written | None:
+        kinds = {"topic": ("pub",), "call": ("call",), "goal": ("send_goal",)}[need.kind]
+        for command in self._commands(_PUBLISHES):
+            words = _positional(command.words)
+            if len(words) < 2 or words[0] not in kinds or not _is_named(words[1], need.name):
+                continue
+            rest = words[2:]
+            if rest and "/" in rest[0] and not rest[0].startswith(("{", "'", '"')):
+                if rest[0].rpartition("/")[2] != need.type_name.rpartition("/")[2]:
+                    continue
+                rest = rest[1:]
+            value = _yaml(" ".join(rest)) if rest else None
+            if isinstance(value, dict) and value and _is_message(value):
+                return Written(value, command.place)
+        return None
+
+    def _set_parameter(self, need: Need) -> Written | None:
+        for command in self._commands(_PUBLISHES):
+            words = _positional(command.words)
+            if words[:1] == ("set",) and len(words) > 2 and _is_named(words[-2], need.name):
+                value = _yaml(words[-1])
+                if value is not None and _is_of_kind(value, need.type_name):
+                    return Written(value, command.place)
+        return None
+
+    def _commands(self, pattern: re.Pattern[str]) -> Iterator[_Command]:
+        for path, text in self._texts:
+            if path.suffix in (".yaml", ".yml", ".xml") or not pattern.search(text):
+                continue
+            lines = text.splitlines()
+            for number, line in enumerate(lines):
+                for match in pattern.finditer(line):
+                    words = _words(lines, number, match.start())
+                    if words:
+                        yield _Command(words, self._place(path, number + 1))
+
+    # Configuration
+
+    def _configured(self, need: Need) -> Written | None:
+        wanted = tuple(each for each in re.split(r"[/.]", need.name.lstrip("~")) if each)
+        if not wanted:
+            return None
+        found: list[tuple[int, Written]] = []
+        for path, text in self._texts:
+            if not re.search(rf"(?<![\w]){re.escape(wanted[-1])}(?![\w])", text):
+                continue
+            if path.suffix in (".yaml", ".yml"):
+                found += self._of_yaml(path, text, wanted, need.type_name)
+            elif path.suffix in (".launch", ".xml"):
+                found += self._of_xml(path, text, wanted, need.type_name)
+        # The longest common end of the name, then the file that comes first.
+        best = max(found, key=lambda each: each[0], default=None)
+        return None if best is None else best[1]
+
+    def _of_yaml(
+        self, path: Path, text: str, wanted: tuple[str, ...], kind: str
+    ) -> Iterator[tuple[int, Written]]:
+        tree = _yaml(text)
+        for keys, value in _leaves(tree, ()):
+            plain = tuple(
+                part
+                for key in keys
+                if key not in ("ros__parameters", "/**")
+                for part in re.split(r"[/.]", key.strip("/~"))
+            )
+            if plain[-1:] != wanted[-1:] or value is None or not _is_of_kind(value, kind):
+                continue
+            common = _common_end(plain, wanted)
+            # A key below another name than the one that is asked for is another thing.
+            if common == len(plain) or common == len(wanted) or common > 1:
+                line = _line_of(text, keys[-1])
+                yield common, Written(value, self._place(path, line))
+
+    def _of_xml(
+        self, path: Path, text: str, wanted: tuple[str, ...], kind: str
+    ) -> Iterator[tuple[int, Written]]:
+        try:
+            tree = ET.fromstring(text)
+        except (ET.ParseError, ValueError):
+            return
+        for node in tree.iter():
+            name = node.get("name", "").strip("/~").split("/")
+            given = node.get("value", node.get("default"))
+            if node.tag not in ("param", "arg") or name[-1] != wanted[-1] or not given:
+                continue
+            value = _yaml(given) if "$(" not in given else None
+            if value is not None and not isinstance(value, dict) and _is_of_kind(value, kind):
+                line = _line_of(text, f'name="{node.get("name")}"')
+                yield _common_end(tuple(name), wanted), Written(value, self._place(path, line))
+
+    # Other programs
+
+    def _made(self, need: Need) -> Written | None:
+        """Return the literals with which another source of the repository fills the message."""
+        kind = need.type_name.rpartition("/")[2]
+        for path, text in self._texts:
+            if path.suffix != ".py" or path == self._program.script or kind not in text:
+                continue
+            if not re.search(rf"[\"']{_NAME_START}{re.escape(need.name.strip('/'))}[\"']", text):
+                continue
+            fields, line = filled_fields(text, kind, need.kind)
+            if fields:
+                return Written(fields, self._place(path, line), is_whole=False)
+        return None
+
+    def started_with(self, topic: str, programs: Sequence[str]) -> str | None:
+        """Return the launch file that names one of `programs` and the topic, None for none."""
+        last = topic.strip("/")
+        for path, text in self._texts:
+            is_launch = path.suffix in (".launch", ".xml") or path.name.endswith("launch.py")
+            found = next((each for each in programs if each in text), None)
+            if is_launch and last in text and found is not None:
+                return f"{found} in {self._place(path, _line_of(text, found))}"
+        return None
+
+    # Files
+
+    @cached_property
+    def _texts(self) -> tuple[tuple[Path, str], ...]:
+        """The texts of the repository, those nearest to the controller first."""
+        found: list[Path] = []
+        for folder, folders, files in os.walk(self._top):
+            folders[:] = sorted(
+                each for each in folders if not each.startswith(".") and each not in _NOT_SEARCHED
+            )
+            found += [
+                Path(folder, name)
+                for name in sorted(files)
+                if name.endswith(_TEXTS) and name not in ("package.xml", "CMakeLists.txt")
+            ]
+            if len(found) > _MOST_FILES:
+                break
+        script = self._program.script
+        found.sort(key=lambda each: (_apart(each, script), _rank(each), str(each)))
+        texts = []
+        for path in found[:_MOST_FILES]:
+            try:
+                if path.stat().st_size <= _MOST_BYTES:
+                    texts.append((path, path.read_text("utf-8", "replace")))
+            except OSError:
+                continue
+        return tuple(texts)
+
+    def _place(self, path: Path, line: int) -> str:
+        return f"{Path(os.path.relpath(path, self._top)).as_posix()}:{line}"
+
+
+_NAME_START = r"[~/]?(?:[\w/]*/)?"
+
+
+def _apart(one: Path, other: Path) -> int:
+    common = os.path.commonpath([one, other])
+    return len(other.parts) - len(Path(common).parts)
+
+
+def _rank(path: Path) -> int:
+    return 0 if path.stem.lower().startswith("readme") else 1
+
+
+def _words(lines: Sequence[str], number: int, start: int) -> tuple[str, ...]:
+    """Return the words of a command that begins on a line, and may go on over the next ones."""
+    text = lines[number][start:].rstrip()
+    indent = len(lines[number]) - len(lines[number].lstrip())
+    # The quote or tick in which a text holds the command ends it too.
+    before = lines[number][start - 1 : start] if start else ""
+    if before in ("`", '"', "'") and before in text:
+        text = text[: text.index(before)] if before == "`" else text
+    for more in range(number + 1, min(number + 1 + _MOST_LINES, len(lines) + 1)):
+        try:
+            lexer = shlex.shlex(text.rstrip("\\"), posix=True, punctuation_chars=False)
+            lexer.whitespace_split, lexer.commenters = True, "#"
+            words = list(lexer)
+        except ValueError:
+            words = []
+        if words and not text.endswith("\\"):
+            end = next((at for at, each in enumerate(words) if each in _ENDS_COMMAND), len(words))
+            return tuple(words[:end])
+        if more >= len(lines):
+            break
+        # A message that goes on over lines is as far in as the command itself.
+        following = lines[more].rstrip()
+        following = following[min(indent, len(following) - len(following.lstrip())) :]
+        if text.endswith("\\"):
+            text = f"{text[:-1].rstrip()} {following.strip()}"
+        else:
+            text = f"{text}\n{following}"
+    return ()
+
+
+def _positional(words: Sequence[str]) -> tuple[str, ...]:
+    """Return the verb of a command of ROS and what follows it, without options."""
+    verbs = {"pub", "call", "send_goal", "set"}
+    at = next((at for at, word in enumerate(words) if word in verbs), None)
+    if at is None:
+        return ()
+    found: list[str] = []
+    rest = iter(words[at:])
+    for word in rest:
+        if word in _TAKES and len(found) < 4:
+            next(rest, None)
+        elif not word.startswith("-") or (len(found) > _NAMED and re.match(r"-[\d.]", word)):
+            # `-1` before the name is an option, behind it a number.
+            found.append(word)
+    return tuple(found)
+
+
+def _is_named(written: str, full: str) -> bool:
+    plain = written.strip("/~")
+    return bool(plain) and f"/{full.strip('/~')}".endswith(f"/{plain}")
+
+
+def _is_message(value: dict[Any, Any]) -> bool:
+    """Tell whether a mapping is one of fields: `1 2 3`, or words, are read as none."""
+    return all(isinstance(key, str) and re.fullmatch(r"[a-zA-Z]\w*", key) for key in value)
+
+
+def _is_of_kind(value: Any, kind: str) -> bool:
+    if kind.endswith("_array"):
+        return isinstance(value, list)
+    wanted: dict[str, type | tuple[type, ...]] = {
+        "bool": bool, "integer": int, "double": (int, float), "string": str,
+    }  # fmt: skip
+    return kind not in wanted or isinstance(value, wanted[kind])
+
+
+def _yaml(text: str) -> Any:
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import YAMLError
+
+    try:
+        # Of YAML 1.2, for the key `y` of a point is true in that of 1.1.
+        return plain_value(YAML(typ="safe", pure=True).load(text))
+    except (YAMLError, ValueError, TypeError, RecursionError, AttributeError):
+        return None
+
+
+def _leaves(tree: Any, keys: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Any]]:
+    if isinstance(tree, dict):
+        for key, value in tree.items():
+            yield (*keys, key), value
+            yield from _leaves(value, (*keys, key))
+
+
+def _common_end(one: Sequence[str], two: Sequence[str]) -> int:
+    count = 0
+    for a, b in zip(reversed(one), reversed(two), strict=False):
+        if a != b:
+            break
+        count += 1
+    return count
+
+
+def _line_of(text: str, word: str) -> int:
+    at = text.find(word)
+    return text.count("\n", 0, max(at, 0)) + 1

@@ -1,0 +1,121 @@
+"""Give the visits of a trace what touched and what was held, and tell the collisions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.errors import Location
+from tracerisk.instrument.ownership import Attribution
+from tracerisk.pipeline.trace.last_run import told_contact, unexpected_contacts
+from tracerisk.trace import Element, Exposure, Finding, Visit
+from tracerisk.twin.recording.activity import ElementActivity
+from tracerisk.twin.recording.contact_log import read_contacts
+from tracerisk.twin.recording.contacts import (
+    RunContacts,
+    contact_activity,
+    run_contacts,
+    visit_contacts,
+    visit_payloads,
+)
+from tracerisk.twin.recording.exposure import exposure
+from tracerisk.twin.recording.samples import Samples
+from tracerisk.twin.recording.touches import moved_by
+
+if TYPE_CHECKING:
+    from tracerisk.twin.robots.robot import Robot
+
+UNEXPECTED_CONTACT = "unexpected_contact"
+
+
+def with_contacts(
+    folder: Path,
+    robot: Robot,
+    elements: Sequence[Element],
+    attribution: Attribution,
+    activity: Mapping[str, ElementActivity],
+    samples: Samples,
+    active: Mapping[str, Exposure],
+    visits: tuple[Visit, ...],
+) -> tuple[Mapping[str, Exposure], tuple[Visit, ...], RunContacts | None]:
+    """Return the exposures of the run and its visits with contacts, payloads and touching time.
+
+    What was held, and when, comes third.
+    Raises LogError when the log of contacts in `folder` is damaged.
+    """
+    n_steps, step_ns = samples.n_steps, samples.header.step_ns
+    log = read_contacts(folder, n_steps)
+    untouched = {each.name: Exposure() for each in elements if each.kind == "contact"}
+    if not len(log.rows) and not log.welds:
+        return {**active, **untouched}, visits, None
+    owners: dict[str | None, NDArray[np.int64]] = {
+        name: attribution.assign(name, n_steps, step_ns) for name in activity
+    }
+    owners[None] = attribution.current(n_steps, step_ns)
+    commanded = {
+        gripper.name: _commanded(gripper.name, attribution, n_steps, step_ns)
+        for gripper in robot.grippers
+    }
+    run = run_contacts(robot, log, activity, commanded, samples.step_s)
+    contacts = visit_contacts(run, owners)
+    payloads = visit_payloads(run, activity, owners)
+    touching = contact_activity(run, elements)
+    everywhere = np.ones(n_steps, dtype=np.bool_)
+    found = {name: exposure(each, everywhere, samples.step_s) for name, each in touching.items()}
+    by_visit: dict[int, dict[str, Exposure]] = {}
+    for name, each in touching.items():
+        owner = owners[moved_by(robot, each.element.part or "")]
+        # The step after the last touch is that of the release.
+        concerned = each.grasping | np.concatenate(([False], each.grasping[:-1]))
+        for index in np.unique(owner[concerned & (owner >= 0)]):
+            own = exposure(each, owner == index, samples.step_s)
+            by_visit.setdefault(int(index), {})[name] = own
+    given = [
+        replace(
+            visit,
+            exposures={**visit.exposures, **by_visit.get(index, {})},
+            contacts=contacts.get(index, ()),
+            payloads=payloads.get(index, ()),
+        )
+        for index, visit in enumerate(visits)
+    ]
+    return {**active, **untouched, **found}, tuple(given), run
+
+
+def collisions(
+    robot: Robot, attribution: Attribution, visits: Sequence[Visit]
+) -> tuple[Finding, ...]:
+    """Return a finding for each pair of bodies whose touch was not to be expected, by function.
+
+    They are in the order in which they began.
+    """
+    lines = {function.ref: function.line for function in attribution.functions}
+    links = frozenset(robot.link_names)
+    found = [
+        Finding(
+            UNEXPECTED_CONTACT,
+            f"unexpected contact: {told_contact(each, contacts, links)}",
+            min(contact.start_s for contact in contacts),
+            Location(each.function.file, lines[each.function]),
+        )
+        for each, contacts in unexpected_contacts(visits).items()
+    ]
+    return tuple(sorted(found, key=lambda each: (each.time_s or 0.0, each.message)))
+
+
+def _commanded(
+    gripper: str, attribution: Attribution, n_steps: int, step_ns: int
+) -> NDArray[np.bool_]:
+    """Return in which steps a command that addresses the gripper was live."""
+    flags = np.zeros(n_steps, dtype=np.bool_)
+    for each in attribution.commands:
+        elements = each.command.elements
+        if gripper in elements:
+            until_ns = each.until_ns[elements.index(gripper)]
+            flags[-(-each.command.issue_ns // step_ns) : -(-until_ns // step_ns)] = True
+    return flags

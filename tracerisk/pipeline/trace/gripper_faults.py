@@ -1,0 +1,130 @@
+"""What a verdict finds in the commands to grippers: grasps on nothing, idle and closed grippers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from tracerisk.instrument.recording import is_near
+from tracerisk.pipeline.trace.recorded_run import IssuedCommand, RecordedRun
+
+
+@dataclass(frozen=True, slots=True)
+class EmptyGrasp:
+    """A gripper that closed on nothing, was carried on and opened; `intended`: to hold a thing."""
+
+    command: IssuedCommand
+    intended: bool
+
+
+def empty_grasps(commands: Sequence[IssuedCommand], *, has_objects: bool) -> Iterator[EmptyGrasp]:
+    """Yield the grasps on nothing with which a controller went on as if it held.
+
+    The gripper closes and holds nothing, the arm moves, the gripper opens. It was meant to hold
+    something where the same call did so at another time in the run; or, in a run that never
+    holds anything although the user gave it something to grasp, where the arm had moved with
+    the gripper open.
+    """
+    closing = [each for each in commands if each.grip == "closes"]
+    held_at = {each.path for each in closing if each.holds}
+    for number, command in enumerate(commands):
+        if command.grip != "closes" or command.holds or not _is_carried_on(commands, number):
+            continue
+        later = [each for each in commands[number + 1 :] if each.path == command.path]
+        if any(each.holds and is_near(each.posture, command.posture) for each in later):
+            continue
+        if held_at:
+            if command.path in held_at:
+                yield EmptyGrasp(command, intended=True)
+        elif _is_approached(commands, number):
+            yield EmptyGrasp(command, intended=has_objects)
+
+
+def _is_carried_on(commands: Sequence[IssuedCommand], number: int) -> bool:
+    """Return whether the arm moves after a command, and the gripper then opens."""
+    has_moved = False
+    for each in commands[number + 1 :]:
+        if each.gripper == commands[number].gripper:
+            return has_moved and each.grip == "opens"
+        has_moved |= not each.gripper
+    return False
+
+
+def _is_approached(commands: Sequence[IssuedCommand], number: int) -> bool:
+    """Return whether the arm moved between the gripper's command before and this one."""
+    for each in reversed(commands[:number]):
+        if each.gripper == commands[number].gripper:
+            return False
+        if not each.gripper:
+            return True
+    return False
+
+
+@dataclass(frozen=True, slots=True)
+class GripperFault:
+    """What is wrong with how a gripper was used."""
+
+    code: str
+    """That of its reason: docs/verdict.md."""
+    words: str
+    command: IssuedCommand
+    """The command that shows it."""
+
+
+def gripper_faults(run: RecordedRun) -> Iterator[GripperFault]:
+    """Yield what is wrong with how the grippers were used."""
+    for each in empty_grasps(run.commands, has_objects=run.has_objects):
+        if each.intended:
+            name = each.command.gripper
+            words = f"{name} closed on nothing, and the controller went on as if it held"
+            yield GripperFault("grasped-nothing", words, each.command)
+    is_vain = run.has_objects and not any(each.holds for each in run.commands)
+    for name in dict.fromkeys(each.gripper for each in run.commands if each.gripper):
+        own = [each for each in run.commands if each.gripper == name]
+        if is_vain and _is_used(run.commands, own) and not _closes(own):
+            words = "never closed"
+        elif _is_idle(run.commands, own):
+            words = "stayed as it was after the first time"
+        else:
+            words = ""
+        if words:
+            words = f"{name} was commanded {len(own)} times and {words}, so nothing was grasped"
+            yield GripperFault("never-grasped", words, own[-1])
+        if _is_left_closed(own):
+            words = (
+                f"{name} closed and was not opened again: what it takes is still held at the end"
+            )
+            yield GripperFault("never-released", words, own[-1])
+
+
+def _is_used(commands: Sequence[IssuedCommand], own: Sequence[IssuedCommand]) -> bool:
+    """Return whether the arm moves between commands to a gripper that say where it should go."""
+    if not all(each.goal for each in own):
+        return False
+    between = commands[commands.index(own[0]) : commands.index(own[-1])]
+    return any(not each.gripper for each in between)
+
+
+def _closes(own: Sequence[IssuedCommand]) -> bool:
+    return any(each.grip == "closes" for each in own)
+
+
+def _is_idle(commands: Sequence[IssuedCommand], own: Sequence[IssuedCommand]) -> bool:
+    """Return whether none of a gripper's commands but the first moves it, nor holds anything."""
+    is_moved = any(each.grip for each in own[1:]) or any(each.holds for each in own)
+    return _is_used(commands, own) and not is_moved
+
+
+def _is_left_closed(own: Sequence[IssuedCommand]) -> bool:
+    """Return whether a gripper takes something at last and does not let it go.
+
+    It holds it; or it closed by the call that was followed by a release before.
+    """
+    last = own[-1]
+    released = {
+        one.path for one, then in pairwise(own) if one.grip == "closes" and then.grip == "opens"
+    }
+    return last.grip != "opens" and (
+        last.holds or (last.grip is not None and last.path in released)
+    )

@@ -1,0 +1,373 @@
+"""Judge a run: how far it can be taken for the mission; docs/theory.md#the-verdict-of-a-run.
+
+`judge` is a pure function of what was recorded: it needs no simulation and no controller.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+from tracerisk.errors import Location
+from tracerisk.instrument.recording import is_near
+from tracerisk.pipeline.trace.gripper_faults import gripper_faults
+from tracerisk.pipeline.trace.recorded_run import IssuedCommand, MissedCommand, RecordedRun
+from tracerisk.trace import (
+    MISSED_CALL,
+    NEVER_RAN,
+    UNUSED_INPUT,
+    VERDICTS,
+    Acceptance,
+    Coverage,
+    Finding,
+    Reason,
+    Verdict,
+    VerdictKind,
+)
+
+CODES: dict[str, VerdictKind] = {
+    "command-aborted": "faulted",
+    "command-rejected": "faulted",
+    "command-ignored": "faulted",
+    "service-refused": "faulted",
+    "lookup-failed": "faulted",
+    "ik-failed": "faulted",
+    "fk-failed": "faulted",
+    "planning-failed": "faulted",
+    "path-cut": "faulted",
+    "attach-failed": "faulted",
+    "callback-raised": "faulted",
+    "thread-raised": "faulted",
+    "error-logged": "faulted",
+    "run-raised": "faulted",
+    "run-exited": "faulted",
+    "grasped-nothing": "faulted",
+    "object-dropped": "faulted",
+    "object-knocked": "faulted",
+    "past-limit": "faulted",
+    NEVER_RAN: "partial",
+    MISSED_CALL: "partial",
+    UNUSED_INPUT: "partial",
+    "no-command": "partial",
+    "never-grasped": "partial",
+    "never-released": "partial",
+    "unmet-need": "partial",
+    "access-denied": "partial",
+    "companion-failed": "partial",
+    "robot-assumed": "partial",
+    "input-assumed": "partial",
+    "duration-cut": "partial",
+    "run-deadlock": "stuck",
+    "run-no-motion": "stuck",
+    "run-wall-limit": "stuck",
+    "run-memory-limit": "stuck",
+    "run-died": "stuck",
+    "run-not-importable": "stuck",
+}
+"""Every code of a reason, and what it makes of the run where it is not accepted."""
+
+_OF_FINDING = {
+    "execution_failure": "command-aborted",
+    "goal_rejected": "command-rejected",
+    "command_ignored": "command-ignored",
+    "service_refused": "service-refused",
+    "lookup_failure": "lookup-failed",
+    "ik_failure": "ik-failed",
+    "fk_failure": "fk-failed",
+    "planning_failure": "planning-failed",
+    "path_cut": "path-cut",
+    "attach_failure": "attach-failed",
+    "callback_failed": "callback-raised",
+    "thread_failed": "thread-raised",
+    "error_logged": "error-logged",
+    "unprovided": "unmet-need",
+    "foreign_gripper": "robot-assumed",
+    "denied": "access-denied",
+    "unused": UNUSED_INPUT,
+    "answer_assumed": "input-assumed",
+    "companion_failed": "companion-failed",
+}
+_OF_COMMANDS = frozenset({"execution_failure", "goal_rejected"})
+
+
+def judge(run: RecordedRun, acceptances: Sequence[Acceptance] = ()) -> Verdict:
+    """Return the verdict of a run with its reasons; accepted ones make it no worse."""
+    reasons: tuple[Reason, ...] = _ordered(
+        [
+            *_of_findings(run),
+            *_of_commands(run),
+            *_of_limits(run.commands),
+            *_of_grippers(run),
+            *_of_falls(run),
+            *_of_needs(run),
+            *_of_assumptions(run),
+            *_of_coverage(run.coverage),
+            *_of_missed(run.missed),
+            *_of_end(run),
+        ]
+    )
+    return with_acceptances(Verdict("complete", reasons, run.coverage), acceptances)
+
+
+def with_acceptances(verdict: Verdict, acceptances: Sequence[Acceptance]) -> Verdict:
+    """Return the verdict under these acceptances alone; what is stuck is never accepted."""
+    words = {each.key: each.words for each in acceptances}
+    judged = [
+        replace(each, accepted="" if each.verdict == "stuck" else words.get(each.key, ""))
+        for each in verdict.reasons
+    ]
+    kind: VerdictKind = "complete"
+    for each in judged:
+        if not each.accepted and VERDICTS.index(each.verdict) > VERDICTS.index(kind):
+            kind = each.verdict
+    return Verdict(kind, _ordered(judged), verdict.coverage, tuple(acceptances))
+
+
+def _ordered(reasons: Iterable[Reason]) -> tuple[Reason, ...]:
+    def rank(reason: Reason) -> tuple[bool, int, float]:
+        # Of one time those come first that were recorded first.
+        time_s = float("inf") if reason.time_s is None else reason.time_s
+        return bool(reason.accepted), -VERDICTS.index(reason.verdict), time_s
+
+    found: dict[tuple[object, ...], Reason] = {}
+    for each in sorted(reasons, key=rank):
+        # What happens again and again at one place is one reason, of its first time.
+        found.setdefault((each.key, each.location), each)
+    return tuple(found.values())
+
+
+def _reason(
+    code: str,
+    words: str,
+    *,
+    function: str = "",
+    object_name: str = "",
+    time_s: float | None = None,
+    location: Location | None = None,
+) -> Reason:
+    return Reason(code, CODES[code], words, function, object_name, time_s, location)
+
+
+def _of_end(run: RecordedRun) -> Iterator[Reason]:
+    end = run.end
+    if end.is_good and not run.commands:
+        words = "nothing was commanded, so no motion is in the figures"
+        yield _reason("no-command", words, time_s=end.simulated_s)
+    if not end.is_good:
+        yield _reason(
+            end.code,
+            end.message,
+            function=run.end_function,
+            time_s=end.simulated_s,
+            location=end.location,
+        )
+    elif end.cause == "duration" and not run.is_duration_given:
+        yield _reason(
+            "duration-cut",
+            "the default duration cut the run, so the figure rests on it; --duration S sets how "
+            "long a mission lasts",
+            object_name="duration",
+            time_s=end.simulated_s,
+        )
+
+
+def _command_reason(code: str, words: str, command: IssuedCommand, object_name: str) -> Reason:
+    return _reason(
+        code,
+        words,
+        function=command.function,
+        object_name=object_name,
+        time_s=command.issue_s,
+        location=command.location,
+    )
+
+
+# Commands and what else failed, with their retries
+
+
+def _of_commands(run: RecordedRun) -> Iterator[Reason]:
+    """Yield commands that were aborted and of which no retry succeeded."""
+    for number, command in enumerate(run.commands):
+        if command.outcome != "aborted" or _retry(command, run.commands[number + 1 :]):
+            continue
+        told = _finding_of(command, run.findings)
+        words = told.message if told else f"a command to {', '.join(command.elements)} was aborted"
+        name = told.object if told and told.object else ", ".join(command.elements)
+        yield _command_reason("command-aborted", words, command, name)
+
+
+def _retry(command: IssuedCommand, later: Sequence[IssuedCommand]) -> IssuedCommand | None:
+    """Return the command of the same kind, function and goal that later succeeded."""
+    return next(
+        (
+            each
+            for each in later
+            if each.outcome == "succeeded"
+            and each.kind == command.kind
+            and each.function == command.function
+            and each.elements == command.elements
+            and is_near(each.goal, command.goal)
+        ),
+        None,
+    )
+
+
+def _finding_of(command: IssuedCommand, findings: Sequence[Finding]) -> Finding | None:
+    """Return the finding that says why a command was aborted."""
+    return next(
+        (
+            each
+            for each in findings
+            if each.kind == "execution_failure" and _is_about(each, command)
+        ),
+        None,
+    )
+
+
+def _is_about(finding: Finding, command: IssuedCommand) -> bool:
+    if command.outcome != "aborted" or finding.time_s is None or command.end_s is None:
+        return False
+    return (
+        finding.function == command.function
+        and command.issue_s <= finding.time_s
+        and is_near(finding.target, command.goal)
+    )
+
+
+def _of_limits(commands: Sequence[IssuedCommand]) -> Iterator[Reason]:
+    """Yield goals past a joint's limit of which no other command's end tells."""
+    for command in commands:
+        if command.past_limit and command.outcome != "aborted":
+            words = f"a goal takes joint '{command.past_limit}' {command.past_words}"
+            yield _command_reason("past-limit", words, command, command.past_limit)
+
+
+def _of_findings(run: RecordedRun) -> Iterator[Reason]:
+    settled = list(_settled(run))
+    for finding in run.findings:
+        code = _OF_FINDING.get(finding.kind)
+        if code is None or finding.recovered_s is not None:
+            continue
+        if finding.kind in _OF_COMMANDS and _is_told_by_command(finding, run.commands):
+            continue
+        if finding.kind == "error_logged" and _is_settled(finding, settled):
+            continue
+        if finding.kind == "execution_failure":
+            # What never became a command was refused.
+            code = "command-rejected"
+        yield _reason(
+            code,
+            finding.message,
+            function=finding.function,
+            object_name=finding.object,
+            time_s=finding.time_s,
+            location=finding.location,
+        )
+
+
+def _is_told_by_command(finding: Finding, commands: Sequence[IssuedCommand]) -> bool:
+    """Return whether a finding is of an aborted command, or of a goal that was met later."""
+    if any(_is_about(finding, each) for each in commands):
+        return True
+    return bool(finding.target) and any(
+        each.outcome == "succeeded"
+        and each.function == finding.function
+        and each.issue_s >= (finding.time_s or 0.0)
+        and is_near(each.goal, finding.target)
+        for each in commands
+    )
+
+
+_Span = tuple[frozenset[str], float, float]
+
+
+def _settled(run: RecordedRun) -> Iterator[_Span]:
+    """Yield the functions in which something failed until a retry succeeded, and from when on."""
+    for finding in run.findings:
+        if finding.recovered_s is not None and finding.time_s is not None:
+            yield frozenset({finding.function}), finding.time_s, finding.recovered_s
+    for number, command in enumerate(run.commands):
+        if command.outcome == "aborted":
+            retry = _retry(command, run.commands[number + 1 :])
+            if retry is not None and retry.end_s is not None:
+                yield frozenset(command.callers), command.issue_s, retry.end_s
+
+
+def _is_settled(finding: Finding, spans: Iterable[_Span]) -> bool:
+    time_s = finding.time_s or 0.0
+    return any(
+        finding.function in functions and start_s <= time_s <= end_s
+        for functions, start_s, end_s in spans
+    )
+
+
+# Grippers, and things that fall
+
+
+def _of_grippers(run: RecordedRun) -> Iterator[Reason]:
+    for fault in gripper_faults(run):
+        yield _command_reason(fault.code, fault.words, fault.command, fault.command.gripper)
+
+
+def _of_falls(run: RecordedRun) -> Iterator[Reason]:
+    for fall in run.falls:
+        before = [each for each in run.commands if each.issue_s <= fall.time_s]
+        cause = before[-1] if before else None
+        what = f"fell {1000.0 * fall.height_m:.0f} mm"
+        if fall.is_tipped:
+            what = "tipped over"
+        how = "after it was let go" if fall.was_held else "after the robot touched it"
+        yield _reason(
+            "object-dropped" if fall.was_held else "object-knocked",
+            f"'{fall.object}' {what} {how}",
+            function=cause.function if cause else "",
+            object_name=fall.object,
+            time_s=fall.time_s,
+            location=cause.location if cause else None,
+        )
+
+
+# What was not there
+
+
+def _of_needs(run: RecordedRun) -> Iterator[Reason]:
+    looked_up = {each.object for each in run.findings if each.kind == "lookup_failure"}
+    told = {each.object for each in run.findings if each.kind == "unprovided"}
+    for need in run.unmet:
+        if (need.is_frame and need.object in looked_up) or need.object in told:
+            continue
+        yield _reason(
+            "unmet-need",
+            f"nothing provides {need.words}",
+            function=need.function,
+            object_name=need.object,
+            location=need.location,
+        )
+
+
+def _of_assumptions(run: RecordedRun) -> Iterator[Reason]:
+    for name, words in run.assumed:
+        yield _reason("robot-assumed", words, object_name=name)
+    for name, words, place in run.unconfirmed:
+        yield _reason("input-assumed", words, object_name=name, location=place)
+
+
+def _of_coverage(coverage: Coverage) -> Iterator[Reason]:
+    for each in coverage.never_ran:
+        yield _reason(
+            NEVER_RAN,
+            f"{each.ref.name} can command hardware and never ran",
+            function=each.ref.name,
+            location=Location(each.ref.file, each.line),
+        )
+
+
+def _of_missed(missed: Sequence[MissedCommand]) -> Iterator[Reason]:
+    for each in missed:
+        yield _reason(
+            MISSED_CALL,
+            f"{each.call} led to no command here, elsewhere it did",
+            function=each.function,
+            object_name=each.call,
+            location=each.location,
+        )

@@ -1,0 +1,51 @@
+"""The verdict of a run as the lock keeps it, and what a reader makes of it later."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from tracerisk.adder.lock.lock import ControllerLock
+from tracerisk.adder.sources.line_map import line_maps
+from tracerisk.trace import Verdict
+from tracerisk.trace_json import plain_data, verdict_of_data
+
+_VERDICT = "verdict"
+_WHOLE_S = 1  # decimals of the times that are kept: more would change with every change
+
+
+def verdict_summary(verdict: Verdict | None) -> dict[str, Any]:
+    """Return what the lock keeps of a verdict; nothing where none is known."""
+    if verdict is None:
+        return {}
+    reasons = tuple(
+        replace(each, time_s=None if each.time_s is None else round(each.time_s, _WHOLE_S))
+        for each in verdict.reasons
+    )
+    return {_VERDICT: plain_data(replace(verdict, reasons=reasons))}
+
+
+def bare_lines(sources: Mapping[str, bytes], shown: Mapping[str, str]) -> Callable[[str, int], int]:
+    """Return what gives the line that a line of a source has without its risk blocks.
+
+    `shown` is how messages call each source.
+    """
+    return line_maps(sources, {}, shown)
+
+
+def block_lines(
+    sources: Mapping[str, bytes], shown: Mapping[str, str]
+) -> Callable[[str, int], int]:
+    """Return what gives the line of a source, with its blocks, for one that the lock keeps."""
+    return line_maps(dict.fromkeys(sources, b""), sources, shown)
+
+
+def kept_verdict(entry: ControllerLock | None) -> Verdict | None:
+    """Return the verdict that a lock keeps of a controller; `None` where it is unknown.
+
+    It is unknown to a lock of an earlier tracerisk, and to one that was edited by hand.
+    """
+    if entry is None or not isinstance(entry.trace.get(_VERDICT), Mapping):
+        return None
+    return verdict_of_data(entry.trace[_VERDICT])

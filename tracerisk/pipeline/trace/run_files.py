@@ -1,0 +1,165 @@
+"""What parent and child of a run tell each other by files: the request and their names."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tracerisk.pipeline.launch_files.records import LaunchSetup
+
+MOST_TEXT = 512 * 1024**2
+"""How large a file of a recording may be that holds text [bytes]."""
+MOST_ROWS = 8 * 1024**3
+"""How large a file of a recording may be that holds rows of numbers [bytes]."""
+
+EVENTS = "events.jsonl"
+"""The recorder's events."""
+STACKS = "stacks.txt"
+"""Where the child's threads stand, written when the parent asks."""
+ROBOT = "robot.json"
+"""The robot that the child simulates, whole: it need not look for it again."""
+STARTED = "started"
+"""The note that says that all is built and the controller's own code begins."""
+ENTRY = "entry"
+"""The note of the function that was called to start the controller: `function`, `named_in`."""
+ELSEWHERE = "elsewhere"
+"""The note of a module found off the import path: `module`, and `folder` from the root."""
+CYCLE = "cycle"
+"""The note of the equal cycles: `start_ns` of the first, and how many were `seen`."""
+MISSION_END = "mission_end"
+"""The note of when the mission was over, where that is before the end of the run: `ns`."""
+LAUNCH = "launch"
+"""The note of what a launch file has given: `notes`, the lines that say so, and `inputs`, files."""
+DEFINITIONS = "definitions"
+"""The folder of the messages that descriptions of drivers define; the child alone reads it."""
+AROUND = "around"
+"""A note for each parameter that other launch files of the workspace gave: `name`, `files`."""
+SCENARIO = "scenario"
+"""The note of the scenario lines that would give a controller what it lacked: `lines`."""
+JOINTS_ASKED = "joints_asked"
+"""The note of a motion of joints that the robot has not: `names`, all of them."""
+NEEDS = "needs"
+"""The note of what a run lacked: `needs`, the kind, name and type of each."""
+DRAFTS = "drafts"
+"""The note of what a scenario could say for each need: `drafts`."""
+COMPANION = "companion"
+"""The note of a companion that `ended` before its time: how it is `told`, and how it ended."""
+_WALL_TIME = "wall_time.json"
+UNMET = "unmet"
+"""The note of what the controller asked for in vain and went on without."""
+GIVEN = "given"
+"""The note of what the scenario gives it: `objects` to grasp, reasons that it may `accept`.
+
+`unconfirmed` are the entries that nobody has confirmed.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Companion:
+    """A node of the workspace that is started beside a controller, and what it provides.
+
+    `script` is its file, `root` the folder of its own sources, `told` its path from the
+    controller's root. `launch` is what a launch file gives it. `provides` are the needs that its
+    source shows it to meet, in words; `files` what a run with it depends on, from that root.
+    """
+
+    script: str
+    root: str
+    told: str
+    provides: tuple[str, ...]
+    files: tuple[str, ...] = ()
+    launch: LaunchSetup | None = None
+
+    @property
+    def line(self) -> str:
+        """The line of the report that tells of it."""
+        return f"started beside: {self.told}, which provides {', '.join(self.provides)}"
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Companion:
+        """Read what `dataclasses.asdict` made of one, through JSON."""
+        launch = None if data["launch"] is None else LaunchSetup.from_json(data["launch"])
+        lists = {name: tuple(data[name]) for name in ("provides", "files")}
+        return cls(**{**data, **lists, "launch": launch})
+
+
+@dataclass(frozen=True, slots=True)
+class RunRequest:
+    """What the child is asked to run; `folder` is that of the recording.
+
+    `packages` are those of the workspace and their folders. `argv` holds what `launch` adds to
+    it; `launch_notes` are the lines that tell of `launch`.
+    `reads_around` says that other launch files of the workspace may give parameters too.
+    `companions` are started beside the controller. `drivers` are files that describe drivers.
+    `drafts_all`: what a scenario could say for every need is noted. `states` are the steps that
+    settings name. `written` is the folder into which goes what the controller writes, `None`
+    where it writes as it likes; `readable` and `writable` are what it may reach then.
+    """
+
+    controller: str
+    root: str
+    folder: str
+    packages: Mapping[str, str]
+    argv: tuple[str, ...]
+    states: tuple[str, ...]
+    answers: tuple[str, ...]
+    scene: str
+    scenario: str | None
+    params: tuple[str, ...]
+    drivers: tuple[str, ...]
+    launch: LaunchSetup | None
+    launch_notes: tuple[str, ...]
+    reads_around: bool
+    companions: tuple[Companion, ...]
+    duration_s: float
+    memory_limit_mb: int
+    seed: int
+    drafts_all: bool = False
+    written: str | None = None
+    readable: tuple[str, ...] = ()
+    writable: tuple[str, ...] = ()
+
+    def dumps(self) -> str:
+        """Return the request as JSON."""
+        return json.dumps(dataclasses.asdict(self), sort_keys=True)
+
+    @classmethod
+    def loads(cls, text: str) -> RunRequest:
+        """Read what `dumps` wrote."""
+        data = json.loads(text)
+        names = [each.name for each in dataclasses.fields(cls) if isinstance(data[each.name], list)]
+        lists = {name: tuple(data[name]) for name in names}
+        launch = None if data["launch"] is None else LaunchSetup.from_json(data["launch"])
+        companions = tuple(Companion.from_json(each) for each in data["companions"])
+        return cls(**{**data, **lists, "launch": launch, "companions": companions})
+
+
+@dataclass(frozen=True, slots=True)
+class WallTime:
+    """How long a run took [s of wall time]: a measurement, which nothing is computed from.
+
+    `controller_s` is the time from the controller's first line to its end, planning and all;
+    `simulation_s` the part in which physics was stepped and sampled.
+    """
+
+    controller_s: float
+    simulation_s: float
+
+    def write(self, folder: Path) -> None:
+        """Write the times beside the recording."""
+        text = json.dumps(dataclasses.asdict(self), sort_keys=True)
+        (folder / _WALL_TIME).write_text(f"{text}\n", encoding="utf-8")
+
+    @staticmethod
+    def is_in(folder: Path) -> bool:
+        """Tell whether the times were written: the last act of a run that came to its end."""
+        return (folder / _WALL_TIME).is_file()
+
+    @classmethod
+    def read(cls, folder: Path) -> WallTime:
+        """Read the times of a kept recording, of a run that came to its end."""
+        return cls(**json.loads((folder / _WALL_TIME).read_text(encoding="utf-8")))

@@ -1,0 +1,266 @@
+"""Make a trace of a recording: whose activity is whose, for how long and how hard."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tracerisk.config import Settings
+from tracerisk.errors import UnsafeRewriteError
+from tracerisk.hardware.shipped import is_shipped
+from tracerisk.instrument.motion_calls import MOTION_CALLS, calls_at
+from tracerisk.instrument.ownership import Attribution, attribute
+from tracerisk.instrument.recording import Recording
+from tracerisk.instrument.tracer import Site
+from tracerisk.pipeline.trace.contacts import collisions, with_contacts
+from tracerisk.pipeline.trace.run_files import CYCLE, ELSEWHERE, ENTRY, LAUNCH, MISSION_END
+from tracerisk.pipeline.trace.run_verdict import placed_findings, run_verdict
+from tracerisk.pipeline.trace.sensors import elements_of, with_sensors
+from tracerisk.pipeline.workspace.libraries import Libraries
+from tracerisk.source.call_graph import CallGraph, call_graph, motion_reaching, uncovered
+from tracerisk.source.python_source import MODULE_NAME
+from tracerisk.trace import (
+    Coverage,
+    Cycle,
+    Exposure,
+    Finding,
+    ObjectOffset,
+    RunEnd,
+    Trace,
+    Visit,
+)
+from tracerisk.twin.recording.activity import ElementActivity, element_activity
+from tracerisk.twin.recording.contacts import RunContacts
+from tracerisk.twin.recording.exposure import exposure
+from tracerisk.twin.recording.samples import Samples, has_samples, read_samples
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline.workspace.controller import Controller
+    from tracerisk.twin.robots.robot import Robot
+
+
+def make_trace(
+    controller: Controller,
+    robot: Robot,
+    scene: str,
+    settings: Settings,
+    recording: Recording,
+    folder: Path,
+    end: RunEnd,
+) -> Trace:
+    """Return the trace of a recording whose samples lie in `folder`."""
+    attribution = attribute(
+        recording,
+        states=settings.states,
+        helpers=settings.helpers,
+        end_ns=round((end.simulated_s or 0.0) * 1e9),
+    )
+    elements = elements_of(robot, settings)
+    mission_end = recording.note(MISSION_END)
+    active: Mapping[str, Exposure] = {}
+    visits: tuple[Visit, ...] = ()
+    samples: Samples | None = None
+    contacts: RunContacts | None = None
+    if has_samples(folder):
+        samples = read_samples(folder)
+        if mission_end is not None:
+            samples = _cut(samples, mission_end["ns"])
+        activity = element_activity(samples, robot)
+        active = _exposures(activity, samples)
+        visits = _visits(attribution, activity, samples)
+        active, visits = with_sensors(
+            elements, recording, attribution, activity, samples, active, visits
+        )
+        active, visits, contacts = with_contacts(
+            folder, robot, elements, attribution, activity, samples, active, visits
+        )
+    libraries = Libraries(controller.path, controller.root, settings.states)
+    coverage = _coverage(controller, recording, libraries)
+    found = _findings(recording, attribution, collisions(robot, attribution, visits))
+    findings = placed_findings(found, controller)
+    verdict, more = run_verdict(
+        controller,
+        robot,
+        settings,
+        recording,
+        end,
+        findings,
+        coverage,
+        samples,
+        contacts,
+    )
+    return Trace(
+        controller=controller.file,
+        robot=robot.name,
+        scene=scene,
+        end=end,
+        elements=elements,
+        functions=attribution.functions,
+        visits=visits,
+        active=active,
+        uncovered=coverage.never_ran,
+        findings=_in_time((*findings, *more)),
+        objects=_objects(recording),
+        assumptions=_assumptions(robot, scene, settings, recording, end),
+        cycle=_cycle(recording, attribution, settings),
+        files=tuple(file for file in _files(controller, recording) if file != controller.file),
+        inputs=tuple(_launched(recording)["inputs"]),
+        verdict=verdict,
+    )
+
+
+def _cut(samples: Samples, end_ns: int) -> Samples:
+    """Return the samples up to a time: after it the controller only idled."""
+    steps = -(-end_ns // samples.header.step_ns)
+    fields = ("control", "position", "velocity", "torque", "pad_force")
+    return replace(samples, **{name: getattr(samples, name)[:steps] for name in fields})
+
+
+def _cycle(recording: Recording, attribution: Attribution, settings: Settings) -> Cycle | None:
+    """Return what a run repeated; None where its visits do not show the cycle."""
+    note = recording.note(CYCLE)
+    if note is None:
+        return None
+    visits = attribution.visits
+    first = sum(1 for visit in visits if visit.start_ns < note["start_ns"])
+    length, rest = divmod(len(visits) - first, note["seen"])
+    owners = [visit.function for visit in visits[first:]]
+    if not length or rest or owners != owners[:length] * note["seen"]:
+        return None
+    return Cycle(first, length, settings.mission_cycles)
+
+
+def _exposures(activity: Mapping[str, ElementActivity], samples: Samples) -> dict[str, Exposure]:
+    everywhere = np.ones(samples.n_steps, dtype=np.bool_)
+    return {name: exposure(each, everywhere, samples.step_s) for name, each in activity.items()}
+
+
+def _visits(
+    attribution: Attribution, activity: Mapping[str, ElementActivity], samples: Samples
+) -> tuple[Visit, ...]:
+    n_steps, step_ns = samples.n_steps, samples.header.step_ns
+    current = attribution.current(n_steps, step_ns)
+    owners = {name: attribution.assign(name, n_steps, step_ns) for name in activity}
+    steps_of = np.bincount(current[current >= 0], minlength=len(attribution.visits))
+    visits = []
+    for index, visit in enumerate(attribution.visits):
+        exposures = {
+            name: exposure(each, owners[name] == index, samples.step_s)
+            for name, each in activity.items()
+        }
+        visits.append(
+            Visit(
+                function=visit.function,
+                start_s=visit.start_ns / 1e9,
+                duration_s=float(steps_of[index]) * samples.step_s,
+                outcome=visit.outcome,
+                exposures={name: each for name, each in exposures.items() if each != Exposure()},
+            )
+        )
+    return tuple(visits)
+
+
+def _files(controller: Controller, recording: Recording) -> tuple[str, ...]:
+    """Return the files of the controller that ran, sorted."""
+    return tuple(sorted({site.ref.file for site in recording.functions_ran} | {controller.file}))
+
+
+def _coverage(controller: Controller, recording: Recording, libraries: Libraries) -> Coverage:
+    """Return which of the functions that can command hardware ran; a library's do not count."""
+    sites: dict[str, set[Site]] = {}
+    for command in recording.commands:
+        innermost = command.stack[-1]
+        sites.setdefault(innermost.function.file, set()).add(innermost.site)
+    graphs, motion = [], set(MOTION_CALLS)
+    files = _files(controller, recording)
+    own = {file for file in files if not libraries.holds(controller.root / file)}
+    for file in files:
+        source = controller.source_of(file)
+        with contextlib.suppress(UnsafeRewriteError):
+            graphs.append(call_graph(source, file))
+        motion |= calls_at(source, sites.get(file, ()))
+    graph = CallGraph.joined(graphs)
+    ran = {site.ref for site in recording.functions_ran}
+    never_ran = tuple(each for each in uncovered(graph, motion, ran) if each.ref.file in own)
+    # What the run has seen to command counts, however it came to.
+    seen = {frame.function for command in recording.commands for frame in command.stack[:-1]}
+    issuers = {command.stack[-1].function for command in recording.commands}
+    reaching = {each.ref for each in motion_reaching(graph, motion)} | seen
+    able = {ref for ref in reaching if ref.name != MODULE_NAME and ref.file in own} | issuers
+    return Coverage(len(able) - len(never_ran), len(able), never_ran)
+
+
+def _findings(
+    recording: Recording, attribution: Attribution, collided: tuple[Finding, ...]
+) -> tuple[Finding, ...]:
+    return _in_time((*recording.findings, *attribution.findings, *collided))
+
+
+def _in_time(findings: Sequence[Finding]) -> tuple[Finding, ...]:
+    return tuple(sorted(findings, key=lambda finding: finding.time_s or 0.0))
+
+
+def _objects(recording: Recording) -> tuple[ObjectOffset, ...]:
+    note = recording.note("objects")
+    return () if note is None else tuple(ObjectOffset(**each) for each in note["found"])
+
+
+def _launched(recording: Recording) -> Mapping[str, Any]:
+    return recording.note(LAUNCH) or {"notes": (), "inputs": ()}
+
+
+def _started_by(recording: Recording) -> list[str]:
+    """Say what an installed controller would have that the bare script has not."""
+    lines = list(_launched(recording)["notes"])
+    entry = recording.note(ENTRY)
+    if entry is not None:
+        named = f"named in {entry['named_in']}" if entry["named_in"] else "which nothing calls"
+        lines.append(f"start: {entry['function']}() of the script, {named}, was called")
+    lines += [
+        f"import: {note.data['module']} was taken from {note.data['folder']}, "
+        "which is not on the import path"
+        for note in recording.notes
+        if note.kind == ELSEWHERE
+    ]
+    return lines
+
+
+def _assumptions(
+    robot: Robot, scene: str, settings: Settings, recording: Recording, end: RunEnd
+) -> tuple[str, ...]:
+    lines = []
+    if settings.robot is None:
+        lines.append(f"robot: {robot.name}, {robot.chosen_by}")
+    if settings.scene is None:
+        lines.append(f"scene: {scene}, the default of the robot")
+    lines += _started_by(recording)
+    if robot.approximate:
+        lines.append(f"robot: the figures of {robot.name} are approximate: some are assumed")
+    if settings.hardware is None and not is_shipped(robot.name):
+        lines.append(
+            f"hardware: all figures are assumed, none are shipped for {robot.name}; give --hardware"
+        )
+    answers = [note.data["answer"] for note in recording.notes if note.kind == "input"]
+    if answers:
+        scripted = sum(1 for answer in answers if answer)
+        lines.append(
+            f"input: {scripted} questions got scripted answers, {len(answers) - scripted} got Enter"
+        )
+    if end.cause == "cycles":
+        lines.append(
+            f"mission: {settings.mission_cycles} cycles (mission_cycles), declared, not observed: "
+            "the controller's loop has no end of its own"
+        )
+    if end.cause == "idle":
+        lines.append("mission: over where the controller's loop had nothing more to command")
+    if end.cause == "duration":
+        lines.append(
+            f"mission: cut after {settings.run_duration_s:g} s of simulated time (--duration); the "
+            "controller did not end by itself"
+        )
+    return tuple(lines)

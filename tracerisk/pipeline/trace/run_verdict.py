@@ -1,0 +1,279 @@
+"""Gather from a recording what the verdict of its run rests on."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.adder.sources.definitions import function_at, parse_python
+from tracerisk.config import Settings
+from tracerisk.errors import Location, TraceRiskError
+from tracerisk.instrument.motion_calls import missed_calls
+from tracerisk.instrument.recording import NEAR, Command, Recording
+from tracerisk.instrument.tracer import Site
+from tracerisk.pipeline.trace.falls import falls
+from tracerisk.pipeline.trace.gripper_faults import empty_grasps
+from tracerisk.pipeline.trace.judge import judge
+from tracerisk.pipeline.trace.recorded_run import (
+    Grip,
+    IssuedCommand,
+    MissedCommand,
+    RecordedRun,
+    UnmetNeed,
+)
+from tracerisk.pipeline.trace.run_files import GIVEN, UNMET
+from tracerisk.trace import Acceptance, Coverage, Finding, RunEnd, Verdict
+from tracerisk.twin.recording.contacts import RunContacts
+from tracerisk.twin.recording.samples import Samples
+from tracerisk.twin.recording.touches import Hold
+from tracerisk.twin.robots.assumed_gripper import NAME as ASSUMED_GRIPPER
+from tracerisk.twin.robots.assumed_gripper import has_assumed_gripper
+from tracerisk.twin.robots.generic import NAME as GENERIC
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline.workspace.controller import Controller
+    from tracerisk.twin.robots.robot import Gripper, Joint, Robot
+
+NOTHING_TO_GRASP = "nothing_to_grasp"
+_SAME_PLACE = 0.05  # of its range: a command that moves a gripper by less neither opens nor closes
+_AFTER_S = 1.0  # a grip shows no later than this after the gripper's command ended [s]
+
+
+def placed_findings(findings: Sequence[Finding], controller: Controller) -> tuple[Finding, ...]:
+    """Return the findings with places below the controller's root, and the function of each."""
+    return tuple(_placed(each, controller) for each in findings)
+
+
+def _placed(finding: Finding, controller: Controller) -> Finding:
+    place = finding.location
+    if place is None:
+        return finding
+    root = controller.root.resolve()
+    file = Path(place.file)
+    if file.is_absolute() and file.is_relative_to(root):
+        place = replace(place, file=file.relative_to(root).as_posix())
+    return replace(finding, location=place, function=function_of(controller, place))
+
+
+def function_of(controller: Controller, place: Location | None) -> str:
+    """Return the qualified name of the function around a place; empty where there is none."""
+    if place is None or place.line is None or not place.file.endswith(".py"):
+        return ""
+    path = controller.path_of(place.file)
+    if place.file != controller.file and not path.is_file():
+        return ""
+    return _function_at(controller.source_of(place.file), str(path), place.line)
+
+
+@lru_cache(maxsize=4096)
+def _function_at(source: bytes, file: str, line: int) -> str:
+    try:
+        return function_at(parse_python(source, file).tree, line)
+    except TraceRiskError:
+        return ""
+
+
+def run_verdict(
+    controller: Controller,
+    robot: Robot,
+    settings: Settings,
+    recording: Recording,
+    end: RunEnd,
+    findings: Sequence[Finding],
+    coverage: Coverage,
+    samples: Samples | None,
+    contacts: RunContacts | None,
+) -> tuple[Verdict, tuple[Finding, ...]]:
+    """Return the verdict of a run, and findings on grasps for which there was nothing to grasp.
+
+    `findings` have their functions: `placed_findings`.
+    """
+    given = recording.note(GIVEN) or {"objects": (), "accept": (), "unconfirmed": ()}
+    commands = tuple(_commands(recording, robot, samples, contacts))
+    bodies = samples.header.free_bodies if samples is not None else ()
+    named = given["objects"] if settings.scene is None else (*given["objects"], *bodies)
+    run = RecordedRun(
+        end=end,
+        end_function=function_of(controller, end.location),
+        findings=tuple(findings),
+        commands=commands,
+        unmet=tuple(_unmet(recording, controller)),
+        coverage=coverage,
+        missed=tuple(_missed(recording, controller)),
+        falls=falls(samples, contacts) if samples is not None else (),
+        assumed=tuple(_assumed(robot, recording)),
+        unconfirmed=tuple(_unconfirmed(given["unconfirmed"], controller)),
+        has_objects=bool(named),
+        is_duration_given=settings.duration_s is not None,
+    )
+    accepted = (*settings.accept, *(Acceptance(**each) for each in given["accept"]))
+    noted = tuple(
+        Finding(
+            NOTHING_TO_GRASP,
+            f"{each.command.gripper} closed on nothing: the scene gives it nothing to grasp, so "
+            "no load is in the figures; objects in a scenario (--scenario) would",
+            each.command.issue_s,
+            each.command.location,
+            each.command.function,
+            each.command.gripper,
+        )
+        for each in empty_grasps(commands, has_objects=run.has_objects)
+        if not each.intended
+    )
+    return judge(run, accepted), noted[:1]
+
+
+def _assumed(robot: Robot, recording: Recording) -> Iterator[tuple[str, str]]:
+    """Yield what of the robot is assumed: the arm itself, groups and states, its gripper."""
+    if robot.doubt:
+        yield robot.name, f"the robot is assumed: {robot.doubt}"
+    if robot.name == GENERIC:
+        yield robot.name, f"no robot is known: a generic arm was taken, {robot.chosen_by}"
+    for finding in recording.findings:
+        if finding.kind == "assumed_name":
+            named = finding.message.split("'")
+            yield named[1] if len(named) > 1 else "", finding.message
+    commanded = {name for command in recording.commands for name in command.elements}
+    if ASSUMED_GRIPPER in commanded and has_assumed_gripper(robot):
+        words = f"the gripper of {robot.name} is assumed with all its figures"
+        yield ASSUMED_GRIPPER, words
+
+
+def _unconfirmed(
+    entries: Sequence[Mapping[str, Any]], controller: Controller
+) -> Iterator[tuple[str, str, Location]]:
+    root = controller.root.resolve()
+    for each in entries:
+        file, line, _ = each["location"].values()
+        told = f": {each['words']}" if each["words"] else ""
+        place = Location(Path(os.path.relpath(Path(file).resolve(), root)).as_posix(), line)
+        yield (
+            each["name"],
+            f"{each['section']} {each['name']} of the scenario is assumed{told}; delete its mark "
+            "to confirm it",
+            place,
+        )
+
+
+def _unmet(recording: Recording, controller: Controller) -> Iterator[UnmetNeed]:
+    note = recording.note(UNMET)
+    for each in note["needs"] if note is not None else ():
+        place = None if each["location"] is None else Location(*each["location"])
+        yield UnmetNeed(
+            each["name"],
+            each["words"],
+            place,
+            function_of(controller, place),
+            is_frame=each["kind"] == "frame",
+        )
+
+
+def _missed(recording: Recording, controller: Controller) -> Iterator[MissedCommand]:
+    """Yield the calls of functions that ran which led to no command, though others like it did."""
+    made: dict[str, set[Site]] = {}
+    commanding = set()
+    for command in recording.commands:
+        for frame in command.stack:
+            made.setdefault(frame.function.file, set()).add(frame.site)
+            if frame.root is None:
+                commanding.add(frame.function.name.rpartition(".")[2])
+    ran = {(site.ref.file, str(site.ref.name)) for site in recording.functions_ran}
+    for file in sorted(made):
+        for each in missed_calls(controller.source_of(file), made[file], commanding):
+            place = Location(file, each.line)
+            function = function_of(controller, place)
+            if (file, function) in ran:
+                yield MissedCommand(function, each.written, place)
+
+
+def _commands(
+    recording: Recording, robot: Robot, samples: Samples | None, contacts: RunContacts | None
+) -> Iterator[IssuedCommand]:
+    grippers = {gripper.name: gripper for gripper in robot.grippers}
+    joints = {joint.name: joint for joint in robot.arm_joints}
+    holds: Sequence[Hold] = contacts.holds if contacts is not None else ()
+    for number, command in enumerate(recording.commands):
+        gripper = next((grippers[name] for name in command.elements if name in grippers), None)
+        is_arms = any(name not in grippers for name in command.elements)
+        innermost = command.stack[-1]
+        line, column = innermost.site
+        past_limit, past_words = _past_limit(joints, command)
+        issued = IssuedCommand(
+            kind=command.kind,
+            function=innermost.function.name,
+            location=Location(innermost.function.file, line, column or None),
+            elements=command.elements,
+            issue_s=command.issue_ns / 1e9,
+            end_s=None if command.end_ns is None else command.end_ns / 1e9,
+            outcome=command.outcome,
+            goal=command.goal,
+            callers=tuple(frame.function.name for frame in command.stack),
+            path=tuple((frame.function, frame.site) for frame in command.stack),
+            past_limit=past_limit,
+            past_words=past_words,
+        )
+        if gripper is not None and not is_arms and samples is not None:
+            at = _positions(samples, command.issue_ns)
+            issued = replace(
+                issued,
+                gripper=gripper.name,
+                grip=_grip(gripper, at, command),
+                holds=_holds(gripper, command, recording.commands[number + 1 :], holds, samples),
+                posture=tuple(at[joint.name] for joint in robot.arm_joints),
+            )
+        yield issued
+
+
+def _past_limit(joints: Mapping[str, Joint], command: Command) -> tuple[str, str]:
+    """Return the joint that a goal takes furthest past its limits, and words; empty for none."""
+    found, furthest = ("", ""), NEAR
+    if len(command.goal) == len(command.elements):
+        for name, goal in zip(command.elements, command.goal, strict=True):
+            joint = joints.get(name)
+            if joint is None or joint.type == "continuous":
+                continue
+            by = max(joint.lower - goal, goal - joint.upper)
+            if by > furthest:
+                furthest = by
+                words = f"to {goal:g}, past its limits [{joint.lower:g}, {joint.upper:g}]"
+                found = (name, words)
+    return found
+
+
+def _positions(samples: Samples, time_ns: int) -> Mapping[str, float]:
+    if not samples.n_steps:
+        return dict.fromkeys(samples.header.joints, 0.0)
+    step = min(time_ns // samples.header.step_ns, samples.n_steps - 1)
+    return dict(zip(samples.header.joints, samples.position[step].tolist(), strict=True))
+
+
+def _grip(gripper: Gripper, at: Mapping[str, float], command: Command) -> Grip | None:
+    if not command.goal:
+        return None
+    # The goal is one value for all fingers, or one a joint of which the first counts.
+    change = command.goal[0] - gripper.position(at)
+    if abs(change) < _SAME_PLACE * (gripper.opening - gripper.least):
+        return None
+    return "opens" if change > 0.0 else "closes"
+
+
+def _holds(
+    gripper: Gripper,
+    command: Command,
+    later: Sequence[Command],
+    holds: Sequence[Hold],
+    samples: Samples,
+) -> bool:
+    """Return whether the gripper held something before the arm went on after its command."""
+    step_ns = samples.header.step_ns
+    end_ns = command.end_ns if command.end_ns is not None else command.issue_ns
+    moved_ns = next((each.issue_ns for each in later if gripper.name not in each.elements), end_ns)
+    until = (max(end_ns, moved_ns) + round(_AFTER_S * 1e9)) // step_ns
+    return any(
+        hold.holder == gripper.name and hold.start <= until and hold.stop > end_ns // step_ns
+        for hold in holds
+    )

@@ -1,0 +1,92 @@
+"""What the lock keeps of a run for a person to read."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from tracerisk.adder.blocks.model_names import model_names
+from tracerisk.adder.figures.instance_values import kept_values
+from tracerisk.adder.figures.instances import ComponentInstances
+from tracerisk.adder.merge.merge import NOISE
+from tracerisk.pipeline.trace.kept_verdict import verdict_summary
+from tracerisk.pipeline.trace.last_run import last_run_summary
+from tracerisk.trace import FunctionRef, Trace
+
+
+def trace_summary(
+    trace: Trace,
+    instances: Sequence[ComponentInstances] = (),
+    *,
+    kept: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
+    """Return what the lock keeps of a trace: by function the exposures of each element [s].
+
+    Beside these stand, by component, the failure probabilities of its instances in one visit,
+    with 4 significant digits. One within the noise of what is `kept`, the summary that the lock
+    has, keeps its text. The verdict of the run is kept with its reasons, its lines
+    as they are given. Motions that never ran and unexpected contacts are kept where there are any.
+    """
+    functions: dict[str, Any] = {}
+    names = model_names([function.ref for function in trace.functions])
+    for function in trace.functions:
+        visits = [visit for visit in trace.visits if visit.function == function.ref]
+        elements: dict[str, Any] = {}
+        for element in trace.elements:
+            found = [e for v in visits if (e := v.exposures.get(element.name)) is not None]
+            if element.kind == "sensor":
+                # One that is not read is in use with its joint, which stands here.
+                read_s = _rounded(math.fsum(e.reading_s for e in found))
+                if read_s:
+                    elements[element.name] = {"reading_s": read_s}
+            elif any(exposure.active_s for exposure in found):
+                elements[element.name] = {
+                    "moving_s": _rounded(math.fsum(e.moving_s for e in found)),
+                    "holding_s": _rounded(math.fsum(e.holding_s for e in found)),
+                    "grasping_s": _rounded(math.fsum(e.grasping_s for e in found)),
+                }
+        known = [visit.duration_s for visit in visits if visit.duration_s is not None]
+        name = names[function.ref]
+        functions[name] = {
+            "visits": len(visits),
+            "duration_s": _rounded(math.fsum(known)),
+            "elements": elements,
+            "instances": _instances(function.ref, instances, kept_values(kept or {}, name)),
+        }
+    return {
+        "robot": trace.robot,
+        "scene": trace.scene,
+        "end": trace.end.cause,
+        "functions": functions,
+        **verdict_summary(trace.verdict),
+        **last_run_summary(trace),
+    }
+
+
+def _instances(
+    function: FunctionRef,
+    instances: Sequence[ComponentInstances],
+    kept: Mapping[str, Mapping[str, float]],
+) -> dict[str, dict[str, float]]:
+    found = {}
+    for each in instances:
+        values = each.in_function(function)
+        before = kept.get(each.component.name, {})
+        if values:
+            found[each.component.name] = {
+                element: _steady(value, before.get(element)) for element, value in values.items()
+            }
+    return found
+
+
+def _steady(value: float, before: float | None) -> float:
+    """Return a probability with 4 significant digits, or the one before where it is as good."""
+    rounded = float(f"{value:.4g}")
+    if before is not None and abs(rounded - before) <= NOISE * abs(before):
+        return before
+    return rounded
+
+
+def _rounded(seconds: float) -> float:
+    return round(seconds, 3)

@@ -1,0 +1,1 @@
+"""The controller and its workspace as files: packages, own modules, libraries."""

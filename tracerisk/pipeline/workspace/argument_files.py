@@ -1,0 +1,61 @@
+"""Files that a command line names: which arguments are files, and what there is to name."""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+from tracerisk.pipeline.workspace.workspace import NOT_SEARCHED
+
+_READ = re.compile(
+    r"(^|[-_])(file|path|filename|csv|ya?ml|json|bag|urdf)s?(name|path)?$", re.IGNORECASE
+)
+_WRITTEN = re.compile(
+    r"(^|[-_])(out(put)?|save|write|record|log|dest(ination)?)([-_]|$)", re.IGNORECASE
+)
+_OF_FILES = frozenset({"FileType", "Path", "open"})
+_SUFFIX = re.compile(r"\.(csv|ya?ml|json|txt|np[yz]|pkl|bag|urdf|xml|gcode|nc|ngc|dxf|svg|stl)\b")
+_READERS = {"csv": (".csv",), "json": (".json",), "yaml": (".yaml", ".yml"), "pickle": (".pkl",)}
+_NOT_DATA = frozenset({"package.xml", "plugin.xml", "CMakeLists.txt", "requirements.txt"})
+_MOST = 3
+
+
+def is_read(names: Iterable[str], type_name: str) -> bool:
+    """Tell whether an argument of these names, metavar included, is a file that is read."""
+    plain = [each.strip("-") for each in names]
+    if any(_WRITTEN.search(each) for each in plain):
+        return False
+    return type_name in _OF_FILES or any(_READ.search(each) for each in plain)
+
+
+def fitting_files(tree: ast.AST, top: Path) -> tuple[str, ...]:
+    """Return the files below `top` of the kinds that a source speaks of, those in data folders too.
+
+    By the endings in its texts and by the readers that it imports; from the current folder.
+    """
+    endings: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            endings |= {f".{each}" for each in _SUFFIX.findall(node.value)}
+        for name in _imported(node):
+            endings |= set(_READERS.get(name, ()))
+    found: list[Path] = []
+    for folder, folders, files in os.walk(top) if endings else ():
+        folders[:] = sorted(
+            each for each in folders if not each.startswith(".") and each not in NOT_SEARCHED
+        )
+        found += [
+            Path(folder, name)
+            for name in sorted(files)
+            if Path(name).suffix in endings and name not in _NOT_DATA
+        ]
+    return tuple(os.path.relpath(each) for each in found[:_MOST])
+
+
+def _imported(node: ast.AST) -> list[str]:
+    if isinstance(node, ast.Import):
+        return [each.name for each in node.names]
+    return [node.module or ""] if isinstance(node, ast.ImportFrom) else []

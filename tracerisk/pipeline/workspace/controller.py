@@ -1,0 +1,123 @@
+"""The controller: its script, its root, its bytes."""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from tracerisk.config import controller_root
+from tracerisk.errors import InputError, Location
+
+_PYTHON_LINE = re.compile(rb"(?:\xef\xbb\xbf)?#![^\n]*python")
+
+
+@dataclass(frozen=True, slots=True)
+class Controller:
+    """A controller's script: its path, the folder of its own sources, and its bytes.
+
+    `file` is its name below the root, with forward slashes. `others` are files of it, by their
+    names below the root, that count as they are here, whatever they hold on disk.
+    """
+
+    path: Path
+    root: Path
+    file: str
+    source: bytes
+    others: Mapping[str, bytes] = field(default_factory=dict)
+
+    def path_of(self, file: str) -> Path:
+        """Return the path of one of the controller's files, as messages call it."""
+        if file == self.file:
+            return self.path
+        path = self.root.resolve() / file
+        return path if self.path.is_absolute() else Path(os.path.relpath(path))
+
+    def source_of(self, file: str) -> bytes:
+        """Return the bytes of one of the controller's files, named below the root.
+
+        Raises InputError when it cannot be read.
+        """
+        if file == self.file:
+            return self.source
+        if file in self.others:
+            return self.others[file]
+        try:
+            return self.path_of(file).read_bytes()
+        except OSError as error:
+            raise InputError(
+                f"cannot be read: {error.strerror}", Location(str(self.path_of(file)))
+            ) from error
+
+    def as_ran(self, sources: Mapping[str, bytes]) -> Controller:
+        """Return the controller with the sources that a run compiled, by their names."""
+        return replace(self, source=sources.get(self.file, self.source), others=sources)
+
+
+def lines_since(sources: Mapping[str, bytes], controller: Controller) -> Callable[[str, int], int]:
+    """Return what maps a file and a line of it in `sources` to the controller's line now.
+
+    Only blocks may differ: another run may have written them meanwhile. A file that is gone by
+    now keeps its lines, for the run itself may have made it.
+    Raises InputError where more differs, for then what ran is another program.
+    """
+    from tracerisk.adder.sources.insert import strip_blocks
+    from tracerisk.adder.sources.line_map import line_maps
+
+    shown = {file: str(controller.path_of(file)) for file in sources}
+    now = {
+        file: controller.source_of(file)
+        for file in sources
+        if file == controller.file or Path(shown[file]).is_file()
+    }
+    before = {file: sources[file] for file in now if now[file] != sources[file]}
+    for file, source in before.items():
+        if strip_blocks(source, shown[file]) != strip_blocks(now[file], shown[file]):
+            raise InputError(
+                "was changed by someone else meanwhile; run tracerisk again", Location(shown[file])
+            )
+    return line_maps(before, now, shown)
+
+
+def load_controller(path: Path | str) -> Controller:
+    """Read the controller at `path`.
+
+    Raises InputError when there is no such file, or its name is not that of a Python program.
+    """
+    script = Path(path)
+    try:
+        source = script.read_bytes()
+    except OSError as error:
+        raise InputError(
+            f"the controller cannot be read: {error.strerror}; name a Python file",
+            Location(str(path)),
+        ) from error
+    if script.suffix not in (".py", ".pyw") and not _PYTHON_LINE.match(source):
+        raise InputError(
+            "is no Python program by its name: a controller ends in .py, or begins with a line "
+            "such as `#!/usr/bin/env python3`",
+            Location(str(path)),
+        )
+    root = controller_root(script)
+    file = script.resolve().relative_to(root.resolve()).as_posix()
+    return Controller(script, root, file, source)
+
+
+def string_literals(controller: Controller) -> tuple[str, ...]:
+    """Return the strings in a controller's source, in their order."""
+    try:
+        tree = ast.parse(controller.source, filename=str(controller.path))
+    except (SyntaxError, ValueError):
+        from tracerisk.source.python_source import parse_source
+
+        # It knows how to say what is wrong, and of Python 2.
+        parse_source(controller.source, str(controller.path))
+        raise
+    return tuple(
+        node.value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    )

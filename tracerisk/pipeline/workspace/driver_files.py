@@ -1,0 +1,96 @@
+"""The descriptions of drivers that a controller gets: of its settings, workspace, environment."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.config import Settings, controller_root
+from tracerisk.errors import DriverError
+from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
+from tracerisk.vendors.found import (
+    ENDING,
+    installed_files,
+    shipped_drivers,
+    shipped_files,
+    write_definitions,
+)
+
+if TYPE_CHECKING:
+    from tracerisk.ros.robot.messages import TwinMessages
+    from tracerisk.vendors.description import Driver
+
+_MOST_FOLDERS = 5000
+_NOT_SEARCHED = frozenset(
+    {"build", "devel", "install", "log", "node_modules", "__pycache__", "test", "tests"}
+)
+
+
+def driver_files(root: Path, settings: Settings) -> tuple[Path, ...]:
+    """Return the files that describe drivers; those that come first go before the others.
+
+    They are those that the settings name, those of the workspace around the controller in the
+    order of their paths, and those of installed packages.
+    Raises DriverError for an entry point that names no descriptions.
+    """
+    named = [Path(name).resolve() for name in settings.drivers]
+    found = dict.fromkeys([*named, *_in_workspace(project_top(root)), *installed_files()])
+    return tuple(found)
+
+
+def check_driver(path: Path) -> Driver:
+    """Read a description and check its fields against the messages of the workspace around it.
+
+    Raises DriverError with file and line for all that is not allowed.
+    """
+    # A run needs the names of the files alone.
+    from tracerisk.ros.messages.ros1 import Interfaces
+    from tracerisk.ros.messages.ros2 import Interfaces2
+    from tracerisk.ros.robot.messages import TwinMessages
+    from tracerisk.vendors.description_reader import read_driver
+
+    driver = read_driver(path)
+    own = find_workspace(controller_root(path)).interfaces
+    with tempfile.TemporaryDirectory() as folder:
+        more = write_definitions((*shipped_drivers(), driver), Path(folder))
+        failures = []
+        for make in (Interfaces2, Interfaces):
+            try:
+                _check(driver, TwinMessages(make(workspace=own, more=more)))
+            except DriverError as error:
+                failures.append(error)
+            else:
+                return driver
+    # A package is of one ROS: what its own says is what its author wants to know.
+    raise min(failures, key=lambda error: "no message package" in error.message)
+
+
+def _check(driver: Driver, messages: TwinMessages) -> None:
+    from tracerisk.vendors.interface_checks import (
+        check_interface,
+        types_in_use,
+        unknown_package,
+    )
+
+    for each in driver.interfaces:
+        for type_name in types_in_use(driver, each, messages):
+            check_interface(each, type_name, messages)
+    if driver.interfaces and not any(
+        types_in_use(driver, each, messages) for each in driver.interfaces
+    ):
+        raise unknown_package(driver.interfaces[0])
+
+
+def _in_workspace(top: Path) -> list[Path]:
+    # A checkout of tracerisk itself holds those that it ships.
+    shipped = {path.parts[-3:] for path in shipped_files()}
+    found: list[Path] = []
+    for folder, folders, files in itertools.islice(os.walk(top), _MOST_FOLDERS):
+        folders[:] = sorted(
+            each for each in folders if not each.startswith(".") and each not in _NOT_SEARCHED
+        )
+        found += [Path(folder, name) for name in files if name.endswith(ENDING)]
+    return sorted(path for path in found if path.parts[-3:] not in shipped)

@@ -1,0 +1,92 @@
+"""The function that starts a controller which is installed as a command, not run as a script.
+
+A build makes a small program of each `console_scripts` entry that imports the module and calls
+the function; run as a script such a module would only define it.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from tracerisk.pipeline.workspace.console_scripts import console_scripts
+
+_MAIN = "main"
+
+
+@dataclass(frozen=True, slots=True)
+class EntryPoint:
+    """A function without required arguments, and the file that names it: `None` for none."""
+
+    function: str
+    named_in: str | None
+
+
+def find_entry_point(script: Path, source: bytes, root: Path) -> EntryPoint | None:
+    """Return the function to call once the module-level code of `script` has run.
+
+    That is the one that `setup.py`, `setup.cfg` or `pyproject.toml` in `root` names for this
+    module, else `main`. `None` where the script starts by itself: it asks for its `__name__`, or
+    its module-level code calls one of its functions.
+    """
+    try:
+        tree = ast.parse(source, filename=str(script))
+    except (SyntaxError, ValueError):
+        return None
+    startable = {
+        node.name
+        for node in tree.body
+        if isinstance(node, ast.FunctionDef) and not _required(node.args)
+    }
+    if not startable or _starts_by_itself(tree):
+        return None
+    for each in console_scripts(root):
+        if each.module == script.stem and each.function in startable:
+            return EntryPoint(each.function, each.file)
+    return EntryPoint(_MAIN, None) if _MAIN in startable else None
+
+
+def _required(arguments: ast.arguments) -> bool:
+    positional = len(arguments.posonlyargs) + len(arguments.args) - len(arguments.defaults)
+    return positional > 0 or any(default is None for default in arguments.kw_defaults)
+
+
+def _starts_by_itself(tree: ast.Module) -> bool:
+    defined = {
+        node.name
+        for node in tree.body
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef)
+    }
+    for node in _module_level(tree):
+        if isinstance(node, ast.Name) and node.id == "__name__":
+            # As in `get_logger(__name__)`, which starts nothing.
+            if _is_compared(tree, node):
+                return True
+        elif (
+            isinstance(node, ast.Call)
+            and isinstance(node.func, ast.Name)
+            and node.func.id in defined
+        ):
+            return True
+    return False
+
+
+def _is_compared(tree: ast.Module, name: ast.Name) -> bool:
+    return any(
+        name in (node.left, *node.comparators)
+        for node in _module_level(tree)
+        if isinstance(node, ast.Compare)
+    )
+
+
+def _module_level(tree: ast.Module) -> Iterator[ast.AST]:
+    """Yield the nodes that run with the module: all but what is within functions and classes."""
+    waiting: list[ast.AST] = list(tree.body)
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef | ast.Lambda):
+            continue
+        yield node
+        waiting.extend(ast.iter_child_nodes(node))

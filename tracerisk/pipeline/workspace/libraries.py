@@ -1,0 +1,214 @@
+"""Which of a controller's own files are library code: their functions are never its steps.
+
+A step is a function of the program that asks for motions. What several programs share serves them
+all, as an installed library would, and so do its functions: they stand on no stack of a command,
+so that a step has one name whether the library is installed, or lies in the same repository.
+
+A file below the controller's root is library code where
+
+- it belongs to another package: a folder between it and the root is one;
+- it lies in a folder for others' code (`third_party`, `vendor`, ...);
+- another program of the project imports it, at first hand or not. Tests are no programs, nor are
+  modules of the controller itself, and what a program imports through the controller's script
+  is the controller's.
+
+A file with a function that `states` names is none.
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+import re
+from collections.abc import Collection, Iterator
+from functools import cached_property
+from pathlib import Path
+
+from tracerisk.adder.sources.definitions import definitions, parse_python
+from tracerisk.config import controller_root
+from tracerisk.errors import TraceRiskError
+from tracerisk.limits import is_secret
+from tracerisk.pipeline.workspace.console_scripts import console_scripts
+from tracerisk.pipeline.workspace.own_modules import module_files
+from tracerisk.pipeline.workspace.workspace import NOT_SEARCHED, TESTS, find_workspace, project_top
+
+_OF_OTHERS = frozenset(
+    {"3rdparty", "_vendor", "extern", "external", "third_party", "thirdparty", "vendor", "vendored"}
+)
+_MOST_FILES = 3000
+_FROM = re.compile(
+    r"^[ \t]*from[ \t]+(\.*)([\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n#;]*)", re.MULTILINE
+)
+_IMPORT = re.compile(r"^[ \t]*import[ \t]+([^\n#;]+)", re.MULTILINE)
+_NAMED = re.compile(r"([\w.]+)(?:\s+as\s+\w+)?")
+_STARTS = re.compile(r"\A#!.*python|^if[ (]+__name__\s*==|^main\(", re.MULTILINE)
+_TEST_FILE = re.compile(r"test_.*|.*_test|conftest|setup")
+
+
+class Libraries:
+    """The library code among the files of the controller `script` below `root`.
+
+    `states` are the qualified names that a person declared as steps. Files are read when the
+    first of them is asked for.
+    """
+
+    def __init__(self, script: Path, root: Path, states: Collection[str] = ()) -> None:
+        self._script = script.resolve()
+        self._root = root.resolve()
+        self._states = frozenset(states)
+        self._known: dict[Path, bool] = {}
+        self._named: dict[Path, list[tuple[int, list[str]]]] = {}
+
+    def holds(self, file: Path) -> bool:
+        """Tell whether a file below the root is library code."""
+        path = file.resolve()
+        if path not in self._known:
+            self._known[path] = self._is_library(path)
+        return self._known[path]
+
+    def _is_library(self, path: Path) -> bool:
+        if path == self._script or not path.is_relative_to(self._root):
+            return False
+        is_elsewhere = self._is_of_another_package(path) or self._is_of_others(path)
+        if not is_elsewhere and path not in self._of_other_programs:
+            return False
+        return not (self._states and self._states & _functions(path))
+
+    def _is_of_another_package(self, path: Path) -> bool:
+        package = controller_root(path)
+        return package != self._root and package.is_relative_to(self._root)
+
+    def _is_of_others(self, path: Path) -> bool:
+        own = self._script.relative_to(self._root).parts
+        folders = path.relative_to(self._root).parts[:-1]
+        return any(folder in _OF_OTHERS and folder not in own for folder in folders)
+
+    @cached_property
+    def _of_other_programs(self) -> frozenset[Path]:
+        """The files that programs import which are no part of this controller."""
+        mine = self._imported_by(self._script)
+        found: set[Path] = set()
+        for program in self._programs:
+            if program != self._script and program not in mine:
+                found |= self._imported_by(program)
+        return frozenset(found)
+
+    @cached_property
+    def _project(self) -> tuple[Path, ...]:
+        top = project_top(self._root)
+        # A link may lead out of it.
+        return tuple(path for path in _sources(top) if path.is_relative_to(top))
+
+    @cached_property
+    def _programs(self) -> tuple[Path, ...]:
+        return tuple(path for path in self._project if _is_program(path))
+
+    @cached_property
+    def _tops(self) -> frozenset[str]:
+        """The names with which an import of something in the project may begin."""
+        top = project_top(self._root)
+        folders = {part for path in self._project for part in path.relative_to(top).parts[:-1]}
+        return frozenset(folders | {path.stem for path in self._project})
+
+    @cached_property
+    def _folders(self) -> tuple[Path, ...]:
+        workspace = find_workspace(self._root)
+        return (*workspace.import_paths, *workspace.packages.values())
+
+    def _imported_by(self, program: Path) -> frozenset[Path]:
+        """Return what a program imports, in turn too, but for what the script alone does."""
+        found: set[Path] = set()
+        waiting = [program]
+        while waiting:
+            file = waiting.pop()
+            new = set(self._imports(file, program)) - found - {program, self._script}
+            found |= new
+            waiting += new
+        return frozenset(found)
+
+    def _imports(self, file: Path, program: Path) -> Iterator[Path]:
+        package = file.parent
+        while (package / "__init__.py").is_file():
+            package = package.parent
+        root = controller_root(program)
+        bases = (program.parent, package, root, root / "src", *self._folders)
+        for level, parts in self._names_in(file):
+            where = tuple(file.parents)[level - 1 : level] if level else bases
+            if level or parts[0] in self._tops:
+                yield from module_files(parts, where)
+
+    def _names_in(self, file: Path) -> list[tuple[int, list[str]]]:
+        """Return what a file names in its imports: the level of a relative one, and its parts."""
+        if file not in self._named:
+            self._named[file] = list(_named(_text(file)))
+        return self._named[file]
+
+
+def _named(text: str) -> Iterator[tuple[int, list[str]]]:
+    for dots, name, imported in _FROM.findall(text):
+        parts = name.split(".") if name else []
+        if parts:
+            yield len(dots), parts
+        for each in _NAMED.findall(imported.strip("() \t\r\n")):
+            yield len(dots), [*parts, each]
+    for names in _IMPORT.findall(text):
+        for each in names.split(","):
+            named = _NAMED.match(each.strip())
+            if named is not None:
+                yield 0, named[1].split(".")
+
+
+def _functions(path: Path) -> set[str]:
+    try:
+        tree = parse_python(path.read_bytes(), str(path)).tree
+    except (OSError, TraceRiskError):
+        return set()
+    return {str(each.name) for each in definitions(tree)}
+
+
+def _sources(top: Path) -> Iterator[Path]:
+    """Yield the Python sources of a project that are no tests; scripts may have no ending.
+
+    What no controller may read is not looked at either: it would count as refused to the run.
+    """
+
+    def all_sources() -> Iterator[Path]:
+        for folder, folders, files in os.walk(top):
+            if "pyvenv.cfg" in files:
+                folders.clear()
+                continue
+            folders[:] = sorted(
+                each
+                for each in folders
+                if not each.startswith(".") and each not in NOT_SEARCHED and each not in TESTS
+            )
+            for name in sorted(files):
+                if is_secret(name):
+                    continue
+                path = Path(folder, name)
+                is_python = path.suffix == ".py" and _TEST_FILE.fullmatch(path.stem) is None
+                if is_python or (not path.suffix and _begins_as_script(path)):
+                    yield path.resolve()
+
+    return itertools.islice(all_sources(), _MOST_FILES)
+
+
+def _begins_as_script(path: Path) -> bool:
+    try:
+        with path.open("rb") as stream:
+            return re.match(rb"#!.*python", stream.readline(200)) is not None
+    except OSError:
+        return False
+
+
+def _is_program(path: Path) -> bool:
+    if _STARTS.search(_text(path)) is not None:
+        return True
+    return any(each.module == path.stem for each in console_scripts(controller_root(path)))
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ""

@@ -1,0 +1,43 @@
+"""The programs beside a controller: those of one folder are written for one robot."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+from tracerisk.pipeline.workspace.controller import Controller
+
+_MOST = 40
+_MOST_BYTES = 256 * 1024
+_NO_PROGRAMS = frozenset({"setup.py", "conftest.py", "__init__.py"})
+
+
+def sibling_programs(controller: Controller) -> tuple[Controller, ...]:
+    """Return the other Python files in the folder of a controller, sorted by their names.
+
+    What is no Python 3, a launch file or a file of tests is none of them.
+    """
+    script = controller.path.resolve()
+    root = controller.root.resolve()
+    found: list[Controller] = []
+    for path in sorted(script.parent.glob("*.py")):
+        is_other = path != script and path.name not in _NO_PROGRAMS
+        if not is_other or path.name.startswith("test_") or len(found) >= _MOST:
+            continue
+        source = _source(path)
+        if source:
+            file = path.relative_to(root).as_posix()
+            found.append(Controller(path, controller.root, file, source))
+    return tuple(found)
+
+
+def _source(path: Path) -> bytes:
+    """Return the bytes of a program, none for what is not one."""
+    try:
+        if not path.is_file() or path.stat().st_size > _MOST_BYTES:
+            return b""
+        source = path.read_bytes()
+        ast.parse(source)
+    except (OSError, SyntaxError, ValueError, RecursionError):
+        return b""
+    return b"" if b"generate_launch_description" in source else source

@@ -1,0 +1,1 @@
+"""Bayesian networks of operating conditions."""

@@ -1,0 +1,1 @@
+"""Event trees: built, checked, solved."""

@@ -1,0 +1,108 @@
+"""What an event tree must be: names that are there once, and paths that come to an end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.event_trees.event_tree import Branch, End, EventTree, Fork, Resume, Target
+
+
+def check_names(tree: EventTree) -> None:
+    """Raise ModelError when a name is used twice, or cannot be printed."""
+    _check_once(tree.name, "functional event", tree.functional_events)
+    _check_once(tree.name, "sequence", (sequence.name for sequence in tree.sequences))
+    _check_once(tree.name, "branch", (branch.name for branch in tree.branches))
+
+
+def check_targets(tree: EventTree) -> None:
+    """Raise ModelError when a path leads to what is not there, or a fork has no proper paths."""
+    sequences = {sequence.name for sequence in tree.sequences}
+    branches = {branch.name for branch in tree.branches}
+    for branch in (tree.start, *tree.branches):
+        for target in _targets(branch):
+            _check_target(tree, target, sequences, branches)
+
+
+def _check_target(tree: EventTree, target: Target, sequences: set[str], branches: set[str]) -> None:
+    where = f"event tree '{tree.name}'"
+    match target:
+        case End(sequence) if sequence not in sequences:
+            raise ModelError(
+                f"{where}: a path ends in '{sequence}', which is no sequence; "
+                f"{one_of(sequences, sequence)}"
+            )
+        case Resume(branch) if branch not in branches:
+            raise ModelError(
+                f"{where}: a path goes on as '{branch}', which is no branch; "
+                f"{one_of(branches, branch)}"
+            )
+        case Fork(functional_event, paths):
+            if functional_event not in tree.functional_events:
+                raise ModelError(
+                    f"{where}: a fork over '{functional_event}', which is no functional "
+                    f"event; {one_of(tree.functional_events, functional_event)}"
+                )
+            fork = f"{where}: fork over '{functional_event}'"
+            if not paths:
+                raise ModelError(f"{fork}: a path is missing; give it one for each state")
+            seen: set[str] = set()
+            for path in paths:
+                if path.state in seen:
+                    raise ModelError(
+                        f"{fork}: two paths of the state '{path.state}'; "
+                        "join them, or rename one state"
+                    )
+                seen.add(path.state)
+
+
+def check_order(tree: EventTree) -> None:
+    """Raise ModelError when a path forks twice over an event, against the order, or for ever."""
+    rank = {name: index for index, name in enumerate(tree.functional_events)}
+    waiting: list[tuple[Target, int, tuple[str, ...]]] = [(tree.start.target, -1, ())]
+    waiting += [(branch.target, -1, (branch.name,)) for branch in tree.branches]
+    seen: set[tuple[int, int]] = set()
+    while waiting:
+        target, last, resumed = waiting.pop()
+        match target:
+            case Resume(name):
+                if name in resumed:
+                    raise ModelError(
+                        f"event tree '{tree.name}': the branch '{name}' resumes itself; "
+                        "lead it to the end of a sequence"
+                    )
+                waiting.append((tree.branch(name).target, last, (*resumed, name)))
+            case Fork(name, paths):
+                if rank[name] <= last:
+                    raise ModelError(
+                        f"event tree '{tree.name}': a path forks over '{name}' after "
+                        f"'{tree.functional_events[last]}'; each path forks over each "
+                        "functional event once at most, in their order"
+                    )
+                if (id(target), last) not in seen:
+                    seen.add((id(target), last))
+                    waiting.extend((path.target, rank[name], resumed) for path in paths)
+            case _:
+                pass
+
+
+def _check_once(tree: str, kind: str, names: Iterable[str]) -> None:
+    seen: set[str] = set()
+    for name in names:
+        if not name or not name.isprintable():
+            raise ModelError(
+                f"event tree '{tree}': {kind} {name!r}: a name needs printable characters"
+            )
+        if name in seen:
+            raise ModelError(f"event tree '{tree}': {kind} '{name}' stands twice; rename one")
+        seen.add(name)
+
+
+def _targets(branch: Branch) -> Iterator[Target]:
+    """Yield the targets of a branch and of all forks in it."""
+    waiting: list[Target] = [branch.target]
+    while waiting:
+        target = waiting.pop()
+        yield target
+        if isinstance(target, Fork):
+            waiting.extend(path.target for path in reversed(target.paths))

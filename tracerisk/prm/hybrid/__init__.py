@@ -1,0 +1,1 @@
+"""The hybrid model of a controller: built from blocks, solved, its importance."""

@@ -1,0 +1,151 @@
+"""What the mission's success hangs on: one backward pass over the chain with hidden failures.
+
+W is the probability that a mission succeeds which leaves a function f in a hidden state x, and
+D(f, x, c) how much lower it is with one more failed unit of class c.
+D is no difference of two numbers. Take two missions that meet the same failures but of the one
+unit, which has failed in the second and not yet in the first: they end differently only if that
+unit does not fail in the first before the second fails by its want. So d = D of a state solves
+
+    d(f, m) = (1-t) (1-p) sum_x K(m, x) (W(f, x) if x with one more fails f, else
+                                        sum_g N(f, g) d(g, x))
+
+with t the failure of the rest of f's tree, p that of the unit, K the failures of the other latent
+units, N `next`: a chain of its own with positive terms only (own derivation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain, Spread
+from tracerisk.prm.numbers.binomial import failure_counts, failure_tails
+from tracerisk.prm.numbers.elimination import Elimination
+from tracerisk.prm.numbers.probability import total
+
+
+class Adjoint:
+    """The success of missions from each state of a chain, and what one more failed unit costs.
+
+    Failures of more units than the states hold count as the mission's.
+    """
+
+    def __init__(self, chain: HiddenChain) -> None:
+        self.chain = chain
+        self._success = chain.successes()
+        self._losses: dict[int, list[tuple[float, ...]]] = {}
+        self._spreads: dict[tuple[int, int, int], Spread] = {}
+
+    def success_after(self, spread: Spread, number: int) -> float:
+        """Return the mean success of missions that leave a function so."""
+        return total(weight * self._success[to][number] for to, weight in spread)
+
+    def loss_after(self, spread: Spread, number: int, unit_class: int) -> float:
+        """Return the mean success that one more failed unit costs those that leave so."""
+        losses = self._losses_by(unit_class)
+        return total(weight * losses[to][number] for to, weight in spread)
+
+    def unit_loss(self, number: int, layer: int, unit_class: int) -> float:
+        """Return what the failure of one working unit in a visit costs, against its survival."""
+        spread = self._spread_of_others(number, layer, unit_class)
+        return self.chain.rest[number].q * self.loss_after(spread, number, unit_class)
+
+    def fall(self, zeros: Sequence[str], without: HiddenChain, flow: Flow) -> float:
+        """Return F - F0, F0 with the parameters `zeros` zero: that of `without`, with its flow.
+
+        F - F0 = sum_i v0_i sum_j (P0_ij - P_ij) w_j, with v0 the visits without, w the success
+        with them. Within a visit one kind of failure after the other is let in, the rest of the
+        tree first, then a class at a time; and of a class one failed unit at a time, j units at
+        least with probability P(j): each step costs what `loss_after` says.
+        """
+        chain, parts = self.chain, []
+        for number, function in enumerate(chain.states.functions):
+            drop = self._drop(number, zeros)
+            classes = [c for c, name in function.parameters.items() if name in zeros]
+            if drop == 0.0 and not classes:
+                continue
+            for layer, row in enumerate(flow.visits[:-1]):
+                visits = row[number]
+                if visits == 0.0:
+                    continue
+                parts.append(
+                    visits * drop * self.success_after(without.spread(number, layer), number)
+                )
+                chosen: dict[int, Sequence[float]] = {}
+                for unit_class in classes:
+                    units = chain.states.working(layer, unit_class)
+                    tails = failure_tails(units, chain.units[number][unit_class], units)
+                    spread = chain.spread(number, layer, {**chosen, unit_class: tails})
+                    parts.append(
+                        visits * chain.rest[number].q * self.loss_after(spread, number, unit_class)
+                    )
+                    chosen[unit_class] = (1.0,)
+        return total(parts)
+
+    def _drop(self, number: int, zeros: Sequence[str]) -> float:
+        rest, values = self.chain.states.functions[number].rest, self.chain.values[number]
+        named = [name for name in zeros if name in rest.parameters]
+        if len(named) < 2:
+            return self.chain.drop(number, named[0]) if named else 0.0
+        return rest.difference(values, {**values, **dict.fromkeys(named, 0.0)})
+
+    def _spread_of_others(self, number: int, layer: int, unit_class: int) -> Spread:
+        """Return the layers to which a visit leads, one working unit of a class left aside."""
+        key = (number, layer, unit_class)
+        if key not in self._spreads:
+            units = self.chain.states.working(layer, unit_class) - 1
+            p = self.chain.units[number][unit_class]
+            chosen = {unit_class: failure_counts(units, p, units)}
+            self._spreads[key] = self.chain.spread(number, layer, chosen)
+        return self._spreads[key]
+
+    def _losses_by(self, unit_class: int) -> list[tuple[float, ...]]:
+        """Return D by layer and function: what one more failed unit of a class costs."""
+        if unit_class not in self._losses:
+            states = self.chain.states
+            found: list[tuple[float, ...]] = [()] * len(states.hidden)
+            for layer in range(len(found) - 1, -1, -1):
+                more = states.more[layer][unit_class]
+                worse = self._worse(found, layer, unit_class) if more >= 0 else []
+                # All of the success is lost where the visit fails for want of the unit.
+                found[layer] = tuple(
+                    total(weight * worse[target] for target, weight in function.steps)
+                    if more >= 0 and states.held[number][more]
+                    else self._success[layer][number]
+                    for number, function in enumerate(states.functions)
+                )
+            self._losses[unit_class] = found
+        return self._losses[unit_class]
+
+    def _worse(self, found: Sequence[Sequence[float]], layer: int, unit_class: int) -> list[float]:
+        """Return d of each function in a layer that can hold one more failed unit."""
+        chain = self.chain
+        more = chain.states.more[layer][unit_class]
+        rows: list[Mapping[int, float]] = []
+        exits, rewards = [], []
+        for number, function in enumerate(chain.states.functions):
+            p, fewer = 0.0, None
+            if unit_class in function.parameters:
+                p, fewer = chain.units[number][unit_class], unit_class
+                spread = self._spread_of_others(number, layer, unit_class)
+            else:
+                spread = chain.spread(number, layer)
+            survival = (1.0 - p) * chain.rest[number].q
+            leave = [
+                p,
+                (1.0 - p) * chain.visit(number, layer, fewer).p,
+                survival * chain.exceeding(number, layer, fewer),
+            ]
+            stay, gains = 0.0, []
+            for to, weight in spread:
+                if to != layer:
+                    leave.append(survival * weight)
+                    gains.append(weight * found[to][number])
+                elif chain.states.held[number][more]:
+                    stay = survival * weight
+                else:
+                    leave.append(survival * weight)
+                    gains.append(weight * self._success[layer][number])
+            rows.append({t: stay * weight for t, weight in function.steps if t != number})
+            exits.append(total(leave) + stay * function.done)
+            rewards.append(survival * total(gains))
+        return Elimination(chain.states.pattern, rows, exits).values(rewards)

@@ -1,0 +1,255 @@
+"""Build the hybrid model from risk blocks, and from nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import NoReturn
+
+from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
+from tracerisk.errors import BlockError, Location, ModelError, one_of
+from tracerisk.prm.hybrid.component_tree import component_figures, component_part, latent_units
+from tracerisk.prm.hybrid.hybrid import (
+    DONE,
+    FunctionState,
+    HybridModel,
+    NextStep,
+    Parameter,
+    endless_states,
+)
+from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind
+
+MAX_QUANTITY = 10_000
+"""The most units of one component: each becomes a basic event."""
+
+Profile = Mapping[str, Mapping[str, Fraction]]
+
+
+def build_model(
+    blocks: Sequence[RiskBlock], *, profile: Profile | None = None, name: str
+) -> HybridModel:
+    """Build the model that the blocks describe.
+
+    Each block is a state; its fault tree's top is an OR over the components, a component of
+    several units an OR of them (each needed) or an AND (redundant: one suffices).
+    A component that several blocks name is one parameter.
+    Blocks without `next` lead to the block that follows in call sequence, the last to `done`.
+    `profile` replaces the `next` of the functions it names.
+    Raises BlockError with the block's place when blocks contradict each other or lead nowhere,
+    ModelError when the profile names an unknown function or does not sum to one.
+    """
+    if not blocks:
+        raise BlockError("no risk block; `tracerisk annotate` or `tracerisk run` writes them")
+    _check_distinct(blocks)
+    ordered = sorted(blocks, key=lambda block: block.call_sequence.value)
+    names = [block.name for block in ordered]
+    chosen = _check_profile(profile or {}, names)
+    steps = {}
+    for block, following in zip(ordered, [*names[1:], DONE], strict=True):
+        if block.name in chosen:
+            steps[block.name] = chosen[block.name]
+        elif block.next is not None:
+            steps[block.name] = _steps_of(block, block.next, names)
+        else:
+            steps[block.name] = (NextStep(following, Fraction(1)),)
+    _check_end(ordered, steps)
+    for block in ordered:
+        _check_components(block)
+    states = [function_state(block, block.components, steps[block.name]) for block in ordered]
+    entries = [entry for block in ordered for entry in block.components]
+    return model_of_states(name, names[0], states, entries)
+
+
+def model_of_states(
+    name: str, entry: str, states: Sequence[FunctionState], components: Iterable[ComponentEntry]
+) -> HybridModel:
+    """Return the model of the states; the parameters are what their trees name.
+
+    `components` are those of all states. A unit whose failure stays hidden after a visit of one
+    function is the same failed unit in every other, however often a group is renewed there.
+    """
+    latent: dict[str, None] = {}
+    groups = set()
+    for each in components:
+        units = () if each.omitted else latent_units(each)
+        if units:
+            latent |= dict.fromkeys(units)
+            groups.add(each.name)
+    if groups:
+        states = [_with_first_units(state, groups) for state in states]
+    return HybridModel(name, entry, tuple(states), _parameters(states), tuple(latent))
+
+
+def function_state(
+    block: RiskBlock, components: Sequence[ComponentEntry], steps: tuple[NextStep, ...]
+) -> FunctionState:
+    """Return the state of a block with these components and this `next`."""
+    return FunctionState(
+        name=block.name,
+        call_sequence=block.call_sequence.value,
+        tree=component_tree(block.name, components),
+        probabilities={
+            name: value
+            for entry in components
+            if not entry.omitted
+            for name, value in component_figures(entry)
+        },
+        next=steps,
+    )
+
+
+def component_tree(function: str, components: Sequence[ComponentEntry]) -> FaultTree:
+    """Return the fault tree of one function: top OR over its components, omitted ones left out.
+
+    In every function a unit of a component is the same event: see `component_part`.
+    """
+    inputs = []
+    gates: list[Gate] = []
+    events: list[BasicEvent] = []
+    for entry in components:
+        if entry.omitted:
+            continue
+        inputs.append(entry.name)
+        own_gates, own_events = component_part(entry)
+        gates.extend(own_gates)
+        events.extend(own_events)
+    # A blank keeps the top's name apart from that of any component.
+    top = Gate(f"{function} fails", GateKind.OR, tuple(inputs))
+    return FaultTree(top.name, (top, *gates), tuple(events))
+
+
+def _with_first_units(state: FunctionState, groups: Collection[str]) -> FunctionState:
+    """Return the state with the first unit of a group where it counts one unit of it only."""
+    single = {event.name for event in state.tree.events if event.name in groups}
+    if not single:
+        return state
+    tree = FaultTree(
+        state.tree.top,
+        (
+            *state.tree.gates,
+            *(Gate(name, GateKind.OR, (f"{name}[1]",)) for name in sorted(single)),
+        ),
+        tuple(
+            replace(event, name=f"{event.name}[1]") if event.name in single else event
+            for event in state.tree.events
+        ),
+    )
+    return replace(state, tree=tree)
+
+
+def _parameters(states: Sequence[FunctionState]) -> tuple[Parameter, ...]:
+    greatest: dict[str, float] = {}
+    for state in states:
+        for name, value in state.probabilities.items():
+            greatest[name] = max(value, greatest.get(name, 0.0))
+    return tuple(Parameter(name, theta) for name, theta in sorted(greatest.items()))
+
+
+def _check_distinct(blocks: Sequence[RiskBlock]) -> None:
+    by_name: dict[str, RiskBlock] = {}
+    by_sequence: dict[int, RiskBlock] = {}
+    for block in blocks:
+        if block.name == DONE:
+            _fail(block, f"a function named '{DONE}' cannot be told from the mission's end; rename")
+        if block.name in by_name:
+            place = by_name[block.name].location
+            _fail(block, f"a second block of this name{_also(place)}; rename or remove one")
+        by_name[block.name] = block
+        sequence = block.call_sequence.value
+        if sequence in by_sequence:
+            other = by_sequence[sequence]
+            _fail(
+                block,
+                f"callSequence {sequence} is also that of '{other.name}'{_also(other.location)}; "
+                "give each function its own",
+                block.call_sequence.location,
+            )
+        by_sequence[sequence] = block
+
+
+def _steps_of(
+    block: RiskBlock, following: Field[tuple[Transition, ...]], names: Sequence[str]
+) -> tuple[NextStep, ...]:
+    place = following.location
+    seen: set[str] = set()
+    for transition in following.value:
+        target = transition.target
+        if target not in names and target != DONE:
+            allowed = one_of([*names, DONE], target)
+            _fail(block, f"next leads to '{target}', which has no block; {allowed}", place)
+        if target in seen:
+            _fail(block, f"next names '{target}' twice; add the two up", place)
+        if transition.weight < 0:
+            _fail(block, f"next {target} {transition.weight} is below zero", place)
+        seen.add(target)
+    total = sum((transition.weight for transition in following.value), Fraction(0))
+    if total != 1:
+        _fail(block, f"next sums to {total}; the lines of one function must sum to 1", place)
+    return tuple(NextStep(transition.target, transition.weight) for transition in following.value)
+
+
+def _check_profile(profile: Profile, names: Sequence[str]) -> dict[str, tuple[NextStep, ...]]:
+    chosen = {}
+    for function, row in profile.items():
+        if function not in names:
+            raise ModelError(f"profile: '{function}' has no risk block; {one_of(names, function)}")
+        for target, weight in row.items():
+            if target not in names and target != DONE:
+                raise ModelError(
+                    f"profile of '{function}': '{target}' has no risk block; "
+                    f"{one_of([*names, DONE], target)}"
+                )
+            if weight < 0:
+                raise ModelError(f"profile of '{function}': {target}={weight} is below zero")
+        total = sum(row.values(), Fraction(0))
+        if total != 1:
+            raise ModelError(
+                f"profile of '{function}': the probabilities sum to {total}; they must sum to 1"
+            )
+        chosen[function] = tuple(NextStep(target, weight) for target, weight in row.items())
+    return chosen
+
+
+def _check_end(ordered: Sequence[RiskBlock], steps: Mapping[str, tuple[NextStep, ...]]) -> None:
+    caught = endless_states(steps, ordered[0].name)
+    if caught:
+        block = next(block for block in ordered if block.name == caught[0])
+        _fail(
+            block,
+            f"'{DONE}' cannot be reached from {', '.join(caught)}; lead 'next' of one of them "
+            f"to '{DONE}', or give a profile",
+            None if block.next is None else block.next.location,
+        )
+
+
+def _check_components(block: RiskBlock) -> None:
+    seen: set[str] = set()
+    for entry in block.components:
+        where = f"component '{entry.name}'"
+        if entry.name in seen:
+            _fail(block, f"{where} stands twice; remove one", entry.location)
+        seen.add(entry.name)
+        if entry.omitted:
+            continue
+        value = entry.probability.value
+        if not 0.0 <= value <= 1.0:
+            place = entry.probability.location or entry.location
+            _fail(block, f"{where}: probability {value!r} is outside [0, 1]", place)
+        if not 1 <= entry.quantity.value <= MAX_QUANTITY:
+            place = entry.quantity.location or entry.location
+            found = entry.quantity.value
+            _fail(block, f"{where}: quantity is {found}; allowed: 1 to {MAX_QUANTITY}", place)
+        required = entry.redundancy.value.required
+        if required > entry.quantity.value:
+            place = entry.redundancy.location or entry.location
+            found = entry.quantity.value
+            _fail(block, f"{where}: required {required} of {found}; allowed: 1 to {found}", place)
+
+
+def _fail(block: RiskBlock, message: str, place: Location | None = None) -> NoReturn:
+    raise BlockError(f"function '{block.name}': {message}", place or block.location)
+
+
+def _also(place: Location | None) -> str:
+    return "" if place is None else f" (the other stands at {place})"

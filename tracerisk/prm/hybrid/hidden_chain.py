@@ -1,0 +1,348 @@
+"""The chain of a model with hidden failures, for one assignment of its parameters.
+
+A visit of a function in a hidden state fails, or goes on with the same units failed or with more.
+So the chain falls into layers, one for each hidden state, which are left for others but never
+come back: each is eliminated by itself (`elimination`), and what leaves one enters later ones.
+Every number is a sum of products of probabilities; nothing is subtracted.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from tracerisk.errors import ModelError
+from tracerisk.prm.hybrid.hidden_states import HiddenStates, Part
+from tracerisk.prm.numbers.binomial import failure_counts, group_failures
+from tracerisk.prm.numbers.elimination import Elimination
+from tracerisk.prm.numbers.probability import Probability, any_of, total
+from tracerisk.prm.trees.fault_tree import FaultTree
+
+Spread = tuple[tuple[int, float], ...]
+"""The layers to which a visit leads, each with its probability."""
+
+
+@dataclass(frozen=True, slots=True)
+class Flow:
+    """What flows through the chain from a start: by layer and function, by layer, by function.
+
+    `visits[l][f]` is how often function f is visited in layer l, `failures[l][f]` how often it
+    fails there, `done[l]` how often the mission ends well there, `back[l]` how often it comes back
+    to the entry, where that ends a cycle. The last layer is that of more failed units than
+    `hidden` holds; `beyond[f]` is how often f is the first function visited in it.
+    """
+
+    visits: tuple[tuple[float, ...], ...]
+    failures: tuple[tuple[float, ...], ...]
+    done: tuple[float, ...]
+    back: tuple[float, ...]
+    beyond: tuple[float, ...]
+
+
+class HiddenChain:
+    """The chain with its parameters multiplied by `factors`: 0 never fails, infinity always."""
+
+    def __init__(
+        self,
+        states: HiddenStates,
+        factors: Mapping[str, float] | None = None,
+        *,
+        base: HiddenChain | None = None,
+    ) -> None:
+        """Prepare the chain; `base` is one of the same states, from which is taken what is alike.
+
+        Raises ModelError, with the state, when a tree cannot be solved.
+        """
+        self.states = states
+        self._factors = factors or {}
+        self.values = [self._values(f.state.probabilities) for f in states.functions]
+        self.rest: list[Probability] = []
+        self.units: list[dict[int, float]] = []
+        self._spreads: list[dict[int, Spread]] = []
+        self._latent: list[dict[tuple[int, int | None], Probability]] = []
+        self._drops: dict[tuple[int, str], float] = {}
+        self._exceeding: list[dict[tuple[int, int | None], float]] = []
+        self._worst: dict[int, Probability] = {}
+        self._layers: dict[tuple[int, bool], Elimination] = {}
+        # How many units may fail at once in a visit that is survived.
+        self._limits = [
+            max((part.threshold - 1 for part in function.parts), default=0)
+            for function in states.functions
+        ]
+        for number, function in enumerate(states.functions):
+            values = self.values[number]
+            units = {c: values[name] for c, name in function.parameters.items()}
+            alike = base is not None and base.values[number] == values
+            self.rest.append(
+                base.rest[number] if base is not None and alike else self._rest_failure(number)
+            )
+            self.units.append(units)
+            like = base if base is not None and base.units[number] == units else None
+            self._spreads.append(like._spreads[number] if like else {})
+            self._latent.append(like._latent[number] if like else {})
+            self._exceeding.append(like._exceeding[number] if like else {})
+
+    def sensitivities(self, number: int) -> Mapping[str, float]:
+        """Return the derivative of the rest of a function's tree by each of its events."""
+        return self.states.functions[number].rest.sensitivities(self.values[number])
+
+    def _values(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Return the probabilities of one function in this chain, from those of the model."""
+        scaled = dict(values)
+        for name, factor in self._factors.items():
+            if name in scaled:
+                scaled[name] = 1.0 if factor == math.inf else min(1.0, factor * scaled[name])
+        return scaled
+
+    def _rest_failure(self, number: int) -> Probability:
+        function = self.states.functions[number]
+        return tree_probability(function.state.name, function.rest, self.values[number])
+
+    def flow(self, start: Sequence[float] | None = None, *, cut: bool = False) -> Flow:
+        """Return the flow of missions that start at the entry, in layer l with `start[l]`.
+
+        Without `start`, no unit has failed. With `cut`, coming back to the entry ends it.
+        """
+        states = self.states
+        functions = list(enumerate(states.functions))
+        layers = len(states.hidden)
+        size = len(functions)
+        beginning = [1.0] if start is None else start
+        # What each function sends into each layer, from layers before it.
+        entering = [[0.0] * size for _ in range(layers + 1)]
+        visits: list[tuple[float, ...]] = []
+        failures: list[tuple[float, ...]] = []
+        done, back = [0.0] * (layers + 1), [0.0] * (layers + 1)
+        arriving: list[float] = []
+        for layer in range(layers + 1):
+            arriving = [0.0] * size
+            if layer < len(beginning):
+                arriving[states.entry] = beginning[layer]
+            self._follow(entering[layer], arriving, cut=cut)
+            here, failed = [0.0] * size, [0.0] * size
+            leaving = entering[layer]
+            if any(arriving):
+                here = self._layer(layer, cut=cut).visits(arriving)
+                for number, count in enumerate(here):
+                    if count == 0.0:
+                        continue
+                    if layer == layers:
+                        worst = self._beyond(number)
+                        failed[number] = count * worst.p
+                        leaving[number] += count * worst.q
+                        continue
+                    failed[number] = count * self.visit(number, layer).p
+                    through = count * self.rest[number].q
+                    for reached, weight in self.spread(number, layer):
+                        entering[reached][number] += through * weight
+                    if states.most is not None:
+                        entering[layers][number] += through * self.exceeding(number, layer)
+            visits.append(tuple(here))
+            failures.append(tuple(failed))
+            done[layer] = total(leaving[number] * function.done for number, function in functions)
+            if cut:
+                back[layer] = total(
+                    leaving[number] * weight
+                    for number, function in functions
+                    for target, weight in function.steps
+                    if target == states.entry
+                )
+        return Flow(tuple(visits), tuple(failures), tuple(done), tuple(back), tuple(arriving))
+
+    def _follow(self, leaving: Sequence[float], arriving: list[float], *, cut: bool) -> None:
+        """Add to the arrivals at each function what leaves the others."""
+        for mass, function in zip(leaving, self.states.functions, strict=True):
+            if mass != 0.0:
+                for target, weight in function.steps:
+                    if not (cut and target == self.states.entry):
+                        arriving[target] += mass * weight
+
+    def successes(self) -> tuple[tuple[float, ...], ...]:
+        """Return by layer and function the probability of success after a visit that led there.
+
+        More failures than the states hold count as no success.
+        """
+        found: list[tuple[float, ...]] = [()] * len(self.states.hidden)
+        for layer in range(len(found) - 1, -1, -1):
+            reward = []
+            for number, function in enumerate(self.states.functions):
+                parts = [
+                    weight * (function.done if to == layer else found[to][number])
+                    for to, weight in self.spread(number, layer)
+                ]
+                reward.append(self.rest[number].q * total(parts))
+            from_each = self._layer(layer, cut=False).values(reward)
+            found[layer] = tuple(
+                function.done
+                + total(weight * from_each[target] for target, weight in function.steps)
+                for function in self.states.functions
+            )
+        return tuple(found)
+
+    def visit(self, number: int, layer: int, fewer: int | None = None) -> Probability:
+        """Return the probability that one visit fails; class `fewer` has one working unit less."""
+        rest = self.rest[number]
+        if not self.states.functions[number].parts:
+            return rest
+        latent = self.latent_failure(number, layer, fewer)
+        return Probability(rest.p + rest.q * latent.p, rest.q * latent.q)
+
+    def latent_failure(self, number: int, layer: int, fewer: int | None = None) -> Probability:
+        """Return the probability that the latent units fail a visit."""
+        cache = self._latent[number]
+        key = (layer, fewer)
+        if key not in cache:
+            parts = self.states.functions[number].parts
+            cache[key] = any_of([self.part_failure(number, part, layer, fewer) for part in parts])
+        return cache[key]
+
+    def part_failure(
+        self, number: int, part: Part, layer: int, fewer: int | None = None
+    ) -> Probability:
+        """Return the probability that so many units of a part fail that the visit does."""
+        counts, reached = self._failures(number, part, layer, fewer)
+        return Probability(reached, total(counts))
+
+    def spread(
+        self, number: int, layer: int, chosen: Mapping[int, Sequence[float]] | None = None
+    ) -> Spread:
+        """Return the layers to which a visit leads that the latent units do not fail.
+
+        The failures of the other part of the tree are left aside. `chosen` replaces the
+        distribution of how many units of a class fail.
+        """
+        cache = self._spreads[number]
+        if chosen is None and layer in cache:
+            return cache[layer]
+        states = self.states
+        held = states.held[number]
+        found = [(layer, 1.0)] if held[layer] else []
+        for unit_class, p in self.units[number].items():
+            if chosen is not None and unit_class in chosen:
+                counts = chosen[unit_class]
+            else:
+                counts = failure_counts(states.working(layer, unit_class), p, self._limits[number])
+            grown = []
+            for reached, weight in found:
+                for failed, share in enumerate(counts):
+                    if failed > 0:
+                        reached = states.more[reached][unit_class]
+                        if reached < 0 or not held[reached]:
+                            break
+                    if share != 0.0:
+                        grown.append((reached, weight * share))
+            found = grown
+        spread = tuple(found)
+        if chosen is None:
+            cache[layer] = spread
+        return spread
+
+    def drop(self, number: int, name: str) -> float:
+        """Return how much less the rest of a function's tree fails without a parameter."""
+        key = (number, name)
+        if key not in self._drops:
+            rest = self.states.functions[number].rest
+            is_there = name in rest.parameters
+            self._drops[key] = rest.drop_without(name, self.values[number]) if is_there else 0.0
+        return self._drops[key]
+
+    def exceeding(self, number: int, layer: int, fewer: int | None = None) -> float:
+        """Return the probability that the latent units survive with more failed than is held."""
+        most = self.states.most
+        if most is None:
+            return 0.0
+        cache, key = self._exceeding[number], (layer, fewer)
+        if key not in cache:
+            cache[key] = self._more_than(most, number, layer, fewer)
+        return cache[key]
+
+    def _more_than(self, most: int, number: int, layer: int, fewer: int | None) -> float:
+        room = most - sum(self.states.hidden[layer])
+        counts, beyond = [1.0], 0.0
+        for part in self.states.functions[number].parts:
+            own, _ = self._failures(number, part, layer, fewer)
+            beyond *= total(own)
+            grown = [0.0] * (room + 1)
+            for before, share in enumerate(counts):
+                for failed, p in enumerate(own):
+                    if before + failed > room:
+                        beyond += share * p
+                    else:
+                        grown[before + failed] += share * p
+            counts = grown
+        return beyond
+
+    def _failures(
+        self, number: int, part: Part, layer: int, fewer: int | None
+    ) -> tuple[tuple[float, ...], float]:
+        """Return how many more units of a part fail, short of its failure, and that failure."""
+        hidden, units = self.states.hidden[layer], self.units[number]
+        return group_failures(
+            tuple((self.states.working(layer, c) - (c == fewer), units[c]) for c in part.classes),
+            part.threshold - sum(hidden[c] for c in part.classes),
+        )
+
+    def _layer(self, layer: int, *, cut: bool) -> Elimination:
+        key = (layer, cut)
+        if key not in self._layers:
+            rows, exits = [], []
+            for number, function in enumerate(self.states.functions):
+                stay, leave = self._stay(number, layer)
+                row: dict[int, float] = {}
+                for target, weight in function.steps:
+                    if cut and target == self.states.entry:
+                        leave += stay * weight
+                    elif target != number:
+                        row[target] = stay * weight
+                rows.append(row)
+                exits.append(leave + stay * function.done)
+            self._layers[key] = Elimination(self.states.pattern, rows, exits)
+        return self._layers[key]
+
+    def _stay(self, number: int, layer: int) -> tuple[float, float]:
+        """Return the probability that a visit goes on within its layer, and its complement."""
+        if layer == len(self.states.hidden):
+            worst = self._beyond(number)
+            return worst.q, worst.p
+        q = self.rest[number].q
+        stay, leave = 0.0, [self.visit(number, layer).p, q * self.exceeding(number, layer)]
+        for reached, weight in self.spread(number, layer):
+            if reached == layer:
+                stay = q * weight
+            else:
+                leave.append(q * weight)
+        return stay, total(leave)
+
+    def _beyond(self, number: int) -> Probability:
+        """Return the failure probability of a visit with more failed units than are held, at most.
+
+        Each part of the tree is taken to be one failure away from its own, with the units that
+        fail most still working; where another function tolerates more of the same units, it may
+        have failed already.
+        """
+        if number not in self._worst:
+            self._worst[number] = any_of(self._one_short(number))
+        return self._worst[number]
+
+    def _one_short(self, number: int) -> list[Probability]:
+        """Return the failures of the rest of the tree and of units one of which is one too many."""
+        states = self.states
+        pairs = [self.rest[number]]
+        for part in states.functions[number].parts:
+            if any(other != part for c in part.classes for other in states.parts_of[c]):
+                return [Probability(1.0, 0.0)]
+            units = sorted(
+                (self.units[number][c] for c in part.classes for _ in states.classes[c]),
+                reverse=True,
+            )
+            pairs += map(Probability.of, units[: len(units) - part.threshold + 1])
+        return pairs
+
+
+def tree_probability(state: str, tree: FaultTree, values: Mapping[str, float]) -> Probability:
+    """Return the top's probability; raise ModelError with the state where it cannot be had."""
+    try:
+        return tree.probability(values)
+    except ModelError as error:
+        raise ModelError(f"state '{state}': {error.message}", error.location) from error

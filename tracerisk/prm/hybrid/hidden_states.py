@@ -1,0 +1,222 @@
+"""The states that hidden failures add to a model: functions times counts of failed latent units.
+
+A latent unit that fails stays failed until the mission ends, wherever it is used. Units that every
+function treats alike make a class; a hidden state counts the failed units of each class.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from tracerisk.errors import ModelError
+from tracerisk.prm.hybrid.hybrid import DONE, FunctionState, HybridModel
+from tracerisk.prm.hybrid.latent_units import LatentPart, latent_parts, without_latent
+from tracerisk.prm.numbers.elimination import Pattern
+from tracerisk.prm.trees.fault_tree import FaultTree
+
+MOST_STATES = 4_000
+"""Up to how many states a chain with hidden failures is solved exactly."""
+
+Hidden = tuple[int, ...]
+"""How many units of each class have failed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """The classes of a part of a function's tree, `threshold` failed units of which fail it."""
+
+    classes: tuple[int, ...]
+    threshold: int
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """A function of the chain: its tree less the latent units, these, and what follows.
+
+    `parameters` gives each class that the tree has the parameter of its units there.
+    """
+
+    state: FunctionState
+    rest: FaultTree
+    parts: tuple[Part, ...]
+    parameters: Mapping[int, str]
+    steps: tuple[tuple[int, float], ...]
+    done: float
+
+
+@dataclass(frozen=True)
+class HiddenStates:
+    """The functions that the entry leads to, and the hidden states in which they are met.
+
+    `hidden` comes with fewer failed units first, the state without any at the start; each is a
+    layer of the chain. `most` is the greatest number of failed units among them where not all
+    states fit, else `None`.
+    `more[l][c]` is the layer with one more failed unit of class c, -1 where there is none;
+    `held[f][l]` tells whether a visit of function f goes on with so many failed units.
+    """
+
+    functions: tuple[Function, ...]
+    entry: int
+    classes: tuple[tuple[str, ...], ...]
+    hidden: tuple[Hidden, ...]
+    most: int | None
+    pattern: Pattern
+    more: tuple[tuple[int, ...], ...] = field(repr=False)
+    held: tuple[tuple[bool, ...], ...] = field(repr=False)
+
+    @cached_property
+    def parts_of(self) -> tuple[tuple[Part, ...], ...]:
+        """The different parts, of any function, that each class is in."""
+        found: list[dict[Part, None]] = [{} for _ in self.classes]
+        for function in self.functions:
+            for part in function.parts:
+                for unit_class in part.classes:
+                    found[unit_class][part] = None
+        return tuple(map(tuple, found))
+
+    def working(self, layer: int, unit_class: int) -> int:
+        """Return how many units of a class have not failed."""
+        return len(self.classes[unit_class]) - self.hidden[layer][unit_class]
+
+
+def hidden_states(model: HybridModel, limit: int = MOST_STATES) -> HiddenStates:
+    """Return the model's states with all hidden failures that its missions can meet.
+
+    Where they are more than `limit`, those with the most failed units at once are left out.
+    Raises ModelError when a tree cannot carry the latent units, see `latent_parts`.
+    """
+    reached = set(model.reachable)
+    states = [state for state in model.states if state.name in reached]
+    latent = set(model.latent)
+    parts = [_parts(state, latent) for state in states]
+    classes = _classes(states, parts)
+    class_of = {unit: number for number, units in enumerate(classes) for unit in units}
+    number_of = {state.name: number for number, state in enumerate(states)}
+    functions = tuple(
+        _function(state, found, class_of, number_of)
+        for state, found in zip(states, parts, strict=True)
+    )
+    hidden, is_whole = _enumerate(functions, classes, limit // len(functions))
+    index = {state: number for number, state in enumerate(hidden)}
+    # Functions of the same parts hold the same states.
+    held = {
+        parts: tuple(_survives(parts, state) for state in hidden)
+        for parts in {function.parts: None for function in functions}
+    }
+    return HiddenStates(
+        functions=functions,
+        entry=number_of[model.entry],
+        classes=classes,
+        hidden=hidden,
+        most=None if is_whole else sum(hidden[-1]),
+        pattern=Pattern(
+            [state.name for state in states],
+            [[target for target, _ in function.steps] for function in functions],
+        ),
+        more=tuple(
+            tuple(index.get(_with_one_more(state, c), -1) for c in range(len(classes)))
+            for state in hidden
+        ),
+        held=tuple(held[function.parts] for function in functions),
+    )
+
+
+def _survives(parts: Sequence[Part], hidden: Hidden) -> bool:
+    return all(sum(hidden[c] for c in part.classes) < part.threshold for part in parts)
+
+
+def _with_one_more(hidden: Hidden, unit_class: int) -> Hidden:
+    return (*hidden[:unit_class], hidden[unit_class] + 1, *hidden[unit_class + 1 :])
+
+
+def _parts(state: FunctionState, latent: set[str]) -> tuple[LatentPart, ...]:
+    if not latent:
+        return ()
+    try:
+        return latent_parts(state.tree, latent)
+    except ModelError as error:
+        raise ModelError(f"state '{state.name}': {error.message}", error.location) from error
+
+
+def _classes(
+    states: Sequence[FunctionState], parts: Sequence[Sequence[LatentPart]]
+) -> tuple[tuple[str, ...], ...]:
+    """Return the units in classes: in every state of one part, with one parameter."""
+    uses: dict[str, list[tuple[int, int, str]]] = {}
+    for number, (state, found) in enumerate(zip(states, parts, strict=True)):
+        if found:
+            parameters = {event.name: event.parameter for event in state.tree.events}
+            for index, part in enumerate(found):
+                for unit in part.units:
+                    uses.setdefault(unit, []).append((number, index, parameters[unit]))
+    alike: dict[tuple[tuple[int, int, str], ...], list[str]] = {}
+    for unit, use in uses.items():
+        alike.setdefault(tuple(use), []).append(unit)
+    return tuple(map(tuple, alike.values()))
+
+
+def _function(
+    state: FunctionState,
+    parts: Sequence[LatentPart],
+    class_of: Mapping[str, int],
+    number_of: Mapping[str, int],
+) -> Function:
+    parameters = {event.name: event.parameter for event in state.tree.events} if parts else {}
+    return Function(
+        state=state,
+        rest=without_latent(state.tree, parts),
+        parts=tuple(
+            Part(tuple(dict.fromkeys(class_of[unit] for unit in part.units)), part.threshold)
+            for part in parts
+        ),
+        parameters={class_of[unit]: parameters[unit] for part in parts for unit in part.units},
+        steps=tuple(
+            (number_of[step.target], float(step.weight))
+            for step in state.next
+            if step.weight > 0 and step.target != DONE
+        ),
+        done=math.fsum(float(step.weight) for step in state.next if step.target == DONE),
+    )
+
+
+def _enumerate(
+    functions: Sequence[Function], classes: Sequence[Sequence[str]], limit: int
+) -> tuple[tuple[Hidden, ...], bool]:
+    """Return the hidden states that a visit can leave, and whether they are all of them.
+
+    One more failed unit at a time finds them all, for with more units failed no visit survives
+    that would not with fewer.
+    """
+    level: dict[Hidden, None] = {(0,) * len(classes): None}
+    found = list(level)
+    different = list({function.parts: set(function.parameters) for function in functions}.items())
+    while level:
+        following: dict[Hidden, None] = {}
+        for one in _grown(level, different, classes):
+            following[one] = None
+            if len(found) + len(following) > limit:
+                return tuple(found), False
+        found += following
+        level = following
+    return tuple(found), True
+
+
+def _grown(
+    level: Iterable[Hidden],
+    different: Collection[tuple[tuple[Part, ...], set[int]]],
+    classes: Sequence[Sequence[str]],
+) -> Iterator[Hidden]:
+    seen: set[Hidden] = set()
+    for state in level:
+        for number, units in enumerate(classes):
+            more = _with_one_more(state, number)
+            if (
+                state[number] < len(units)
+                and more not in seen
+                and any(number in used and _survives(parts, more) for parts, used in different)
+            ):
+                seen.add(more)
+                yield more

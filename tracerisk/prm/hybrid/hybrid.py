@@ -1,0 +1,276 @@
+"""The hybrid model: a Markov chain over functions, a fault tree in each of its states."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.hybrid.latent_units import check_latent
+from tracerisk.prm.notebook.display import DisplayedGraph
+from tracerisk.prm.trees.fault_tree import FaultTree
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    from tracerisk.prm.hybrid.assessment import Assessment
+    from tracerisk.prm.linked import LinkedModel
+    from tracerisk.prm.numbers.distributions import Distribution
+    from tracerisk.prm.trees.building import Following
+
+DONE = "done"
+"""The absorbing state of a mission that succeeded."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A component's figure theta, common to all states and instances.
+
+    `theta` is the greatest of its per-visit probabilities over the states; a state that lists
+    a smaller one holds theta times a fixed factor.
+    `distribution` says how far theta may be off, where that is known.
+    """
+
+    name: str
+    theta: float
+    distribution: Distribution | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class NextStep:
+    """What follows a state that did not fail: a state or `done`, and how often."""
+
+    target: str
+    weight: Fraction
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionState:
+    """One function as a state of the chain.
+
+    `probabilities` gives each parameter of the fault tree the probability that one unit fails
+    during one visit.
+    `next` holds the distribution of what follows, given that nothing failed.
+    """
+
+    name: str
+    call_sequence: int
+    tree: FaultTree
+    probabilities: Mapping[str, float]
+    next: tuple[NextStep, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class HybridModel(DisplayedGraph):
+    """A risk model: states in the order of their call sequence, the entry, the parameters.
+
+    Each visit to a state fails with its tree's top probability and ends the mission there, else
+    goes on by `next`.
+    `latent` names the basic events that are units whose failure stays hidden: one that has
+    failed without failing the visit stays failed, in every state whose tree has an event of
+    this name, until the mission ends. All other units are as good as new at each visit.
+    Raises ModelError, naming the element, when names clash or are unknown, a probability is
+    outside [0, 1], a `next` does not sum to one, `done` cannot be reached from a state that
+    the entry leads to, or a tree cannot carry the latent units (see `latent_parts`).
+    """
+
+    name: str
+    entry: str
+    states: tuple[FunctionState, ...]
+    parameters: tuple[Parameter, ...]
+    latent: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        _check_names("state", [state.name for state in self.states], reserved=(DONE,))
+        _check_names("parameter", [parameter.name for parameter in self.parameters])
+        names = {state.name for state in self.states}
+        if self.entry not in names:
+            raise ModelError(f"entry '{self.entry}' is no state; {one_of(names, self.entry)}")
+        for parameter in self.parameters:
+            _check_probability(f"parameter '{parameter.name}': theta", parameter.theta)
+        for state in self.states:
+            _check_probabilities(state, {entry.name: entry.theta for entry in self.parameters})
+            _check_next(state, names | {DONE})
+        if self.latent:
+            check_latent({state.name: state.tree for state in self.states}, self.latent)
+        steps = {state.name: state.next for state in self.states}
+        caught = endless_states(steps, self.entry)
+        if caught:
+            raise ModelError(
+                f"'{DONE}' cannot be reached from {', '.join(caught)}; "
+                f"lead 'next' of one of them to '{DONE}'"
+            )
+
+    def to_linked(self) -> LinkedModel:
+        """Return the model as parameters, fault trees and a chain joined by expressions.
+
+        Raises TooLargeError when its hidden failures make too many states for that.
+        """
+        from tracerisk.prm.linked import linked
+
+        return linked(self)
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        trees: Mapping[str, FaultTree],
+        following: Mapping[str, Following] | None = None,
+        *,
+        values: Mapping[str, float] | None = None,
+        visit_h: float | Mapping[str, float] | None = None,
+        entry: str | None = None,
+        latent: Iterable[str] = (),
+    ) -> HybridModel:
+        """Build a hybrid model from the fault tree of each state.
+
+        `following` gives each state what follows a visit that did not fail: a state or `done`,
+        or several with their shares; without it the states follow in their order.
+        Figures come from the events' models, for visits of `visit_h` hours, and from `values`.
+        The first state is the entry unless another is named.
+        Raises ModelError, naming the state, as the class does and when a figure is missing.
+        """
+        from tracerisk.prm.trees.building import built_hybrid
+
+        return built_hybrid(name, trees, following, values or {}, visit_h, entry, tuple(latent))
+
+    def solve(self) -> Assessment:
+        """Return all figures of the model, see `tracerisk.prm.hybrid.solve`."""
+        from tracerisk.prm.hybrid.solve import solve
+
+        return solve(self)
+
+    def failure_probabilities(self, values: Mapping[str, ArrayLike]) -> NDArray[np.float64]:
+        """Return the mission's failure probability for n samples at once, (n,).
+
+        `values` gives parameters n probabilities theta, (n,), or one for all samples; the others
+        keep theirs, and in each state the fixed share of it.
+        Raises ModelError when a name is unknown, a value outside [0, 1] or arrays differ in
+        length.
+        """
+        from tracerisk.prm.trees.sampled_tree import failure_samples_of
+
+        return failure_samples_of(self, values)
+
+    @property
+    def reachable(self) -> tuple[str, ...]:
+        """The states that the entry leads to, in the order of `states`."""
+        reached = reachable_states({state.name: state.next for state in self.states}, self.entry)
+        return tuple(state.name for state in self.states if state.name in reached)
+
+    @property
+    def has_cycle(self) -> bool:
+        """Whether a mission can come back to a state it has visited."""
+        steps = {state.name: state.next for state in self.states}
+        return any(
+            state in reachable_states(steps, step.target)
+            for state in self.reachable
+            for step in steps[state]
+            if step.weight > 0 and step.target != DONE
+        )
+
+    @property
+    def failure_states(self) -> Mapping[str, str]:
+        """Each state's absorbing failure state: `<name>_failure`.
+
+        A function that already bears that name keeps it; the failure state then gets as many
+        more underscores as it takes to differ.
+        """
+        taken = {state.name for state in self.states}
+        named = {}
+        for state in self.states:
+            failure = f"{state.name}_failure"
+            while failure in taken:
+                failure = failure.removesuffix("failure") + "_failure"
+            taken.add(failure)
+            named[state.name] = failure
+        return named
+
+
+def reachable_states(steps: Mapping[str, Sequence[NextStep]], entry: str) -> set[str]:
+    """Return the states, `done` excepted, that can be visited from `entry` on."""
+    reached = {entry}
+    waiting = [entry]
+    while waiting:
+        for step in steps[waiting.pop()]:
+            if step.weight > 0 and step.target != DONE and step.target not in reached:
+                reached.add(step.target)
+                waiting.append(step.target)
+    return reached
+
+
+def endless_states(steps: Mapping[str, Sequence[NextStep]], entry: str) -> list[str]:
+    """Return the states that `entry` leads to and that never lead to `done`, in order."""
+    ending = {DONE}
+    grown = True
+    while grown:
+        more = {
+            name
+            for name, following in steps.items()
+            if name not in ending
+            and any(step.weight > 0 and step.target in ending for step in following)
+        }
+        ending |= more
+        grown = bool(more)
+    reached = reachable_states(steps, entry)
+    return [name for name in steps if name in reached and name not in ending]
+
+
+def _check_names(kind: str, names: Iterable[str], reserved: Sequence[str] = ()) -> None:
+    seen: set[str] = set()
+    for name in names:
+        if not name or not name.isprintable():
+            raise ModelError(f"{kind} {name!r}: a name needs printable characters")
+        if name in seen:
+            raise ModelError(f"{kind} '{name}' stands twice; rename one")
+        if name in reserved:
+            raise ModelError(f"{kind} '{name}': this name is kept for the mission's good end")
+        seen.add(name)
+
+
+def _check_probability(where: str, value: float) -> None:
+    if not 0.0 <= value <= 1.0:
+        raise ModelError(f"{where} {value!r} is outside [0, 1]; give a number within")
+
+
+def _check_probabilities(state: FunctionState, parameters: Mapping[str, float]) -> None:
+    where = f"state '{state.name}'"
+    for name, value in state.probabilities.items():
+        if name not in parameters:
+            raise ModelError(f"{where}: no parameter '{name}'; {one_of(parameters, name)}")
+        _check_probability(f"{where}: probability of '{name}'", value)
+        if value > parameters[name]:
+            raise ModelError(
+                f"{where}: probability {value!r} of '{name}' is above its theta "
+                f"{parameters[name]!r}; theta is the greatest over the states"
+            )
+    needed = set(state.tree.parameters)
+    missing = sorted(needed - set(state.probabilities))
+    if missing:
+        raise ModelError(f"{where}: no probability for {', '.join(missing)}; give each one")
+    spare = sorted(set(state.probabilities) - needed)
+    if spare:
+        raise ModelError(
+            f"{where}: the fault tree has no event of {', '.join(spare)}; remove the probability"
+        )
+
+
+def _check_next(state: FunctionState, targets: set[str]) -> None:
+    where = f"state '{state.name}'"
+    seen: set[str] = set()
+    for step in state.next:
+        if step.target not in targets:
+            raise ModelError(
+                f"{where}: next '{step.target}' is no state; {one_of(targets, step.target)}"
+            )
+        if step.target in seen:
+            raise ModelError(f"{where}: next '{step.target}' stands twice; add the two up")
+        if step.weight < 0:
+            raise ModelError(f"{where}: next '{step.target}' is {step.weight}, below zero")
+        seen.add(step.target)
+    total = sum((step.weight for step in state.next), Fraction(0))
+    if total != 1:
+        raise ModelError(f"{where}: next sums to {total}; it must sum to 1")

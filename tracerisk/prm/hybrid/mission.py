@@ -1,0 +1,237 @@
+"""The chain of a hybrid model solved, and the mission's figures on it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from tracerisk.prm.hybrid.assessment import MissionFigures
+from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain
+from tracerisk.prm.hybrid.hidden_states import MOST_STATES, HiddenStates, hidden_states
+from tracerisk.prm.hybrid.hybrid import HybridModel
+from tracerisk.prm.numbers.elimination import Elimination
+from tracerisk.prm.numbers.probability import Probability, at_least
+
+_MOST_SQUARED = 32
+"""Up to how many hidden states many cycles are told by squaring the way from cycle to cycle."""
+
+
+@dataclass(frozen=True, slots=True)
+class SolvedMission:
+    """A model's chain, solved from its entry.
+
+    By function: `visits` expected, `absorption` the probability that the mission ends in its
+    failure state, `tops` the probability that one visit fails, over the visits of a mission.
+    `least` is below `failure` where not all hidden states are held: the true figure lies between.
+    """
+
+    chain: HiddenChain
+    flow: Flow
+    failure: Probability
+    least: float
+    visits: Mapping[str, float]
+    absorption: Mapping[str, float]
+    tops: Mapping[str, float]
+
+    @property
+    def states(self) -> HiddenStates:
+        """The functions and hidden states of the chain."""
+        return self.chain.states
+
+
+def solve_mission(model: HybridModel, *, limit: int = MOST_STATES) -> SolvedMission:
+    """Solve the model's chain from its entry, hidden failures included.
+
+    Exact up to `limit` states of the chain, functions times hidden states; else the states with
+    the most failed units are taken together and bounded from above, see `HiddenChain`.
+    Raises ModelError when a tree cannot be solved or the chain is left too rarely.
+    """
+    chain = HiddenChain(hidden_states(model, limit))
+    flow = chain.flow()
+    names = [function.state.name for function in chain.states.functions]
+    visits = dict(zip(names, map(math.fsum, zip(*flow.visits, strict=True)), strict=True))
+    absorption = dict(zip(names, map(math.fsum, zip(*flow.failures, strict=True)), strict=True))
+    return SolvedMission(
+        chain=chain,
+        flow=flow,
+        failure=Probability(math.fsum(absorption.values()), math.fsum(flow.done)),
+        least=_least(chain, flow),
+        visits=visits,
+        absorption=absorption,
+        tops={
+            name: (
+                # Where no unit is latent, the visits are alike.
+                absorption[name] / visits[name]
+                if chain.states.functions[number].parts and visits[name] > 0.0
+                else chain.visit(number, 0).p
+            )
+            for number, name in enumerate(names)
+        },
+    )
+
+
+def mission_figures(solved: SolvedMission) -> MissionFigures:
+    """Return the mission's failure probability read in three ways."""
+    chain = solved.chain
+    visits = _sound_visits(chain)
+    cycle = chain.flow(cut=True)
+    cycles = visits[chain.states.entry]
+    return MissionFigures(
+        failure_probability=solved.failure.p,
+        done_probability=solved.failure.q,
+        cycle_failure_probability=_cycle_failure(cycle),
+        expected_cycles=cycles,
+        fixed_cycles=_fixed_cycles(chain, cycle, cycles),
+        visits_as_run=0.0 - math.expm1(_log_survival_as_run(chain, visits)),
+    )
+
+
+def _least(chain: HiddenChain, flow: Flow) -> float:
+    """Return the mission's failure with groups that are whole again once too many units fail."""
+    held = math.fsum(math.fsum(row) for row in flow.failures[:-1])
+    if not any(flow.beyond):
+        return held
+    tops = [chain.visit(number, 0) for number in range(len(chain.states.functions))]
+    visits = _visits(chain.states, tops, flow.beyond)
+    return held + math.fsum(count * top.p for count, top in zip(visits, tops, strict=True))
+
+
+def _visits(
+    states: HiddenStates, tops: Sequence[Probability], start: Sequence[float]
+) -> list[float]:
+    """Return the expected visits of each function, which fails with its top, from a start."""
+    rows = [
+        {target: top.q * weight for target, weight in function.steps if target != number}
+        for number, (function, top) in enumerate(zip(states.functions, tops, strict=True))
+    ]
+    exits = [
+        top.p + top.q * function.done for function, top in zip(states.functions, tops, strict=True)
+    ]
+    return Elimination(states.pattern, rows, exits).visits(start)
+
+
+def _sound_visits(chain: HiddenChain) -> list[float]:
+    """Return the expected visits of each function where nothing fails."""
+    size = len(chain.states.functions)
+    start = [float(number == chain.states.entry) for number in range(size)]
+    return _visits(chain.states, [Probability(0.0, 1.0)] * size, start)
+
+
+def _cycle_failure(cycle: Flow) -> float:
+    return math.fsum(math.fsum(row) for row in cycle.failures)
+
+
+def _fixed_cycles(chain: HiddenChain, cycle: Flow, cycles: float) -> float:
+    """Return the failure probability of so many cycles, one after the other.
+
+    A cycle begins with the units failed that the last one left so. Between whole numbers of
+    cycles the logarithm of survival is taken as straight.
+    """
+    if len(chain.states.hidden) == 1 and chain.states.most is None:
+        good = math.fsum((*cycle.done, *cycle.back))
+        return 0.0 - math.expm1(cycles * _log_survival(Probability(_cycle_failure(cycle), good)))
+    whole = math.floor(cycles + 1e-9)
+    part = max(0.0, cycles - whole)
+    counts = (whole, whole + 1) if part > 1e-9 else (whole,)
+    ends = _after_cycles(chain, counts)
+    if len(ends) == 1:
+        return ends[0].p
+    before, after = map(_log_survival, ends)
+    return -math.expm1((1.0 - part) * before + part * after)
+
+
+def _after_cycles(chain: HiddenChain, counts: Sequence[int]) -> list[Probability]:
+    """Return the outcome of so many cycles, for each of the rising `counts`."""
+    if len(chain.states.hidden) < min(counts[-1], _MOST_SQUARED):
+        return [_after_squarings(chain, count) for count in counts]
+    now = [1.0]
+    failed: list[float] = []
+    ends = []
+    for number in range(1, counts[-1] + 1):
+        flow = chain.flow(now, cut=True)
+        failed.append(_cycle_failure(flow))
+        now = [back + done for back, done in zip(flow.back, flow.done, strict=True)]
+        if number in counts:
+            ends.append(Probability(math.fsum(failed), math.fsum(now)))
+    return ends
+
+
+def _after_squarings(chain: HiddenChain, count: int) -> Probability:
+    """Return the outcome of so many cycles, by the way from cycle to cycle squared again and again.
+
+    `step[i][j]` leads from layer i at the start of a cycle to layer j at its end.
+    """
+    layers = len(chain.states.hidden) + (chain.states.most is not None)
+    flows = [
+        chain.flow([float(layer == start) for layer in range(layers)], cut=True)
+        for start in range(layers)
+    ]
+    step = [
+        [b + d for b, d in zip(flow.back[:layers], flow.done[:layers], strict=True)]
+        for flow in flows
+    ]
+    fails = [_cycle_failure(flow) for flow in flows]
+    now = [1.0] + [0.0] * (layers - 1)
+    failed = 0.0
+    while count:
+        if count % 2:
+            failed += _dot(now, fails)
+            now = _times(now, step)
+        count //= 2
+        if count:
+            fails = [own + _dot(row, fails) for own, row in zip(fails, step, strict=True)]
+            step = [_times(row, step) for row in step]
+    return Probability(failed, math.fsum(now))
+
+
+def _dot(one: Iterable[float], other: Iterable[float]) -> float:
+    return math.fsum(a * b for a, b in zip(one, other, strict=True))
+
+
+def _times(row: Sequence[float], matrix: Sequence[Sequence[float]]) -> list[float]:
+    return [_dot(row, column) for column in zip(*matrix, strict=True)]
+
+
+def _log_survival_as_run(chain: HiddenChain, visits: Sequence[float]) -> float:
+    """Return the logarithm of survival when each function is visited exactly so often.
+
+    Latent units fail over all visits together; of functions that tolerate different numbers of
+    the same failed units the strictest decides.
+    """
+    states = chain.states
+    total = [count * _log_survival(pair) for count, pair in zip(visits, chain.rest, strict=True)]
+    survival = [0.0] * len(states.classes)
+    for count, units in zip(visits, chain.units, strict=True):
+        for number, p in units.items():
+            survival[number] += count * _log_survival(Probability.of(p))
+    failed = [Probability(-math.expm1(log), math.exp(log)) for log in survival]
+    for classes, threshold in _joined_parts(states):
+        units_failed = [failed[c] for c in classes for _ in states.classes[c]]
+        total.append(_log_survival(at_least(threshold, units_failed)))
+    return math.fsum(total)
+
+
+def _joined_parts(states: HiddenStates) -> list[tuple[tuple[int, ...], int]]:
+    """Return the classes that parts of any function join, with the least threshold of these."""
+    joined: list[tuple[set[int], int]] = []
+    for part in dict.fromkeys(part for function in states.functions for part in function.parts):
+        classes, threshold = set(part.classes), part.threshold
+        apart = []
+        for other, least in joined:
+            if other & classes:
+                classes |= other
+                threshold = min(threshold, least)
+            else:
+                apart.append((other, least))
+        joined = [*apart, (classes, threshold)]
+    return [(tuple(sorted(classes)), threshold) for classes, threshold in joined]
+
+
+def _log_survival(probability: Probability) -> float:
+    """Return log(1-p) from the more precise half of the pair."""
+    if probability.q == 0.0:
+        return -math.inf
+    if probability.p < 0.5:
+        return math.log1p(-probability.p)
+    return math.log(probability.q)

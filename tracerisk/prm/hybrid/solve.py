@@ -1,0 +1,150 @@
+"""Solve a hybrid model: what each function, the mission and each component comes to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from tracerisk.prm.hybrid.assessment import (
+    GEOMETRIC_CYCLES,
+    HIDDEN_FAILURES,
+    RENEWED_REDUNDANCY,
+    RENEWED_SPARES,
+    Assessment,
+    ComponentContribution,
+    MissionFigures,
+    StateAssessment,
+    bounded,
+)
+from tracerisk.prm.hybrid.component_tree import is_spare_group
+from tracerisk.prm.hybrid.hidden_chain import tree_probability
+from tracerisk.prm.hybrid.hidden_states import MOST_STATES
+from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel
+from tracerisk.prm.hybrid.importance import importances
+from tracerisk.prm.hybrid.mission import SolvedMission, mission_figures, solve_mission
+from tracerisk.prm.hybrid.visit_drops import mean_drops
+from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.trees.fault_tree import FaultTree
+
+
+def solve(model: HybridModel, *, limit: int = MOST_STATES) -> Assessment:
+    """Solve the model exactly, to rounding.
+
+    A chain of more than `limit` states, functions times hidden failures, is bounded from above,
+    and an assumption says by how much at most.
+    Raises ModelError when a fault tree cannot be solved, or when the chain is left less often
+    than the smallest number of double precision.
+    """
+    solved = solve_mission(model, limit=limit)
+    reached = {function.state.name for function in solved.states.functions}
+    return Assessment(
+        model=model.name,
+        entry=model.entry,
+        states=tuple(_state_assessments(model, solved)),
+        mission=mission_figures(solved),
+        components=importances(model, solved),
+        assumptions=_assumptions(model, solved),
+        findings=tuple(
+            f"{state.name} is never reached from {model.entry} and adds nothing to the mission"
+            for state in model.states
+            if state.name not in reached
+        ),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class ModelFigures:
+    """The mission's figures, and each function's top event and expected visits."""
+
+    mission: MissionFigures
+    top_events: Mapping[str, float]
+    expected_visits: Mapping[str, float]
+
+
+def solve_figures(model: HybridModel) -> ModelFigures:
+    """Solve the model for its figures alone, without the importances.
+
+    Raises ModelError as `solve` does.
+    """
+    solved = solve_mission(model)
+    return ModelFigures(
+        mission=mission_figures(solved),
+        top_events={
+            state.name: solved.tops[state.name] if state.name in solved.tops else top_event(state).p
+            for state in model.states
+        },
+        expected_visits={state.name: solved.visits.get(state.name, 0.0) for state in model.states},
+    )
+
+
+def top_event(state: FunctionState) -> Probability:
+    """Return the probability that one visit to a function fails while no unit has failed before.
+
+    Raises ModelError when its fault tree cannot be solved.
+    """
+    return tree_probability(state.name, state.tree, state.probabilities)
+
+
+def _assumptions(model: HybridModel, solved: SolvedMission) -> tuple[str, ...]:
+    told = []
+    gates = [gate for state in model.states for gate in state.tree.gates]
+    latent = set(model.latent)
+    # What of a group is left to a gate without latent units is renewed at each visit.
+    if any(gate.threshold > 1 and not latent.issuperset(gate.inputs) for gate in gates):
+        told.append(RENEWED_REDUNDANCY)
+    if any(is_spare_group(event) for state in model.states for event in state.tree.events):
+        told.append(RENEWED_SPARES)
+    if any(function.parts for function in solved.states.functions):
+        told.append(HIDDEN_FAILURES)
+    if solved.states.most is not None:
+        told.append(bounded(solved.states.most, solved.least, solved.failure.p))
+    if model.has_cycle:
+        told.append(GEOMETRIC_CYCLES)
+    return tuple(told)
+
+
+def _state_assessments(model: HybridModel, solved: SolvedMission) -> list[StateAssessment]:
+    number_of = {f.state.name: number for number, f in enumerate(solved.states.functions)}
+    failures = model.failure_states
+    found = []
+    for state in model.states:
+        name, values = state.name, state.probabilities
+        if name in number_of:
+            top, drops = solved.tops[name], mean_drops(solved, number_of[name])
+        else:
+            top = top_event(state).p
+            drops = {each: state.tree.drop_without(each, values) for each in values}
+        found.append(
+            StateAssessment(
+                name=name,
+                call_sequence=state.call_sequence,
+                failure_state=failures[name],
+                top_event=top,
+                expected_visits=solved.visits.get(name, 0.0),
+                absorption_probability=solved.absorption.get(name, 0.0),
+                components=tuple(
+                    ComponentContribution(
+                        name=each,
+                        units=sum(event.parameter == each for event in state.tree.events),
+                        required=_required(state.tree, each),
+                        probability=values[each],
+                        contribution=drops[each],
+                    )
+                    for each in state.tree.parameters
+                ),
+            )
+        )
+    return found
+
+
+def _required(tree: FaultTree, parameter: str) -> int | None:
+    """Return how many units of a component must work; `None` where no single gate says so."""
+    units = {event.name for event in tree.events if event.parameter == parameter}
+    if len(units) == 1:
+        return 1
+    for gate in tree.gates:
+        if units <= set(gate.inputs):
+            alone = len(units) == len(gate.inputs)
+            if gate.threshold == 1 or alone:
+                return len(units) - gate.threshold + 1
+    return None

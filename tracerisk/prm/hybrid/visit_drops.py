@@ -1,0 +1,106 @@
+"""How much a visit's failure probability falls without a component, over a mission's visits."""
+
+from __future__ import annotations
+
+import math
+
+from tracerisk.prm.hybrid.hidden_chain import HiddenChain, tree_probability
+from tracerisk.prm.hybrid.hidden_states import Part
+from tracerisk.prm.hybrid.mission import SolvedMission
+from tracerisk.prm.numbers.binomial import failure_counts
+from tracerisk.prm.numbers.probability import Probability
+
+
+def mean_drops(solved: SolvedMission, number: int) -> dict[str, float]:
+    """Return for each parameter of a function the mean drop over its visits.
+
+    A component that never fails has no hidden failures either.
+    """
+    chain = solved.chain
+    function = chain.states.functions[number]
+    values = chain.values[number]
+    if not function.parts:
+        return {name: chain.drop(number, name) for name in values}
+    met = [
+        (layer, row[number])
+        for layer, row in enumerate(solved.flow.visits[:-1])
+        if row[number] > 0.0
+    ]
+    total = math.fsum(count for _, count in met)
+    found = {}
+    # What the latent units leave of the drop of any other component.
+    left = math.fsum(count / total * chain.latent_failure(number, layer).q for layer, count in met)
+    for name in values:
+        if name not in function.parameters.values():
+            found[name] = chain.drop(number, name) * left
+            continue
+        rest = _rest(chain, number, name)
+        found[name] = math.fsum(
+            count / total * _drop(chain, number, layer, name, rest) for layer, count in met
+        )
+    return found
+
+
+_Item = tuple[Probability, Probability, float]
+"""A part's failure as it is and without the component, and what it falls by."""
+
+
+def _rest(chain: HiddenChain, number: int, name: str) -> _Item:
+    function, values = chain.states.functions[number], chain.values[number]
+    here = chain.rest[number]
+    if name not in function.rest.parameters:
+        return here, here, 0.0
+    without = tree_probability(function.state.name, function.rest, {**values, name: 0.0})
+    return here, without, chain.drop(number, name)
+
+
+def _drop(chain: HiddenChain, number: int, layer: int, name: str, rest: _Item) -> float:
+    """Return the drop in one hidden state; the parts fail the visit independently.
+
+    One part after the other loses the component: those before have, those after have it still.
+    """
+    function = chain.states.functions[number]
+    items = [rest, *(_part(chain, number, part, layer, name) for part in function.parts)]
+    drops = []
+    for index, (_, _, drop) in enumerate(items):
+        if drop > 0.0:
+            before = math.prod(without.q for _, without, _ in items[:index])
+            after = math.prod(here.q for here, _, _ in items[index + 1 :])
+            drops.append(before * drop * after)
+    return math.fsum(drops)
+
+
+def _part(chain: HiddenChain, number: int, part: Part, layer: int, name: str) -> _Item:
+    here = chain.part_failure(number, part, layer)
+    function = chain.states.functions[number]
+    if all(function.parameters[c] != name for c in part.classes):
+        return here, here, 0.0
+    own, others = [1.0], [1.0]
+    for unit_class in part.classes:
+        counts = _failed(chain, number, unit_class, layer)
+        if function.parameters[unit_class] == name:
+            own = _convolved(own, counts)
+        else:
+            others = _convolved(others, counts)
+    least = part.threshold
+    drop = math.fsum(
+        p * math.fsum(own[max(least - failed, 0) :]) for failed, p in enumerate(others[:least])
+    )
+    without = Probability(math.fsum(others[least:]), math.fsum(others[:least]))
+    return here, without, drop
+
+
+def _failed(chain: HiddenChain, number: int, unit_class: int, layer: int) -> list[float]:
+    """Return the distribution of the failed units of a class at the end of a visit."""
+    before = chain.states.hidden[layer][unit_class]
+    working = chain.states.working(layer, unit_class)
+    p = chain.units[number][unit_class]
+    return [0.0] * before + list(failure_counts(working, p, working))
+
+
+def _convolved(one: list[float], other: list[float]) -> list[float]:
+    grown = [0.0] * (len(one) + len(other) - 1)
+    for first, p in enumerate(one):
+        for second, q in enumerate(other):
+            grown[first + second] += p * q
+    return grown

@@ -1,0 +1,1 @@
+"""Chains of up to a million states, on arrays."""

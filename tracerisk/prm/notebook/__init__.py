@@ -1,0 +1,1 @@
+"""How models and results show themselves in a notebook, and as graphs."""

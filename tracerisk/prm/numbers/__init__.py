@@ -1,0 +1,1 @@
+"""Probabilities, distributions, elimination, tables: no model."""

@@ -1,0 +1,125 @@
+"""Subtraction-free elimination on one sparse pattern, for many matrices and right sides.
+
+Grassmann, Taksar and Heyman, "Regenerative analysis and steady state distributions for Markov
+chains", Operations Research 33 (1985), on states that are numbered: what a state keeps of itself
+is never stored, its ways out are.
+The layers of a chain with hidden failures share their pattern; it is analysed once.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Collection, Mapping, Sequence
+from heapq import heapify, heappop, heappush
+
+from tracerisk.errors import ModelError
+from tracerisk.prm.numbers.probability import total
+
+Rows = Sequence[Mapping[int, float]]
+"""For each state the probability of going to each other state."""
+
+
+class Pattern:
+    """Which state leads to which, and the order in which they are eliminated."""
+
+    def __init__(self, names: Sequence[str], targets: Sequence[Collection[int]]) -> None:
+        """Analyse a chain in which state i leads to `targets[i]`; `names` are for messages."""
+        self.names = tuple(names)
+        after = [set(row) - {state} for state, row in enumerate(targets)]
+        before: list[set[int]] = [set() for _ in after]
+        for state, row in enumerate(after):
+            for target in row:
+                before[target].add(state)
+        # Least fill-in first: any order is as exact, this one keeps sparse chains sparse.
+        waiting = [(len(a) * len(b), k) for k, (a, b) in enumerate(zip(after, before, strict=True))]
+        heapify(waiting)
+        gone: set[int] = set()
+        steps = []
+        while waiting:
+            weight, state = heappop(waiting)
+            if state in gone:
+                continue
+            now = len(after[state]) * len(before[state])
+            if now > weight:
+                heappush(waiting, (now, state))
+                continue
+            gone.add(state)
+            sources, following = sorted(before[state]), sorted(after[state])
+            steps.append((state, tuple(sources), tuple(following)))
+            for source in sources:
+                after[source].discard(state)
+                after[source].update(target for target in following if target != source)
+            for target in following:
+                before[target].discard(state)
+                before[target].update(source for source in sources if source != target)
+            for other in {*sources, *following}:
+                heappush(waiting, (len(after[other]) * len(before[other]), other))
+        self.steps = tuple(steps)
+
+
+class Elimination:
+    """The matrix I - P of a chain after elimination, `P` given by its rows and ways out."""
+
+    def __init__(self, pattern: Pattern, rows: Rows, exits: Sequence[float]) -> None:
+        """Eliminate; `exits` is the probability of each state to leave the chain.
+
+        What a row holds of its own state is not read: it is what the others leave of one.
+        Raises ModelError when a state is left less often than the smallest number.
+        """
+        left = [dict(row) for row in rows]
+        ways_out = list(exits)
+        done = []
+        for state, sources, following in pattern.steps:
+            row = left[state]
+            outgoing = [row.get(target, 0.0) for target in following]
+            leaving = total((ways_out[state], *outgoing))
+            if abs(leaving) < sys.float_info.min:
+                raise ModelError(
+                    f"state '{pattern.names[state]}' is left with a probability below "
+                    f"{sys.float_info.min:.0e}, too small for a number of double precision; "
+                    "leave out what never happens"
+                )
+            incoming = []
+            for source in sources:
+                there = left[source]
+                p = there.pop(state, 0.0)
+                incoming.append(p)
+                if p != 0.0:
+                    share = p / leaving
+                    ways_out[source] += share * ways_out[state]
+                    for target, way in zip(following, outgoing, strict=True):
+                        if target != source and way != 0.0:
+                            there[target] = there.get(target, 0.0) + share * way
+            done.append((state, sources, incoming, following, outgoing, leaving))
+        self._done = done
+
+    def visits(self, start: Sequence[float]) -> list[float]:
+        """Return x with x (I - P) = `start`: how often each state is visited."""
+        mass = list(start)
+        for state, _, _, following, outgoing, leaving in self._done:
+            share = mass[state] / leaving
+            if share != 0.0:
+                for target, way in zip(following, outgoing, strict=True):
+                    mass[target] += share * way
+        found = mass
+        for state, sources, incoming, _, _, leaving in reversed(self._done):
+            arriving = found[state]
+            for source, way in zip(sources, incoming, strict=True):
+                arriving += found[source] * way
+            found[state] = arriving / leaving
+        return found
+
+    def values(self, reward: Sequence[float]) -> list[float]:
+        """Return x with (I - P) x = `reward`: what each state collects until the chain is left."""
+        mass = list(reward)
+        for state, sources, incoming, _, _, leaving in self._done:
+            share = mass[state] / leaving
+            if share != 0.0:
+                for source, way in zip(sources, incoming, strict=True):
+                    mass[source] += share * way
+        for state, _, _, following, outgoing, leaving in reversed(self._done):
+            collected = mass[state]
+            for target, way in zip(following, outgoing, strict=True):
+                collected += mass[target] * way
+            mass[state] = collected / leaving
+        return mass

@@ -1,0 +1,1 @@
+"""What-if, uncertainty and pairs of parameters."""

@@ -1,0 +1,192 @@
+"""Second-order importance over the mission: what pairs of parameters do together.
+
+The mixed derivative is that of the first-order importances (`slopes`) along a second parameter, by
+the complex step: every number carries its derivative by that parameter as an imaginary part, too
+small to touch the real one, and sums, products and quotients carry it on (W. Squire, G. Trapp,
+"Using complex variables to estimate derivatives of real functions", SIAM Review 40, 1998).
+No difference is taken; the terms of the derivative have either sign all the same, and those of a
+latent group nearly cancel: its units change which layer is visited more than what comes of it. So
+the step is along the parameter that no latent unit has, wherever one of the two is such.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import cast
+
+from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.hybrid.adjoint import Adjoint
+from tracerisk.prm.hybrid.hidden_chain import HiddenChain
+from tracerisk.prm.hybrid.hidden_states import HiddenStates
+from tracerisk.prm.hybrid.hybrid import HybridModel, Parameter
+from tracerisk.prm.hybrid.importance import held_failure
+from tracerisk.prm.hybrid.mission import solve_mission
+from tracerisk.prm.hybrid.slopes import Slopes, share_of
+from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree
+from tracerisk.prm.trees.gates import gate_probability, gate_shares
+
+_STEP = 1e-100
+"""The imaginary part of the parameter: its square is nothing beside figures above 1e-80."""
+
+
+@dataclass(frozen=True, slots=True)
+class PairImportance:
+    """What two parameters do to the mission's failure probability F together.
+
+    `joint_birnbaum` is d2F/(dtheta_a dtheta_b): positive where both must fail, negative where
+    either is enough; of two groups with hidden failures, right to rounding of the greater of their
+    own Birnbaum importances times the visits.
+    `joint_criticality` is theta_a theta_b / F times it.
+    `fussell_vesely` is (F - F0)/F, F0 with neither failing, to full precision.
+    `interaction` is the part of F that goes with the first and with the second alone as well: the
+    sum of both parameters' own Fussell-Vesely less that of the pair, to rounding of these.
+    Where F is zero, all but `joint_birnbaum` are zero.
+    """
+
+    first: str
+    second: str
+    joint_birnbaum: float
+    joint_criticality: float
+    fussell_vesely: float
+    interaction: float
+
+
+def pair_importances(
+    model: HybridModel, names: Sequence[str] | None = None
+) -> tuple[PairImportance, ...]:
+    """Return the importance of each pair of the parameters `names`, of all where none are given.
+
+    Pairs that share most of the risk come first.
+    Raises ModelError for a name that is no parameter, and as `solve` does.
+    """
+    parameters = {parameter.name: parameter for parameter in model.parameters}
+    for name in names or ():
+        if name not in parameters:
+            raise ModelError(f"no parameter '{name}'; {one_of(parameters, name)}")
+    chosen = list(parameters) if names is None else list(dict.fromkeys(names))
+    solved = solve_mission(model)
+    chain, adjoint = solved.chain, Adjoint(solved.chain)
+    held = held_failure(chain, solved.flow)
+
+    def fall(*zeros: str) -> float:
+        without = HiddenChain(chain.states, dict.fromkeys(zeros, 0.0), base=chain)
+        return adjoint.fall(zeros, without, without.flow()) / held if held > 0.0 else 0.0
+
+    alone = {name: fall(name) for name in chosen}
+    latent = {name for f in chain.states.functions for name in f.parameters.values()}
+    tilted: dict[str, Slopes] = {}
+    found = []
+    for first, second in combinations(chosen, 2):
+        along, of = (first, second) if second in latent else (second, first)
+        if along not in tilted:
+            tilted[along] = _slopes_along(chain.states, parameters[along])
+        slopes = [slope for _, _, slope in tilted[along].of(parameters[of])]
+        joint = math.fsum(slope.imag for slope in slopes) / _STEP
+        both = fall(first, second)
+        scale = parameters[first].theta * parameters[second].theta
+        found.append(
+            PairImportance(
+                first=first,
+                second=second,
+                joint_birnbaum=joint,
+                joint_criticality=joint * scale / held if held > 0.0 else 0.0,
+                fussell_vesely=both,
+                interaction=math.fsum((alone[first], alone[second], -both)),
+            )
+        )
+    return tuple(sorted(found, key=lambda pair: (-pair.fussell_vesely, pair.first, pair.second)))
+
+
+def _slopes_along(states: HiddenStates, parameter: Parameter) -> Slopes:
+    chain = _TiltedChain(states, parameter)
+    return Slopes(chain, chain.flow(), Adjoint(chain))
+
+
+class _TiltedChain(HiddenChain):
+    """The chain whose numbers carry their derivative by one parameter as imaginary part."""
+
+    def __init__(self, states: HiddenStates, parameter: Parameter) -> None:
+        self._parameter = parameter
+        super().__init__(states)
+
+    def sensitivities(self, number: int) -> Mapping[str, float]:
+        rest, values = self.states.functions[number].rest, self.values[number]
+        if self._parameter.name not in rest.parameters:
+            return rest.sensitivities({name: values[name].real for name in rest.parameters})
+        return _shared_slopes(rest, values) if rest.shared else _slopes(rest, values)
+
+    def _values(self, values: Mapping[str, float]) -> dict[str, float]:
+        tilted = dict(values)
+        name = self._parameter.name
+        if name in tilted:
+            step = _STEP * share_of(self._parameter, tilted[name])
+            tilted[name] = cast(float, complex(tilted[name], step))
+        return tilted
+
+    def _rest_failure(self, number: int) -> Probability:
+        rest, values = self.states.functions[number].rest, self.values[number]
+        if self._parameter.name not in rest.parameters:
+            return rest.probability({name: values[name].real for name in rest.parameters})
+        if not rest.shared:
+            return _sweep(rest, values)[rest.top]
+        here = {name: value.real for name, value in values.items()}
+        top, slopes = rest.probability(here), rest.sensitivities(here)
+        tilt = math.fsum(slopes[event.name] * values[event.parameter].imag for event in rest.events)
+        return Probability(cast(float, complex(top.p, tilt)), cast(float, complex(top.q, -tilt)))
+
+
+def _sweep(tree: FaultTree, values: Mapping[str, float]) -> dict[str, Probability]:
+    nodes = {
+        event.name: Probability(values[event.parameter], 1.0 - values[event.parameter])
+        for event in tree.events
+    }
+    nodes |= {house.name: Probability.of(float(house.state)) for house in tree.houses}
+    for gate in tree.upwards:
+        pair = gate_probability(gate, [nodes[name] for name in gate.inputs])
+        nodes[gate.name] = _opposed(pair)
+    return nodes
+
+
+def _opposed(pair: Probability) -> Probability:
+    """Return the pair with opposite derivatives, that of its smaller half."""
+    p, q = complex(pair.p), complex(pair.q)
+    if p.real <= q.real:
+        q = complex(q.real, -p.imag)
+    else:
+        p = complex(p.real, -q.imag)
+    return Probability(cast(float, p), cast(float, q))
+
+
+def _slopes(tree: FaultTree, values: Mapping[str, float]) -> dict[str, float]:
+    nodes = _sweep(tree, values)
+    weights = {tree.top: 1.0}
+    for gate in reversed(tree.upwards):
+        inputs = [nodes[name] for name in gate.inputs]
+        for name, share in zip(gate.inputs, gate_shares(gate, inputs, inputs), strict=True):
+            weights[name] = weights[gate.name] * share
+    return {event.name: weights[event.name] for event in tree.events}
+
+
+def _shared_slopes(tree: FaultTree, values: Mapping[str, float]) -> dict[str, float]:
+    """Return the sensitivities with their derivative, of a tree whose events are shared.
+
+    The top is linear in each event alone, so that the derivative by one is the difference
+    between it happening and not.
+    """
+    own = replace(tree, events=tuple(BasicEvent(event.name) for event in tree.events))
+    here = {event.name: values[event.parameter].real for event in tree.events}
+    slopes = own.sensitivities(here)
+    tilts = dict.fromkeys(slopes, 0.0)
+    for event in tree.events:
+        step = values[event.parameter].imag
+        if step != 0.0:
+            high = own.sensitivities({**here, event.name: 1.0})
+            low = own.sensitivities({**here, event.name: 0.0})
+            for name in tilts:
+                if name != event.name:
+                    tilts[name] += step * (high[name] - low[name])
+    return {name: cast(float, complex(slopes[name], tilts[name])) for name in slopes}

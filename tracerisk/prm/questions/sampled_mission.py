@@ -1,0 +1,155 @@
+"""The mission's failure probability of a hybrid model, for many draws of its parameters at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Mapping
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tracerisk.prm.hybrid.hidden_states import Hidden, HiddenStates, hidden_states
+from tracerisk.prm.hybrid.hybrid import DONE, FunctionState, HybridModel
+from tracerisk.prm.numbers.probability import Probability, at_least
+from tracerisk.prm.questions.sampled_chain import absorption_samples
+from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.gates import gate_probability
+
+if TYPE_CHECKING:
+    from tracerisk.prm.questions.sampled_chain import Samples, Values
+
+_CELLS = 2_000_000
+"""How many numbers one pass may hold; more draws are taken in passes."""
+
+MOST_STATES = 2_000
+"""How many states the chain may have, with hidden failures; more failed units count as failure."""
+
+_FAILED = "failed"
+
+
+def failure_samples(model: HybridModel, thetas: Mapping[str, Samples]) -> Samples:
+    """Return the mission's failure probability for each draw: (n,).
+
+    `thetas` gives the drawn parameters their values, (n,) each; the others keep theirs.
+    """
+    states = hidden_states(model, MOST_STATES)
+    count = len(next(iter(thetas.values())))
+    events = sum(len(f.state.tree.events) + len(f.steps) + 1 for f in states.functions)
+    step = max(64, _CELLS // (events * len(states.hidden)))
+    before = {parameter.name: parameter.theta for parameter in model.parameters}
+    parts = []
+    for start in range(0, count, step):
+        drawn = {name: values[start : start + step] for name, values in thetas.items()}
+        rows: dict[Hashable, Mapping[Hashable, Values]] = {}
+        for number in range(len(states.functions)):
+            _add_rows(rows, states, number, before, drawn)
+        entry = (states.entry, states.hidden[0])
+        failed = absorption_samples(rows, entry).get(_FAILED, 0.0)
+        parts.append(np.broadcast_to(failed, len(next(iter(drawn.values())))))
+    return np.concatenate(parts)
+
+
+def _add_rows(
+    rows: dict[Hashable, Mapping[Hashable, Values]],
+    states: HiddenStates,
+    number: int,
+    before: Mapping[str, float],
+    drawn: Mapping[str, Samples],
+) -> None:
+    """Add the ways out of a function in each hidden state, by (function, hidden state)."""
+    function = states.functions[number]
+    values = _values(function.state, before, drawn)
+    rest = tree_samples(function.rest, values)
+    units = {c: values[name] for c, name in function.parameters.items()}
+    held = set(states.hidden)
+    for hidden in states.hidden:
+        row: dict[Hashable, Values] = {}
+        if any(sum(hidden[c] for c in part.classes) >= part.threshold for part in function.parts):
+            rows[number, hidden] = {_FAILED: 1.0}
+            continue
+        fails, spread = _visit(states, number, hidden, units)
+        row[_FAILED] = at_least(1, [rest, *fails]).p
+        for after, weight in spread:
+            through = rest.q * weight
+            if after not in held:
+                row[_FAILED] = row[_FAILED] + through
+                continue
+            ways = [*function.steps, (DONE, function.done)]
+            for target, share in ways:
+                if share > 0.0:
+                    key = DONE if target == DONE else (target, after)
+                    way = through * share
+                    row[key] = row[key] + way if key in row else way
+        rows[number, hidden] = row
+
+
+def _visit(
+    states: HiddenStates, number: int, hidden: Hidden, units: Mapping[int, Values]
+) -> tuple[list[Probability], list[tuple[Hidden, Values]]]:
+    """Return the failure of each part of latent units, and the hidden states that are left."""
+    fails: list[Probability] = []
+    spread: list[tuple[Hidden, Values]] = [(hidden, 1.0)]
+    for part in states.functions[number].parts:
+        room = part.threshold - sum(hidden[c] for c in part.classes)
+        working = [len(states.classes[c]) - hidden[c] for c in part.classes]
+        p: Values = 0.0
+        q: Values = 0.0
+        grown: list[tuple[Hidden, Values]] = []
+        for more in product(*(range(count + 1) for count in working)):
+            weight: Values = 1.0
+            for c, count, failed in zip(part.classes, working, more, strict=True):
+                weight = weight * _binomial(count, failed, units[c])
+            if sum(more) >= room:
+                p = p + weight
+                continue
+            q = q + weight
+            added = dict(zip(part.classes, more, strict=True))
+            grown += [
+                (tuple(n + added.get(c, 0) for c, n in enumerate(state)), share * weight)
+                for state, share in spread
+            ]
+        spread = grown
+        fails.append(Probability(p, q))  # type: ignore[arg-type]
+    return fails, spread
+
+
+def _binomial(units: int, failed: int, p: Values) -> Values:
+    found: Values = math.comb(units, failed) * p**failed * (1.0 - p) ** (units - failed)
+    return found
+
+
+def _values(
+    state: FunctionState, before: Mapping[str, float], drawn: Mapping[str, Samples]
+) -> dict[str, Values]:
+    values: dict[str, Values] = {}
+    for name, value in state.probabilities.items():
+        if name not in drawn:
+            values[name] = value
+        elif before[name] == 0.0:
+            values[name] = drawn[name]
+        else:
+            values[name] = drawn[name] * (value / before[name])
+    return values
+
+
+def tree_samples(tree: FaultTree, values: Mapping[str, Values]) -> Probability:
+    """Return the top's pair (p, 1-p), each half an array over the draws or a number.
+
+    `values` gives each parameter its probability.
+    """
+    if tree.shared:
+        found = tree.probabilities(values)
+        # The pair's type is of numbers; its algebra is that of arrays as well.
+        return Probability(found[:, 0], found[:, 1])  # type: ignore[arg-type]
+    nodes = {event.name: _pair(values[event.parameter]) for event in tree.events}
+    for house in tree.houses:
+        nodes[house.name] = Probability.of(float(house.state))
+    for gate in tree.upwards:
+        nodes[gate.name] = gate_probability(gate, [nodes[name] for name in gate.inputs])
+    return nodes[tree.top]
+
+
+def _pair(value: Values) -> Probability:
+    # The pair's type is of numbers; its algebra is that of arrays as well.
+    return Probability(value, 1.0 - value)  # type: ignore[arg-type]

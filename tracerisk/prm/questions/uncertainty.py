@@ -1,0 +1,224 @@
+"""How sure the mission's figure is: parameters drawn from their distributions, all at once.
+
+Each component's figure is drawn once per sample, for all of its states, visits and units, and
+for the common cause of these.
+numpy and scipy are imported when something is sampled.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from tracerisk.errors import ModelError
+from tracerisk.prm.hybrid.hybrid import HybridModel
+from tracerisk.prm.numbers.distributions import Distribution
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Samples = NDArray[np.float64]
+
+SAMPLES = 10_000
+"""How many samples are drawn unless it is said."""
+PERCENTILES = (5.0, 50.0, 95.0)
+
+
+@dataclass(frozen=True, slots=True)
+class UncertainInput:
+    """A parameter that is drawn: its point value, its distribution, whether it ends at one."""
+
+    value: float
+    distribution: Distribution
+    is_probability: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class FigureSpread:
+    """One of the figures that make up a component's: how far it may be off, drawn by itself.
+
+    `share` is the part of the component's figure that goes with it; what the shares of one
+    component leave of 1 is certain. A component's only figure has no `name`.
+    """
+
+    name: str
+    share: float
+    distribution: Distribution
+
+
+@dataclass(frozen=True, slots=True)
+class InputShare:
+    """An uncertain parameter: its point value, its percentiles, its share in the result's spread.
+
+    `share` is the first-order Sobol index: the part of the result's variance that would go if
+    the parameter were known. `cut` counts the samples above one that were taken as one.
+    """
+
+    name: str
+    value: float
+    percentiles: tuple[float, ...]
+    share: float
+    cut: int
+
+
+@dataclass(frozen=True, slots=True)
+class Uncertainty:
+    """What the mission's failure probability may be, at the percentiles `levels` and in the mean.
+
+    `point` is the figure with every parameter at its own value; `inputs` with the greatest share
+    first.
+    """
+
+    samples: int
+    seed: int
+    point: float
+    mean: float
+    deviation: float
+    levels: tuple[float, ...]
+    percentiles: tuple[float, ...]
+    inputs: tuple[InputShare, ...]
+
+
+def latin_hypercube(count: int, names: tuple[str, ...], seed: int) -> dict[str, Samples]:
+    """Return uniform numbers within (0, 1), one in each of `count` equal strata, for each name.
+
+    The numbers of a name follow from the seed and the name alone, so that another parameter
+    changes none of them (McKay, Beckman and Conover, Technometrics 21 (1979)).
+    Raises ModelError when `count` is below 2.
+    """
+    from tracerisk.prm.expressions import LatinHypercube
+
+    if count < 2:
+        raise ModelError(f"{count} samples; give at least 2")
+    draws = LatinHypercube(count, seed)
+    return {name: draws.uniform(f"parameter:{name}:0") for name in names}
+
+
+def propagate(
+    model: HybridModel,
+    *,
+    samples: int = SAMPLES,
+    seed: int = 0,
+    distributions: Mapping[str, Distribution] | None = None,
+    figures: Mapping[str, Sequence[FigureSpread]] | None = None,
+) -> Uncertainty:
+    """Draw the parameters and return the spread of the mission's failure probability.
+
+    `distributions` stand in for those of the model, by the names of parameters or components;
+    where they say nothing of a component, so do the `figures` that make it up.
+    Raises ModelError when a name is unknown, no parameter has a distribution, or `samples` is
+    below 2.
+    """
+    from tracerisk.prm.hybrid.solve import solve_figures
+    from tracerisk.prm.questions.sampled_mission import failure_samples
+    from tracerisk.prm.questions.what_if import groups_of, parameters_of
+
+    given = {}
+    for name, distribution in (distributions or {}).items():
+        for parameter in parameters_of(model, name):
+            given[parameter.name] = distribution
+    inputs: dict[str, UncertainInput] = {}
+    # What a component's figure is the sum of: its inputs, and what is certain of it.
+    sums: dict[str, tuple[float, list[str]]] = {}
+    shares: dict[str, dict[str, float]] = {}
+    for name, parts in groups_of(model).items():
+        value = math.fsum(part.theta for part in parts)
+        own = [given.get(part.name) for part in parts]
+        spreads = (figures or {}).get(name, ()) if own == [None] * len(own) else ()
+        stated = (one or part.distribution for one, part in zip(own, parts, strict=True))
+        known = next((each for each in stated if each is not None), None)
+        if not spreads and known is not None:
+            spreads = (FigureSpread("", 1.0, known),)
+        if not spreads:
+            continue
+        named = {f"{name}: {each.name}" if each.name else name: each for each in spreads}
+        for key, each in named.items():
+            inputs[key] = UncertainInput(each.share * value, each.distribution)
+        certain = max(0.0, 1.0 - math.fsum(each.share for each in spreads))
+        sums[name] = (certain * value, list(named))
+        shares[name] = {
+            part.name: part.theta / value if value > 0.0 else 1.0 / len(parts) for part in parts
+        }
+
+    def figure(drawn: Mapping[str, Samples]) -> Samples:
+        thetas = {}
+        for name, (certain, keys) in sums.items():
+            total = _at_most_one([drawn[key] for key in keys], certain)
+            for part, share in shares[name].items():
+                thetas[part] = total * share
+        return failure_samples(model, thetas)
+
+    point = solve_figures(model).mission.failure_probability
+    return spread_of(figure, point, inputs, samples=samples, seed=seed)
+
+
+def spread_of(
+    figure: Callable[[Mapping[str, Samples]], Samples],
+    point: float,
+    inputs: Mapping[str, UncertainInput],
+    *,
+    samples: int,
+    seed: int,
+) -> Uncertainty:
+    """Draw `inputs` and return the spread of a figure of them.
+
+    `figure` takes an array of values per input, (n,) each, and returns (n,).
+    Raises ModelError when there are no inputs, or `samples` is below 2.
+    """
+    import numpy as np
+
+    from tracerisk.prm.questions.input_shares import first_order_shares
+
+    if not inputs:
+        raise ModelError(
+            "no parameter has a distribution; state it in the model, or give an error factor: "
+            "--error-factor 3 for all, --error-factor gripper=3 for one"
+        )
+    uniform = latin_hypercube(samples, tuple(inputs), seed)
+    drawn: dict[str, Samples] = {}
+    cut: dict[str, int] = {}
+    for name, each in inputs.items():
+        found = each.distribution.quantiles(uniform[name], each.value)
+        cut[name] = int((found > 1.0).sum()) if each.is_probability else 0
+        drawn[name] = np.minimum(found, 1.0) if each.is_probability else found
+    results = figure(drawn)
+    shares = first_order_shares(np.column_stack(list(drawn.values())), results)
+    # Scaled by the largest, for the squares of 1e-200 are no numbers.
+    scale = float(np.abs(results).max()) or 1.0
+    found_inputs = [
+        InputShare(
+            name=name,
+            value=each.value,
+            percentiles=_percentiles(drawn[name]),
+            share=float(share),
+            cut=cut[name],
+        )
+        for (name, each), share in zip(inputs.items(), shares, strict=True)
+    ]
+    found_inputs.sort(key=lambda each: (-each.share, each.name))
+    return Uncertainty(
+        samples=samples,
+        seed=seed,
+        point=point,
+        mean=float(results.mean()),
+        deviation=float((results / scale).std(ddof=1)) * scale,
+        levels=PERCENTILES,
+        percentiles=_percentiles(results),
+        inputs=tuple(found_inputs),
+    )
+
+
+def _at_most_one(parts: Sequence[Samples], certain: float) -> Samples:
+    import numpy as np
+
+    total: Samples = np.minimum(np.sum(parts, axis=0) + certain, 1.0)
+    return total
+
+
+def _percentiles(values: Samples) -> tuple[float, ...]:
+    import numpy as np
+
+    return tuple(float(each) for each in np.percentile(values, PERCENTILES))

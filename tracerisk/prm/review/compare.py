@@ -1,0 +1,335 @@
+"""Compare two versions of a controller's risk model: what changed, and what each change does."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from tracerisk.adder.blocks.block import RiskBlock
+from tracerisk.adder.blocks.values import CALL_SEQUENCE, NEXT, component_fields
+from tracerisk.prm.review.component_changes import ComponentItem, alike, component_items
+from tracerisk.prm.review.contributions import Contributions
+from tracerisk.prm.review.flow_changes import Edit, FlowItem, flow_items, joined
+from tracerisk.prm.review.model_parts import (
+    RiskVersion,
+    component_of,
+    single_points,
+    tolerated_failures,
+)
+from tracerisk.prm.review.pin_changes import pin_changes
+from tracerisk.prm.review.risk_change import (
+    KIND_OF_CAUSE,
+    Cause,
+    CauseKind,
+    CauseShare,
+    ChangedField,
+    FunctionChange,
+    FunctionFigures,
+    Mark,
+    RiskChange,
+    RiskDiff,
+    SinglePoint,
+)
+
+CauseOf = Callable[[ChangedField], tuple[Cause, ...]]
+"""Tells why a value that no person pinned is another one now."""
+
+
+def compare(
+    before: RiskVersion | None,
+    after: RiskVersion | None,
+    *,
+    name: str,
+    was: str | None = None,
+    renamed: Mapping[str, str] | None = None,
+    cause_of: CauseOf,
+    inputs: tuple[str, ...] = (),
+) -> RiskDiff:
+    """Return the difference in risk between two versions of one controller.
+
+    `renamed` gives the later name of functions by their earlier one; `name` and `was` are those
+    of the controller. `inputs` tells what the runs behind the blocks depended on that differs.
+    A version is `None` where it has no blocks.
+    The contribution of a change is F(before with only that change) - F(before), with F the
+    mission's failure probability; `interaction` is what the contributions leave of
+    F(after) - F(before).
+    """
+    names = dict(renamed or {})
+    earlier = None if before is None else before.renamed(names)
+    changes: tuple[RiskChange, ...] = ()
+    causes: tuple[CauseShare, ...] = ()
+    interaction = None
+    noisy = 0
+    points: tuple[SinglePoint, ...] = ()
+    if earlier is not None and after is not None:
+        points = _new_single_points(earlier, after)
+        changes, causes, noisy = _changes(earlier, after, points, cause_of)
+        total = _mission(after) - _mission(earlier)
+        interaction = total - math.fsum(each.contribution or 0.0 for each in changes)
+    return RiskDiff(
+        name=name,
+        was=was,
+        before=None if earlier is None else earlier.figures.mission,
+        after=None if after is None else after.figures.mission,
+        changes=changes,
+        interaction=interaction,
+        functions=tuple(_functions(earlier, after, names)),
+        pins=pin_changes(
+            {} if earlier is None else earlier.blocks, {} if after is None else after.blocks
+        ),
+        single_points=points,
+        within_noise=noisy,
+        inputs=inputs,
+        causes=causes,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """A change before it is solved."""
+
+    change: RiskChange
+    edits: tuple[Edit, ...]
+
+
+def _changes(
+    before: RiskVersion, after: RiskVersion, points: Sequence[SinglePoint], cause_of: CauseOf
+) -> tuple[tuple[RiskChange, ...], tuple[CauseShare, ...], int]:
+    why = _Why(before, after, cause_of)
+    flows, quiet_flows = flow_items(before, after)
+    items, quiet = component_items(before, after)
+    flows = [replace(item, field=why.explained(item.field)) for item in flows]
+    items = [replace(item, fields=tuple(map(why.explained, item.fields))) for item in items]
+    marks = _Marks(before, after, points)
+    contributions = Contributions(before)
+    parts = _solved([_component_part(group, marks) for group in alike(items)], contributions)
+    of_flow = _solved([_flow_part(group, marks) for group in joined(flows)], contributions)
+    if any(each.change.contribution is None for each in of_flow):
+        # One of them alone leads nowhere: they are one change.
+        of_flow = _solved([_flow_part(flows, marks)], contributions)
+    parts += of_flow
+    ordered = sorted((part.change for part in parts), key=_order)
+    return tuple(ordered), _causes(parts, contributions), quiet + quiet_flows
+
+
+def _solved(parts: Sequence[_Part], contributions: Contributions) -> list[_Part]:
+    return [
+        replace(part, change=replace(part.change, contribution=contributions.of(part.edits)))
+        for part in parts
+    ]
+
+
+def _causes(parts: Sequence[_Part], contributions: Contributions) -> tuple[CauseShare, ...]:
+    """Put changes together by component and kind of cause; each of the chain stays alone."""
+    groups: dict[tuple[object, ...], list[_Part]] = {}
+    for number, part in enumerate(parts):
+        change = part.change
+        key: object = number if change.component is None else change.component
+        groups.setdefault((key, *_kinds(change)), []).append(part)
+    found = []
+    for group in groups.values():
+        first = group[0].change
+        functions = tuple(sorted({name for part in group for name in part.change.functions}))
+        together, summary = first.contribution, first.summary
+        if len(group) > 1:
+            together = contributions.of(edit for part in group for edit in part.edits)
+            where = functions[0] if len(functions) == 1 else f"{len(functions)} functions"
+            summary = f"{first.component} in {where}"
+        found.append(CauseShare(first.component, _kinds(first), functions, summary, together))
+    return tuple(sorted(found, key=_order_of_cause))
+
+
+def _kinds(change: RiskChange) -> tuple[CauseKind, ...]:
+    return tuple(dict.fromkeys(KIND_OF_CAUSE[cause] for cause in change.causes))
+
+
+def _order_of_cause(cause: CauseShare) -> tuple[float, str, tuple[CauseKind, ...]]:
+    return (-float(f"{abs(cause.contribution or 0.0):.9g}"), cause.summary, cause.kinds)
+
+
+def _order(change: RiskChange) -> tuple[float, str, str]:
+    # To nine digits: what differs by rounding alone is ordered the same on every machine.
+    size = float(f"{abs(change.contribution or 0.0):.9g}")
+    return (-size, change.kind, change.fields[0].path)
+
+
+def _component_part(group: Sequence[ComponentItem], marks: _Marks) -> _Part:
+    first = group[0]
+    ordered = sorted(group, key=lambda item: item.field.path)
+    change = RiskChange(
+        kind=first.kind,
+        summary=_component_summary(ordered),
+        component=first.field.component,
+        functions=tuple(item.field.function for item in ordered),
+        fields=tuple(field for item in ordered for field in item.fields),
+        marks=marks.of_components(group),
+    )
+    return _Part(change, tuple(item.edit for item in group))
+
+
+def _component_summary(group: Sequence[ComponentItem]) -> str:
+    first = group[0]
+    one = first.field
+    where = one.function if len(group) == 1 else f"{len(group)} functions"
+    lead = f"{one.component} in {where}"
+    match first.kind:
+        case "component_added":
+            return f"{lead}: counts now"
+        case "component_removed":
+            return f"{lead}: counts no more"
+        case "component_omitted":
+            return f"{lead}: left out by hand"
+        case "component_restored":
+            return f"{lead}: no longer left out"
+    told = f"{lead}: {', '.join(map(_values, first.fields))}"
+    if first.kind != "probability":
+        return told
+    if first.ratio is None or first.ratio in (0.0, float("inf")):
+        return told if len(group) == 1 else f"{lead}: {one.key}, to or from 0"
+    if len(group) == 1:
+        return f"{told} (x{first.ratio:.4g})"
+    return f"{lead}: {one.key} x{first.ratio:.4g}"
+
+
+def _values(field: ChangedField) -> str:
+    return f"{field.key} {field.before or 'not given'} -> {field.after or 'not given'}"
+
+
+def _flow_part(group: Sequence[FlowItem], marks: _Marks) -> _Part:
+    # A state must be there before a `next` leads to it, and is dropped when none does.
+    ordered = sorted(group, key=lambda item: item.field.path)
+    change = RiskChange(
+        kind="structure",
+        summary="; ".join(_flow_summaries(ordered)),
+        component=None,
+        functions=tuple(dict.fromkeys(item.field.function for item in ordered)),
+        fields=tuple(item.field for item in ordered),
+        marks=marks.of_flow(ordered),
+    )
+    return _Part(change, tuple(item.edit for item in ordered))
+
+
+def _flow_summaries(group: Sequence[FlowItem]) -> Iterator[str]:
+    for mark, told in (("new_state", "new state"), ("lost_state", "state gone:")):
+        names = [item.field.function for item in group if item.mark == mark]
+        if names:
+            yield f"{told}{'s' if len(names) > 1 and mark == 'new_state' else ''} {_listed(names)}"
+    following = [item.field for item in group if item.field.key == NEXT.key]
+    if len(following) == 1:
+        one = following[0]
+        yield f"{one.function}: next {one.before} -> {one.after}"
+    elif following:
+        yield f"next of {_listed([field.function for field in following])}"
+    for item in group:
+        if item.field.key == CALL_SEQUENCE.key:
+            yield f"the mission starts with {item.field.after}, no longer {item.field.before}"
+
+
+def _listed(names: Sequence[str]) -> str:
+    shown = ", ".join(names[:3])
+    return shown if len(names) <= 3 else f"{shown} and {len(names) - 3} more"
+
+
+class _Marks:
+    """What a reviewer should see of a change beside its figure."""
+
+    def __init__(
+        self, before: RiskVersion, after: RiskVersion, points: Sequence[SinglePoint]
+    ) -> None:
+        self._before = before.states
+        self._after = after.states
+        self._points = {point.component: point.functions for point in points}
+
+    def of_components(self, group: Sequence[ComponentItem]) -> tuple[Mark, ...]:
+        found: list[Mark] = []
+        kind, component = group[0].kind, str(group[0].field.component)
+        functions = [item.field.function for item in group]
+        if kind in ("quantity", "redundancy") and any(
+            self._lost(name, component) for name in functions
+        ):
+            found.append("lost_redundancy")
+        if kind in ("quantity", "redundancy", "component_added", "component_restored") and set(
+            functions
+        ) & set(self._points.get(component, ())):
+            found.append("single_point_of_failure")
+        return tuple(found)
+
+    def of_flow(self, group: Sequence[FlowItem]) -> tuple[Mark, ...]:
+        found = {item.mark for item in group if item.mark is not None}
+        added = {item.field.function for item in group if item.mark == "new_state"}
+        if any(added & set(functions) for functions in self._points.values()):
+            found.add("single_point_of_failure")
+        return tuple(sorted(found))
+
+    def _lost(self, function: str, component: str) -> bool:
+        before = tolerated_failures(self._before[function].tree)
+        after = tolerated_failures(self._after[function].tree)
+        return after.get(component, 0) < before.get(component, 0)
+
+
+def _new_single_points(before: RiskVersion, after: RiskVersion) -> tuple[SinglePoint, ...]:
+    old, new = single_points(before.model), single_points(after.model)
+    known = {component_of(parameter.name) for parameter in before.model.parameters}
+    return tuple(
+        SinglePoint(name, tuple(new[name]), name not in known)
+        for name in sorted(set(new) - set(old))
+    )
+
+
+class _Why:
+    """Finds the cause of a change: a person's pin, else what the caller knows."""
+
+    def __init__(self, before: RiskVersion, after: RiskVersion, cause_of: CauseOf) -> None:
+        self._versions = (before.blocks, after.blocks)
+        self._cause_of = cause_of
+
+    def explained(self, field: ChangedField) -> ChangedField:
+        pinned = any(
+            field.function in blocks and _is_pinned(blocks[field.function], field)
+            for blocks in self._versions
+        )
+        return replace(field, causes=("pin",) if pinned else self._cause_of(field))
+
+
+def _is_pinned(block: RiskBlock, field: ChangedField) -> bool:
+    if field.component is not None:
+        for entry in block.components:
+            if entry.name == field.component:
+                if field.key is None:
+                    return entry.added or entry.omitted
+                return any(
+                    kind.key == field.key and value.pinned
+                    for kind, value in component_fields(entry)
+                )
+        return False
+    if field.key == NEXT.key:
+        return block.next is not None and block.next.pinned
+    if field.key == CALL_SEQUENCE.key:
+        return block.call_sequence.pinned
+    return block.added
+
+
+def _functions(
+    before: RiskVersion | None, after: RiskVersion | None, renamed: Mapping[str, str]
+) -> Iterable[FunctionChange]:
+    was = {new: old for old, new in renamed.items()}
+    old = {} if before is None else before.states
+    new = {} if after is None else after.states
+    for name in [*new, *(name for name in old if name not in new)]:
+        yield FunctionChange(
+            name, was.get(name), _figures(before, name, old), _figures(after, name, new)
+        )
+
+
+def _figures(
+    version: RiskVersion | None, name: str, states: Mapping[str, object]
+) -> FunctionFigures | None:
+    if version is None or name not in states:
+        return None
+    figures = version.figures
+    return FunctionFigures(figures.top_events[name], figures.expected_visits[name])
+
+
+def _mission(version: RiskVersion) -> float:
+    return version.figures.mission.failure_probability

@@ -1,0 +1,199 @@
+"""Changes of components: their figures, and whether they count in a function at all."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
+from tracerisk.adder.blocks.values import PROBABILITY, QUANTITY, FieldKind, component_fields
+from tracerisk.prm.review.flow_changes import Edit
+from tracerisk.prm.review.model_parts import ModelParts, RiskVersion, counted_components
+from tracerisk.prm.review.risk_change import NOISE, ChangedField, ChangeKind, is_noise, ratio_of
+
+
+@dataclass(frozen=True, slots=True)
+class ComponentItem:
+    """One change of one component in one function.
+
+    Quantity and redundancy are one change where both differ, for either alone may make no sense.
+    `ratio` is the later probability over the earlier, where that is what changed; infinite for
+    one that was zero.
+    """
+
+    kind: ChangeKind
+    fields: tuple[ChangedField, ...]
+    ratio: float | None
+    edit: Edit
+
+    @property
+    def field(self) -> ChangedField:
+        """The first of its fields."""
+        return self.fields[0]
+
+
+def component_items(before: RiskVersion, after: RiskVersion) -> tuple[list[ComponentItem], int]:
+    """Return what changed in functions that both versions have, and how much was only noise."""
+    items: list[ComponentItem] = []
+    noisy = 0
+    for name in after.states:
+        if name in before.blocks:
+            found, quiet = _in_function(before.blocks[name], after.blocks[name])
+            items += found
+            noisy += quiet
+    return items, noisy
+
+
+def alike(items: Sequence[ComponentItem]) -> list[list[ComponentItem]]:
+    """Return the items in groups that are one change made in several functions.
+
+    They are of one component, kind and cause; probabilities by one ratio, noise left aside,
+    other fields from one value to one other.
+    """
+    groups: dict[tuple[object, ...], list[ComponentItem]] = {}
+    for item in items:
+        causes = tuple(field.causes for field in item.fields)
+        key: tuple[object, ...] = (item.kind, item.field.component, causes)
+        if item.kind in ("quantity", "redundancy"):
+            key = (*key, *((field.key, field.before, field.after) for field in item.fields))
+        groups.setdefault(key, []).append(item)
+    return [part for group in groups.values() for part in _by_ratio(group)]
+
+
+def _by_ratio(group: Sequence[ComponentItem]) -> Iterator[list[ComponentItem]]:
+    ordered = sorted(group, key=lambda item: item.ratio or 0.0)
+    part: list[ComponentItem] = []
+    for item in ordered:
+        if part and not _near(part[0].ratio, item.ratio):
+            yield part
+            part = []
+        part.append(item)
+    if part:
+        yield part
+
+
+def _near(one: float | None, other: float | None) -> bool:
+    if one is None or other is None:
+        return one is other
+    if math.inf in (one, other):
+        return one == other
+    return abs(other - one) <= NOISE * one
+
+
+def _in_function(before: RiskBlock, after: RiskBlock) -> tuple[list[ComponentItem], int]:
+    old, new = counted_components(before), counted_components(after)
+    omitted_before = {entry.name for entry in before.components if entry.omitted}
+    omitted_after = {entry.name: entry for entry in after.components if entry.omitted}
+    items: list[ComponentItem] = []
+    noisy = 0
+    for name in dict.fromkeys([*new, *old]):
+        if name not in old:
+            kind: ChangeKind = "component_restored" if name in omitted_before else "component_added"
+            items.append(_put(kind, after.name, new[name]))
+        elif name not in new:
+            kind = "component_omitted" if name in omitted_after else "component_removed"
+            items.append(_drop(kind, after.name, old[name], omitted_after.get(name)))
+        else:
+            found, quiet = _fields(after.name, old[name], new[name])
+            items += found
+            noisy += quiet
+    return items, noisy
+
+
+def _fields(
+    function: str, old: ComponentEntry, new: ComponentEntry
+) -> tuple[list[ComponentItem], int]:
+    earlier = dict(component_fields(old))
+    later = dict(component_fields(new))
+    items = []
+    noisy = 0
+    units: list[tuple[FieldKind, Field[Any] | None, Field[Any] | None]] = []
+    for kind in dict.fromkeys([*earlier, *later]):
+        before, after = earlier.get(kind), later.get(kind)
+        if before is not None and after is not None:
+            if kind.same(before.value, after.value):
+                continue
+            if kind.is_noisy and is_noise(before.value, after.value):
+                noisy += 1
+                continue
+        if kind is PROBABILITY:
+            items.append(_changed("probability", function, new, [(kind, before, after)]))
+        else:
+            units.append((kind, before, after))
+    if units:
+        only_quantity = all(kind is QUANTITY for kind, _, _ in units)
+        named: ChangeKind = "quantity" if only_quantity else "redundancy"
+        items.append(_changed(named, function, new, units))
+    return items, noisy
+
+
+def _changed(
+    named: ChangeKind,
+    function: str,
+    entry: ComponentEntry,
+    values: Sequence[tuple[FieldKind, Field[Any] | None, Field[Any] | None]],
+) -> ComponentItem:
+    component = entry.name
+    held_after: dict[str, Any] = {kind.key: after for kind, _, after in values}
+    ratio = None
+    _, before, after = values[0]
+    if named == "probability" and before is not None and after is not None:
+        ratio = ratio_of(before.value, after.value)
+        ratio = math.inf if ratio is None else ratio
+
+    def edit(parts: ModelParts) -> None:
+        held = parts.components[function]
+        held[component] = replace(held[component], **held_after)
+
+    fields = tuple(
+        ChangedField(
+            path=f"{function}.{component}.{kind.key}",
+            function=function,
+            component=component,
+            key=kind.key,
+            before=None if old is None else old.text,
+            after=None if new is None else new.text,
+            location=entry.location if new is None else new.location,
+            is_gone=False,
+        )
+        for kind, old, new in values
+    )
+    return ComponentItem(named, fields, ratio, edit)
+
+
+def _put(kind: ChangeKind, function: str, entry: ComponentEntry) -> ComponentItem:
+    def edit(parts: ModelParts) -> None:
+        parts.components[function][entry.name] = entry
+
+    changed = ChangedField(
+        f"{function}.{entry.name}",
+        function,
+        entry.name,
+        None,
+        None,
+        entry.probability.text,
+        entry.location,
+        is_gone=False,
+    )
+    return ComponentItem(kind, (changed,), None, edit)
+
+
+def _drop(
+    kind: ChangeKind, function: str, entry: ComponentEntry, omitted: ComponentEntry | None
+) -> ComponentItem:
+    def edit(parts: ModelParts) -> None:
+        del parts.components[function][entry.name]
+
+    changed = ChangedField(
+        f"{function}.{entry.name}",
+        function,
+        entry.name,
+        None,
+        entry.probability.text,
+        None if omitted is None else "omit",
+        entry.location if omitted is None else omitted.location,
+        is_gone=omitted is None,
+    )
+    return ComponentItem(kind, (changed,), None, edit)

@@ -1,0 +1,167 @@
+"""Changes of the chain: states, what follows them, where the mission begins.
+
+A new state makes sense only with the `next` that leads to it, so that what depends on each other
+is one change.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from tracerisk.adder.blocks.block import Field
+from tracerisk.errors import Location
+from tracerisk.prm.hybrid.hybrid import DONE
+from tracerisk.prm.review.model_parts import ModelParts, RiskVersion, Steps
+from tracerisk.prm.review.risk_change import ChangedField, Mark, is_noise
+
+Edit = Callable[[ModelParts], None]
+
+
+@dataclass(frozen=True, slots=True)
+class FlowItem:
+    """One step of a change of the chain, the functions that it cannot be made without, and how.
+
+    `needs` are the functions that only one version has and that this item speaks of.
+    """
+
+    field: ChangedField
+    mark: Mark | None
+    needs: frozenset[str]
+    edit: Edit
+
+
+def flow_items(before: RiskVersion, after: RiskVersion) -> tuple[list[FlowItem], int]:
+    """Return what changed in the chain, and how many `next` changed by no more than the noise."""
+    once = set(before.blocks) ^ set(after.blocks)
+    items = [
+        *(_added(after, name, once) for name in after.states if name not in before.blocks),
+        *(_removed(before, name, once) for name in before.states if name not in after.blocks),
+    ]
+    noisy = 0
+    old, new = before.states, after.states
+    for name in new:
+        if name not in old or _same(old[name].next, new[name].next):
+            continue
+        if _is_noise(old[name].next, new[name].next):
+            noisy += 1
+        else:
+            items.append(_next(before, after, name, once))
+    if before.model.entry != after.model.entry:
+        items.append(_entry(before, after, once))
+    return items, noisy
+
+
+def joined(items: Iterable[FlowItem]) -> list[list[FlowItem]]:
+    """Return the items in groups that cannot be told apart: each function is in one group."""
+    groups: list[tuple[set[str], list[FlowItem]]] = []
+    for item in items:
+        needs, members = set(item.needs), [item]
+        apart = []
+        for group in groups:
+            if group[0] & needs:
+                needs |= group[0]
+                members = group[1] + members
+            else:
+                apart.append(group)
+        groups = [*apart, (needs, members)]
+    return [members for _, members in groups]
+
+
+def _added(after: RiskVersion, name: str, once: set[str]) -> FlowItem:
+    block = after.blocks[name]
+    needs = {name} | _mentioned(after.states[name].next, once)
+    changed = _field(name, None, None, "block", block.location, is_gone=False)
+
+    def edit(parts: ModelParts) -> None:
+        parts.put(after, name)
+
+    return FlowItem(changed, "new_state", frozenset(needs), edit)
+
+
+def _removed(before: RiskVersion, name: str, once: set[str]) -> FlowItem:
+    block = before.blocks[name]
+    needs = {name} | _mentioned(before.states[name].next, once)
+    changed = _field(name, None, "block", None, block.location, is_gone=True)
+
+    def edit(parts: ModelParts) -> None:
+        parts.drop(name)
+
+    return FlowItem(changed, "lost_state", frozenset(needs), edit)
+
+
+def _next(before: RiskVersion, after: RiskVersion, name: str, once: set[str]) -> FlowItem:
+    old, new = before.states[name].next, after.states[name].next
+    stated = after.blocks[name].next
+    place = after.blocks[name].location if stated is None else stated.location
+    changed = _field(
+        f"{name}.next",
+        "next",
+        _text(before.blocks[name].next, old),
+        _text(stated, new),
+        place,
+        is_gone=False,
+        function=name,
+    )
+    needs = _mentioned(old, once) | _mentioned(new, once)
+
+    def edit(parts: ModelParts) -> None:
+        parts.steps[name] = new
+
+    is_new = _targets(old).keys() != _targets(new).keys()
+    return FlowItem(changed, "new_next" if is_new else None, frozenset(needs), edit)
+
+
+def _entry(before: RiskVersion, after: RiskVersion, once: set[str]) -> FlowItem:
+    old, new = before.model.entry, after.model.entry
+    changed = _field(
+        "entry",
+        "callSequence",
+        old,
+        new,
+        after.blocks[new].call_sequence.location,
+        is_gone=False,
+        function=new,
+    )
+
+    def edit(parts: ModelParts) -> None:
+        parts.entry = new
+
+    return FlowItem(changed, None, frozenset({old, new} & once), edit)
+
+
+def _field(
+    path: str,
+    key: str | None,
+    before: str | None,
+    after: str | None,
+    location: Location | None,
+    *,
+    is_gone: bool,
+    function: str | None = None,
+) -> ChangedField:
+    return ChangedField(path, function or path, None, key, before, after, location, is_gone)
+
+
+def _text(stated: Field[Any] | None, steps: Steps) -> str:
+    if stated is not None and stated.is_stated:
+        return stated.text
+    return ", ".join(f"{step.target} {step.weight}" for step in steps)
+
+
+def _targets(steps: Steps) -> dict[str, float]:
+    return {step.target: float(step.weight) for step in steps if step.weight > 0}
+
+
+def _mentioned(steps: Steps, once: set[str]) -> set[str]:
+    return (set(_targets(steps)) - {DONE}) & once
+
+
+def _same(one: Steps, other: Steps) -> bool:
+    return {(s.target, s.weight) for s in one} == {(s.target, s.weight) for s in other}
+
+
+def _is_noise(one: Steps, other: Steps) -> bool:
+    old, new = _targets(one), _targets(other)
+    return old.keys() == new.keys() and all(is_noise(old[name], new[name]) for name in old)

@@ -1,0 +1,338 @@
+"""What a change of the blocks does to the risk: the difference of two models, as data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from tracerisk.errors import Location
+from tracerisk.prm.hybrid.assessment import FIGURE_STATEMENT, MissionFigures
+from tracerisk.trace import NEVER_RAN, Acceptance, Reason, Verdict
+
+ChangeKind = Literal[
+    "structure",
+    "probability",
+    "quantity",
+    "redundancy",
+    "component_added",
+    "component_removed",
+    "component_omitted",
+    "component_restored",
+]
+"""What changed: states and their `next`; a figure of a component; whether it counts at all."""
+
+Cause = Literal["pin", "edit", "code", "hardware", "settings", "files"]
+"""Why a value changed: a person's `:=`; a person's change of a `=` value; the controller's own
+sources; the hardware description; settings or the version of tracerisk; other files of the run
+(a robot, a scene, parameters)."""
+
+Mark = Literal["new_state", "lost_state", "new_next", "lost_redundancy", "single_point_of_failure"]
+"""What a reviewer should see of a change, whatever it does to the figure."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChangedField:
+    """One value of one block that differs between the versions.
+
+    `path` is dotted: `place.gripper.probability`, `place.next`, `place` for a whole block.
+    `before` and `after` are the texts, `None` where the version has no such value.
+    `location` is where it stands in the later version; in the earlier one if `is_gone`.
+    """
+
+    path: str
+    function: str
+    component: str | None
+    key: str | None
+    before: str | None
+    after: str | None
+    location: Location | None
+    is_gone: bool
+    causes: tuple[Cause, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class RiskChange:
+    """One change of the model, and what the mission's figure does when only it is made.
+
+    `contribution` is that figure less the earlier version's; `None` where the change alone gives
+    a model without a solution.
+    """
+
+    kind: ChangeKind
+    summary: str
+    component: str | None
+    functions: tuple[str, ...]
+    fields: tuple[ChangedField, ...]
+    marks: tuple[Mark, ...]
+    contribution: float | None = None
+
+    @property
+    def causes(self) -> tuple[Cause, ...]:
+        """The causes of its fields, each once, sorted."""
+        return tuple(sorted({cause for field in self.fields for cause in field.causes}))
+
+
+CauseKind = Literal["code", "hardware data", "pin", "edited by hand", "run"]
+"""What lies behind a change, for the one sentence: "run" are its settings and other files."""
+
+KIND_OF_CAUSE: Mapping[Cause, CauseKind] = {
+    "pin": "pin",
+    "edit": "edited by hand",
+    "code": "code",
+    "hardware": "hardware data",
+    "settings": "run",
+    "files": "run",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class CauseShare:
+    """What all changes of one component by one kind of cause do together, over the functions."""
+
+    component: str | None
+    """`None` for a change of the chain."""
+    kinds: tuple[CauseKind, ...]
+    """Several where the versions differ in several things that may have changed a value."""
+    functions: tuple[str, ...]
+    """Where the changes are, sorted."""
+    summary: str
+    """What it is in words, without cause and figure."""
+    contribution: float | None
+    """F(before with only these changes) - F(before); `None` where they alone make no model."""
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionFigures:
+    """A function in one version: its top event's probability a visit, its expected visits."""
+
+    top_event: float
+    expected_visits: float
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionChange:
+    """A function in both versions; `None` for the figures of a version that lacks it.
+
+    `was` is its earlier name where it was renamed.
+    """
+
+    name: str
+    was: str | None
+    before: FunctionFigures | None
+    after: FunctionFigures | None
+
+    @property
+    def status(self) -> Literal["added", "removed", "renamed", "changed", "unchanged"]:
+        """What became of it; figures within the noise are unchanged."""
+        if self.before is None:
+            return "added"
+        if self.after is None:
+            return "removed"
+        if self.was is not None:
+            return "renamed"
+        same = is_noise(self.before.top_event, self.after.top_event) and is_noise(
+            self.before.expected_visits, self.after.expected_visits
+        )
+        return "unchanged" if same else "changed"
+
+
+@dataclass(frozen=True, slots=True)
+class PinChange:
+    """What became of a value, a component or a block that a person set.
+
+    "drifted": the person's value stands, and what tracerisk computes beside it has changed.
+    """
+
+    kind: Literal["new", "removed", "changed", "drifted"]
+    path: str
+    before: str | None
+    after: str | None
+    computed_before: str | None
+    computed_after: str | None
+    reason: str | None
+    location: Location | None
+
+
+@dataclass(frozen=True, slots=True)
+class SinglePoint:
+    """A component that fails the mission alone, and did not before; the functions where."""
+
+    component: str
+    functions: tuple[str, ...]
+    is_new: bool
+
+
+@dataclass(frozen=True, slots=True)
+class RunVerdicts:
+    """The verdicts of the runs behind two versions; `None` where one is unknown.
+
+    A version without blocks has none: it is not `in_before`, or not `in_after`.
+    """
+
+    before: Verdict | None
+    after: Verdict | None
+    in_before: bool = True
+    in_after: bool = True
+
+    @property
+    def is_comparable(self) -> bool:
+        """Whether the figures of the two runs say anything of each other."""
+        return _is_whole(self.before, self.in_before) and _is_whole(self.after, self.in_after)
+
+    @property
+    def broke(self) -> tuple[Reason, ...]:
+        """What went wrong in the later run and not in the earlier one."""
+        return _only_in(self.after, self.before)
+
+    @property
+    def repaired(self) -> tuple[Reason, ...]:
+        """What went wrong in the earlier run and does not in the later one."""
+        return _only_in(self.before, self.after)
+
+    @property
+    def new_acceptances(self) -> tuple[Acceptance, ...]:
+        """What the later version accepts and the earlier one did not."""
+        if self.after is None:
+            return ()
+        known = {each.key for each in self.before.acceptances} if self.before else set()
+        return tuple(each for each in self.after.acceptances if each.key not in known)
+
+
+def _is_news(verdicts: RunVerdicts) -> bool:
+    """Return whether a run went wrong, or lost its verdict or got its first."""
+    is_unknown = verdicts.before is None and verdicts.after is None
+    return not verdicts.is_comparable and not is_unknown
+
+
+def _is_whole(verdict: Verdict | None, is_there: bool) -> bool:
+    return not is_there or (verdict is not None and verdict.kind in ("complete", "partial"))
+
+
+def _only_in(verdict: Verdict | None, other: Verdict | None) -> tuple[Reason, ...]:
+    known = {each.key for each in other.open_reasons} if other is not None else set()
+    found = verdict.open_reasons if verdict is not None else ()
+    return tuple(each for each in found if each.key not in known and each.code != NEVER_RAN)
+
+
+@dataclass(frozen=True, slots=True)
+class RiskDiff:
+    """The difference in risk between two versions of one controller.
+
+    `before` or `after` is `None` where that version has no risk blocks.
+    `changes` come by the size of their contribution; `interaction` is what the mission's figure
+    changes by beyond the sum of contributions, noise included. `causes` put the changes together by
+    component and kind of cause, the greatest contribution first.
+    `within_noise` counts the values that changed by less than 1 %: they are told as unchanged.
+    `inputs` tells in words what the runs behind the blocks depended on that differs, `of_run`
+    what the later run showed that the earlier one did not: contacts that were not to be expected,
+    motions of which there is no risk data. `verdicts` are those of the two runs, `None` where the
+    blocks alone are compared: neither version has a lock entry for a run.
+    """
+
+    name: str
+    was: str | None
+    before: MissionFigures | None
+    after: MissionFigures | None
+    changes: tuple[RiskChange, ...]
+    interaction: float | None
+    functions: tuple[FunctionChange, ...]
+    pins: tuple[PinChange, ...]
+    single_points: tuple[SinglePoint, ...]
+    within_noise: int
+    inputs: tuple[str, ...] = ()
+    of_run: tuple[str, ...] = ()
+    verdicts: RunVerdicts | None = None
+    causes: tuple[CauseShare, ...] = ()
+
+    @property
+    def is_comparable(self) -> bool:
+        """Whether the runs behind the two versions can be compared; models alone always can."""
+        return self.verdicts is None or self.verdicts.is_comparable
+
+    @property
+    def increase(self) -> float:
+        """How much the mission's figure rose; a version without blocks counts as none."""
+        return _figure(self.after) - _figure(self.before)
+
+    @property
+    def ratio(self) -> float | None:
+        """The later figure over the earlier; `None` where there is none to compare with."""
+        if self.before is None or self.after is None:
+            return None
+        return ratio_of(self.before.failure_probability, self.after.failure_probability)
+
+    @property
+    def is_unchanged(self) -> bool:
+        """Whether the mission's figure is the same, noise left aside."""
+        if self.before is None or self.after is None:
+            return False
+        return is_noise(self.before.failure_probability, self.after.failure_probability)
+
+    def is_worth_telling(self, threshold: float) -> bool:
+        """Return what `Review.is_worth_telling` says, for one controller."""
+        if self.before is None or self.after is None or self.pins or self.of_run:
+            return True
+        runs = self.verdicts
+        if runs is not None and (runs.new_acceptances or _is_news(runs)):
+            return True
+        marks = {mark for change in self.changes for mark in change.marks}
+        if marks & {"lost_redundancy", "single_point_of_failure"}:
+            return True
+        before, after = self.before.failure_probability, self.after.failure_probability
+        return abs(after - before) > threshold * before
+
+
+@dataclass(frozen=True, slots=True)
+class Review:
+    """What changed in risk between two versions, by controller, the greatest change first.
+
+    `before` and `after` name the versions as the user called them; `prefixes` is what stands
+    before the files of each version in places (`HEAD:` as git writes it).
+    """
+
+    before: str
+    after: str
+    controllers: tuple[RiskDiff, ...]
+    notes: tuple[str, ...] = ()
+    prefixes: tuple[str, str] = ("", "")
+    statement: str = FIGURE_STATEMENT
+
+    def is_worth_telling(self, threshold: float) -> bool:
+        """Return whether a reviewer should hear of it: a figure changed by more, or a mark.
+
+        `threshold` is a relative change of a mission's failure probability, up or down. Whatever
+        the figure does, controllers that come or go, redundancy that is lost, new single points
+        of failure, values set by hand and what a run newly showed are told.
+        """
+        return any(each.is_worth_telling(threshold) for each in self.controllers)
+
+    def place(self, location: Location | None, *, is_gone: bool = False) -> str:
+        """Return a place as the user finds it: `place.py:12`, `HEAD:place.py:12` if it is gone."""
+        if location is None:
+            return ""
+        return f"{self.prefixes[0 if is_gone else 1]}{location}"
+
+
+NOISE = 0.01
+"""The relative change of a figure that is told as no change."""
+
+
+def is_noise(before: float, after: float) -> bool:
+    """Return whether two figures differ by no more than the noise."""
+    return abs(after - before) <= NOISE * abs(before)
+
+
+def ratio_of(before: float, after: float) -> float | None:
+    """Return `after / before`: 1 for two zeros, `None` where only the first is zero."""
+    if before > 0.0:
+        return after / before
+    return 1.0 if after == 0.0 else None
+
+
+def _figure(mission: MissionFigures | None) -> float:
+    return 0.0 if mission is None else mission.failure_probability
+
+
+Renamed = Mapping[str, str]
+"""The later name of each function that was renamed, by its earlier one."""

@@ -1,0 +1,1 @@
+"""Fault trees: gates, events and failure models."""

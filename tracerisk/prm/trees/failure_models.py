@@ -1,0 +1,262 @@
+"""Failure models: what gives a basic event its probability over a mission.
+
+Every model returns the pair (p, 1-p), each half to a relative error of a few units in the last
+place (of `PeriodicTest`: 1e-12): exponentials of small numbers go through `expm1` and `log1p`,
+and sums have terms of one sign only.
+Times are in hours, rates per hour.
+
+Sources: "Open-PSA Model Exchange Format" 2.0d, chapter "Stochastic layer", built-ins;
+M. Rausand, A. Hoyland, "System Reliability Theory", 2nd ed. (2004), chapter 2; IEC 61508-6.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from tracerisk.errors import ModelError
+from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.numbers.quantities import (
+    check_count,
+    check_mission_time,
+    check_not_negative,
+    check_positive,
+    check_share,
+)
+from tracerisk.prm.trees.periodic_test import PeriodicTest
+
+__all__ = [
+    "GLM",
+    "Constant",
+    "Erlang",
+    "Exponential",
+    "Lognormal",
+    "PerDemand",
+    "PeriodicTest",
+    "Weibull",
+]
+
+NEVER = Probability(0.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Constant:
+    """A probability that is the same for every mission.
+
+    Raises ModelError when `p` is not in [0, 1].
+    """
+
+    needs_mission_time: ClassVar[bool] = False
+
+    p: float
+
+    def __post_init__(self) -> None:
+        check_share("p", self.p)
+
+    def probability(self, mission_time_h: float) -> Probability:
+        """Return the probability; the mission's length is of no account, [h]."""
+        check_mission_time(mission_time_h)
+        return Probability.of(self.p)
+
+
+@dataclass(frozen=True, slots=True)
+class Exponential:
+    """A constant failure rate: 1 - exp(-rate t), without repair, [1/h].
+
+    Source: Rausand and Hoyland, chapter 2.
+    Raises ModelError when the rate is negative or not finite.
+    """
+
+    rate: float
+
+    def __post_init__(self) -> None:
+        check_not_negative("rate", self.rate, "1/h")
+
+    def probability(self, mission_time_h: float) -> Probability:
+        """Return the probability of a failure within the mission, [h]."""
+        check_mission_time(mission_time_h)
+        return of_hazard(self.rate * mission_time_h)
+
+
+@dataclass(frozen=True, slots=True)
+class Erlang:
+    """So many phases of one constant rate, the last of which ends in failure, [1/h].
+
+    Source: Rausand and Hoyland, chapter 2.
+    Raises ModelError when the rate is negative or `phases` not a whole number from 1 on.
+    """
+
+    rate: float
+    phases: int
+
+    def __post_init__(self) -> None:
+        check_not_negative("rate", self.rate, "1/h")
+        check_count("phases", self.phases, least=1)
+
+    def probability(self, mission_time_h: float) -> Probability:
+        """Return the probability that all phases end within the mission, [h]."""
+        check_mission_time(mission_time_h)
+        mean = self.rate * mission_time_h
+        if mean == 0.0:
+            return NEVER
+        # Poisson's terms, relative to the greatest: fewer than so many events, and the others.
+        peak = int(mean)
+        fewer = more = 0.0
+        term = 1.0
+        for count in range(peak, -1, -1):
+            if count < self.phases:
+                fewer += term
+            else:
+                more += term
+            term *= count / mean
+        term, count = mean / (peak + 1), peak + 1
+        while count <= self.phases or term > 1e-18 * more:
+            if count < self.phases:
+                fewer += term
+            else:
+                more += term
+            count += 1
+            term *= mean / count
+        return Probability(more / (more + fewer), fewer / (more + fewer))
+
+
+@dataclass(frozen=True, slots=True)
+class Lognormal:
+    """A time to failure whose logarithm is normal, with `mean` and `deviation` of the logarithm.
+
+    The logarithm is that of hours. Source: Rausand and Hoyland, chapter 2.
+    Raises ModelError when the deviation is not positive or the mean not finite.
+    """
+
+    mean: float
+    deviation: float
+
+    def __post_init__(self) -> None:
+        check_positive("deviation", self.deviation, "")
+        check_not_negative("the size of the mean", abs(self.mean), "")
+
+    def probability(self, mission_time_h: float) -> Probability:
+        """Return the probability of a failure within the mission, [h]."""
+        check_mission_time(mission_time_h)
+        if mission_time_h == 0.0:
+            return NEVER
+        score = (math.log(mission_time_h) - self.mean) / self.deviation / math.sqrt(2.0)
+        return Probability(math.erfc(-score) / 2, math.erfc(score) / 2)
+
+
+@dataclass(frozen=True, slots=True)
+class Weibull:
+    """A failure rate that grows (`shape` above 1) or falls with age: Weibull's law.
+
+    The accumulated hazard at age x is ((x - location) / scale)^shape, zero before `location_h`.
+    A unit that starts the mission at age `age_h` has survived until then: its probability is
+    conditional on that, 1 - exp(-(H(age + t) - H(age))).
+    Source: Rausand and Hoyland, chapter 2; with age 0, the Open-PSA built-in `Weibull`.
+    Raises ModelError when scale or shape are not positive, or location or age negative.
+    """
+
+    scale_h: float
+    shape: float
+    location_h: float = 0.0
+    age_h: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_positive("scale_h", self.scale_h, "h")
+        check_positive("shape", self.shape, "")
+        check_not_negative("location_h", self.location_h, "h")
+        check_not_negative("age_h", self.age_h, "h")
+
+    def probability(self, mission_time_h: float) -> Probability:
+        """Return the probability of a failure within the mission, [h]."""
+        check_mission_time(mission_time_h)
+        if self.age_h <= self.location_h:
+            # One rounding only: age, mission and location may nearly cancel.
+            exposed = math.fsum((self.age_h, mission_time_h, -self.location_h))
+            return (
+                NEVER if exposed <= 0.0 else of_hazard(_power(exposed / self.scale_h, self.shape))
+            )
+        worn = self.age_h - self.location_h
+        # H(age + t) - H(age) = H(age) ((1 + t / worn)^shape - 1), in which nothing cancels.
+        try:
+            growth = math.expm1(self.shape * math.log1p(mission_time_h / worn))
+        except OverflowError:
+            growth = math.inf
+        before = _power(worn / self.scale_h, self.shape)
+        return of_hazard(before * growth if growth > 0.0 else 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class GLM:
+    """A unit that fails at demand, fails while it runs, and is repaired: gamma, lambda, mu.
+
+    It is down at time t with lambda/(lambda+mu) (1 - exp(-(lambda+mu) t)) + gamma
+    exp(-(lambda+mu) t); `failure_on_demand` is gamma, the rates lambda and mu are [1/h].
+    Source: the Open-PSA built-in `GLM`; the form without differences is own derivation.
+    Raises ModelError when gamma is no probability or a rate negative.
+    """
+
+    failure_on_demand: float
+    failure_rate: float
+    repair_rate: float
+
+    def __post_init__(self) -> None:
+        check_share("failure_on_demand", self.failure_on_demand)
+        check_not_negative("failure_rate", self.failure_rate, "1/h")
+        check_not_negative("repair_rate", self.repair_rate, "1/h")
+
+    def probability(self, mission_time_h: float) -> Probability:
+        """Return the probability that the unit is down at the end of the mission, [h]."""
+        check_mission_time(mission_time_h)
+        # Halved, so that the sum of two finite rates is finite.
+        half = self.failure_rate / 2 + self.repair_rate / 2
+        if half == 0.0:
+            return Probability.of(self.failure_on_demand)
+        changed, kept = of_hazard(2 * (half * mission_time_h))
+        failing = self.failure_rate / 2 / half
+        repaired = self.repair_rate / 2 / half
+        return Probability(
+            failing * changed + self.failure_on_demand * kept,
+            repaired * changed + (1.0 - self.failure_on_demand) * kept,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class PerDemand:
+    """A probability of failure per demand, for a number of independent demands in the mission.
+
+    1 - (1 - p)^demands.
+    Raises ModelError when `p` is no probability or `demands` not a whole number from 0 on.
+    """
+
+    needs_mission_time: ClassVar[bool] = False
+
+    p: float
+    demands: int = 1
+
+    def __post_init__(self) -> None:
+        check_share("p", self.p)
+        check_count("demands", self.demands)
+
+    def probability(self, mission_time_h: float) -> Probability:
+        """Return the probability that one demand fails; the mission's length is of no account."""
+        check_mission_time(mission_time_h)
+        if self.demands == 0:
+            return NEVER
+        if self.demands == 1 or self.p == 1.0:
+            return Probability.of(self.p)
+        return of_hazard(-self.demands * math.log1p(-self.p))
+
+
+def of_hazard(hazard: float) -> Probability:
+    """Return the pair of 1 - exp(-hazard), for an accumulated hazard from 0 to infinity."""
+    if math.isnan(hazard):
+        raise ModelError("the accumulated hazard is not a number; give figures of usual size")
+    return Probability(-math.expm1(-hazard), math.exp(-hazard))
+
+
+def _power(base: float, exponent: float) -> float:
+    try:
+        return math.pow(base, exponent)
+    except OverflowError:
+        return math.inf

@@ -1,0 +1,1 @@
+"""Trace x hardware description: the failure probability of units in each visit."""

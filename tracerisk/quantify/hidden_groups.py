@@ -1,0 +1,129 @@
+"""Groups whose failures stay hidden until the mission ends: their value in each function.
+
+Own derivation: docs/theory.md#groups.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+
+from tracerisk.hardware.redundancy import Redundancy
+from tracerisk.quantify.function_use import FunctionUse
+from tracerisk.quantify.group_gates import SURE, common_share, threshold_of
+from tracerisk.quantify.outcome import (
+    ONE,
+    ZERO,
+    Outcome,
+    after,
+    at_least,
+    at_least_of_like,
+    fewer_than,
+    solve_hazard,
+)
+from tracerisk.quantify.probability import survival_log
+
+
+@dataclass(frozen=True, slots=True)
+class HiddenHazards:
+    """The hazards of one mean visit of a function: of each unit by itself, and the common one."""
+
+    own: tuple[Decimal, ...]
+    common: Decimal
+    times: Decimal
+
+
+def hidden_hazards(
+    each: FunctionUse, redundancy: Redundancy, without: int | None = None
+) -> HiddenHazards:
+    """Return the hazards of a mean visit of a function, those of one unit left out if told."""
+    beta = redundancy.common_cause if redundancy.is_redundant else 0.0
+    own = []
+    for number, column in enumerate(zip(*each.visits, strict=True)):
+        parts = [0.0] if number == without else [-survival_log((1.0 - beta) * p) for p in column]
+        own.append(_mean_hazard(parts))
+    common = ZERO
+    if beta:
+        means = (
+            math.fsum(p for number, p in enumerate(units) if number != without) / len(units)
+            for units in each.visits
+        )
+        common = _mean_hazard([-survival_log(beta * mean) for mean in means])
+    return HiddenHazards(tuple(own), common, Decimal(each.times))
+
+
+def _mean_hazard(hazards: Sequence[float]) -> Decimal:
+    total = math.fsum(hazards)
+    return Decimal(total) / len(hazards) if total < SURE else SURE
+
+
+def over_mission(functions: Sequence[HiddenHazards]) -> tuple[list[Outcome], Decimal]:
+    """Return each unit's own outcome after all visits, and the hazard of the common cause."""
+    columns = zip(*(each.own for each in functions), strict=True)
+    times = [each.times for each in functions]
+    own = [
+        after(sum((h * n for h, n in zip(column, times, strict=True)), ZERO)) for column in columns
+    ]
+    return own, sum((each.common * each.times for each in functions), ZERO)
+
+
+def hidden_values(
+    functions: Sequence[FunctionUse],
+    redundancy: Redundancy,
+    quantity: int,
+    missions: float = 1.0,
+) -> tuple[float, ...]:
+    """Return the values for groups whose failures stay hidden until a test finds them.
+
+    The test comes after so many `missions`, one by default; of several the values give the mean
+    hazard of the group in one of them.
+    A function's part of the group's hazard is what it adds to it to first order: the hazards of
+    its units, each by how much the group's failure depends on that unit.
+    """
+    threshold = threshold_of(redundancy, quantity)
+    hazards = [hidden_hazards(each, redundancy) for each in functions]
+    own, common = over_mission(hazards)
+    between_tests = Decimal(missions)
+    if missions != 1.0:
+        own = [after(unit.hazard * between_tests) for unit in own]
+    apart = at_least(threshold, own)
+    target = apart.hazard / between_tests + common
+    if target == ZERO:
+        return (0.0,) * len(functions)
+    slopes = []
+    for number, unit in enumerate(own):
+        others = fewer_than(threshold, [*own[:number], *own[number + 1 :]])
+        slopes.append(others[-1] * unit.q / apart.q)
+    weights = [
+        sum((slope * h for slope, h in zip(slopes, each.own, strict=True)), each.common)
+        for each in hazards
+    ]
+    whole = sum((weight * each.times for weight, each in zip(weights, hazards, strict=True)), ZERO)
+    shares = [weight / whole for weight in weights]
+    beta = common_share(redundancy)
+
+    def like(x: Decimal) -> Decimal:
+        own_hazard, common_hazard = x, ZERO
+        if beta:
+            units = [after(x * share) for share in shares]
+            own_hazard = sum(
+                (
+                    unit.share(ONE - beta).hazard * each.times
+                    for unit, each in zip(units, hazards, strict=True)
+                ),
+                ZERO,
+            )
+            common_hazard = sum(
+                (
+                    unit.share(beta).hazard * each.times
+                    for unit, each in zip(units, hazards, strict=True)
+                ),
+                ZERO,
+            )
+        return at_least_of_like(threshold, quantity, after(own_hazard)).hazard + common_hazard
+
+    start = sum((unit.hazard for unit in own), common) / quantity / between_tests
+    x = solve_hazard(like, target, start)
+    return tuple(float(after(x * share).p) for share in shares)

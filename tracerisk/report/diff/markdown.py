@@ -1,0 +1,155 @@
+"""A change of risk as Markdown, for a comment on a pull request."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+from tracerisk.prm.review.risk_change import FunctionFigures, Review, RiskDiff
+from tracerisk.report.diff import words
+
+TAG = "<!-- tracerisk-diff -->"
+"""By it a bot finds the comment that it wrote before."""
+
+MOST_CONTROLLERS = 50
+MOST_CHANGES = 30
+"""How many controllers and changes of one are shown; GitHub takes 65,536 characters a comment."""
+
+_NONE = "none"
+_SPECIAL = re.compile(r"([\\`*_\[\]<>|~])")
+
+
+def render_diff_markdown(review: Review) -> str:
+    """Return the review as Markdown: one sentence, a small table, the rest folded."""
+    shown = review.controllers[:MOST_CONTROLLERS]
+    lines = [TAG]
+    verdicts = words.verdict_lines(review)[:MOST_CONTROLLERS]
+    accepted = [line for each in shown for line in words.acceptances(each)]
+    for line in (*verdicts, *accepted):
+        lines += [_escaped(line), ""]
+    lines += [f"**{_escaped(words.headline(review))}**", ""]
+    if review.controllers:
+        lines += _table(
+            ("controller", _escaped(review.before), _escaped(review.after), "ratio", "per cycle"),
+            [_figures(each) for each in shown],
+            right=(1, 2, 3, 4),
+        )
+    for each in shown:
+        parts = list(_parts(review, each))
+        if parts:
+            lines += [
+                "<details>",
+                f"<summary>What changed in {_html(each.name)}</summary>",
+                "",
+                *parts,
+                "</details>",
+                "",
+            ]
+    notes = [_escaped(note) for note in review.notes]
+    if len(review.controllers) > len(shown):
+        notes.insert(0, f"and {len(review.controllers) - len(shown)} more controllers")
+    if notes:
+        lines += [*(f"- {note}" for note in notes), ""]
+    lines.append(f"*{_escaped(review.statement)}*")
+    return "\n".join(lines) + "\n"
+
+
+def _figures(diff: RiskDiff) -> tuple[str, ...]:
+    old, new = diff.before, diff.after
+    name = diff.name if diff.was is None else f"{diff.name} (was {diff.was})"
+    ratio = cycles = ""
+    if old is not None and new is not None:
+        ratio = words.ratio(old.failure_probability, new.failure_probability)
+        ratio = ratio if diff.is_comparable else "not comparable"
+        earlier, later = old.cycle_failure_probability, new.cycle_failure_probability
+        cycles = f"{words.probability(earlier)} → {words.probability(later)}"
+    return (
+        _escaped(name),
+        _NONE if old is None else words.probability(old.failure_probability),
+        _NONE if new is None else words.probability(new.failure_probability),
+        ratio,
+        cycles,
+    )
+
+
+def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
+    for title, entries in words.broken_and_repaired(diff):
+        yield f"{title}:"
+        yield ""
+        yield from (f"- {_escaped(entry)}" for entry in entries)
+        yield ""
+    if diff.changes and diff.is_comparable:
+        rows = [
+            (
+                words.difference(change.contribution),
+                _escaped(change.summary) + _marked(words.marks(change)),
+                _escaped(words.causes(change)),
+                _escaped(words.places(review, change)),
+            )
+            for change in diff.changes[:MOST_CHANGES]
+        ]
+        if len(diff.changes) > MOST_CHANGES:
+            rows.append(("", f"and {len(diff.changes) - MOST_CHANGES} more changes", "", ""))
+        if diff.interaction is not None:
+            told = "what they do only together, and noise"
+            rows.append((words.difference(diff.interaction), told, "", ""))
+        yield from _table(("alone", "change", "cause", "where"), rows, right=(0,))
+    functions = [each for each in diff.functions if each.status != "unchanged"]
+    if functions and diff.is_comparable:
+        yield from _table(
+            ("function", "a visit, before", "after", "visits, before", "after"),
+            [
+                (
+                    _escaped(each.name if each.was is None else f"{each.name} (was {each.was})"),
+                    *_of_function(each.before, each.after),
+                )
+                for each in functions
+            ],
+            right=(1, 2, 3, 4),
+        )
+    for point in diff.single_points:
+        where = f"{point.component} is a single point of failure now, in "
+        yield f"- {_escaped(where + words.some(point.functions))}"
+    for pin in diff.pins:
+        place = review.place(pin.location, is_gone=pin.kind == "removed")
+        yield f"- {_escaped(words.pin(pin))} ({_escaped(place)})"
+    for told in (*diff.of_run, *diff.inputs):
+        yield f"- {_escaped(told)}"
+    if diff.within_noise:
+        yield f"- values that changed by less than 1 %, told as unchanged: {diff.within_noise}"
+    if diff.single_points or diff.pins or diff.of_run or diff.inputs or diff.within_noise:
+        yield ""
+
+
+def _marked(marks: str) -> str:
+    return f" (**{marks}**)" if marks else ""
+
+
+def _of_function(
+    before: FunctionFigures | None, after: FunctionFigures | None
+) -> tuple[str, str, str, str]:
+    return (
+        _NONE if before is None else words.probability(before.top_event),
+        _NONE if after is None else words.probability(after.top_event),
+        _NONE if before is None else words.count(before.expected_visits),
+        _NONE if after is None else words.count(after.expected_visits),
+    )
+
+
+def _table(
+    heads: Sequence[str], rows: Sequence[Sequence[str]], *, right: Sequence[int]
+) -> Iterator[str]:
+    yield f"| {' | '.join(heads)} |"
+    yield f"|{'|'.join('---:' if i in right else '---' for i in range(len(heads)))}|"
+    for row in rows:
+        yield f"| {' | '.join(row)} |"
+    yield ""
+
+
+def _escaped(text: str) -> str:
+    """Keep names and reasons from being read as Markdown, HTML, a mention or a cell's end."""
+    return _SPECIAL.sub(r"\\\1", " ".join(text.split())).replace("@", "@\u200b")
+
+
+def _html(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")

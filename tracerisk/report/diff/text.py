@@ -1,0 +1,176 @@
+"""A change of risk as text, for a terminal of 80 columns or none at all."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Sequence
+
+from tracerisk.prm.review.risk_change import FunctionChange, Review, RiskChange, RiskDiff, is_noise
+from tracerisk.report.diff import words
+
+_FIGURES = (10, 10, 9)  # the widths of before, after and ratio
+_SMALL = 1e-3
+_ALONE = 10  # that of a contribution
+
+
+def render_diff(review: Review, *, width: int = 80) -> str:
+    """Return the review as text, its one sentence first; the same for the same input.
+
+    `width` is the number of columns, at least 60; nothing is wider.
+    """
+    room = max(width, 60)
+    lines = []
+    for line in words.verdict_lines(review):
+        lines += _wrapped(line, room, hanging=2)
+    for each in review.controllers:
+        for line in words.acceptances(each):
+            lines += _wrapped(line, room, hanging=2)
+    lines += [*_wrapped(words.headline(review), room), ""]
+    if review.controllers:
+        lines += [*_wrapped(f"before: {review.before}; after: {review.after}", room), ""]
+    for each in review.controllers:
+        lines += _controller(review, each, room)
+    for note in review.notes:
+        lines += _wrapped(f"- {note}", room, hanging=2)
+    if review.notes:
+        lines.append("")
+    lines += _wrapped(review.statement, room)
+    return "\n".join(line.rstrip() for line in lines) + "\n"
+
+
+def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
+    title = diff.name if diff.was is None else f"{diff.name} (was {diff.was})"
+    yield from _row(title, ("before", "after", "ratio"), room)
+    missions = diff.before, diff.after
+    whole = [None if each is None else each.failure_probability for each in missions]
+    cycle = [None if each is None else each.cycle_failure_probability for each in missions]
+    yield from _row("  mission failure", _cells(*whole, comparable=diff.is_comparable), room)
+    yield from _row("  per cycle", _cells(*cycle, comparable=diff.is_comparable), room)
+    yield ""
+    for title, entries in words.broken_and_repaired(diff):
+        yield from _list(title, entries, room)
+    if diff.changes and diff.is_comparable:
+        yield "  What changed, by what each alone does to mission failure"
+        small = _small(diff.changes)
+        for change in diff.changes:
+            if change not in small:
+                yield from _change(review, change, room)
+        if small:
+            told = f"and {len(small)} more, each below a thousandth of the first; --json has them"
+            yield from _wrapped(" " * (_ALONE + 4) + told, room, hanging=_ALONE + 4)
+        if diff.interaction is not None:
+            rest = words.difference(diff.interaction)
+            yield f"  {rest:>{_ALONE}}  what they do only together, and noise"
+        yield ""
+    if diff.is_comparable:
+        yield from _functions(diff.functions, room)
+    yield from _list(
+        "Single points of failure that were none",
+        [f"{point.component}, in {words.some(point.functions)}" for point in diff.single_points],
+        room,
+    )
+    yield from _list(
+        "Pins",
+        [
+            f"{words.pin(pin)} ({review.place(pin.location, is_gone=pin.kind == 'removed')})"
+            for pin in diff.pins
+        ],
+        room,
+    )
+    yield from _list("What the run showed that it did not before", diff.of_run, room)
+    yield from _list("What the runs behind the blocks depended on", diff.inputs, room)
+    if diff.within_noise:
+        values = "value changes" if diff.within_noise == 1 else "values change"
+        yield f"  {diff.within_noise} {values} by less than 1 %: told as unchanged"
+        yield ""
+
+
+def _small(changes: Sequence[RiskChange]) -> list[RiskChange]:
+    """Return the changes that matter neither for the figure nor for a reviewer."""
+    greatest = abs(changes[0].contribution or 0.0)
+    return [
+        change
+        for change in changes
+        if change.contribution is not None
+        and abs(change.contribution) < _SMALL * greatest
+        and not change.marks
+        and not {"pin", "edit"} & set(change.causes)
+    ]
+
+
+def _change(review: Review, change: RiskChange, room: int) -> Iterator[str]:
+    lead = f"  {words.difference(change.contribution):>{_ALONE}}  "
+    if change.contribution is None:
+        lead = f"  {'?':>{_ALONE}}  "
+    hanging = _ALONE + 4
+    yield from _wrapped(lead + change.summary, room, hanging=hanging)
+    why = [words.marks(change), words.causes(change), words.places(review, change)]
+    told = "; ".join(part for part in why if part)
+    yield from _wrapped(" " * hanging + told, room, hanging=hanging)
+
+
+def _functions(functions: Sequence[FunctionChange], room: int) -> Iterator[str]:
+    told = [each for each in functions if each.status != "unchanged"]
+    if told:
+        yield from _row("  Functions, a visit", ("before", "after", "ratio"), room)
+        for each in told:
+            tops = [None if it is None else it.top_event for it in (each.before, each.after)]
+            yield from _row(f"    {_name(each)}", _cells(*tops), room)
+            yield from _wrapped(f"      {_visits(each)}", room, hanging=6)
+        yield ""
+
+
+def _name(function: FunctionChange) -> str:
+    if function.was is not None:
+        return f"{function.name} (was {function.was})"
+    status = function.status
+    return f"{function.name} ({status})" if status in ("added", "removed") else function.name
+
+
+def _visits(function: FunctionChange) -> str:
+    before, after = function.before, function.after
+    found = [each.expected_visits for each in (before, after) if each is not None]
+    if len(found) == 2 and is_noise(*found):
+        found = found[1:]
+    told = " -> ".join(map(words.count, found))
+    return f"{told} visit" if told == "1" else f"{told} visits"
+
+
+def _cells(
+    before: float | None, after: float | None, *, comparable: bool = True
+) -> tuple[str, str, str]:
+    ratio = "" if before is None or after is None else words.ratio(before, after)
+    return (
+        "-" if before is None else words.probability(before),
+        "-" if after is None else words.probability(after),
+        ratio if comparable else "",
+    )
+
+
+def _row(label: str, cells: Sequence[str], room: int) -> Iterator[str]:
+    """Yield a label with its cells at the right; a label too long has lines of its own."""
+    right = "".join(f"{cell:>{size + 1}}" for cell, size in zip(cells, _FIGURES, strict=True))
+    left = room - len(right)
+    if len(label) > left:
+        yield from _wrapped(label, room, hanging=6)
+        label = ""
+    yield f"{label:<{left}}{right}"
+
+
+def _list(title: str, entries: Sequence[str], room: int) -> Iterator[str]:
+    if entries:
+        yield f"  {title}"
+        for entry in entries:
+            yield from _wrapped(f"  - {entry}", room, hanging=4)
+        yield ""
+
+
+def _wrapped(text: str, room: int, *, hanging: int = 0) -> list[str]:
+    return textwrap.wrap(
+        text,
+        room,
+        subsequent_indent=" " * hanging,
+        break_on_hyphens=False,
+        replace_whitespace=False,
+        drop_whitespace=True,
+    )

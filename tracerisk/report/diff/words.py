@@ -1,0 +1,256 @@
+"""The words in which a change of risk is told, the same in every format."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tracerisk.prm.review.risk_change import (
+    CauseShare,
+    Mark,
+    PinChange,
+    Review,
+    RiskChange,
+    RiskDiff,
+    RunVerdicts,
+    is_noise,
+    ratio_of,
+)
+from tracerisk.trace import UNKNOWN_VERDICT, Verdict, verdict_line
+
+_MARKS: dict[Mark, str] = {
+    "new_state": "new state",
+    "lost_state": "lost state",
+    "new_next": "new next",
+    "lost_redundancy": "lost redundancy",
+    "single_point_of_failure": "single point of failure",
+}
+
+_CAUSES = {
+    "pin": "pin",
+    "edit": "edited by hand",
+    "code": "code",
+    "hardware": "hardware",
+    "settings": "settings",
+    "files": "files of the run",
+}
+
+
+def headline(review: Review) -> str:
+    """Return the one sentence that says what the change did to the risk."""
+    changed = [each for each in review.controllers if not each.is_unchanged]
+    apart = [each for each in review.controllers if not each.is_comparable]
+    if not review.controllers:
+        return f"No risk block differs between {review.before} and {review.after}."
+    if len(review.controllers) == 1:
+        return f"{_sentence(review.controllers[0])}."
+    if apart:
+        lead = f"The runs of {len(apart)} of {len(review.controllers)} controllers"
+        return f"{lead} cannot be compared, first of all {_sentence(apart[0])}."
+    if not changed:
+        return f"The risk of {len(review.controllers)} controllers is unchanged."
+    lead = f"The risk of {len(changed)} of {len(review.controllers)} controllers changed"
+    return f"{lead}, most of all {_sentence(changed[0])}."
+
+
+def verdict_lines(review: Review) -> list[str]:
+    """Return the verdicts of the later runs with those of the earlier, a line a controller."""
+    lines = []
+    for diff in review.controllers:
+        if diff.verdicts is None:
+            continue
+        name = "" if len(review.controllers) == 1 else f"{diff.name}: "
+        if not diff.verdicts.in_after:
+            lines.append(f"{name}no risk blocks; before: {verdict_line(diff.verdicts.before)}")
+            continue
+        before = f"; before: {_short(diff.verdicts.before)}" if diff.verdicts.in_before else ""
+        lines.append(f"{name}{verdict_line(diff.verdicts.after)}{before}")
+    return lines
+
+
+def _short(verdict: Verdict | None) -> str:
+    if verdict is None:
+        return UNKNOWN_VERDICT
+    return f"{verdict.kind}, {verdict.coverage.ran} of {verdict.coverage.all}"
+
+
+def acceptances(diff: RiskDiff) -> list[str]:
+    """Return what a change accepts of its own run, a line each."""
+    found = () if diff.verdicts is None else diff.verdicts.new_acceptances
+    return [f"newly accepted: {each}" for each in found]
+
+
+def broken_and_repaired(diff: RiskDiff) -> list[tuple[str, list[str]]]:
+    """Return what broke in the later run and what was repaired, each with its title."""
+    if diff.verdicts is None:
+        return []
+    found = [
+        ("What broke", [str(each) for each in diff.verdicts.broke]),
+        ("What was repaired", [str(each) for each in diff.verdicts.repaired]),
+    ]
+    return [(title, lines) for title, lines in found if lines]
+
+
+def _incomparable(diff: RiskDiff, verdicts: RunVerdicts) -> str:
+    """Say what became of a run that cannot be compared; of the risk it says nothing."""
+    old = verdicts.before.kind if verdicts.before else "unknown"
+    new = verdicts.after.kind if verdicts.after else "unknown"
+    if verdicts.after is None and verdicts.in_after:
+        told = f"{diff.name}: the verdict of its run is unknown; `tracerisk refresh` gives it one"
+    elif new in ("faulted", "stuck"):
+        first = next(
+            iter(verdicts.broke or (verdicts.after.open_reasons if verdicts.after else ()))
+        )
+        was = f"was {old}, " if verdicts.in_before and old != new else ""
+        told = f"{diff.name} {was}is {new}: {first}"
+    elif verdicts.before is None:
+        told = f"{diff.name} is {new}; the verdict of its run before is unknown"
+    else:
+        first = next(iter(verdicts.repaired or verdicts.before.open_reasons))
+        told = f"{diff.name} is {new}, was {old}; repaired: {first}"
+    return f"{told}; the two runs cannot be compared"
+
+
+def _sentence(diff: RiskDiff) -> str:
+    if diff.verdicts is not None and not diff.verdicts.is_comparable:
+        return _incomparable(diff, diff.verdicts)
+    if diff.before is None:
+        assert diff.after is not None, "one version at least has blocks"
+        figure = probability(diff.after.failure_probability)
+        return f"{diff.name} is assessed for the first time: its mission fails with {figure}"
+    if diff.after is None:
+        figure = probability(diff.before.failure_probability)
+        return f"{diff.name} has no risk blocks any more; its mission failed with {figure}"
+    old, new = diff.before.failure_probability, diff.after.failure_probability
+    if diff.is_unchanged:
+        told = f"{diff.name}: mission failure is unchanged at {probability(new)}"
+        return f"{told}, yet {_structural(diff)}" if _structural(diff) else told
+    verb = "rises" if new > old else "falls"
+    told = (
+        f"{diff.name}: mission failure {verb} from {probability(old)} to {probability(new)} "
+        f"({ratio(old, new)})"
+    )
+    # What works against the change is not what made it.
+    alike = [each for each in diff.causes if (each.contribution or 0.0) * diff.increase > 0.0]
+    if alike:
+        told += f", mostly through {alike[0].summary}{_because(alike[0])}"
+        share = _share(alike[0], diff)
+        if len(diff.causes) > 1 or share != "100 %":
+            told += f", {share} of the {'rise' if new > old else 'fall'}"
+    return told + _per_cycle(diff)
+
+
+def _because(cause: CauseShare) -> str:
+    return f" [{', '.join(cause.kinds)}]" if cause.kinds else ""
+
+
+def _share(cause: CauseShare, diff: RiskDiff) -> str:
+    """Return how much of a change a cause makes alone; above 100 % where others work against."""
+    return f"{100.0 * (cause.contribution or 0.0) / diff.increase:.0f} %"
+
+
+_APART = 1.1
+"""How far the ratios of the mission and of one cycle may lie apart without a word."""
+
+_LIKELY = 0.05
+"""Above it a mission's failure grows less than that of a cycle, because it ends at 1."""
+
+
+def _per_cycle(diff: RiskDiff) -> str:
+    """Say why a mission's failure changes more, or less, than that of its first cycle."""
+    if diff.before is None or diff.after is None:
+        return ""
+    figures = diff.before.failure_probability, diff.after.failure_probability
+    if max(figures) > _LIKELY:
+        return ""
+    mission = ratio_of(*figures)
+    cycle = ratio_of(diff.before.cycle_failure_probability, diff.after.cycle_failure_probability)
+    if not mission or not cycle or 1 / _APART <= mission / cycle <= _APART:
+        return ""
+    counts = diff.before.expected_cycles, diff.after.expected_cycles
+    if not is_noise(*counts):
+        why = f"the mission has {count(counts[1])} cycles, it had {count(counts[0])}"
+    else:
+        why = (
+            "all redundant units work when it begins, and failures that stay hidden add up in "
+            "later ones"
+        )
+    cycles = diff.before.cycle_failure_probability, diff.after.cycle_failure_probability
+    return f"; the first cycle alone: {ratio(*cycles)}, for {why}"
+
+
+def _structural(diff: RiskDiff) -> str:
+    """Return what a reviewer must see although the figure stays."""
+    told = []
+    if any("lost_redundancy" in change.marks for change in diff.changes):
+        told.append("redundancy is lost")
+    old = [point.component for point in diff.single_points if not point.is_new]
+    if old:
+        verb = "are single points" if len(old) > 1 else "is a single point"
+        told.append(f"{', '.join(old)} {verb} of failure now")
+    return " and ".join(told)
+
+
+def probability(value: float) -> str:
+    """Return a probability as every table shows it."""
+    return f"{value:.3e}"
+
+
+def difference(value: float | None) -> str:
+    """Return how much a figure changes, with its sign."""
+    return "only with others" if value is None else f"{value:+.2e}"
+
+
+def ratio(before: float, after: float) -> str:
+    """Return `x2.00`; `unchanged` within the noise, `from 0` where there was none."""
+    if is_noise(before, after):
+        return "unchanged"
+    found = ratio_of(before, after)
+    return "from 0" if found is None else f"x{found:.3g}"
+
+
+def count(value: float) -> str:
+    """Return an expected number of visits or cycles."""
+    return f"{value:.4g}"
+
+
+def causes(change: RiskChange) -> str:
+    """Return the causes of a change in words."""
+    return ", ".join(_CAUSES[cause] for cause in change.causes)
+
+
+def marks(change: RiskChange) -> str:
+    """Return what stands out of a change in words."""
+    return ", ".join(_MARKS[mark] for mark in change.marks)
+
+
+def places(review: Review, change: RiskChange) -> str:
+    """Return where the fields of a change stand, at most three of them."""
+    found = [review.place(field.location, is_gone=field.is_gone) for field in change.fields]
+    return some([place for place in found if place])
+
+
+def some(names: Sequence[str], most: int = 3) -> str:
+    """Return the first of the names, and how many more there are."""
+    shown = ", ".join(names[:most])
+    return shown if len(names) <= most else f"{shown} and {len(names) - most} more"
+
+
+def pin(change: PinChange) -> str:
+    """Return what became of a pin."""
+    match change.kind:
+        case "new":
+            told = f"new pin {change.path} := {change.after}"
+        case "removed":
+            return f"pin {change.path} := {change.before} is gone"
+        case "changed":
+            told = f"pin {change.path} := {change.before} -> {change.after}"
+        case "drifted":
+            told = f"pin {change.path} := {change.after} stays, computed {change.computed_before}"
+            return f"{told} -> {change.computed_after}{_reason(change)}"
+    if change.computed_after is not None:
+        told += f" (computed {change.computed_after})"
+    return told + _reason(change)
+
+
+def _reason(change: PinChange) -> str:
+    return f"; {change.reason}" if change.reason else "; without a reason"

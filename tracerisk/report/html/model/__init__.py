@@ -1,0 +1,1 @@
+"""The sections of the page that show the model: chain, trees, functions, components."""

@@ -1,0 +1,231 @@
+"""Which component matters how much, and where its figures come from."""
+
+from __future__ import annotations
+
+from tracerisk.hardware.model import Component, FailureFigure, Hardware
+from tracerisk.prm.hybrid.assessment import ComponentImportance
+from tracerisk.report.html import figures
+from tracerisk.report.html.names import component_of
+from tracerisk.report.html.page import rendered
+from tracerisk.report.html.report_input import ReportInput
+from tracerisk.report.html.section import Section
+from tracerisk.report.html.tables import Cell, Column, Row, Table
+from tracerisk.report.run_figures import RunFigures
+
+_MEANINGS = (
+    (
+        "Fussell-Vesely",
+        "how much of the mission's failure probability would be gone if the component never failed",
+    ),
+    (
+        "criticality",
+        "how the mission's figure moves with the component's own: at 50 %, a tenth less of the "
+        "one is a twentieth less of the other; where a better part or better data pays first",
+    ),
+    (
+        "Birnbaum",
+        "how steeply the mission's figure rises with the component's own; not bounded by one",
+    ),
+    (
+        "risk reduction worth",
+        "how many times smaller the mission's figure would be if the component never failed",
+    ),
+    (
+        "risk achievement worth",
+        "how many times greater it would be if the component had failed wherever it is used; "
+        "the same for every component that ends the mission alone",
+    ),
+    ("tenfold", "how many times greater it would be if the component failed ten times as often"),
+)
+
+
+def importance_section(report: ReportInput) -> Section:
+    """Return every importance measure of every component, and what each means in plain words."""
+    components = report.assessment.components
+    html = rendered(
+        "importance.html.j2",
+        table=_measures(components) if components else None,
+        instances=_by_instance(report.figures),
+        units=_by_unit(components),
+        meanings=_MEANINGS,
+    )
+    return Section("importance", "Importance", html)
+
+
+def hardware_section(report: ReportInput) -> Section | None:
+    """Return the figures of the hardware description; `None` where none is known."""
+    hardware = report.hardware
+    if hardware is None:
+        return None
+    used = {each.name for each in report.assessment.components}
+    html = rendered(
+        "hardware.html.j2",
+        table=_described(hardware, used),
+        hardware=hardware,
+        assumed=_assumed(report.figures),
+    )
+    return Section("hardware", "Components", html)
+
+
+def _measures(components: tuple[ComponentImportance, ...]) -> Table:
+    columns = (
+        Column("component"),
+        *(
+            Column(heading, is_number=True)
+            for heading in ("Fussell-Vesely", "criticality", "Birnbaum", "RRW", "RAW", "tenfold")
+        ),
+        Column("one unit", "greatest in a visit", is_number=True),
+    )
+    rows = tuple(
+        Row(
+            (
+                Cell(each.name, component=component_of(each.name)),
+                Cell(
+                    figures.percent(each.fussell_vesely),
+                    share=min(max(each.fussell_vesely, 0.0), 1.0),
+                ),
+                Cell(figures.percent(each.criticality)),
+                Cell(figures.ratio(each.birnbaum)),
+                Cell(figures.ratio(each.risk_reduction_worth)),
+                Cell(figures.ratio(each.risk_achievement_worth)),
+                Cell(figures.ratio(each.tenfold)),
+                Cell(figures.probability(each.theta)),
+            ),
+            component=component_of(each.name),
+        )
+        for each in components
+    )
+    return Table("importance", "Importance of the components over the mission", columns, rows)
+
+
+def _by_instance(found: RunFigures | None) -> Table | None:
+    """Return what each instance does by itself; `None` where all of a component are alike."""
+    if found is None:
+        return None
+    unlike = {each.component.name for each in found.instances if not each.are_alike}
+    rows = tuple(
+        Row(
+            (
+                Cell(each.component, component=each.component),
+                Cell(each.instance.element),
+                Cell(figures.probability(each.instance.p_failure)),
+                Cell(figures.percent(each.share), share=min(max(each.share, 0.0), 1.0)),
+                Cell(figures.percent(each.fussell_vesely)),
+            ),
+            component=each.component,
+        )
+        for each in found.importances
+        if each.component in unlike
+    )
+    columns = (
+        Column("component"),
+        Column("instance"),
+        Column("fails", "in a mission", is_number=True),
+        Column("share", "of the component's failures", is_number=True),
+        Column("Fussell-Vesely", is_number=True),
+    )
+    return Table("instances", "Instances that differ", columns, rows) if rows else None
+
+
+def _assumed(found: RunFigures | None) -> Table | None:
+    """Return the assumed figures that the result hangs on; `None` for none."""
+    if found is None or not found.assumed:
+        return None
+    rows = tuple(
+        Row(
+            (
+                Cell(each.component, component=each.component),
+                Cell(
+                    figures.percent(each.fussell_vesely),
+                    share=min(max(each.fussell_vesely, 0.0), 1.0),
+                ),
+                Cell(each.source),
+            ),
+            component=each.component,
+        )
+        for each in found.assumed
+    )
+    columns = (Column("component"), Column("share", is_number=True), Column("source"))
+    return Table("assumed", "Assumed figures that the result hangs on", columns, rows)
+
+
+def _by_unit(components: tuple[ComponentImportance, ...]) -> Table | None:
+    """Return the shares of single units, of components that have several; `None` for none."""
+    rows = tuple(
+        Row(
+            (
+                Cell(each.name, component=component_of(each.name)),
+                Cell(part.name),
+                Cell(figures.ratio(part.birnbaum)),
+                Cell(figures.percent(part.criticality)),
+            ),
+            component=component_of(each.name),
+        )
+        for each in components
+        if len(each.by_unit) > 1
+        for part in each.by_unit
+    )
+    columns = (
+        Column("component"),
+        Column("unit"),
+        Column("Birnbaum", is_number=True),
+        Column("criticality", is_number=True),
+    )
+    return Table("units", "Importance of single units", columns, rows) if rows else None
+
+
+def _described(hardware: Hardware, used: set[str]) -> Table:
+    has_sources = any(_source(each) for each in hardware.components)
+    columns = (
+        Column("component"),
+        Column("units"),
+        Column("redundancy"),
+        Column("figures of one unit"),
+        *([Column("source")] if has_sources else []),
+        Column("in this mission"),
+    )
+    rows = tuple(
+        Row(
+            (
+                Cell(each.name, component=each.name if each.name in used else None),
+                Cell("as the robot has" if each.quantity is None else str(each.quantity)),
+                Cell(_redundancy(each)),
+                Cell("; ".join(_figure(figure) for figure in each.figures)),
+                *([Cell(_source(each) or figures.NOTHING)] if has_sources else []),
+                Cell("used" if each.name in used else "not used"),
+            ),
+            component=component_of(each.name),
+        )
+        for each in hardware.components
+    )
+    return Table("hardware", "Hardware description", columns, rows)
+
+
+def _redundancy(component: Component) -> str:
+    redundancy = component.redundancy
+    if not redundancy:
+        return "none: each is needed"
+    told = f"{redundancy.required} must work"
+    if redundancy.has_spares:
+        told += ", spares"
+    if redundancy.common_cause:
+        told += f", common cause {figures.percent(redundancy.common_cause)}"
+    return told
+
+
+def _figure(figure: FailureFigure) -> str:
+    told = f"{figure.value:.4g} per {figure.per.value}"
+    if figure.kind == "failure_rate":
+        told += ", a constant rate"
+    elif figure.kind == "weibull":
+        told = f"Weibull, life {figure.value:.4g} {figure.per.value}s, shape {figure.shape:.4g}"
+    if figure.standby:
+        told += ", in standby"
+    if figure.error_factor is not None:
+        told += f", error factor {figure.error_factor:.4g}"
+    return told
+
+
+def _source(component: Component) -> str:
+    own = dict.fromkeys([component.source, *(each.source for each in component.figures)])
+    return "; ".join(each for each in own if each)

@@ -1,0 +1,125 @@
+"""Which function leans on which component, for how long, and what that does to the mission."""
+
+from __future__ import annotations
+
+from tracerisk.prm.hybrid.assessment import ComponentContribution, StateAssessment
+from tracerisk.report.html import figures
+from tracerisk.report.html.names import component_of
+from tracerisk.report.html.page import rendered
+from tracerisk.report.html.report_input import ReportInput
+from tracerisk.report.html.section import Section
+from tracerisk.report.html.sources import definitions
+from tracerisk.report.html.tables import Cell, Column, Row, Table
+
+MOST_COLUMNS = 12
+"""How many components the table of shares has; those that matter most."""
+
+
+def functions_section(report: ReportInput) -> Section:
+    """Return the table of functions and that of each component's share in each."""
+    html = rendered(
+        "functions.html.j2",
+        table=_functions(report),
+        shares=_shares(report),
+        has_times=report.exposures is not None,
+    )
+    return Section("functions", "Functions", html)
+
+
+def needed(component: ComponentContribution) -> str:
+    """Return how many units must work, of how many."""
+    required = "?" if component.required is None else component.required
+    return f"{required} of {component.units}"
+
+
+def _functions(report: ReportInput) -> Table:
+    has_times = report.exposures is not None
+    columns = [
+        Column("function"),
+        Column("component"),
+        Column("units needed"),
+        *([Column("active", "seconds of the run", is_number=True)] if has_times else []),
+        Column("one unit", "fails in a visit", is_number=True),
+        Column("fails in a visit", is_number=True),
+        Column("visits", "of a mission", is_number=True),
+        Column("ends the mission", is_number=True),
+    ]
+    places = definitions(report.sources)
+    rows = [
+        row for state in report.assessment.states for row in _of_function(report, state, places)
+    ]
+    return Table(
+        "functions", "Functions and the components they lean on", tuple(columns), tuple(rows)
+    )
+
+
+def _of_function(
+    report: ReportInput, state: StateAssessment, places: dict[str, tuple[str, int]]
+) -> list[Row]:
+    exposures = report.exposures
+    link, line = places.get(state.name, ("", None))
+    note = f"step {state.call_sequence}{'' if line is None else f', line {line}'}"
+    count = max(len(state.components), 1)
+    rows = []
+    for index, component in enumerate(state.components or (None,)):
+        span = count if index == 0 else 0
+        name = Cell(state.name, link=link, function=state.name, note=note, rows=span)
+        cells = [name]
+        if component is None:
+            cells += [Cell("none"), Cell(figures.NOTHING)]
+        else:
+            cells += [
+                Cell(component.name, component=component_of(component.name)),
+                Cell(needed(component)),
+            ]
+        if exposures is not None:
+            found = exposures.get(state.name, {})
+            cells.append(
+                Cell(
+                    figures.seconds(found.get(component_of(component.name)) if component else None)
+                )
+            )
+        cells += [
+            Cell(
+                figures.NOTHING if component is None else figures.probability(component.probability)
+            ),
+            Cell(figures.probability(state.top_event), rows=span),
+            Cell(figures.count(state.expected_visits), rows=span),
+            Cell(figures.probability(state.absorption_probability), rows=span),
+        ]
+        rows.append(
+            Row(
+                tuple(cells),
+                state.name,
+                None if component is None else component_of(component.name),
+            )
+        )
+    return rows
+
+
+def _shares(report: ReportInput) -> Table | None:
+    """Return the criticality of each component in each function; `None` for nothing to share."""
+    components = report.assessment.components[:MOST_COLUMNS]
+    if not components or not report.assessment.mission.failure_probability:
+        return None
+    shares = {
+        (part.name, each.name): part.criticality for each in components for part in each.by_state
+    }
+    rows = []
+    for state in report.assessment.states:
+        cells = [Cell(state.name, function=state.name)]
+        for each in components:
+            share = shares.get((state.name, each.name))
+            cells.append(
+                Cell(figures.NOTHING)
+                if share is None
+                else Cell(figures.percent(share), share=min(max(share, 0.0), 1.0))
+            )
+        rows.append(Row(tuple(cells), state.name))
+    columns = (Column("function"), *(Column(each.name, is_number=True) for each in components))
+    return Table(
+        "shares",
+        "Share of each component, in each function, in the mission's failure",
+        columns,
+        tuple(rows),
+    )

@@ -1,0 +1,149 @@
+"""The run in 3-D: what the page needs to show the robot as it moved.
+
+Positions come from the samples of the run; where each body then is, the page computes itself,
+so that neither a physics engine nor a mesh is needed to make or to open it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.report.html.section import Data
+
+if TYPE_CHECKING:
+    from tracerisk.report.html.run.replay_frames import Frames
+    from tracerisk.report.html.run.replay_model import Body
+    from tracerisk.twin.physics.declared_log import DeclaredChange
+    from tracerisk.twin.physics.scene import Scene
+    from tracerisk.twin.recording.activity import ElementActivity
+    from tracerisk.twin.recording.samples import Samples
+    from tracerisk.twin.robots.robot import Robot
+
+BODIES, FRAMES = "replay-bodies", "replay-frames"
+"""The ids of the data within the page."""
+
+_JOINT_QUANTUM = 1e-4  # [rad or m]; half of it is 0.05 mm at the end of a link of 1 m
+_FREE_QUANTA = [1e-4] * 3 + [2e-4] * 4  # position [m], parts of a quaternion
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedRun:
+    """What was simulated, its samples, and the bodies that the controller declared meanwhile."""
+
+    samples: Samples
+    robot: Robot
+    scene: Scene
+    declared: tuple[DeclaredChange, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Replay:
+    """A run that can be shown: bodies, the frames that pose them, what each element did.
+
+    `activity` has one entry every `step_s` [s]. `notes` tell what is not shown.
+    """
+
+    bodies: tuple[Body, ...]
+    frames: Frames
+    activity: Mapping[str, ElementActivity]
+    step_s: float
+    notes: tuple[str, ...] = ()
+
+
+def make_replay(run: RecordedRun, end_s: float | None = None) -> Replay:
+    """Return the replay of a run up to `end_s` [s], to the end of its samples if `None`.
+
+    Raises LogError when the samples are of another robot.
+    """
+    import numpy as np
+
+    from tracerisk.report.html.run.replay_frames import pack_frames
+    from tracerisk.report.html.run.replay_model import FREE_COLUMNS, scene_bodies
+    from tracerisk.twin.recording.activity import element_activity
+    from tracerisk.twin.recording.samples import POSE_EVERY
+
+    samples = _cut(run.samples, end_s)
+    activity = element_activity(samples, run.robot)
+    bodies = scene_bodies(run.robot, run.scene)
+    values, quanta = _columns(samples, run.robot, run.scene)
+    notes = []
+    if run.declared:
+        from tracerisk.report.html.run.replay_declared import MOST_BODIES, declared_bodies
+
+        declared = declared_bodies(
+            run.declared,
+            first_column=values.shape[1],
+            n_frames=len(values),
+            steps_per_frame=POSE_EVERY,
+            step_s=samples.step_s,
+        )
+        bodies = (*bodies, *declared.bodies)
+        n_free = declared.values.shape[1] // FREE_COLUMNS
+        values = np.hstack((values, declared.values))
+        quanta = np.concatenate((quanta, _FREE_QUANTA * n_free))
+        if declared.left_out:
+            notes.append(
+                f"Of the bodies that the controller put into the scene, the first {MOST_BODIES} "
+                f"are shown, and {declared.left_out} are not."
+            )
+    elif samples.changed_at is not None:
+        notes.append(
+            f"The bodies that the controller put into the scene from "
+            f"{samples.changed_at * samples.step_s:.3f} s on are not in the recording."
+        )
+    if not any(link.shapes for link in run.robot.links):
+        notes.append(f"The model of {run.robot.name} has no shapes that could be shown.")
+    return Replay(
+        bodies=bodies,
+        frames=pack_frames(values, quanta, POSE_EVERY * samples.step_s),
+        activity=activity,
+        step_s=samples.step_s,
+        notes=tuple(notes),
+    )
+
+
+def _cut(samples: Samples, end_s: float | None) -> Samples:
+    """Return the samples up to a time: after it the controller only idled."""
+    from dataclasses import replace
+
+    if end_s is None:
+        return samples
+    steps = -(-round(end_s * 1e9) // samples.header.step_ns)
+    fields = ("control", "position", "velocity", "torque", "pad_force")
+    return replace(samples, **{name: getattr(samples, name)[:steps] for name in fields})
+
+
+def _columns(samples: Samples, robot: Robot, scene: Scene) -> tuple[Any, Any]:
+    """Return the values (n_frames, n_columns) that pose the bodies, and the quantum of each."""
+    import numpy as np
+
+    from tracerisk.report.html.run.replay_model import FREE_COLUMNS
+    from tracerisk.twin.recording.samples import POSE_EVERY
+
+    order = {name: index for index, name in enumerate(samples.header.joints)}
+    joints = samples.position[::POSE_EVERY, [order[each.name] for each in robot.joints]]
+    n_free = FREE_COLUMNS * len(scene.objects)
+    count = min(len(joints), len(samples.poses))
+    # The objects of the scene come first in a pose, and the joints of the robot after them.
+    values = np.hstack((joints[:count], samples.poses[:count, :n_free]))
+    quanta = [_JOINT_QUANTUM] * len(robot.joints) + _FREE_QUANTA * len(scene.objects)
+    return values, np.array(quanta)
+
+
+def replay_data(replay: Replay) -> tuple[Data, ...]:
+    """Return what the script of the replay reads."""
+    from tracerisk.report.html.run.replay_model import bodies_data
+
+    frames = replay.frames
+    model = {
+        "bodies": bodies_data(replay.bodies),
+        "frames": {
+            "count": frames.count,
+            "every": round(frames.every_s, 9),
+            "quanta": frames.quanta,
+            "first": frames.first,
+        },
+    }
+    return (Data.of_json(BODIES, model), Data.of_bytes(FRAMES, frames.packed))

@@ -1,0 +1,159 @@
+"""What the replay shows, as data: bodies with their shapes, and how joints move them.
+
+No physics engine is needed for it: a robot's links and a scene's bodies are primitives, and where
+they are follows from the positions of joints and of free objects.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from tracerisk.geometry.rotation import Quaternion, quaternion_of
+from tracerisk.geometry.shapes import Shape
+from tracerisk.twin.physics.scene import Scene
+from tracerisk.twin.robots.robot import Attachment, Robot
+
+BodyKind = Literal["robot", "fixture", "object", "declared"]
+
+FREE_COLUMNS = 7  # position and quaternion (w, x, y, z)
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A body in the frame of its parent, or of the world where `parent` is -1.
+
+    `joint` moves it: `hinge` or `slide` along `axis` by the value of its `column`, `free` to where
+    the seven values from `column` on say. `element` is the part of the robot that drives it.
+    `triangles` are those of shapes that are no primitives, nine numbers each.
+    It is there in `[since_s, until_s)` [s], `None` for ever.
+    """
+
+    name: str
+    kind: BodyKind
+    parent: int
+    xyz: tuple[float, float, float]
+    quaternion: Quaternion
+    shapes: tuple[Shape, ...]
+    joint: Literal["hinge", "slide", "free"] | None = None
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    column: int = -1
+    element: str | None = None
+    triangles: tuple[float, ...] = field(default=())
+    since_s: float = 0.0
+    until_s: float | None = None
+
+
+def scene_bodies(robot: Robot, scene: Scene) -> tuple[Body, ...]:
+    """Return fixtures, objects and links, each after its parent.
+
+    Columns are the robot's joints in its order, then seven for each object in the scene's.
+    """
+    fixtures = [
+        Body(each.name, "fixture", -1, each.xyz, quaternion_of(each.rpy), each.shapes)
+        for each in scene.fixtures
+    ]
+    n_joints = len(robot.joints)
+    objects = [
+        Body(
+            name=each.name,
+            kind="object",
+            parent=-1,
+            xyz=each.xyz,
+            quaternion=quaternion_of(each.rpy),
+            shapes=each.shapes,
+            joint="free",
+            column=n_joints + FREE_COLUMNS * index,
+        )
+        for index, each in enumerate(scene.objects)
+    ]
+    return (*fixtures, *objects, *_links(robot, scene, len(fixtures) + len(objects)))
+
+
+def _links(robot: Robot, scene: Scene, before: int) -> list[Body]:
+    shapes = {link.name: link.shapes for link in robot.links}
+    columns = {joint.name: index for index, joint in enumerate(robot.joints)}
+    slides = {joint.name for joint in robot.joints if joint.type == "prismatic"}
+    drives = {name: grip.name for grip in robot.grippers for name in grip.joints}
+    base = robot.base_link
+    root_turn = quaternion_of(scene.robot_rpy)
+    bodies = [Body(base, "robot", -1, scene.robot_xyz, root_turn, shapes[base])]
+    places = {base: before}
+    children: dict[str, list[Attachment]] = {}
+    for attachment in robot.attachments:
+        children.setdefault(attachment.parent, []).append(attachment)
+    waiting = list(reversed(children.get(base, ())))
+    while waiting:
+        attachment = waiting.pop()
+        name, parent = attachment.name, bodies[places[attachment.parent] - before]
+        moved = name in columns
+        places[attachment.child] = before + len(bodies)
+        bodies.append(
+            Body(
+                name=attachment.child,
+                kind="robot",
+                parent=places[attachment.parent],
+                xyz=attachment.xyz,
+                quaternion=quaternion_of(attachment.rpy),
+                shapes=shapes[attachment.child],
+                joint=("slide" if name in slides else "hinge") if moved else None,
+                axis=_unit(attachment.axis) if moved else (0.0, 0.0, 1.0),
+                column=columns.get(name, -1),
+                # What is fixed to a link moves with it.
+                element=drives.get(name, name) if moved else parent.element,
+            )
+        )
+        waiting += reversed(children.get(attachment.child, ()))
+    return bodies
+
+
+def bodies_data(bodies: Iterable[Body]) -> list[dict[str, Any]]:
+    """Return bodies as JSON has them, without what is not set; lengths to 1 um."""
+    return [_body_data(each) for each in bodies]
+
+
+def _body_data(body: Body) -> dict[str, Any]:
+    found: dict[str, Any] = {
+        "name": body.name,
+        "kind": body.kind,
+        "parent": body.parent,
+        "xyz": _rounded(body.xyz, 6),
+        "quat": _rounded(body.quaternion, 9),
+        "shapes": [_shape_data(each) for each in body.shapes],
+    }
+    if body.joint is not None:
+        found |= {"joint": body.joint, "column": body.column}
+        if body.joint != "free":
+            found["axis"] = _rounded(body.axis, 9)
+    if body.element is not None:
+        found["element"] = body.element
+    if body.triangles:
+        found["triangles"] = _rounded(body.triangles, 4)
+    if body.since_s > 0.0:
+        found["since"] = round(body.since_s, 6)
+    if body.until_s is not None:
+        found["until"] = round(body.until_s, 6)
+    return found
+
+
+def _shape_data(shape: Shape) -> dict[str, Any]:
+    found: dict[str, Any] = {"kind": shape.kind, "size": _rounded(shape.size, 6)}
+    if any(shape.xyz):
+        found["xyz"] = _rounded(shape.xyz, 6)
+    if any(shape.rpy):
+        found["quat"] = _rounded(quaternion_of(shape.rpy), 9)
+    if shape.pad:
+        found["pad"] = True
+    return found
+
+
+def _unit(axis: tuple[float, float, float]) -> tuple[float, float, float]:
+    length = math.hypot(*axis)
+    return axis[0] / length, axis[1] / length, axis[2] / length
+
+
+def _rounded(values: Iterable[float], digits: int) -> list[float]:
+    # The sum turns -0.0 into 0.0.
+    return [round(float(value), digits) + 0.0 for value in values]

@@ -1,0 +1,181 @@
+"""The timeline: functions and components over the time of the run, and the replay beside it.
+
+One cursor belongs to both. Whoever cannot see them has the same in a table, and in words for the
+time at which the cursor is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from tracerisk.adder.blocks.model_names import model_names
+from tracerisk.report.html.page import asset, rendered
+from tracerisk.report.html.run.replay import Replay, replay_data
+from tracerisk.report.html.run.timeline_segments import (
+    Row,
+    segments_data,
+    timeline_rows,
+    visit_spans,
+)
+from tracerisk.report.html.section import Data, Section
+from tracerisk.report.html.tables import Cell, Column, Table
+from tracerisk.report.html.tables import Row as TableRow
+from tracerisk.trace import Contact, Exposure, FunctionRef, Trace, Visit
+
+TIMELINE = "timeline-data"
+"""The id of the data within the page."""
+
+_CHART = ("timeline_draw", "timeline_names", "timeline_tips", "timeline")
+_REPLAY = (
+    "replay_kinematics",
+    "replay_shapes",
+    "replay_camera",
+    "replay_draw",
+    "replay_steer",
+    "replay_now",
+    "replay",
+)
+_MOST_TOLD = 1000  # visits in the table; the chart has them all
+_SPEEDS = ("0.25", "0.5", "1", "2", "4", "8")
+
+
+def timeline_section(
+    trace: Trace,
+    components: Mapping[str, Sequence[str]],
+    *,
+    replay: Replay | None = None,
+) -> Section:
+    """Return the section that shows a run over time, with its replay where there is one.
+
+    `components` map each component of the hardware description to its elements, none for one that
+    is always in use.
+    """
+    names = model_names([each.ref for each in trace.functions])
+    data = timeline_data(trace, components, names, replay)
+    html = rendered(
+        "timeline.html.j2",
+        has_replay=replay is not None,
+        notes=replay.notes if replay is not None else (),
+        speeds=_SPEEDS,
+        table=_table(trace, names),
+        left_out=max(len(trace.visits) - _MOST_TOLD, 0),
+    )
+    scripts = ("timeline_time", *(_REPLAY if replay is not None else ()), *_CHART)
+    styles = ("timeline", *(("replay",) if replay is not None else ()))
+    return Section(
+        name="timeline",
+        title="Replay and timeline" if replay is not None else "Timeline",
+        html=html,
+        css="\n".join(asset(f"{each}.css") for each in styles),
+        js="\n".join(asset(f"{each}.js") for each in scripts),
+        data=(
+            Data.of_json(TIMELINE, data),
+            *(replay_data(replay) if replay is not None else ()),
+        ),
+        summary="Replay" if replay is not None else "Timeline",
+    )
+
+
+def timeline_data(
+    trace: Trace,
+    components: Mapping[str, Sequence[str]],
+    names: Mapping[FunctionRef, str],
+    replay: Replay | None = None,
+) -> dict[str, Any]:
+    """Return what the script of the timeline reads, as JSON has it; times are in [s].
+
+    Segments are lists of start [ms], length [ms] and state, see `timeline_segments`.
+    """
+    end_s = trace.end.simulated_s or 0.0
+    activity = None if replay is None else replay.activity
+    step_s = 0.002 if replay is None else replay.step_s
+    rows = timeline_rows(trace, components, activity, step_s)
+    order = {each.ref: index for index, each in enumerate(trace.functions)}
+    spans = visit_spans(trace.visits, end_s)
+    return {
+        "end": round(end_s, 6),
+        "functions": [names[each.ref] for each in trace.functions],
+        "visits": [
+            {
+                "function": order[visit.function],
+                "outcome": visit.outcome,
+                "spans": [[round(time, 6) for time in span] for span in own],
+                "start": round(visit.start_s, 6),
+                "contacts": [_contact(each) for each in visit.contacts],
+                "held": [
+                    {"gripper": each.gripper, "object": each.object, "mass": each.mass_kg}
+                    for each in visit.payloads
+                ],
+            }
+            for visit, own in zip(trace.visits, spans, strict=True)
+        ],
+        "rows": [_row(each) for each in rows],
+        "sampled": replay is not None,
+    }
+
+
+def _row(row: Row) -> dict[str, Any]:
+    return {
+        "component": row.component,
+        "always": row.is_always,
+        "segments": segments_data(row.segments),
+        "elements": [
+            {"name": name, "segments": segments_data(own)} for name, own in row.elements.items()
+        ],
+    }
+
+
+def _contact(contact: Contact) -> dict[str, Any]:
+    return {
+        "link": contact.link,
+        "other": contact.other,
+        "start": round(contact.start_s, 6),
+        "stop": round(contact.start_s + contact.touching_s, 6),
+        "force": round(contact.force_n, 3),
+        "expected": contact.expected,
+    }
+
+
+def _table(trace: Trace, names: Mapping[FunctionRef, str]) -> Table:
+    """Return the visits as a table: what the chart shows, in words."""
+    rows = []
+    for number, visit in enumerate(trace.visits[:_MOST_TOLD], start=1):
+        name = names[visit.function]
+        duration = "" if visit.duration_s is None else f"{visit.duration_s:.3f}"
+        cells = (
+            Cell(str(number)),
+            Cell(name, function=name),
+            Cell(f"{visit.start_s:.3f}"),
+            Cell(duration),
+            Cell(visit.outcome),
+            Cell(_use(visit)),
+        )
+        rows.append(TableRow(cells, function=name))
+    columns = (
+        Column("Visit"),
+        Column("Function"),
+        Column("Start", "s", is_number=True),
+        Column("Duration", "s", is_number=True),
+        Column("Outcome"),
+        Column("Use of the hardware"),
+    )
+    return Table("visits", "Visits of the run, in their order", columns, tuple(rows))
+
+
+def _use(visit: Visit) -> str:
+    return "; ".join(f"{name}: {_spent(each)}" for name, each in visit.exposures.items())
+
+
+def _spent(exposure: Exposure | None) -> str:
+    """Return the times of an exposure in words."""
+    if exposure is None:
+        return "in use"
+    times = (
+        ("moving", exposure.moving_s),
+        ("holding", exposure.holding_s),
+        ("grasping", exposure.grasping_s),
+        ("reading", exposure.reading_s),
+    )
+    told = [f"{word} {seconds:.2f} s" for word, seconds in times if seconds > 0.0]
+    return ", ".join([*told, *(["borderline"] if exposure.borderline else [])]) or "in use"

@@ -1,0 +1,163 @@
+"""What touched what during the run, how hard and whether it should, and what was held."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from itertools import groupby
+
+from tracerisk.adder.blocks.model_names import model_names
+from tracerisk.report.html import figures
+from tracerisk.report.html.page import rendered
+from tracerisk.report.html.report_input import ReportInput
+from tracerisk.report.html.section import Section
+from tracerisk.report.html.tables import Cell, Column, Row, Table
+from tracerisk.trace import Contact, FunctionRef, Payload, Trace
+
+MOST_UNFOLDED = 12
+"""How many rows a table of what is as it should be has before it is folded."""
+
+_Bodies = tuple[FunctionRef, str, str]
+
+
+def touches_section(report: ReportInput) -> Section | None:
+    """Return the contacts and payloads of the run; `None` where none could be seen."""
+    trace = report.trace
+    if trace is None:
+        return None
+    is_seen = any(visit.contacts or visit.payloads for visit in trace.visits)
+    if not is_seen and all(each.kind != "contact" for each in trace.elements):
+        return None
+    states = {state.name for state in report.assessment.states}
+    by_function = _ByFunction(trace, states)
+    html = rendered(
+        "touches.html.j2",
+        unexpected=_contacts(trace, by_function, expected=False),
+        expected=_contacts(trace, by_function, expected=True),
+        payloads=_payloads(trace, by_function),
+        most=MOST_UNFOLDED,
+        is_seen=is_seen,
+    )
+    return Section("touches", "Contacts and payload", html)
+
+
+class _ByFunction:
+    """Puts the rows of each function under one heading, in the order of the call sequence."""
+
+    def __init__(self, trace: Trace, states: Collection[str]) -> None:
+        refs = [function.ref for function in trace.functions]
+        self._names = model_names(refs)
+        self._order = {ref: index for index, ref in enumerate(refs)}
+        self._states = states
+
+    def rows(self, cells: Iterable[tuple[FunctionRef, tuple[Cell, ...]]]) -> tuple[Row, ...]:
+        ordered = sorted(cells, key=lambda each: self._order[each[0]])
+        found = []
+        for ref, own in groupby(ordered, key=lambda each: each[0]):
+            name = self._names[ref]
+            function = name if name in self._states else None
+            several = [rest for _, rest in own]
+            for index, rest in enumerate(several):
+                head = Cell(name, function=function, rows=0 if index else len(several))
+                found.append(Row((head, *rest), function))
+        return tuple(found)
+
+
+def _contacts(trace: Trace, by_function: _ByFunction, *, expected: bool) -> Table | None:
+    links = {each.part or each.name for each in trace.elements if each.kind == "contact"}
+    pairs: dict[_Bodies, list[Contact]] = {}
+    for visit in trace.visits:
+        for each in visit.contacts:
+            if each.expected == expected:
+                pairs.setdefault((visit.function, each.link, each.other), []).append(each)
+    if not pairs:
+        return None
+    columns = (
+        Column("function"),
+        Column("link, or thing held"),
+        Column("other body"),
+        Column("greatest force", "N", is_number=True),
+        Column("touching", "seconds of the run", is_number=True),
+        Column("first at", "seconds", is_number=True),
+        Column("visits", "with this touch", is_number=True),
+    )
+    rows = by_function.rows(
+        (
+            function,
+            (
+                Cell(link, note="" if not links or link in links else "held"),
+                Cell(other, note="of the arm itself" if other in links else ""),
+                _force(touches, other in links),
+                Cell(figures.seconds(sum(each.touching_s for each in touches))),
+                Cell(figures.seconds(min(each.start_s for each in touches))),
+                Cell(str(_visits(trace, function, touches))),
+            ),
+        )
+        for (function, link, other), touches in pairs.items()
+    )
+    name, caption = (
+        ("contacts", "Expected contacts: what is grasped or held, and where it stands")
+        if expected
+        else ("unexpected-contacts", "Unexpected contacts")
+    )
+    return Table(name, caption, columns, rows)
+
+
+def _visits(trace: Trace, function: FunctionRef, touches: Sequence[Contact]) -> int:
+    """Return in how many visits of a function any of the touches was."""
+    own = {id(each) for each in touches}
+    return sum(
+        visit.function == function and any(id(each) in own for each in visit.contacts)
+        for visit in trace.visits
+    )
+
+
+def _force(touches: Sequence[Contact], is_own: bool) -> Cell:
+    """Return the greatest force; the arm passes through itself, and feels none."""
+    if is_own:
+        return Cell(figures.NOTHING, note="not simulated")
+    return Cell(_newtons(max(each.force_n for each in touches)))
+
+
+def _payloads(trace: Trace, by_function: _ByFunction) -> Table | None:
+    held: dict[_Bodies, list[Payload]] = {}
+    for visit in trace.visits:
+        for each in visit.payloads:
+            held.setdefault((visit.function, each.gripper, each.object), []).append(each)
+    if not held:
+        return None
+    columns = (
+        Column("function"),
+        Column("gripper"),
+        Column("object"),
+        Column("mass", "kg", is_number=True),
+        Column("held", "seconds of the run", is_number=True),
+        Column("mean pad force", "N, while held", is_number=True),
+        Column("greatest pad force", "N", is_number=True),
+    )
+    rows = by_function.rows(
+        (
+            function,
+            (
+                Cell(gripper),
+                Cell(thing),
+                Cell(f"{payloads[0].mass_kg:.4g}"),
+                Cell(figures.seconds(sum(each.held_s for each in payloads))),
+                Cell(_newtons(_mean_force(payloads))),
+                Cell(_newtons(max(each.most_pad_force_n for each in payloads))),
+            ),
+        )
+        for (function, gripper, thing), payloads in held.items()
+    )
+    return Table("payloads", "What was held, and how firmly", columns, rows)
+
+
+def _mean_force(payloads: Sequence[Payload]) -> float:
+    """Return the mean over the time in which it was held [N]."""
+    held_s = sum(each.held_s for each in payloads)
+    if not held_s:
+        return max(each.pad_force_n for each in payloads)
+    return sum(each.pad_force_n * each.held_s for each in payloads) / held_s
+
+
+def _newtons(force: float) -> str:
+    return f"{force:.3g}" if force < 1e3 else f"{force:.0f}"

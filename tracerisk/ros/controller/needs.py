@@ -1,0 +1,105 @@
+"""What a controller asked its world for and did not get: services, messages, frames, parameters.
+
+Every wait for a thing that must exist, and every question that has no answer without it, is noted
+where the controller asks, and forgotten when it is given.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from tracerisk.errors import Location
+from tracerisk.ros.controller.frames import controller_frame
+
+NeedKind = Literal["topic", "service", "action", "parameter", "frame", "input", "call", "goal"]
+
+_ASKED_IN_VAIN = 10
+
+
+@dataclass(frozen=True, slots=True)
+class Need:
+    """A thing of the world: its kind, name and type (`std_srvs/Trigger`; empty: not known).
+
+    `parent` is the frame in which a frame is looked up; `type_name` of a parameter is `string`,
+    `double_array` and so on, as far as the controller says it.
+    """
+
+    kind: NeedKind
+    name: str
+    type_name: str = ""
+    parent: str = ""
+
+    @property
+    def told(self) -> str:
+        """The need in words: `service /add (pkg/Add)`."""
+        what = {
+            "topic": "messages on",
+            "service": "service",
+            "action": "action server",
+            "parameter": "parameter",
+            "frame": "frame",
+            "input": "an answer to",
+            "call": "calls of service",
+            "goal": "goals for action server",
+        }[self.kind]
+        return f"{what} {self.name}" + (f" ({self.type_name})" if self.type_name else "")
+
+
+@dataclass(frozen=True, slots=True)
+class Missed:
+    """A need that nothing met: when it was asked for first and last [ns], and where last."""
+
+    need: Need
+    first_ns: int
+    last_ns: int
+    location: Location | None
+
+
+class NeedLedger:
+    """The needs of one run that are not met, in the order in which they were first asked for."""
+
+    def __init__(self) -> None:
+        self._missed: dict[tuple[NeedKind, str], Missed] = {}
+        self._types: dict[tuple[NeedKind, str], str] = {}
+        self._asked: dict[tuple[NeedKind, str], int] = {}
+
+    @property
+    def missed(self) -> tuple[Missed, ...]:
+        """The needs that were asked for and not met since."""
+        return tuple(self._missed.values())
+
+    def miss(self, need: Need, now_ns: int, location: Location | None = None) -> None:
+        """Note that the code which runs asks for something that is not there (yet)."""
+        key = need.kind, need.name
+        known = self._missed.get(key)
+        type_name = need.type_name or self._types.get(key, "")
+        first_ns = now_ns if known is None else known.first_ns
+        if known is not None and not type_name:
+            type_name = known.need.type_name
+        place = location or asking_place()
+        self._missed[key] = Missed(replace(need, type_name=type_name), first_ns, now_ns, place)
+
+    def ask(self, need: Need, now_ns: int) -> None:
+        """Note a question whether something is there: who asks it again and again waits for it."""
+        key = need.kind, need.name
+        self._asked[key] = self._asked.get(key, 0) + 1
+        if self._asked[key] >= _ASKED_IN_VAIN:
+            self.miss(need, now_ns)
+
+    def meet(self, need: Need) -> None:
+        """Note that something that was asked for is there."""
+        self._missed.pop((need.kind, need.name), None)
+
+    def tell_type(self, kind: NeedKind, name: str, type_name: str) -> None:
+        """Note of which type a thing is that the controller may ask for by its name alone."""
+        self._types[kind, name] = type_name
+        known = self._missed.get((kind, name))
+        if known is not None and not known.need.type_name:
+            self._missed[kind, name] = replace(known, need=replace(known.need, type_name=type_name))
+
+
+def asking_place() -> Location | None:
+    """Return where the controller's code stands that runs, None where none does."""
+    frame = controller_frame()
+    return None if frame is None else Location(frame.f_code.co_filename, frame.f_lineno)

@@ -1,0 +1,1 @@
+"""Drafted values for what a controller lacks."""

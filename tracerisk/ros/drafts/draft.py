@@ -1,0 +1,374 @@
+"""What a scenario could hold for each need of a controller, and where its values are from."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from tracerisk.errors import InputError, Location
+from tracerisk.ros.controller.needs import Missed, Need, NeedKind
+from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
+from tracerisk.ros.drafts.split_answers import numbers_answer
+from tracerisk.ros.drafts.usable_values import UsableValues
+from tracerisk.ros.messages.fields import fields_of, type_of
+from tracerisk.source.compared_values import (
+    compared_in_callback,
+    compared_in_file,
+    compared_results,
+    ordered_answers,
+    used_as,
+    written_name,
+)
+from tracerisk.twin.physics.motion import Pose
+
+SECTIONS: Mapping[NeedKind, str] = {
+    "parameter": "parameters",
+    "topic": "publish",
+    "service": "services",
+    "action": "actions",
+    "call": "calls",
+    "goal": "calls",
+    "frame": "frames",
+    "input": "answers",
+}
+"""Where a scenario gives what is needed."""
+
+_TYPED: Mapping[str, Any] = {
+    "integer": 1,
+    "double": 0.1,
+    "string": "",
+    "byte_array": [0],
+    "bool_array": [False],
+    "integer_array": [0],
+    "double_array": [0.0],
+    "string_array": [""],
+}
+_READS = ("get_param", "get_param_cached", "get_parameter", "declare_parameter", "get_parameter_or")
+_ANONYMOUS = re.compile(r"^/(?:[\w/]*/)?\w+_\d+_\d{9,}/")
+_YES_OR_NO = re.compile(r"y/n|\byes\b", re.IGNORECASE)
+_SENSOR = re.compile(r"^(sensor_msgs/(?!JointState|Joy)|nav_msgs/Odometry|geometry_msgs/Wrench)")
+_MOST_IN_TURN = 6  # calls of one service, each with another value
+_EACH_S = 10.0  # between two commands of which a controller knows several
+_MOVES = re.compile(r"(^|[/_])(arm|gripper|fingers?|hand|joints?|tool|trajectory|motion)([/_\d]|$)")
+_JOINTS = re.compile(
+    r"^(j|joint_?)\d$|^(joint_)?trajectory$|^joint_(names|values|angles|positions)$"
+)
+_NOT_REAL = re.compile(r"sim|dry|debug|fake|mock|test|verbose|(^|_)(e?stop|abort)", re.IGNORECASE)
+_FOOT = re.compile(r"(^|[/_])(base(_(link|footprint|frame))?|world|map|odom)$")
+_LAST_NAMES = re.compile(r"(^|[/_])(e?stop|shutdown|exit|quit|kill|cancel|abort)", re.IGNORECASE)
+_NUMBERS: tuple[tuple[str, Any], ...] = (
+    (r"(^|_)(rate|hz|freq(uency)?)$", 10.0),
+    (r"(^|_)(num|number|count|n|times|cycles|parts)(_|$)", 1),
+    (r"(vel(ocity)?|speed|acc(el(eration)?)?|scal(e|ing)(_factor)?)$", 0.1),
+    (r"(^|_)(timeout|duration|period|delay|time|wait)$", 1.0),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Draft:
+    """What a scenario could say for a need: `value` is its entry, without one it cannot say it.
+
+    `words` tell where the value is from, or why no scenario gives it.
+    """
+
+    need: Need
+    key: str
+    value: Any
+    words: str
+    location: Location | None = None
+    others: tuple[Any, ...] = ()
+    """Other entries that may be tried, with other poses."""
+
+    @property
+    def section(self) -> str:
+        """The section of the scenario that it belongs to."""
+        return SECTIONS[self.need.kind]
+
+
+def drafts(
+    missed: Iterable[Missed], interfaces: Any, values: UsableValues, *, with_others: bool = False
+) -> tuple[Draft, ...]:
+    """Return what would meet each need; what stops or ends a controller is called last.
+
+    `interfaces` makes the message classes; a type it does not know is written without fields.
+    `with_others`: what holds a pose comes with entries that hold other ones.
+    """
+    found: list[Draft] = []
+    for lacking in missed:
+        draft = _draft(lacking, interfaces, values)
+        if with_others and draft.value is not None:
+            made = (
+                _draft(lacking, interfaces, values.with_pose(number)).value
+                for number in range(1, len(values.poses))
+            )
+            draft = replace(draft, others=tuple(other for other in made if other != draft.value))
+        found += _in_turn(draft, lacking.location)
+    once: dict[tuple[str, str], Draft] = {}
+    for each in found:
+        once.setdefault((each.section, each.key), each)
+    return tuple(sorted(once.values(), key=lambda each: _is_last(each.need)))
+
+
+def known_answers(place: Location | None, values: UsableValues) -> tuple[str, ...]:
+    """Return the answers that the code knows to its question at `place`, in turn; () for none."""
+    numbers = numbers_answer(place, values)
+    if numbers is not None:
+        return (numbers,)
+    return ordered_answers(compared_results(place, "input"))
+
+
+def drafts_of(data: Iterable[Mapping[str, Any]]) -> Iterator[Draft]:
+    """Yield the drafts of which `data` are the fields, through JSON."""
+    for each in data:
+        place = None if each["location"] is None else Location(**each["location"])
+        need, others = Need(**each["need"]), tuple(each["others"])
+        yield Draft(**{**each, "need": need, "location": place, "others": others})
+
+
+def _in_turn(draft: Draft, place: Location | None) -> Iterator[Draft]:
+    """Yield a draft; of a call with a field for which the code knows several values, each."""
+    yield draft
+    content = {"call": "request", "goal": "goal"}.get(draft.need.kind)
+    sent = {} if content is None or draft.value is None else draft.value.get(content, {})
+    for (name, *deeper), literals in compared_in_callback(place).values.items() if sent else ():
+        now = sent.get(name)
+        if deeper or isinstance(now, bool | list | dict) or now is None:
+            continue
+        others = [each for each in literals if type(each) is type(now) and each != now]
+        for number, value in enumerate(others[: _MOST_IN_TURN - 1], 2):
+            more = {**draft.value, content: {**sent, name: value}}
+            yield replace(
+                draft, key=f"{draft.key}[{number}]", value=more, words="as the code compares it"
+            )
+        if others:
+            return
+
+
+def _is_last(need: Need) -> bool:
+    return need.kind in ("call", "goal") and bool(_LAST_NAMES.search(need.name))
+
+
+def _draft(missed: Missed, interfaces: Any, values: UsableValues) -> Draft:
+    need, place = missed.need, missed.location
+    try:
+        key, value, words = _ENTRIES[need.kind](missed, interfaces, values)
+    except InputError:
+        name = {"topic": "topic", "frame": "frame", "call": "service", "goal": "action"}
+        key, value = need.name, {name.get(need.kind, "name"): need.name}
+        words = "its type is not known"
+    return Draft(need, key, value, words, place)
+
+
+_Made = tuple[str, Any, str]
+
+
+def _topic(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
+    need = missed.need
+    if need.type_name == "*":
+        unknown = {"topic": need.name, "type": "std_msgs/String", "message": {"data": ""}}
+        return need.name, unknown, "its type is not known"
+    made = interfaces.message(need.type_name)
+    compared = compared_in_callback(missed.location)
+    message = values.fields(made, compared, need.name)
+    entry: dict[str, Any] = {"topic": need.name, "type": need.type_name}
+    several = compared.texts(("data",)) if need.type_name == "std_msgs/String" else ()
+    if len(several) > 1:
+        commands = [{"data": each} for each in ordered_answers(several)]
+        timing = {"at": 1.0, "rate": 1 / _EACH_S, "count": len(commands)}
+        entry = {**entry, "messages": commands, **timing}
+        return need.name, entry, "the texts that the code knows, in turn"
+    if _SENSOR.match(need.type_name):
+        return (
+            need.name,
+            {**entry, "rate": 10.0, "until": 60.0, "message": message},
+            _told(need.type_name, compared.values, values),
+        )
+    entry = {**entry, "after": 1.0, "message": message}
+    return need.name, entry, _told(need.type_name, compared.values, values)
+
+
+def _told(type_name: str, compared: Any, values: UsableValues) -> str:
+    name = values.robot.name
+    if re.search(r"Joint", type_name):
+        return f"joints of {name}, a little away from where it begins"
+    if re.search(r"Pose|Point|Transform|Detection|Marker", type_name):
+        return f"a pose that {name} reaches"
+    return "as the code compares it" if compared else "a value of its type"
+
+
+def _service(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
+    need = missed.need
+    if not need.type_name:
+        return need.name, {"name": need.name, "reply": {}}, "its type is not known"
+    response = service_parts(interfaces, need.type_name)[1]
+    compared = compared_in_file(missed.location)
+    reply = values.fields(response, compared)
+    entry = {"name": need.name, "type": need.type_name, "reply": reply}
+    return need.name, entry, "a reply that says it went well"
+
+
+def _action(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
+    need = missed.need
+    goal = goal_class(interfaces, need.type_name)
+    if _moves_robot(need, goal):
+        words = "moves the robot: a driver has to serve it, no scenario can"
+        return need.name, None, words
+    result = values.fields(action_parts(interfaces, need.type_name)[0])
+    entry = {"name": need.name, "type": need.type_name, "after": 1.0, "result": result}
+    return need.name, entry, "a goal that succeeds"
+
+
+def _moves_robot(need: Need, goal: Any) -> bool:
+    """Tell whether an action is one of the arm's or the gripper's driver."""
+    return bool(_MOVES.search(need.name.lower())) or _holds_joints(goal, 3)
+
+
+def _holds_joints(message_class: Any, depth: int) -> bool:
+    if type_of(message_class) in ("trajectory_msgs/JointTrajectory", "sensor_msgs/JointState"):
+        return True
+    return any(
+        _JOINTS.match(field.name) is not None
+        or (field.message is not None and depth > 0 and _holds_joints(field.message, depth - 1))
+        for field in fields_of(message_class)
+    )
+
+
+def _call(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
+    need = missed.need
+    request = service_parts(interfaces, need.type_name)[0]
+    sent = values.fields(request, compared_in_callback(missed.location), need.name)
+    entry = {"service": need.name, "type": need.type_name, "request": sent, "wait": True}
+    return need.name, entry, "one call, in its turn"
+
+
+def _sent_goal(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
+    need = missed.need
+    goal = goal_class(interfaces, need.type_name)
+    compared = compared_in_callback(missed.location)
+    sent = values.fields(goal, compared, need.name)
+    entry = {"action": need.name, "type": need.type_name, "goal": sent, "wait": True}
+    return need.name, entry, "one goal, in its turn"
+
+
+def _frame(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
+    del interfaces
+    need, pose = missed.need, values.pose
+    is_foot = _FOOT.search(need.name) is not None
+    if is_foot:
+        pose = Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+    entry = {
+        "frame": need.name,
+        "parent": values.robot.base_link,
+        "xyz": list(pose.position),
+        "rpy": [round(each, 4) + 0.0 for each in roll_pitch_yaw(pose.orientation)],
+    }
+    name = values.robot.name
+    return need.name, entry, f"the base of {name}" if is_foot else f"a pose that {name} reaches"
+
+
+def _answer(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
+    del interfaces
+    need = missed.need
+    answers = known_answers(missed.location, values)
+    if not answers:
+        answers = ("y",) if _YES_OR_NO.search(need.name) else ("1",)
+        return need.name, list(answers), f"an answer to {need.name}"
+    return need.name, list(answers), f"as the code compares the answer to {need.name}"
+
+
+def _parameter(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
+    del interfaces
+    need, place = missed.need, missed.location
+    key = need.name
+    written = next((name for call in _READS if (name := written_name(place, call))), "")
+    if written.startswith("~") or _ANONYMOUS.match(key):
+        # Private to the node, whose own name may be another each time.
+        key = f"~{_ANONYMOUS.sub('', key)}" if not written.startswith("~") else written
+    value, words = _parameter_value(need, missed.location, values)
+    return key, value, words
+
+
+def _parameter_value(need: Need, place: Location | None, values: UsableValues) -> tuple[Any, str]:
+    last = need.name.replace(".", "/").rpartition("/")[2].lstrip("~")
+    literals = next((found for call in _READS if (found := compared_results(place, call))), ())
+    kind = need.type_name or next((use for call in _READS if (use := used_as(place, call))), "")
+    fitting = [each for each in literals if _fits(each, kind)]
+    if fitting:
+        return fitting[0], "as the code compares it"
+    names = [joint.name for joint in values.joints]
+    if kind in ("", "string_array") and re.search(r"(^|_)joint(s|_names)$", last):
+        return names, f"the joints of {values.robot.name}"
+    if kind == "double_array" and re.search(r"joint|pos|home|ready|state|angle", last):
+        return list(values.posture), f"near where {values.robot.name} begins"
+    if kind in ("", "string", "str"):
+        text = values.text(last, ())
+        if text:
+            return text, f"of {values.robot.name}"
+    if kind in ("", "int", "float", "integer", "double"):
+        for pattern, number in _NUMBERS:
+            if re.search(pattern, last):
+                return int(number) or 1 if kind in ("int", "integer") else number, "a usual value"
+    if kind == "bool":
+        return not _NOT_REAL.search(last), "a value of its type"
+    plain = {"int": 1, "float": 0.1, "str": last}.get(kind)
+    if plain is not None:
+        return plain, "as the code uses it"
+    return _TYPED.get(kind, 1), "a value of its type" if kind in _TYPED else "a guess"
+
+
+def _fits(value: Any, kind: str) -> bool:
+    wanted: Mapping[str, type | tuple[type, ...]] = {
+        "string": str, "str": str, "bool": bool, "integer": int, "int": int,
+        "double": (int, float), "float": (int, float), "": (str, int, float),
+    }  # fmt: skip
+    is_bool = isinstance(value, bool)
+    return kind in wanted and isinstance(value, wanted[kind]) and is_bool == (kind == "bool")
+
+
+_ENTRIES = {
+    "topic": _topic,
+    "service": _service,
+    "action": _action,
+    "call": _call,
+    "goal": _sent_goal,
+    "frame": _frame,
+    "input": _answer,
+    "parameter": _parameter,
+}
+
+
+def service_parts(interfaces: Any, type_name: str) -> tuple[Any, Any]:
+    """Return the classes of a service's request and response, of either ROS.
+
+    Raises:
+        InputError: no such service is known.
+    """
+    found = interfaces.service(type_name)
+    if hasattr(found, "_request_class"):
+        return found._request_class, found._response_class
+    return found.Request, found.Response
+
+
+def action_parts(interfaces: Any, type_name: str) -> tuple[Any, Any]:
+    """Return the classes of an action's result and feedback, of either ROS.
+
+    Raises:
+        InputError: no such action is known.
+    """
+    if hasattr(interfaces, "action"):
+        found = interfaces.action(type_name)
+        return found.Result, found.Feedback
+    return interfaces.message(f"{type_name}Result"), interfaces.message(f"{type_name}Feedback")
+
+
+def goal_class(interfaces: Any, type_name: str) -> Any:
+    """Return the class of an action's goal, of either ROS.
+
+    Raises:
+        InputError: no such action is known.
+    """
+    if hasattr(interfaces, "action"):
+        return interfaces.action(type_name).Goal
+    return interfaces.message(f"{type_name}Goal")

@@ -1,0 +1,63 @@
+"""Numbers of a posture or a pose where a message has a bare list of them, told by its name."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+
+from tracerisk.twin.physics.motion import Pose
+
+_JOINTS = re.compile(
+    r"^data$|(^|_)(joints?|(joint_?)?(pos(itions?)?|values|angles|states?|goals?|targets?))$|"
+    r"^(j|q|joints?_\w+)$",
+    re.IGNORECASE,
+)
+_NO_PLACE = re.compile(
+    r"vel|acc|eff|torque|speed|stiff|damp|tol|limit|weight|gain|duration|time", re.IGNORECASE
+)
+_TURN = re.compile(r"orient|quat|rot", re.IGNORECASE)
+_POINT = re.compile(r"pos|point|xyz|target|goal|cent(er|re)|translation", re.IGNORECASE)
+_POSE = re.compile(r"(^|_)pose$|cartesian|xyz_?rpy|tcp", re.IGNORECASE)
+
+
+def numbers_of(name: str, length: int | None, posture: Sequence[float], pose: Pose) -> list[float]:
+    """Return the numbers of a list called `name`: [rad or m] of joints, or of a pose; [] for none.
+
+    `length` is that of a fixed list. A pose is x, y, z and, where there is room, the turn: as a
+    quaternion of four numbers or as roll, pitch and yaw.
+    """
+    if _NO_PLACE.search(name):
+        return []
+    if "joint" not in name.lower():
+        found = _of_pose(name, length, pose)
+        if found:
+            return found
+    if not _JOINTS.search(name):
+        return []
+    if length in (None, len(posture)):
+        return list(posture)
+    return ([*posture] + [0.0] * length)[:length]
+
+
+def _of_pose(name: str, length: int | None, pose: Pose) -> list[float]:
+    position, turn = list(pose.position), list(pose.orientation)
+    if length == len(turn) and _TURN.search(name):
+        return turn
+    if length == len(position) and _POINT.search(name):
+        return position
+    if not _POSE.search(name):
+        return []
+    if length == len(position) + len(turn):
+        return position + turn
+    angles = [round(each, 4) + 0.0 for each in roll_pitch_yaw(pose.orientation)]
+    return position + angles if length in (None, 6) else []
+
+
+def roll_pitch_yaw(turn: tuple[float, float, float, float]) -> tuple[float, float, float]:
+    """Return the angles [rad] of a quaternion (x, y, z, w), about the fixed axes."""
+    x, y, z, w = turn
+    pitch = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
+    roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+    yaw = math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    return roll, pitch, yaw

@@ -1,0 +1,390 @@
+"""Values with which a controller can go on: of the robot it drives, and as its code compares them.
+
+They stand in for what only the author knows: the joints are the robot's own, a pose is one that
+its tool reaches, and a text, a number or a truth value is one that the code asks for.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import copy
+from functools import cached_property
+from typing import Any
+
+from tracerisk.ros.drafts.drafted_pictures import PICTURES, picture
+from tracerisk.ros.drafts.posture_numbers import numbers_of
+from tracerisk.ros.messages.fields import (
+    DURATIONS,
+    FLOATS,
+    TIMES,
+    MessageField,
+    constants_of,
+    fields_of,
+    type_of,
+)
+from tracerisk.source.compared_values import Compared
+from tracerisk.twin.physics.motion import PlanningError, Pose
+from tracerisk.twin.robots.robot import Group, Joint, Robot
+from tracerisk.twin.urdf.text import urdf_text
+
+_DEEPEST = 5  # of nested messages: what lies deeper has its defaults without being written
+_STEP = 0.2  # how far from where it is a joint is sent [rad; of its range where it slides]
+_TRIED = 400  # postures among which one with the tool in front of the arm is looked for
+_SOLVED = 24  # of the best of them, for how many the pose above is tried
+_ABOVE = 0.1  # a pose is approached from so far above [m]
+_AHEAD = 0.4  # of the arm's reach: how far before its base a pose should be
+_HEIGHT = 0.15  # of its reach: how high above the base's foot
+_APART = 0.1  # poses are so far apart [m]
+_POSES = 3  # a pose and the others that may be tried for it
+_UPRIGHT = 0.1  # 1 - cosine between an axis of the tool and straight down
+_HALTON = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29)
+_OFF = re.compile(
+    r"(^|_)(e?stop|halt|abort|cancel|pause|emergency|error|fault|busy|shutdown|quit|exit|disable)",
+    re.IGNORECASE,
+)
+_FRAME = re.compile(r"(^|_)(frame|frame_id|link)$")
+_JOINTS = re.compile(r"^(joint_?names?|joints|names?)$")
+_DESCRIPTION = re.compile(r"(^|[/_])robot_description$|(^|[/_])urdf(_(xml|string|text))?$")
+_NUMBERED = re.compile(r"^(?:j|joint|q|axis|theta|angle)_?(\d)$")
+_GROUP = re.compile(r"(^|_)(planning_)?group(_name)?$")
+_FAILS = re.compile(r"err|fault|fail|status|state|index|idx|(^|_)id$", re.IGNORECASE)
+_SUCCESS = ("SUCCESS", "SUCCEEDED", "SUCCESSFUL", "OK", "STATUS_OK")
+# Who sends a goal for the arm's joints leaves these out: the server's own count then.
+_LEFT_EMPTY = frozenset(
+    {
+        "trajectory_msgs/MultiDOFJointTrajectory",
+        "control_msgs/JointTolerance",
+        "control_msgs/JointComponentTolerance",
+    }
+)
+
+
+class UsableValues:
+    """The values for one robot.
+
+    `forward` gives the pose of a link for joint positions, `inverse` the positions of a group
+    that bring its tip to a pose, free of collisions (PlanningError: none do).
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        forward: Callable[[Mapping[str, float], str], Pose],
+        inverse: Callable[[str, Pose], Mapping[str, float]],
+    ) -> None:
+        self.robot = robot
+        self._forward = forward
+        self._inverse = inverse
+        self._number = 0
+
+    def fields(
+        self, message_class: Any, compared: Compared | None = None, name: str = ""
+    ) -> dict[str, Any]:
+        """Return the fields of a message as a scenario writes them.
+
+        `compared` is what the code compares them with, `name` that of their topic or service.
+        """
+        return self._fields(message_class, compared or Compared(), name, (), 1)
+
+    # What is of the robot
+
+    @cached_property
+    def group(self) -> tuple[str, Group] | None:
+        """The group of the arm: the one with most joints of those that have a tip."""
+        groups = [
+            (name, group)
+            for name, group in self.robot.groups.items()
+            if group.tip_link is not None and group.joints
+        ]
+        arms = {joint.name for joint in self.robot.arm_joints}
+        return max(groups, key=lambda each: len(arms & set(each[1].joints)), default=None)
+
+    @cached_property
+    def joints(self) -> tuple[Joint, ...]:
+        """The joints of the arm, in the order of its group."""
+        if self.group is not None:
+            return tuple(self.robot.joint(name) for name in self.group[1].joints)
+        return self.robot.arm_joints
+
+    @cached_property
+    def posture(self) -> tuple[float, ...]:
+        """A position of each joint of the arm [rad or m], a little away from where it begins."""
+        return tuple(self._moved(joint) for joint in self.joints)
+
+    def _moved(self, joint: Joint) -> float:
+        now = self.robot.initial_state.get(joint.name, 0.0)
+        if not math.isfinite(joint.lower) or not math.isfinite(joint.upper):
+            return round(now + _STEP, 3)
+        step = _STEP * (joint.upper - joint.lower) if joint.type == "prismatic" else _STEP
+        towards = now + math.copysign(step, (joint.lower + joint.upper) / 2 - now)
+        return round(min(max(towards, joint.lower), joint.upper), 3)
+
+    @property
+    def pose(self) -> Pose:
+        """A pose in the base link's frame that the tool reaches, and from above too."""
+        return self.poses[min(self._number, len(self.poses) - 1)]
+
+    def with_pose(self, number: int) -> UsableValues:
+        """Return the values with another of the `poses`, counted from 0."""
+        other = copy(self)
+        other._number = number
+        return other
+
+    @cached_property
+    def poses(self) -> tuple[Pose, ...]:
+        """Poses that the tool reaches, the one nearest to where an arm works first."""
+        found = list(self._reachable())
+        return tuple(found) or (Pose((0.3, 0.0, 0.3), (0.0, 0.0, 0.0, 1.0)),)
+
+    def _reachable(self) -> Iterator[Pose]:
+        if self.group is None or self.group[1].tip_link is None:
+            return
+        name, tip = self.group[0], self.group[1].tip_link
+        states = [
+            {**self.robot.initial_state, **state}
+            for state in self.robot.named_states.get(name, {}).values()
+        ]
+        postures = [dict(self.robot.initial_state), *states, *self._postures()]
+        poses = [self._forward(each, tip) for each in postures]
+        reach = max(math.dist(each.position, (0.0, 0.0, 0.0)) for each in poses)
+        ranked = sorted(poses, key=lambda each: _badness(each, reach))
+        # The orientation of a known state is one that its author works with.
+        upright = min(poses[: 1 + len(states)], key=_tilt)
+        found: list[Pose] = []
+        for each in ranked[:_SOLVED]:
+            if any(math.dist(each.position, other.position) < _APART for other in found):
+                continue
+            orientations = [each.orientation]
+            if _tilt(upright) < _UPRIGHT:
+                orientations.insert(0, upright.orientation)
+            made = (_rounded(Pose(each.position, orientation)) for orientation in orientations)
+            reached = next((pose for pose in made if self._is_reached(name, pose)), None)
+            if reached is not None:
+                found.append(reached)
+                yield reached
+            if len(found) == _POSES:
+                return
+
+    def _is_reached(self, group: str, pose: Pose) -> bool:
+        x, y, z = pose.position
+        try:
+            self._inverse(group, pose)
+            self._inverse(group, Pose((x, y, z + _ABOVE), pose.orientation))
+        except PlanningError:
+            return False
+        return True
+
+    def _postures(self) -> Iterator[dict[str, float]]:
+        """Yield postures spread evenly over the middle of the joints' ranges."""
+        for number in range(1, _TRIED + 1):
+            yield {
+                joint.name: _within(joint, _halton(number, _HALTON[index % len(_HALTON)]))
+                for index, joint in enumerate(self.joints)
+            }
+
+    # Messages
+
+    def _fields(
+        self,
+        message_class: Any,
+        compared: Compared,
+        name: str,
+        path: tuple[str, ...],
+        depth: int,
+    ) -> dict[str, Any]:
+        whole = self._whole(message_class, name)
+        if whole is not None:
+            return whole
+        found: dict[str, Any] = {}
+        for field in fields_of(message_class):
+            if field.message is not None and not field.is_array and depth >= _DEEPEST:
+                continue
+            if field.message is not None and type_of(field.message) in _LEFT_EMPTY:
+                continue
+            inner = (*path, field.name)
+            found[field.name] = self._field(message_class, field, compared, name, inner, depth)
+        return found
+
+    def _whole(self, message_class: Any, name: str) -> dict[str, Any] | None:
+        """Return the message where its type alone says what is in it."""
+        kind = type_of(message_class)
+        (x, y, z), (qx, qy, qz, qw) = self.pose.position, self.pose.orientation
+        position, turn = {"x": x, "y": y, "z": z}, {"x": qx, "y": qy, "z": qz, "w": qw}
+        names = [joint.name for joint in self.joints]
+        posture = list(self.posture)
+        if kind in PICTURES:
+            parts = [field.name for field in fields_of(message_class)]
+            return picture(kind, parts, self.robot.base_link, name)
+        if kind == "std_msgs/Header":
+            return {"stamp": "now", "frame_id": self.robot.base_link}
+        if kind in ("geometry_msgs/Point", "geometry_msgs/Point32"):
+            return position
+        if kind == "geometry_msgs/Quaternion":
+            return turn
+        if kind == "geometry_msgs/Transform":
+            return {"translation": position, "rotation": turn}
+        if kind == "geometry_msgs/Twist":
+            return {"linear": {"x": 0.05, "y": 0.0, "z": 0.0}}
+        if kind == "sensor_msgs/Joy":
+            # As many as a common game pad has, the first stick moved and nothing pressed.
+            return {"axes": [0.5, 0.5, *[0.0] * 6], "buttons": [0] * 12}
+        if kind == "sensor_msgs/JointState":
+            header = {"stamp": "now", "frame_id": ""}
+            # Those of the gripper too, as the robot itself tells them.
+            names = [joint.name for joint in self.robot.joints]
+            posture = [self._moved(joint) for joint in self.robot.joints]
+            zeros = [0.0 for _ in names]
+            return {
+                "header": header, "name": names, "position": posture, "velocity": zeros,
+                "effort": zeros,
+            }  # fmt: skip
+        if kind == "trajectory_msgs/JointTrajectory":
+            return {
+                "joint_names": names,
+                "points": [{"positions": posture, "time_from_start": 2.0}],
+            }
+        return None
+
+    def _field(
+        self,
+        owner: Any,
+        field: MessageField,
+        compared: Compared,
+        name: str,
+        path: tuple[str, ...],
+        depth: int,
+    ) -> Any:
+        if not field.is_array:
+            return self._scalar(owner, field, compared, name, path, depth)
+        if field.message is not None or field.base in TIMES | DURATIONS:
+            if depth >= _DEEPEST or field.longest == 0:
+                return []
+            if (
+                type_of(owner).endswith("MultiArray")
+                or type_of(owner) == "std_msgs/MultiArrayLayout"
+            ):
+                return []
+            count = 1 if field.length is None else field.length
+            return [self._scalar(owner, field, compared, name, path, depth) for _ in range(count)]
+        return self._array(field, compared, path)
+
+    def _array(self, field: MessageField, compared: Compared, path: tuple[str, ...]) -> list[Any]:
+        if field.base in ("string", "wstring"):
+            if _JOINTS.match(field.name):
+                return [joint.name for joint in self.joints]
+            return [str(each) for each in compared.texts(path)]
+        if field.base in FLOATS:
+            numbers = numbers_of(field.name, field.length, self.posture, self.pose)
+            if numbers:
+                return numbers
+        if field.base == "bool":
+            return [True] * (field.length or 0)
+        zero: Any = 0.0 if field.base in FLOATS else 0
+        return [zero] * (field.length or 0)
+
+    def _scalar(
+        self,
+        owner: Any,
+        field: MessageField,
+        compared: Compared,
+        name: str,
+        path: tuple[str, ...],
+        depth: int,
+    ) -> Any:
+        if field.base in TIMES:
+            return "now"
+        if field.base in DURATIONS:
+            return 0.0
+        if field.message is not None:
+            return self._fields(field.message, compared, name, path, depth + 1)
+        if field.base == "bool":
+            return not (
+                _OFF.search(field.name) or (field.name == "data" and _OFF.search(_last(name)))
+            )
+        if field.base in ("string", "wstring"):
+            # The text of a plain message is of what its topic is called.
+            called = _last(name) if field.name == "data" and name else field.name
+            return self.text(called, compared.texts(path))
+        if field.base in FLOATS:
+            return self._float(field, compared.numbers(path), type_of(owner))
+        return _integer(owner, field, compared.numbers(path))
+
+    def text(self, name: str, texts: Sequence[str]) -> str:
+        """Return the text of a field or parameter called `name`: one of `texts`, if any."""
+        if texts:
+            return texts[0]
+        if _DESCRIPTION.search(name):
+            return urdf_text(self.robot)
+        if _FRAME.search(name):
+            return self.robot.base_link
+        if _GROUP.search(name) and self.group is not None:
+            return self.group[0]
+        if re.search(r"(^|_)robot(_?(name|model|type))?$", name):
+            return self.robot.name
+        return ""
+
+    def _float(self, field: MessageField, numbers: Sequence[float], owner: str) -> float:
+        if numbers:
+            return float(numbers[0])
+        numbered = _NUMBERED.match(field.name)
+        if numbered is not None:
+            index = int(numbered[1]) - 1
+            return self.posture[index] if 0 <= index < len(self.posture) else 0.0
+        position = dict(zip("xyz", self.pose.position, strict=True))
+        if field.name in position and not owner.startswith("geometry_msgs/"):
+            return position[field.name]
+        return 0.0 if owner == "geometry_msgs/Vector3" else 0.1
+
+
+def _integer(owner: Any, field: MessageField, numbers: Sequence[float]) -> int:
+    whole = [round(each) for each in numbers]
+    limits = field.integer_limits or (0, 1)
+    fitting = [each for each in whole if limits[0] <= each <= limits[1]]
+    if fitting:
+        return fitting[0]
+    constants = constants_of(owner)
+    for name in _SUCCESS:
+        if isinstance(constants.get(name), int):
+            return int(constants[name])
+    return 0 if _FAILS.search(field.name) else 1
+
+
+def _badness(pose: Pose, reach: float) -> float:
+    """Return how far a pose is from where an arm works: before it, and above its foot [m]."""
+    return round(math.dist(pose.position, (_AHEAD * reach, 0.0, _HEIGHT * reach)), 3)
+
+
+def _tilt(pose: Pose) -> float:
+    """Return how far the nearest axis of a pose is from pointing straight down [1 - cosine]."""
+    x, y, z, w = pose.orientation
+    row = (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y))
+    return 1.0 - max(abs(each) for each in row)
+
+
+def _rounded(pose: Pose) -> Pose:
+    x, y, z = (round(each, 3) + 0.0 for each in pose.position)
+    a, b, c, d = (round(each, 5) + 0.0 for each in pose.orientation)
+    return Pose((x, y, z), (a, b, c, d))
+
+
+def _halton(number: int, base: int) -> float:
+    value, part = 0.0, 1.0
+    while number:
+        part /= base
+        number, digit = divmod(number, base)
+        value += digit * part
+    return value
+
+
+def _within(joint: Joint, share: float) -> float:
+    lower = joint.lower if math.isfinite(joint.lower) else -math.pi
+    upper = joint.upper if math.isfinite(joint.upper) else math.pi
+    if joint.type != "prismatic":
+        lower, upper = max(lower, -math.pi), min(upper, math.pi)
+    return lower + (0.1 + 0.8 * share) * (upper - lower)
+
+
+def _last(name: str) -> str:
+    return name.rstrip("/").rpartition("/")[2]

@@ -1,0 +1,1 @@
+"""Gazebo's services and models on the twin."""

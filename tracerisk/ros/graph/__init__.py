@@ -1,0 +1,1 @@
+"""The graph in one process: topics, services, actions, parameters, the runtime."""

@@ -1,0 +1,516 @@
+"""Actions in one process: who serves them, and the goals on their way.
+
+Neither version of ROS is meant: actionlib and rclpy.action give their own classes, threads and
+queues to what is here, and the twin serves through it. A goal carries the stack of the code that
+sent it, so that what a server makes of it is owned by the sender.
+
+What is passed from one end to the other arrives at once, as a call of the other end's hook, which
+must not wait: a client library queues what runs code of the controller.
+"""
+
+from __future__ import annotations
+
+import enum
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from tracerisk.errors import Location
+from tracerisk.ros.controller.needs import Missed, Need, asking_place
+from tracerisk.ros.graph.runtime import Runtime
+
+ActionChange = Literal["client", "client_gone", "served", "unserved"]
+
+
+class GoalState(enum.Enum):
+    """What a goal has come to, as its server says.
+
+    ROS 1 knows no ACCEPTED (its goals are ACTIVE at once), ROS 2 neither RECALLING nor RECALLED
+    nor LOST; REJECTED has a response but no status in ROS 2.
+    """
+
+    PENDING = "pending"
+    ACCEPTED = "accepted"
+    ACTIVE = "active"
+    RECALLING = "recalling"
+    PREEMPTING = "preempting"
+    REJECTED = "rejected"
+    RECALLED = "recalled"
+    PREEMPTED = "preempted"
+    SUCCEEDED = "succeeded"
+    ABORTED = "aborted"
+    LOST = "lost"
+
+    @property
+    def is_terminal(self) -> bool:
+        """Whether nothing follows."""
+        return self in _TERMINAL
+
+    @property
+    def ros1_status(self) -> int:
+        """The number of the state in actionlib_msgs/GoalStatus."""
+        return _ROS1_STATUS[self]
+
+    @property
+    def ros2_status(self) -> int:
+        """The number of the state in action_msgs/GoalStatus."""
+        return _ROS2_STATUS[self]
+
+
+_TERMINAL = frozenset(
+    {
+        GoalState.REJECTED,
+        GoalState.RECALLED,
+        GoalState.PREEMPTED,
+        GoalState.SUCCEEDED,
+        GoalState.ABORTED,
+        GoalState.LOST,
+    }
+)
+_ROS1_STATUS = {
+    GoalState.PENDING: 0,
+    GoalState.ACCEPTED: 1,
+    GoalState.ACTIVE: 1,
+    GoalState.PREEMPTED: 2,
+    GoalState.SUCCEEDED: 3,
+    GoalState.ABORTED: 4,
+    GoalState.REJECTED: 5,
+    GoalState.PREEMPTING: 6,
+    GoalState.RECALLING: 7,
+    GoalState.RECALLED: 8,
+    GoalState.LOST: 9,
+}
+_ROS2_STATUS = {
+    GoalState.PENDING: 0,
+    GoalState.ACCEPTED: 1,
+    GoalState.ACTIVE: 2,
+    GoalState.RECALLING: 3,
+    GoalState.PREEMPTING: 3,
+    GoalState.SUCCEEDED: 4,
+    GoalState.RECALLED: 5,
+    GoalState.PREEMPTED: 5,
+    GoalState.ABORTED: 6,
+    GoalState.REJECTED: 6,
+    GoalState.LOST: 0,
+}
+
+
+def _ignore(*told: Any) -> None:
+    del told
+
+
+class GoalStateError(Exception):
+    """A server asked for a step that the goal's state does not allow."""
+
+
+@dataclass(slots=True, eq=False)
+class ActionGoal:
+    """A goal from the moment it was sent.
+
+    `message` is the goal as sent, `stack` that of the code which sent it, `sent_ns` when.
+    `on_change` is called after each change of state, `on_feedback` with each feedback; a client
+    library sets both. `data` is free for the server. `result` stays None until a terminal state.
+    """
+
+    id: Any
+    client: ActionClientEnd
+    server: ActionServerEnd | None
+    message: Any
+    stack: tuple[Any, ...]
+    sent_ns: int
+    on_change: Callable[[ActionGoal], None] = _ignore
+    on_feedback: Callable[[ActionGoal, Any], None] = _ignore
+    state: GoalState = GoalState.PENDING
+    text: str = ""
+    result: Any = None
+    is_cancel_asked: bool = False
+    data: Any = None
+
+    # The server's side
+
+    def accept(self, text: str = "", *, executing: bool = True) -> None:
+        """Take the goal; it is ACTIVE, or ACCEPTED until `execute` where not `executing`.
+
+        Raises:
+            GoalStateError: the goal does not wait to be taken.
+        """
+        self._expect("accept", GoalState.PENDING, GoalState.RECALLING)
+        if self.state is GoalState.RECALLING:
+            self._become(GoalState.PREEMPTING, text)
+        else:
+            self._become(GoalState.ACTIVE if executing else GoalState.ACCEPTED, text)
+
+    def execute(self) -> None:
+        """Begin the work of an accepted goal.
+
+        Raises:
+            GoalStateError: the goal is not merely accepted.
+        """
+        self._expect("execute", GoalState.ACCEPTED)
+        self._become(GoalState.ACTIVE, self.text)
+
+    def reject(self, text: str = "", result: Any = None) -> None:
+        """Refuse the goal.
+
+        Raises:
+            GoalStateError: the goal does not wait to be taken.
+        """
+        self._expect("reject", GoalState.PENDING, GoalState.RECALLING)
+        self._become(GoalState.REJECTED, text, result)
+
+    def accept_cancel(self, text: str = "") -> None:
+        """Agree to end the goal early: RECALLING or PREEMPTING.
+
+        Raises:
+            GoalStateError: the goal is over or ends already.
+        """
+        self._expect("cancel", GoalState.PENDING, GoalState.ACCEPTED, GoalState.ACTIVE)
+        is_pending = self.state is GoalState.PENDING
+        self._become(GoalState.RECALLING if is_pending else GoalState.PREEMPTING, text)
+
+    def cancel(self, result: Any = None, text: str = "") -> None:
+        """End the goal early: RECALLED where it was not taken yet, else PREEMPTED.
+
+        Raises:
+            GoalStateError: the goal is over.
+        """
+        self._expect("set canceled", *_LIVE)
+        untaken = self.state in (GoalState.PENDING, GoalState.RECALLING)
+        self._become(GoalState.RECALLED if untaken else GoalState.PREEMPTED, text, result)
+
+    def succeed(self, result: Any = None, text: str = "") -> None:
+        """End the goal as reached.
+
+        Raises:
+            GoalStateError: the goal is not being pursued.
+        """
+        self._expect("set succeeded", *_PURSUED)
+        self._become(GoalState.SUCCEEDED, text, result)
+
+    def abort(self, result: Any = None, text: str = "") -> None:
+        """End the goal as failed.
+
+        Raises:
+            GoalStateError: the goal is not being pursued.
+        """
+        self._expect("set aborted", *_PURSUED)
+        self._become(GoalState.ABORTED, text, result)
+
+    def publish_feedback(self, feedback: Any) -> None:
+        """Send feedback to the client."""
+        copied = self._copied(feedback)
+        self.on_feedback(self, copied)
+        self._tell("feedback", copied)
+
+    # The client's side
+
+    def ask_cancel(self) -> None:
+        """Ask the server to end the goal early; it decides.
+
+        A goal that is over, or ends early already, is left alone.
+        """
+        if self.state.is_terminal or self.state in (GoalState.RECALLING, GoalState.PREEMPTING):
+            return
+        self.is_cancel_asked = True
+        if self.server is not None and not self.server.closed:
+            self.server.on_cancel(self)
+
+    def _expect(self, step: str, *allowed: GoalState) -> None:
+        if self.state not in allowed:
+            names = ", ".join(state.name for state in allowed)
+            raise GoalStateError(
+                f"cannot {step} a goal of {self.client.name} that is {self.state.name}; "
+                f"the goal must be one of {names}"
+            )
+
+    def _become(self, state: GoalState, text: str, result: Any = None) -> None:
+        self.state, self.text = state, text
+        if state.is_terminal:
+            self.result = None if result is None else self._copied(result)
+            if self.server is not None:
+                self.server.forget(self)
+        self.on_change(self)
+        self._tell("state", None)
+
+    def _copied(self, message: Any) -> Any:
+        return message if self.server is None else self.server.copy(message)
+
+    def _tell(self, what: Literal["feedback", "state"], message: Any) -> None:
+        if self.server is not None:
+            self.server.on_told(self, what, message)
+
+
+_PURSUED = (GoalState.ACCEPTED, GoalState.ACTIVE, GoalState.PREEMPTING)
+_LIVE = (*_PURSUED, GoalState.PENDING, GoalState.RECALLING)
+
+
+@dataclass(slots=True, eq=False)
+class ActionServerEnd:
+    """Who serves an action: told of goals and of cancel requests by `on_goal` and `on_cancel`.
+
+    `copy` makes what is sent of a result or a feedback. `by_controller` is False for the twin's
+    own servers and for those that a scenario plays. `goals` are those that are not over, in the
+    order of their sending. `on_told` is called after a goal's client was told of a `state` or a
+    `feedback`.
+    """
+
+    actions: Actions
+    name: str
+    type_name: str
+    node: str
+    on_goal: Callable[[ActionGoal], None]
+    on_cancel: Callable[[ActionGoal], None]
+    copy: Callable[[Any], Any]
+    by_controller: bool
+    is_scenario: bool = False
+    place: Location | None = None
+    is_called: bool = False
+    on_told: Callable[[ActionGoal, str, Any], None] = _ignore
+    goals: list[ActionGoal] = field(default_factory=list)
+    closed: bool = False
+
+    def forget(self, goal: ActionGoal) -> None:
+        """Keep a goal that is over no longer."""
+        if goal in self.goals:
+            self.goals.remove(goal)
+
+    def close(self) -> None:
+        """Stop serving; goals on their way stay as they are."""
+        if not self.closed:
+            self.closed = True
+            self.actions._remove_server(self)
+
+
+@dataclass(slots=True, eq=False)
+class ActionClientEnd:
+    """Who sends goals of an action; `copy` makes what is sent of a goal."""
+
+    actions: Actions
+    name: str
+    type_name: str
+    node: str
+    copy: Callable[[Any], Any]
+    closed: bool = False
+    place: Location | None = field(default_factory=asking_place)
+    _numbers: Any = field(default_factory=lambda: itertools.count(1))
+
+    @property
+    def server(self) -> ActionServerEnd | None:
+        """Who serves the action with the client's type, if anybody."""
+        return self.actions.server(self.name, self.type_name)
+
+    def is_served(self) -> bool:
+        """Tell whether somebody serves the action, as the controller asks it."""
+        scheduler = self.actions.scheduler
+        if self.server is None:
+            scheduler.miss(self._need)
+            return False
+        scheduler.needs.meet(self._need)
+        return True
+
+    def wait_for_server(
+        self, timeout_ns: int | None = None, unless: Callable[[], bool] = lambda: False
+    ) -> bool:
+        """Wait until somebody serves the action, and tell whether somebody does.
+
+        False after the timeout (None waits for ever), or as soon as `unless` holds.
+
+        Raises:
+            RunOver: the run is over; a wait that nothing can end is a deadlock that names the
+                action, its type and where the controller waits.
+        """
+        self.actions.scheduler.wait_until(
+            lambda: self.server is not None or unless(),
+            timeout_ns=timeout_ns,
+            reason=f"action server {self.name} ({self.type_name})",
+            kind="unmet",
+            need=self._need,
+        )
+        return self.server is not None
+
+    def send(
+        self,
+        message: Any,
+        *,
+        goal_id: Any = None,
+        on_change: Callable[[ActionGoal], None] = _ignore,
+        on_feedback: Callable[[ActionGoal, Any], None] = _ignore,
+        data: Any = None,
+    ) -> ActionGoal:
+        """Send a goal, with the stack of the running code; it stays PENDING where nobody serves.
+
+        Without `goal_id` it is `node-number`.
+
+        Raises:
+            RunOver: the run is over.
+        """
+        scheduler = self.actions.scheduler
+        scheduler.count_call()
+        scheduler.raise_if_over()
+        number = next(self._numbers)
+        server = self.server
+        if server is None:
+            scheduler.miss(self._need)
+        goal = ActionGoal(
+            f"{self.node}-{number}" if goal_id is None else goal_id,
+            self,
+            server,
+            self.copy(message),
+            self.actions.stack(),
+            scheduler.now_ns,
+            scheduler.bound(on_change),
+            scheduler.bound(on_feedback),
+            data=data,
+        )
+        if server is not None:
+            server.is_called = True
+            server.goals.append(goal)
+            server.on_goal(goal)
+        return goal
+
+    @property
+    def _need(self) -> Need:
+        return Need("action", self.name, self.type_name)
+
+    def cancel_all(self) -> None:
+        """Ask the server to cancel every goal it has, whoever sent it."""
+        self.cancel_sent_until(None)
+
+    def cancel_sent_until(self, time_ns: int | None) -> None:
+        """Ask the server to cancel every goal that was sent until `time_ns` (None: all)."""
+        server = self.server
+        if server is None:
+            return
+        for goal in tuple(server.goals):
+            if time_ns is None or goal.sent_ns <= time_ns:
+                goal.ask_cancel()
+
+    def close(self) -> None:
+        """Leave the action; goals on their way go on."""
+        if not self.closed:
+            self.closed = True
+            self.actions._remove_client(self)
+
+
+class Actions:
+    """The actions of one run: `runtime.client(Actions)`.
+
+    Several servers may have been made under one name; the controller's own comes before a
+    scenario's, that before the twin's, and of two the later one.
+    """
+
+    is_of_world = True
+
+    def __init__(self, runtime: Runtime) -> None:
+        self.scheduler = runtime.scheduler
+        self._runtime = runtime
+        self._servers: dict[str, list[ActionServerEnd]] = {}
+        self._clients: dict[str, list[ActionClientEnd]] = {}
+        self._watchers: list[Callable[[ActionChange, str, str], None]] = []
+        graph_listens = self.scheduler.listens
+        self.scheduler.listens = lambda: graph_listens() or self._listens()
+
+    def _listens(self) -> bool:
+        return any(each.by_controller for known in self._servers.values() for each in known)
+
+    def watch(self, watcher: Callable[[ActionChange, str, str], None]) -> None:
+        """Call `watcher` with change, name and type when a client or a server comes or goes.
+
+        It is told at once of all that exist already.
+        """
+        self._watchers.append(watcher)
+        for clients in list(self._clients.values()):
+            for client in clients:
+                watcher("client", client.name, client.type_name)
+        for servers in list(self._servers.values()):
+            for server in servers:
+                watcher("served", server.name, server.type_name)
+
+    def serve(
+        self,
+        name: str,
+        type_name: str,
+        *,
+        node: str,
+        on_goal: Callable[[ActionGoal], None],
+        on_cancel: Callable[[ActionGoal], None],
+        copy: Callable[[Any], Any] = lambda message: message,
+        by_controller: bool = True,
+        is_scenario: bool = False,
+    ) -> ActionServerEnd:
+        """Serve an action of a type: `control_msgs/FollowJointTrajectory`."""
+        if by_controller:
+            on_goal = self.scheduler.bound(on_goal, asks=True)
+            on_cancel = self.scheduler.bound(on_cancel)
+        server = ActionServerEnd(
+            self, name, type_name, node, on_goal, on_cancel, copy, by_controller, is_scenario
+        )
+        server.place = asking_place() if by_controller else None
+        self._servers.setdefault(name, []).append(server)
+        self._tell("served", name, type_name)
+        return server
+
+    def client(
+        self,
+        name: str,
+        type_name: str,
+        *,
+        node: str,
+        copy: Callable[[Any], Any] = lambda message: message,
+    ) -> ActionClientEnd:
+        """Become a client of an action; the twin serves it then, if its type is one of its own."""
+        client = ActionClientEnd(self, name, type_name, node, copy)
+        self._clients.setdefault(name, []).append(client)
+        self._tell("client", name, type_name)
+        return client
+
+    def server(self, name: str, type_name: str) -> ActionServerEnd | None:
+        """Return who serves an action of a type: the controller, else a scenario, else the twin."""
+        fitting = [each for each in self._servers.get(name, ()) if each.type_name == type_name]
+        own = [each for each in fitting if each.by_controller]
+        candidates = own or [each for each in fitting if each.is_scenario] or fitting
+        return candidates[-1] if candidates else None
+
+    def unserved(self) -> tuple[Missed, ...]:
+        """Return the actions of which the controller has a client and that nobody serves."""
+        return tuple(
+            Missed(each._need, 0, 0, each.place)
+            for known in self._clients.values()
+            for each in known
+            if each.place is not None and each.server is None
+        )
+
+    def uncalled(self) -> tuple[Missed, ...]:
+        """Return the controller's own servers to which nobody has sent a goal."""
+        return tuple(
+            Missed(Need("goal", each.name, each.type_name), 0, 0, each.place)
+            for known in self._servers.values()
+            for each in known
+            if each.by_controller and not each.is_called
+        )
+
+    def names_and_types(self) -> tuple[tuple[str, str], ...]:
+        """Return name and type of every action that has a client or a server, sorted."""
+        ends: list[ActionServerEnd | ActionClientEnd] = [
+            *itertools.chain.from_iterable(self._servers.values()),
+            *itertools.chain.from_iterable(self._clients.values()),
+        ]
+        return tuple(sorted({(end.name, end.type_name) for end in ends}))
+
+    def stack(self) -> tuple[Any, ...]:
+        """Return the stack of the running code: whoever sends a goal owns what comes of it."""
+        tracer: Any = self._runtime.tracer
+        return () if tracer is None else tuple(tracer.stack())
+
+    def _remove_server(self, server: ActionServerEnd) -> None:
+        self._servers[server.name].remove(server)
+        self._tell("unserved", server.name, server.type_name)
+
+    def _remove_client(self, client: ActionClientEnd) -> None:
+        self._clients[client.name].remove(client)
+        self._tell("client_gone", client.name, client.type_name)
+
+    def _tell(self, change: ActionChange, name: str, type_name: str) -> None:
+        for watcher in tuple(self._watchers):
+            watcher(change, name, type_name)

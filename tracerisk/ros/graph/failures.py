@@ -1,0 +1,100 @@
+"""Record what fails in a controller: look-ups, callbacks, lines of the log that are errors."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from types import FrameType, TracebackType
+from typing import Any
+
+from tracerisk.errors import Location
+from tracerisk.ros.controller.frames import caller_beyond, controller_frame, is_library
+from tracerisk.ros.graph.runtime import current
+
+CALLBACK_FAILED = "callback_failed"
+ERROR_LOGGED = "error_logged"
+LOOKUP_FAILED = "lookup_failure"
+
+_NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?", re.IGNORECASE)
+_LONGEST = 80
+_LOGGING = (__file__, "/rclpy/_logger.py", "/rospy/core.py")
+
+
+def lookup_failed(message: str, frame_name: str) -> None:
+    """Record that the controller's code that runs looked up a frame in vain."""
+    recorder, frame = _recorder(), controller_frame()
+    if recorder is not None and frame is not None:
+        recorder.failed(
+            LOOKUP_FAILED,
+            message,
+            _place(frame),
+            asker=_asker(frame),
+            object_name=frame_name,
+        )
+
+
+def lookup_succeeded(frame_names: Sequence[str]) -> None:
+    """Record that the code that runs found the way between frames."""
+    recorder = _recorder()
+    if recorder is None or not recorder.has_open_failures:
+        return
+    frame = controller_frame()
+    if frame is not None:
+        for name in frame_names:
+            recorder.succeeded(LOOKUP_FAILED, asker=_asker(frame), object_name=name)
+
+
+def callback_failed(what: str, error: BaseException) -> None:
+    """Record that a callback raised an error with which the library goes on."""
+    recorder = _recorder()
+    if recorder is not None:
+        message = f"{what} raised {type(error).__name__}: {error}"
+        place = error_place(error.__traceback__)
+        recorder.finding(CALLBACK_FAILED, message, place, object_name=type(error).__name__)
+
+
+def error_logged(severity: str, text: str) -> None:
+    """Record a line of the log of severity ERROR or FATAL, if the controller's own code wrote it.
+
+    The object of the finding is the line with each number as `#`, for acceptances.
+    """
+    recorder, frame = _recorder(), caller_beyond(_LOGGING)
+    if recorder is None or frame is None or is_library(frame.f_code.co_filename):
+        return
+    first = (text.strip().splitlines() or [""])[0]
+    recorder.failed(
+        ERROR_LOGGED,
+        f"it logged {severity}: {first}",
+        _place(frame),
+        asker=_asker(frame),
+        object_name=plain_line(first),
+    )
+
+
+def plain_line(text: str) -> str:
+    """Return a line of a log in which what varies from run to run is left out: its numbers."""
+    return _NUMBER.sub("#", text)[:_LONGEST]
+
+
+def error_place(trace: TracebackType | None) -> Location | None:
+    """Return the innermost place of the controller's code in a traceback."""
+    place = None
+    while trace is not None:
+        if not is_library(trace.tb_frame.f_code.co_filename):
+            place = Location(trace.tb_frame.f_code.co_filename, trace.tb_lineno)
+        trace = trace.tb_next
+    return place
+
+
+def _recorder() -> Any:
+    """Return where failures of the controller go; `None` in the code of a companion."""
+    runtime = current()
+    return None if runtime.beside is not None else runtime.recorder
+
+
+def _place(frame: FrameType) -> Location:
+    return Location(frame.f_code.co_filename, frame.f_lineno)
+
+
+def _asker(frame: FrameType) -> tuple[str, int]:
+    return frame.f_code.co_filename, frame.f_code.co_firstlineno

@@ -1,0 +1,522 @@
+"""The graph in one process: topics, services and parameters that nodes and the twin share.
+
+A topic connects every publication and subscription of its name whose types agree. What is
+published reaches each subscription as one call of its `deliver`, in the order in which they
+subscribed; whether that runs a callback on a thread of its own (ROS 1) or waits in a queue until
+something spins (ROS 2) is the client library's affair. Actions are topics and services.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from tracerisk.errors import Location
+from tracerisk.ros.controller.needs import Missed, Need, asking_place
+from tracerisk.ros.controller.node_process import NodeProcess
+from tracerisk.ros.graph.names import ANY_TYPE
+from tracerisk.ros.graph.parameters import ParameterTree
+from tracerisk.ros.time.publishing_pace import PublishingPace
+from tracerisk.ros.time.scheduler import CallTracer, Scheduler
+
+# Served by a library in the controller, for tools: buffers of tf2, servers of parameters.
+_OF_TOOLS = re.compile(r"tf2_msgs/FrameGraph$|dynamic_reconfigure/|rcl_interfaces/|roscpp/")
+_SHOWN = re.compile(r"(visualization_msgs|rosgraph_msgs|rcl_interfaces)/|moveit_msgs/Display")
+
+Change = Literal["advertised", "unadvertised", "subscribed", "unsubscribed", "served", "unserved"]
+
+
+def _tell_on_stderr(message: str) -> None:
+    sys.stderr.write(f"[ERROR] {message}\n")
+
+
+@dataclass(slots=True, eq=False)
+class Publication:
+    """A node's right to publish on a topic; `copy` makes what is sent of what is given.
+
+    `on_received` is told which of the controller's subscriptions gets a message, each time.
+    """
+
+    graph: Graph
+    topic: str
+    type_name: str
+    node: str
+    latch: bool
+    copy: Callable[[Any], Any]
+    on_connect: Callable[[Subscription], None] | None = None
+    on_disconnect: Callable[[Subscription], None] | None = None
+    by_controller: bool = True
+    latched: Any = None
+    sent: int = 0
+    closed: bool = False
+    on_received: Callable[[Subscription], None] | None = None
+    pace: PublishingPace = field(default_factory=PublishingPace)
+
+    @property
+    def subscriptions(self) -> tuple[Subscription, ...]:
+        """The subscriptions that it reaches, in the order in which they were made."""
+        if self.closed:
+            return ()
+        known = self.graph.subscriptions(self.topic)
+        return tuple(each for each in known if _types_agree(self.type_name, each.type_name))
+
+    def publish(self, message: Any, only: Subscription | None = None) -> None:
+        """Send a copy of `message` to every subscription, or to one; keep it where it is latched.
+
+        Raises:
+            RunOver: the run is over.
+        """
+        scheduler = self.graph.scheduler
+        scheduler.count_call()
+        scheduler.raise_if_over()
+        self.pace.keep(scheduler)
+        receivers = self.subscriptions if only is None else (only,)
+        if not receivers:
+            self.graph._unheard.setdefault(self.topic, self)
+            if not self.latch:
+                return
+        snapshot = self.copy(message)
+        self.sent += 1
+        if self.latch and only is None:
+            self.latched = snapshot
+        for receiver in receivers:
+            receiver.receive(snapshot, self)
+
+    def close(self) -> None:
+        """Leave the topic."""
+        if not self.closed:
+            receivers = self.subscriptions
+            self.closed = True
+            self.graph._remove_publication(self, receivers)
+
+
+@dataclass(slots=True, eq=False)
+class Subscription:
+    """A receiver of a topic's messages.
+
+    `deliver` is called while the message is published, with what was sent and by whom; it must
+    neither wait nor change the message, which others receive too. `on_close` are called when it
+    leaves its topic.
+    """
+
+    graph: Graph
+    topic: str
+    type_name: str
+    node: str
+    deliver: Callable[[Any, Publication], None]
+    on_disconnect: Callable[[Publication], None] | None = None
+    by_controller: bool = True
+    place: Location | None = None
+    closed: bool = False
+    on_close: list[Callable[[], None]] = field(default_factory=list)
+
+    @property
+    def publications(self) -> tuple[Publication, ...]:
+        """The publications that reach it, in the order in which they were made."""
+        if self.closed:
+            return ()
+        known = self.graph.publications(self.topic)
+        return tuple(each for each in known if _types_agree(each.type_name, self.type_name))
+
+    def receive(self, message: Any, publication: Publication) -> None:
+        """Take a message of a publication."""
+        if publication.on_received is not None and self.by_controller:
+            publication.on_received(self)
+        self.deliver(message, publication)
+
+    def close(self) -> None:
+        """Leave the topic."""
+        if not self.closed:
+            senders = self.publications
+            self.closed = True
+            self.graph._remove_subscription(self, senders)
+            for told in self.on_close:
+                told()
+
+
+@dataclass(slots=True, eq=False)
+class ServiceServer:
+    """Somebody who answers calls: `handle` takes a request and returns a response.
+
+    `is_callback`: the handler is the controller's, and runs on a thread of its own.
+    """
+
+    graph: Graph
+    name: str
+    type_name: str
+    node: str
+    handle: Callable[[Any], Any]
+    is_callback: bool
+    place: Location | None = None
+    is_called: bool = False
+    process: NodeProcess | None = None
+
+    def close(self) -> None:
+        """Stop serving; calls that run go on."""
+        self.graph._remove_service(self)
+
+
+@dataclass(slots=True, eq=False)
+class _Topic:
+    publications: list[Publication] = field(default_factory=list)
+    subscriptions: list[Subscription] = field(default_factory=list)
+
+
+class ServiceFailedError(Exception):
+    """A handler could not answer; raised in the caller with what the handler says."""
+
+
+class Graph:
+    """Topics, services and parameters of one run.
+
+    `tracer` makes each service handler a root. `warn` is told what a person should know, such as
+    two types on one topic; by default it is an error line on standard error.
+    """
+
+    def __init__(
+        self,
+        scheduler: Scheduler,
+        tracer: CallTracer | None = None,
+        *,
+        warn: Callable[[str], None] = _tell_on_stderr,
+    ) -> None:
+        self.scheduler = scheduler
+        self.tracer = tracer
+        self.parameters = ParameterTree()
+        self._warn = warn
+        self._topics: dict[str, _Topic] = {}
+        self._unheard: dict[str, Publication] = {}
+        self._services: dict[str, ServiceServer] = {}
+        self._callers: dict[Need, Missed] = {}
+        self._offers: dict[str, dict[str, tuple[Callable[[Any], Any], str]]] = {}
+        self._watchers: list[Callable[[Change, str, str], None]] = []
+        scheduler.listens = self.listens
+
+    def listens(self) -> bool:
+        """Tell whether the controller subscribes or serves: the world outside could wake it."""
+        return any(server.is_callback for server in self._services.values()) or any(
+            each.by_controller for topic in self._topics.values() for each in topic.subscriptions
+        )
+
+    def watch(self, watcher: Callable[[Change, str, str], None]) -> None:
+        """Call `watcher` with change, name and type whenever an endpoint comes or goes.
+
+        So the twin finds the interfaces that a controller talks to by their type.
+        It is told at once of all that exist already.
+        """
+        self._watchers.append(watcher)
+        for name, topic in list(self._topics.items()):
+            for publication in topic.publications:
+                watcher("advertised", name, publication.type_name)
+            for subscription in topic.subscriptions:
+                watcher("subscribed", name, subscription.type_name)
+        for server in list(self._services.values()):
+            watcher("served", server.name, server.type_name)
+
+    # Topics
+
+    def advertise(
+        self,
+        topic: str,
+        type_name: str,
+        *,
+        node: str,
+        latch: bool = False,
+        copy: Callable[[Any], Any] = lambda message: message,
+        on_connect: Callable[[Subscription], None] | None = None,
+        on_disconnect: Callable[[Subscription], None] | None = None,
+        by_controller: bool = True,
+    ) -> Publication:
+        """Begin to publish on a topic; those who subscribed already are connected.
+
+        `by_controller` is False for a scenario's and the twin's: what these publish commands
+        nothing.
+        """
+        bound = self.scheduler.bound
+        if on_connect is not None:
+            on_connect = bound(on_connect)
+        if on_disconnect is not None:
+            on_disconnect = bound(on_disconnect)
+        publication = Publication(
+            self, topic, type_name, node, latch, copy, on_connect, on_disconnect, by_controller
+        )
+        entry = self._topics.setdefault(topic, _Topic())
+        for other in entry.subscriptions:
+            self._warn_of_types(topic, type_name, other.type_name)
+        entry.publications.append(publication)
+        self._tell("advertised", topic, type_name)
+        if on_connect is not None:
+            for subscription in publication.subscriptions:
+                on_connect(subscription)
+        return publication
+
+    def subscribe(
+        self,
+        topic: str,
+        type_name: str,
+        deliver: Callable[[Any, Publication], None],
+        *,
+        node: str,
+        on_disconnect: Callable[[Publication], None] | None = None,
+        by_controller: bool = True,
+    ) -> Subscription:
+        """Begin to receive from a topic; what is latched is delivered at once.
+
+        `by_controller` is False for the twin's own: they make no controller listen.
+        """
+        place = asking_place() if by_controller else None
+        if by_controller:
+            deliver = self.scheduler.bound(deliver, asks=True)
+        if on_disconnect is not None:
+            on_disconnect = self.scheduler.bound(on_disconnect)
+        subscription = Subscription(
+            self, topic, type_name, node, deliver, on_disconnect, by_controller, place
+        )
+        entry = self._topics.setdefault(topic, _Topic())
+        for other in entry.publications:
+            self._warn_of_types(topic, other.type_name, type_name)
+        entry.subscriptions.append(subscription)
+        self._tell("subscribed", topic, type_name)
+        for publication in subscription.publications:
+            if publication.on_connect is not None:
+                publication.on_connect(subscription)
+            if publication.latched is not None:
+                subscription.receive(publication.latched, publication)
+        return subscription
+
+    def publications(self, topic: str) -> tuple[Publication, ...]:
+        """Return who publishes on a topic."""
+        return tuple(self._topics[topic].publications) if topic in self._topics else ()
+
+    def subscriptions(self, topic: str) -> tuple[Subscription, ...]:
+        """Return who subscribes to a topic."""
+        return tuple(self._topics[topic].subscriptions) if topic in self._topics else ()
+
+    def unpublished(self) -> tuple[Missed, ...]:
+        """Return the topics that the controller subscribes to and nobody publishes."""
+        return tuple(
+            Missed(Need("topic", each.topic, each.type_name), 0, 0, each.place)
+            for topic in self._topics.values()
+            for each in topic.subscriptions
+            if each.by_controller and each.place is not None and not each.publications
+        )
+
+    def unheard(self) -> tuple[Need, ...]:
+        """Return the topics on which the controller has published and nobody subscribes.
+
+        What is for a person's eyes alone is none of them.
+        """
+        return tuple(
+            Need("topic", name, each.type_name)
+            for name, each in self._unheard.items()
+            if each.by_controller and not self.subscriptions(name)
+            if not _SHOWN.match(each.type_name)
+        )
+
+    def topic_names(self) -> tuple[str, ...]:
+        """Return the names of all topics that anybody has used, sorted."""
+        return tuple(sorted(self._topics))
+
+    def published_topics(self) -> tuple[tuple[str, str], ...]:
+        """Return name and type of each topic that somebody publishes, sorted."""
+        return tuple(
+            (name, entry.publications[0].type_name)
+            for name, entry in sorted(self._topics.items())
+            if entry.publications
+        )
+
+    # Services
+
+    def serve(
+        self,
+        name: str,
+        type_name: str,
+        handle: Callable[[Any], Any],
+        *,
+        node: str,
+        is_callback: bool = True,
+    ) -> ServiceServer:
+        """Answer calls of a service; a later server of the name takes the place of the first.
+
+        With `is_callback` the handler runs as a root on a thread of its own; without, on the
+        caller's thread: the twin's services.
+        """
+        place = asking_place() if is_callback else None
+        server = ServiceServer(self, name, type_name, node, handle, is_callback, place)
+        server.process = self.scheduler.process if is_callback else None
+        self._services[name] = server
+        self._tell("served", name, type_name)
+        return server
+
+    def offer(
+        self, base_name: str, type_name: str, handle: Callable[[Any], Any], *, node: str
+    ) -> None:
+        """Serve `base_name` in whatever namespace somebody asks for it: a service of the twin's.
+
+        A name that many use comes with the part before it: `motion/move_stop`.
+        It begins when it is first asked for by name, and where nobody else serves that name.
+        Who offers a name and type first serves it. Where several types are offered under one name,
+        whoever asks says which is meant.
+        """
+        self._offers.setdefault(base_name, {}).setdefault(type_name, (handle, node))
+
+    def service(self, name: str, type_name: str | None = None) -> ServiceServer | None:
+        """Return who serves a name, if anybody; a service of the twin's begins with that."""
+        known = self._services.get(name)
+        parts = name.rsplit("/", 2)
+        offered = {
+            **self._offers.get("/".join(parts[-2:]), {}),
+            **self._offers.get(parts[-1], {}),
+        }
+        if known is None and offered:
+            kind = type_name if type_name in offered else next(iter(offered))
+        elif (
+            known is not None
+            and not known.is_callback
+            and known.type_name in offered
+            and type_name in offered
+            and type_name != known.type_name
+        ):
+            # Waited for by its name alone, another vendor's was taken for it.
+            kind = type_name
+        else:
+            return known
+        handle, node = offered[kind]
+        return self.serve(name, kind, handle, node=node, is_callback=False)
+
+    def become_caller(self, name: str, type_name: str) -> None:
+        """Note that the code which runs has a client of a service."""
+        need = Need("service", name, type_name)
+        self._callers.setdefault(need, Missed(need, 0, 0, asking_place()))
+
+    def unserved(self) -> tuple[Missed, ...]:
+        """Return the services of which the controller has a client and that nobody serves."""
+        return tuple(
+            each
+            for need, each in self._callers.items()
+            if each.location is not None and self.service(need.name, need.type_name) is None
+        )
+
+    def uncalled(self) -> tuple[Missed, ...]:
+        """Return the controller's own services that nobody has called."""
+        return tuple(
+            Missed(Need("call", each.name, each.type_name), 0, 0, each.place)
+            for each in self._services.values()
+            if each.is_callback and not each.is_called and not _OF_TOOLS.match(each.type_name)
+        )
+
+    def services(self) -> tuple[ServiceServer, ...]:
+        """Return all servers, sorted by name."""
+        return tuple(server for _, server in sorted(self._services.items()))
+
+    def wait_for_service(
+        self,
+        name: str,
+        *,
+        type_name: str | None = None,
+        timeout_ns: int | None = None,
+        unless: Callable[[], bool] = lambda: False,
+    ) -> bool:
+        """Wait until a service is served, and tell whether it is.
+
+        False after the timeout, or as soon as `unless` holds.
+
+        Raises:
+            RunOver: the run is over; a wait that nothing can end is a deadlock that names the
+                service and where the controller waits.
+        """
+        self.service(name)
+        told = f"service {name}" + (f" ({type_name})" if type_name else "")
+        self.scheduler.wait_until(
+            lambda: name in self._services or unless(),
+            timeout_ns=timeout_ns,
+            reason=told,
+            kind="unmet",
+            need=Need("service", name, type_name or ""),
+        )
+        return name in self._services
+
+    def call(self, server: ServiceServer, request: Any) -> Any:
+        """Call a service and wait for its response.
+
+        Raises:
+            RunOver: the run is over.
+            BaseException: what the handler raised.
+        """
+        self.scheduler.raise_if_over()
+        server.is_called = True
+        if not server.is_callback:
+            return server.handle(request)
+        self.scheduler.ask(server.process)
+        answer = _Answer()
+        thread = self.scheduler.spawn(
+            lambda: self._handle(server, request, answer),
+            f"service {server.name}",
+            inherit=False,
+            is_controllers=False,
+            process=server.process,
+        )
+        self.scheduler.wait_until(
+            lambda: thread.finished, reason=f"the response of service {server.name}", on=thread
+        )
+        if answer.error is not None:
+            raise answer.error
+        return answer.response
+
+    def _handle(self, server: ServiceServer, request: Any, answer: _Answer) -> None:
+        root = self.tracer.root("service") if self.tracer is not None else nullcontext()
+        try:
+            with root:
+                answer.response = server.handle(request)
+        except Exception as error:  # noqa: BLE001 - the handler's; raised again in its caller
+            answer.error = error
+
+    # Endpoints come and go
+
+    def _remove_publication(
+        self, publication: Publication, receivers: tuple[Subscription, ...]
+    ) -> None:
+        self._topics[publication.topic].publications.remove(publication)
+        for receiver in receivers:
+            if receiver.on_disconnect is not None:
+                receiver.on_disconnect(publication)
+        self._tell("unadvertised", publication.topic, publication.type_name)
+
+    def _remove_subscription(
+        self, subscription: Subscription, senders: tuple[Publication, ...]
+    ) -> None:
+        self._topics[subscription.topic].subscriptions.remove(subscription)
+        for sender in senders:
+            if sender.on_disconnect is not None:
+                sender.on_disconnect(subscription)
+        self._tell("unsubscribed", subscription.topic, subscription.type_name)
+
+    def _remove_service(self, server: ServiceServer) -> None:
+        if self._services.get(server.name) is server:
+            del self._services[server.name]
+            self._tell("unserved", server.name, server.type_name)
+
+    def _tell(self, change: Change, name: str, type_name: str) -> None:
+        for watcher in tuple(self._watchers):
+            watcher(change, name, type_name)
+
+    def _warn_of_types(self, topic: str, published: str, subscribed: str) -> None:
+        if not _types_agree(published, subscribed):
+            self._warn(
+                f"topic {topic} is published as {published} and subscribed to as {subscribed}: "
+                f"no message passes between the two"
+            )
+
+
+@dataclass(slots=True)
+class _Answer:
+    response: Any = None
+    error: Exception | None = None
+
+
+def _types_agree(published: str, subscribed: str) -> bool:
+    return published == subscribed or ANY_TYPE in (published, subscribed)

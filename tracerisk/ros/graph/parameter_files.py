@@ -1,0 +1,192 @@
+"""Parameters of files: as `rosparam load` reads them, and as ROS 2 does, node by node."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Set
+from dataclasses import dataclass
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+from tracerisk.errors import Location, ScenarioError
+from tracerisk.ros.graph.parameters import ParameterTree
+from tracerisk.text.yaml_reader import YamlMap, read_yaml
+
+OF_NODE = "ros__parameters"
+EVERY_NODE = "/**"
+_EVERY = frozenset({EVERY_NODE, "/*", "**", "*"})
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A parameter: `node` is whose it is, None for everybody's; `location` where it is given."""
+
+    node: str | None
+    name: str
+    value: Any
+    location: Location | None = None
+
+
+def read_parameters(path: Path) -> tuple[Parameter, ...]:
+    """Read a parameter file of either ROS, which is YAML 1.1 as both read it: `yes` is true.
+
+    Raises:
+        ScenarioError: it cannot be read, or holds no mapping, or a value no parameter can have.
+    """
+    return parameters_of(read_yaml(path, ScenarioError, version=(1, 1)))
+
+
+def parameters_of(tree: YamlMap) -> tuple[Parameter, ...]:
+    """Return the parameters of a mapping.
+
+    Below `ros__parameters` they are those of the node that the keys above it name. All others
+    are everybody's, and a key that begins with `~` is private to the node.
+
+    Raises:
+        ScenarioError: a value is none that a parameter can have.
+    """
+    return tuple(_walk(tree, ""))
+
+
+def _walk(tree: YamlMap, space: str) -> Iterator[Parameter]:
+    keys = tree.keys()
+    for key in keys:
+        value = tree.get(key)
+        if key == OF_NODE:
+            yield from _of_node(tree.map(key), space)
+        elif isinstance(value, dict) and _names_nodes(value):
+            yield from _walk(tree.map(key), f"{space.rstrip('/')}/{key.strip('/')}")
+        else:
+            _check(tree, key, value)
+            place = tree.key_location(key)
+            yield Parameter(None, _joined(space, key), plain(value), place)
+
+
+def _of_node(values: YamlMap, space: str) -> Iterator[Parameter]:
+    node = EVERY_NODE if space.strip("/") in _EVERY or not space else space
+    keys = values.keys()
+    for key in keys:
+        value = values.get(key)
+        _check(values, key, value)
+        for name, inner in _flat(key, plain(value)):
+            yield Parameter(node, name, inner, values.key_location(key))
+
+
+def _names_nodes(tree: dict[str, Any]) -> bool:
+    return OF_NODE in tree or any(
+        isinstance(inner, dict) and _names_nodes(inner) for inner in tree.values()
+    )
+
+
+def _joined(space: str, key: str) -> str:
+    return key if not space or key.startswith("~") else f"{space}/{key.lstrip('/')}"
+
+
+def _flat(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+    if not isinstance(value, dict):
+        yield name, value
+        return
+    for key, inner in value.items():
+        yield from _flat(f"{name}.{key}", inner)
+
+
+def _check(tree: YamlMap, key: str, value: Any) -> None:
+    if value is None:
+        tree.fail(key, "has no value; give it one")
+    if isinstance(value, dict):
+        inner = tree.map(key)
+        names = inner.keys()
+        for name in names:
+            _check(inner, name, inner.get(name))
+        return
+    try:
+        ParameterTree().set("/value", plain(value))
+    except (TypeError, OverflowError):
+        tree.fail(
+            key,
+            f"cannot hold {_unfit(value)}; allowed: true or false, numbers (whole ones of 32 "
+            "bits), strings, binary data, lists and mappings",
+        )
+
+
+def _unfit(value: Any) -> str:
+    """Return what of a value no parameter can be, as users call it."""
+    if isinstance(value, Mapping):
+        value = list(value.values())
+    if isinstance(value, list | tuple):
+        return next((found for each in value if (found := _unfit(each))), "")
+    if isinstance(value, Set):
+        return "a set (!!set)"
+    if isinstance(value, date):
+        return f"the date {value}; put it in quotes if it is a string"
+    if value is None:
+        return "an entry without a value"
+    if isinstance(value, int) and not -(2**31) <= value < 2**31:
+        return "a whole number of more than 32 bits"
+    if isinstance(value, bool | int | float | str | bytes):
+        return ""
+    return f"a value of the type {getattr(value, 'tag', None) or type(value).__name__}"
+
+
+def into_tree(parameters: tuple[Parameter, ...], tree: ParameterTree) -> None:
+    """Set the parameters that are not private to a node on the parameter server."""
+    for each in parameters:
+        if each.node is None and not each.name.startswith("~"):
+            _merge(tree, f"/{each.name.lstrip('/')}", each.value)
+        elif each.node not in (None, EVERY_NODE):
+            _merge(tree, f"{each.node}/{each.name.replace('.', '/')}", each.value)
+
+
+def private_of(parameters: tuple[Parameter, ...]) -> tuple[tuple[str, Any], ...]:
+    """Return the parameters that a node of ROS 1 finds under its own name, whatever that is.
+
+    Of two with one name the later counts.
+    """
+    found = {
+        each.name.lstrip("~").lstrip("/").replace(".", "/"): each.value
+        for each in parameters
+        if each.node == EVERY_NODE or (each.node is None and each.name.startswith("~"))
+    }
+    return tuple(found.items())
+
+
+def overrides_of(parameters: tuple[Parameter, ...]) -> tuple[tuple[str | None, str, Any], ...]:
+    """Return what the parameters set for nodes of ROS 2: node (None: all), dotted name, value.
+
+    A name such as `/pick/speed` is that of the node `/pick` as well as everybody's `pick.speed`.
+    """
+    found: list[tuple[str | None, str, Any]] = []
+    for each in parameters:
+        if each.node is not None:
+            # `/**/pick` is every node of that name, in whatever namespace.
+            node = None if each.node == EVERY_NODE else each.node.removeprefix(f"{EVERY_NODE}/")
+            found.append((node, each.name, each.value))
+            continue
+        name = each.name.lstrip("~").strip("/")
+        for dotted, value in _flat(name.replace("/", "."), each.value):
+            found.append((None, dotted, value))
+        space, slash, last = name.rpartition("/")
+        if slash:
+            found += [(f"/{space}", dotted, value) for dotted, value in _flat(last, each.value)]
+    return tuple(found)
+
+
+def _merge(tree: ParameterTree, name: str, value: Any) -> None:
+    """Set a parameter; a dictionary leaves what else its namespace holds."""
+    if isinstance(value, dict) and value:
+        for key, inner in value.items():
+            _merge(tree, f"{name}/{key}", inner)
+    else:
+        tree.set(name, value)
+
+
+def plain(value: Any) -> Any:
+    """Return a value of a YAML file without the positions that ruamel keeps with it."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(inner) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [plain(inner) for inner in value]
+    for kind in (bool, int, float, str):
+        if isinstance(value, kind):
+            return kind(value)
+    return value

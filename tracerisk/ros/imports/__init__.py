@@ -1,0 +1,1 @@
+"""What `import` finds: stand-ins, generated messages, vendors' libraries."""

@@ -1,0 +1,324 @@
+"""The import finder that serves stand-ins for ROS libraries and message packages.
+
+It goes first in `sys.meta_path`, so that the stand-ins win over an installed ROS, and it leaves
+every name it does not provide to Python. The stand-ins for libraries of robot makers give way to
+an installed library, or one of the workspace. A second finder at the end of the path turns the
+failed import of what looks like a ROS package into an error that says what to do.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from difflib import get_close_matches
+from functools import cached_property, partial
+from importlib import import_module
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec, SourceFileLoader
+from importlib.util import spec_from_file_location
+from pathlib import Path
+from types import MappingProxyType, ModuleType, TracebackType
+from typing import TYPE_CHECKING, Any, Literal
+
+from tracerisk.ros.imports.cfg_modules import cfg_module
+from tracerisk.ros.imports.compiled_modules import compiled_module
+from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES, is_installed, missing_module
+from tracerisk.ros.messages.ros1 import Interfaces
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+    from tracerisk.ros.messages.ros2 import Interfaces2
+
+Provided = Literal["library", "interfaces", "library and interfaces"]
+
+STAND_INS = Path(__file__).parents[1] / "stand_ins"
+# Packages that are used for their code; their messages alone would be a half of them.
+_CODE_WITH_INTERFACES = frozenset({"actionlib", "bond", "dynamic_reconfigure", "roscpp"})
+
+
+class StandInFinder(MetaPathFinder):
+    """Serve the stand-in libraries and the message packages of `interfaces`.
+
+    As a context manager it is installed within the block; leaving it takes every module that it
+    served out of `sys.modules` and puts back what stood there before.
+    """
+
+    def __init__(self, interfaces: Interfaces | Interfaces2 | None = None) -> None:
+        self.interfaces = interfaces if interfaces is not None else Interfaces()
+        self._missing = _MissingRosFinder(self)
+        self._shadowed: dict[str, ModuleType] = {}
+
+    @cached_property
+    def provides(self) -> Mapping[str, Provided]:
+        """What can be imported: the top name of each library and message package, sorted."""
+        libraries = {path.name for path in STAND_INS.iterdir() if (path / "__init__.py").is_file()}
+        packages = set(self.interfaces.packages) - (_CODE_WITH_INTERFACES - libraries)
+        table: dict[str, Provided] = {}
+        for name in sorted(libraries | packages):
+            if name in libraries and name in packages:
+                table[name] = "library and interfaces"
+            else:
+                table[name] = "library" if name in libraries else "interfaces"
+        return MappingProxyType(table)
+
+    def install(self) -> None:
+        """Put the finder first on the path; modules it shadows are set aside."""
+        if self in sys.meta_path:
+            return
+        self._shadowed = self._take_out_provided()
+        sys.meta_path.insert(0, self)
+        sys.meta_path.append(self._missing)
+
+    def uninstall(self) -> None:
+        """Undo `install`."""
+        if self not in sys.meta_path:
+            return
+        sys.meta_path.remove(self)
+        sys.meta_path.remove(self._missing)
+        self._take_out_provided()
+        sys.modules.update(self._shadowed)
+        self._shadowed = {}
+
+    def __enter__(self) -> Self:
+        self.install()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.uninstall()
+
+    def find_spec(
+        self,
+        fullname: str,
+        path: Sequence[str] | None = None,
+        target: ModuleType | None = None,  # noqa: ARG002
+    ) -> ModuleSpec | None:
+        """Return the spec of a module that is provided, else None.
+
+        Raises:
+            ModuleNotFoundError: a provided library has no such module or name.
+        """
+        top, _, rest = fullname.partition(".")
+        if top not in self.provides:
+            return None
+        gives_way = top in VENDOR_LIBRARIES and self._is_elsewhere(top)
+        spec = None if gives_way else self._library_spec(fullname)
+        if spec is None and self.provides[top] != "library" and not (gives_way and not rest):
+            spec = self._interface_spec(fullname, top, rest)
+        if spec is None and not gives_way:
+            spec = cfg_module(fullname, path or self._own_folder(top))
+        if spec is None and not gives_way:
+            raise self._no_such_name(fullname)
+        return spec
+
+    def _own_folder(self, top: str) -> list[str]:
+        if not isinstance(self.interfaces, Interfaces):
+            return []
+        folder = self.interfaces.workspace.get(top)
+        return [] if folder is None else [str(folder)]
+
+    @staticmethod
+    def _is_elsewhere(top: str) -> bool:
+        """Tell whether the workspace or the environment has a library of its own."""
+        loaded = sys.modules.get(top)
+        if loaded is None:
+            return is_installed(top)
+        return not isinstance(getattr(loaded.__spec__, "loader", None), _StandInLoader)
+
+    def _library_spec(self, fullname: str) -> ModuleSpec | None:
+        base = STAND_INS.joinpath(*fullname.split("."))
+        for file, folder in ((base / "__init__.py", base), (base.with_suffix(".py"), None)):
+            if file.is_file():
+                return spec_from_file_location(
+                    fullname,
+                    file,
+                    loader=_StandInLoader(fullname, str(file)),
+                    submodule_search_locations=None if folder is None else [str(folder)],
+                )
+        return None
+
+    def _interface_spec(self, fullname: str, package: str, rest: str) -> ModuleSpec | None:
+        kind, _, leaf = rest.partition(".")
+        if not rest:
+            kinds = self.interfaces.kinds
+            served = [each for each in kinds if self._has(package, each)]
+            loader = _InterfaceLoader(partial(_package, kinds=served))
+            return ModuleSpec(fullname, loader, is_package=True)
+        if kind not in self.interfaces.kinds:
+            return None
+        # Generated packages hold `msg/_Pose.py`, and editors write imports of it.
+        if leaf and leaf not in self.interfaces.modules(package, kind):
+            return None
+        make = _InterfaceModule.maker(self.interfaces, package, kind)
+        return ModuleSpec(fullname, _InterfaceLoader(make), is_package=True)
+
+    def _has(self, package: str, kind: str) -> bool:
+        return bool(self.interfaces.module_names(package, kind))
+
+    def _no_such_name(self, fullname: str) -> ModuleNotFoundError:
+        # `from rospy import nope` comes here as a module `rospy.nope`. An error that carries
+        # that name is swallowed by the import system; one that carries the library's is not.
+        parent, _, leaf = fullname.rpartition(".")
+        known = sys.modules.get(parent)
+        names = public_names(known) if known is not None else []
+        return ModuleNotFoundError(missing_name(parent, leaf, names), name=parent)
+
+    def _take_out_provided(self) -> dict[str, ModuleType]:
+        names = [name for name in list(sys.modules) if name.partition(".")[0] in self.provides]
+        return {name: sys.modules.pop(name) for name in names}
+
+
+class _MissingRosFinder(MetaPathFinder):
+    """The last finder: it knows nothing, but says more about what looks like a robot's."""
+
+    def __init__(self, stand_ins: StandInFinder) -> None:
+        self._stand_ins = stand_ins
+
+    def find_spec(
+        self,
+        fullname: str,
+        path: Sequence[str] | None = None,
+        target: ModuleType | None = None,  # noqa: ARG002
+    ) -> ModuleSpec | None:
+        if path is not None:
+            return cfg_module(fullname, path) or compiled_module(fullname, path)
+        message = missing_module(fullname, self._stand_ins.provides)
+        if message is not None:
+            raise ModuleNotFoundError(message, name=fullname)
+        return None
+
+
+class _StandInLoader(SourceFileLoader):
+    """Load a stand-in from its file; a name it lacks is an error that says so.
+
+    A module of a package is there when it is read: which import of the real library brings which
+    other with it (`rclpy.node` comes with `rclpy.action`) is not for a stand-in to decide.
+    """
+
+    def exec_module(self, module: ModuleType) -> None:
+        super().exec_module(module)
+        if "__getattr__" not in vars(module):
+            missing = _no_attribute(module)
+            parts = _modules_beside(Path(self.path)) if self.is_package(module.__name__) else ()
+
+            def attribute(name: str) -> Any:
+                if name in parts:
+                    return import_module(f"{module.__name__}.{name}")
+                return missing(name)
+
+            vars(module)["__getattr__"] = attribute
+        # With a path, `from library.module import nope` is asked of the finder as well.
+        vars(module).setdefault("__path__", [])
+
+
+def _modules_beside(file: Path) -> frozenset[str]:
+    """Return the names of the public modules and packages in a package's folder."""
+    return frozenset(
+        each.stem
+        for each in file.parent.iterdir()
+        if not each.name.startswith("_")
+        if each.suffix == ".py" or (each / "__init__.py").is_file()
+    )
+
+
+class _InterfaceLoader(Loader):
+    def __init__(self, make: Callable[[ModuleSpec], ModuleType]) -> None:
+        self._make = make
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType:
+        return self._make(spec)
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Do nothing: the module makes its classes when they are asked for."""
+
+
+class _InterfaceModule(ModuleType):
+    """`<package>.msg`, `.srv` or `.action`: a class is made when its name is first read."""
+
+    _interfaces: Interfaces | Interfaces2
+    _package: str
+    _kind: str
+
+    @classmethod
+    def maker(
+        cls, interfaces: Interfaces | Interfaces2, package: str, kind: str
+    ) -> Callable[[ModuleSpec], ModuleType]:
+        def make(spec: ModuleSpec) -> ModuleType:
+            module = cls(spec.name, f"Interfaces of the ROS package {package}.")
+            module._interfaces, module._package, module._kind = interfaces, package, kind
+            return module
+
+        return make
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "__all__":
+            return [*self._names(), *self._interfaces.star_names(self._package, self._kind)]
+        if name.startswith("__"):
+            raise AttributeError(f"module '{self.__name__}' has no attribute '{name}'")
+        if name in self._names():
+            value = self._make(name)
+        elif name in self._interfaces.star_names(self._package, self._kind):
+            value = import_module(name)
+        else:
+            raise AttributeError(missing_name(self.__name__, name, self._names()), name=name)
+        setattr(self, name, value)
+        return value
+
+    def __dir__(self) -> list[str]:
+        return sorted({*vars(self), *self._names()})
+
+    def _names(self) -> list[str]:
+        return list(self._interfaces.module_names(self._package, self._kind))
+
+    def _make(self, name: str) -> Any:
+        return self._interfaces.interface(self._package, self._kind, name)
+
+
+def _package(spec: ModuleSpec, *, kinds: Sequence[str]) -> ModuleType:
+    """Make a package whose modules are there when they are read.
+
+    In a real ROS `import sensor_msgs` is enough where anything else has imported
+    `sensor_msgs.msg`, as the code of most other messages has.
+    """
+    module = ModuleType(spec.name, f"The ROS package {spec.name}.")
+    missing = _no_attribute(module)
+
+    def attribute(name: str) -> Any:
+        return import_module(f"{spec.name}.{name}") if name in kinds else missing(name)
+
+    vars(module)["__getattr__"] = attribute
+    return module
+
+
+def _no_attribute(module: ModuleType) -> Callable[[str], Any]:
+    def getattribute(name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(f"module '{module.__name__}' has no attribute '{name}'")
+        names = public_names(module)
+        raise AttributeError(missing_name(module.__name__, name, names), name=name)
+
+    return getattribute
+
+
+def public_names(module: ModuleType) -> list[str]:
+    """Return the public names of a module, sorted; no modules it has imported."""
+    return sorted(
+        name
+        for name in dir(module)
+        if not name.startswith("_") and not isinstance(vars(module).get(name), ModuleType)
+    )
+
+
+def missing_name(library: str, name: str, names: Sequence[str]) -> str:
+    """Say that the stand-in for `library` lacks `name`, and what it has that is near."""
+    near = get_close_matches(name, names, n=3)
+    hint = f"nearest: {', '.join(near)}" if near else "it has nothing of a similar name"
+    return (
+        f"{library} has no '{name}' in tracerisk's stand-in for it; {hint}. "
+        f"If the real library has it, it is not provided yet"
+    )

@@ -1,0 +1,377 @@
+"""ROS 2 message, service and action classes, made from the texts of their definitions.
+
+The definitions come from four places, the first that knows a name wins: folders of the
+controller's own workspace, the texts in `interfaces2/`, the store of ROS 2 Jazzy in rosbags,
+and for packages that ROS 2 took over unchanged the texts in `interfaces/`.
+A class is made when it is first asked for, with the classes of its fields.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+from tracerisk.errors import InputError, Location, one_of
+from tracerisk.ros.messages.interface_texts import interface_parts, interface_text
+from tracerisk.ros.messages.ros2_base import Action2, Message2, Service2, copy_message
+from tracerisk.ros.messages.ros2_fields import Field2, accessor
+
+if TYPE_CHECKING:
+    from rosbags.interfaces.typing import FieldDesc, Typesdict
+
+__all__ = ["Action2", "Interfaces2", "Message2", "Service2", "copy_message", "snake_case"]
+
+INTERFACES = Path(__file__).parent / "interfaces2"
+_ROS1_INTERFACES = Path(__file__).parent / "interfaces"
+_UNCHANGED = (
+    "diagnostic_msgs",
+    "gazebo_ros_link_attacher",
+    "nav_msgs",
+    "object_recognition_msgs",
+    "octomap_msgs",
+    "sensor_msgs",
+    "std_srvs",
+    "tf2_msgs",
+    "ur_msgs",
+)
+_PLACEHOLDER = "structure_needs_at_least_one_member"
+_PARTS = {"srv": ("Request", "Response"), "action": ("Goal", "Result", "Feedback")}
+_NOT_SERVED = frozenset({"actionlib_msgs", "rmw_dds_common", "rosbag2_interfaces"})
+# A field with a default: `float64 w 1`, `string<=9 name "arm"`, `int8[] steps [1, 2]`.
+_DEFAULT = re.compile(r"\s*[\w/]+(?:<=\d+)?(?:\[[<=\d]*\])?\s+(\w+)\s+([^=\s#].*?)\s*(?:#.*)?")
+
+
+class Interfaces2:
+    """The message packages of ROS 2 that are known, and the classes made of them so far.
+
+    `workspace` maps a package's name to the folder that holds its `msg`, `srv` and `action`;
+    `more` to one that holds those which are found nowhere else.
+    """
+
+    kinds = ("msg", "srv", "action")
+
+    def __init__(
+        self,
+        workspace: Mapping[str, Path] | None = None,
+        more: Mapping[str, Path] | None = None,
+    ) -> None:
+        self._workspace = dict(workspace or {})
+        self._more = dict(more or {})
+        self._definitions: Typesdict = {}
+        self._defaults: dict[str, dict[str, Any]] = {}
+        self._classes: dict[str, type[Message2]] = {}
+        self._services: dict[str, type[Service2]] = {}
+        self._actions: dict[str, type[Action2]] = {}
+        self._listed: dict[tuple[str, str], dict[str, Path]] = {}
+
+    @cached_property
+    def packages(self) -> tuple[str, ...]:
+        """The names of all packages that are known, sorted."""
+        own = (folder.name for folder in INTERFACES.iterdir() if folder.is_dir())
+        stored = {name.split("/")[0] for name in self._store} - _NOT_SERVED
+        return tuple(sorted({*self._workspace, *self._more, *own, *stored, *_UNCHANGED}))
+
+    def message_names(self, package: str) -> tuple[str, ...]:
+        """Return the names of a package's messages, sorted."""
+        names = set(self._files(package, "msg"))
+        if package not in self._workspace:
+            names.update(n.split("/")[2] for n in self._store if n.startswith(f"{package}/"))
+        return tuple(sorted(names))
+
+    def service_names(self, package: str) -> tuple[str, ...]:
+        """Return the names of a package's services, sorted."""
+        return tuple(sorted(self._files(package, "srv")))
+
+    def action_names(self, package: str) -> tuple[str, ...]:
+        """Return the names of a package's actions, sorted."""
+        return tuple(sorted(self._files(package, "action")))
+
+    def names(self, package: str, kind: str) -> tuple[str, ...]:
+        """Return the names that `from package.kind import ...` can take, sorted."""
+        return {
+            "msg": self.message_names,
+            "srv": self.service_names,
+            "action": self.action_names,
+        }[kind](package)
+
+    def modules(self, package: str, kind: str) -> tuple[str, ...]:
+        """Return the modules below `package.kind`, as rosidl generates them: `_pose_stamped`."""
+        return tuple(f"_{snake_case(name)}" for name in self.names(package, kind))
+
+    def module_names(self, package: str, kind: str) -> tuple[str, ...]:
+        """Return all names that a module of `package.kind` can give, parts included."""
+        names = self.names(package, kind)
+        parts = [f"{name}_{part}" for name in names for part in _PARTS.get(kind, ())]
+        return (*names, *parts)
+
+    def star_names(self, package: str, kind: str) -> tuple[str, ...]:
+        """Return the modules that `from package.kind import *` brings besides classes: none."""
+        del package, kind
+        return ()
+
+    def is_used(self, package: str) -> bool:
+        """Tell whether the controller has a package in its workspace or has used a class of it."""
+        made = (*self._classes, *self._services, *self._actions)
+        return package in self._workspace or any(name.startswith(f"{package}/") for name in made)
+
+    def interface(self, package: str, kind: str, name: str) -> Any:
+        """Return the class `name` of `package.kind`: a message, service, action, or its part.
+
+        Raises:
+            InputError: none is known, or its text is malformed.
+        """
+        full = f"{package}/{name}"
+        if kind == "msg":
+            return self.message(full)
+        whole, _, part = name.partition("_")
+        make = self.service if kind == "srv" else self.action
+        made: Any = make(f"{package}/{whole}")
+        return getattr(made, part) if part else made
+
+    def message(self, name: str) -> type[Message2]:
+        """Return the class of the message `package/Name`.
+
+        Raises:
+            InputError: no such message is known, or its text is malformed.
+        """
+        if name not in self._classes:
+            package, short = name.split("/")
+            self._define_message(package, short)
+            self._classes[name] = self._make(package, "msg", short, short)
+        return self._classes[name]
+
+    def service(self, name: str) -> type[Service2]:
+        """Return the class of the service `package/Name`.
+
+        Raises:
+            InputError: no such service is known, or its text is malformed.
+        """
+        if name not in self._services:
+            self._services[name] = self._composite(name, "srv", Service2)
+        return self._services[name]
+
+    def action(self, name: str) -> type[Action2]:
+        """Return the class of the action `package/Name`.
+
+        Raises:
+            InputError: no such action is known, or its text is malformed.
+        """
+        if name not in self._actions:
+            self._actions[name] = self._composite(name, "action", Action2)
+        return self._actions[name]
+
+    @cached_property
+    def _store(self) -> Typesdict:
+        # Imported here: it costs 0.05 s, and a program may need no message at all.
+        from rosbags.typesys.stores import ros2_jazzy
+
+        return ros2_jazzy.FIELDDEFS
+
+    def _files(self, package: str, kind: str) -> dict[str, Path]:
+        key = package, kind
+        if key not in self._listed:
+            # Asked for at each name of a package, of which some have hundreds.
+            self._listed[key] = self._found(package, kind)
+        return self._listed[key]
+
+    def _found(self, package: str, kind: str) -> dict[str, Path]:
+        if package in self._workspace:
+            folders = [self._workspace[package]]
+        else:
+            folders = [_ROS1_INTERFACES / package] if package in _UNCHANGED else []
+            folders.append(INTERFACES / package)
+        if package in self._more:
+            folders.insert(0, self._more[package])
+        return {
+            path.stem: path
+            for folder in folders
+            for path in sorted((folder / kind).rglob(f"*.{kind}"), reverse=True)
+        }
+
+    def _composite(self, name: str, kind: str, base: type[Any]) -> Any:
+        package, short = name.split("/")
+        told = "service" if kind == "srv" else "action"
+        self._check_package(package)
+        files = self._files(package, kind)
+        if short not in files:
+            raise InputError(f"{package} has no {told} '{short}'; {one_of(sorted(files), short)}")
+        path = files[short]
+        body: dict[str, Any] = {
+            "__module__": f"{package}.{kind}._{snake_case(short)}",
+            "__doc__": f"The {told} {name}.",
+            "_ros_type": name,
+        }
+        parts = _PARTS[kind]
+        for part, text in zip(parts, interface_parts(path, len(parts)), strict=True):
+            key = f"{short}_{part}"
+            self._parse(package, kind, key, text, path)
+            body[part] = self._make(package, kind, key, short)
+        if kind == "action":
+            body["Impl"] = self._wrappers(package, short, body)
+        return type(short, (base,), body)
+
+    def _wrappers(self, package: str, short: str, parts: Mapping[str, Any]) -> type:
+        """Make what an action sends: its parts with the goal's id, status or time."""
+        id_field = Field2(
+            "goal_id",
+            "unique_identifier_msgs/UUID",
+            message=self.message("unique_identifier_msgs/UUID"),
+        )
+        stamp = Field2(
+            "stamp", "builtin_interfaces/Time", message=self.message("builtin_interfaces/Time")
+        )
+
+        def nested(name: str, part: str) -> Field2:
+            return Field2(name, f"{package}/{short}_{part}", message=parts[part])
+
+        def made(suffix: str, *fields: Field2) -> type[Message2]:
+            return _message_class(package, "action", f"{short}_{suffix}", short, fields, {})
+
+        send = {
+            "Request": made("SendGoal_Request", id_field, nested("goal", "Goal")),
+            "Response": made("SendGoal_Response", Field2("accepted", "bool"), stamp),
+        }
+        get = {
+            "Request": made("GetResult_Request", id_field),
+            "Response": made(
+                "GetResult_Response", Field2("status", "int8"), nested("result", "Result")
+            ),
+        }
+        body = {
+            "__doc__": f"What the action {package}/{short} sends.",
+            "SendGoalService": type(f"{short}_SendGoal", (Service2,), send),
+            "GetResultService": type(f"{short}_GetResult", (Service2,), get),
+            "FeedbackMessage": made("FeedbackMessage", id_field, nested("feedback", "Feedback")),
+            "CancelGoalService": self.service("action_msgs/CancelGoal"),
+            "GoalStatusMessage": self.message("action_msgs/GoalStatusArray"),
+        }
+        return type("Impl", (), body)
+
+    def _make(self, package: str, kind: str, short: str, of: str) -> type[Message2]:
+        key = f"{package}/{kind}/{short}"
+        constants, described = self._definitions[key]
+        defaults = self._defaults.get(key, {})
+        fields = tuple(
+            self._field(f"{package}/{short}", name, description, defaults.get(name))
+            for name, description in described
+            if name != _PLACEHOLDER
+        )
+        values = {
+            name: bytes([cast("int", value)]) if base == "byte" else value
+            for name, base, value in constants
+        }
+        return _message_class(package, kind, short, of, fields, values)
+
+    def _field(self, owner: str, name: str, description: FieldDesc, default: Any) -> Field2:
+        from rosbags.interfaces import Nodetype
+
+        # A tuple of tuples, (ARRAY, ((NAME, "geometry_msgs/msg/Pose"), 4)); its static type is
+        # a union that no comparison narrows.
+        kind, detail = cast("tuple[Nodetype, Any]", description)
+        arranged = kind in (Nodetype.ARRAY, Nodetype.SEQUENCE)
+        (inner_kind, inner), size = detail if arranged else ((kind, detail), 0)
+        nested, longest = None, None
+        if inner_kind == Nodetype.BASE:
+            base, longest = inner[0], inner[1] or None
+        else:
+            base = inner.replace("/msg/", "/")
+            try:
+                nested = self.message(base)
+            except InputError as error:
+                raise InputError(f"field '{name}' of {owner}: {error.message}") from error
+        arrangement: Any = "scalar"
+        if arranged:
+            arrangement = "array" if kind == Nodetype.ARRAY else "sequence"
+        made = Field2(name, base, arrangement, size or None, longest, nested)
+        if default is None:
+            return made
+        fitting = _fitting(made, default)
+        return Field2(name, base, arrangement, size or None, longest, nested, fitting)
+
+    def _define_message(self, package: str, short: str) -> None:
+        self._check_package(package)
+        key = f"{package}/msg/{short}"
+        path = self._files(package, "msg").get(short)
+        if path is not None and not (key in self._store and _ROS1_INTERFACES in path.parents):
+            self._parse(package, "msg", short, interface_text(path), path)
+        elif package not in self._workspace and key in self._store:
+            self._definitions[key] = self._store[key]
+        else:
+            names = self.message_names(package)
+            raise InputError(f"{package} has no message '{short}'; {one_of(names, short)}")
+
+    def _check_package(self, package: str) -> None:
+        if package not in self.packages:
+            raise InputError(f"no message package '{package}'; {one_of(self.packages)}")
+
+    def _parse(self, package: str, kind: str, short: str, text: str, path: Path) -> None:
+        from rosbags.typesys import TypesysError, get_types_from_msg
+
+        # Names of the same package stand without it; the parser takes them for messages.
+        as_message = f"{package}/msg/{short}"
+        plain = re.sub(r"(?m)^(\s*)wstring\b", r"\1string", text)
+        try:
+            found = get_types_from_msg(plain, as_message)
+        except TypesysError as error:
+            told = str(error).splitlines()[-1]
+            raise InputError(f"not a message definition: {told}", Location(str(path))) from error
+        key = f"{package}/{kind}/{short}"
+        self._definitions[key] = found[as_message]
+        self._defaults[key] = _defaults(plain, path)
+
+
+def _message_class(
+    package: str,
+    kind: str,
+    short: str,
+    of: str,
+    fields: tuple[Field2, ...],
+    constants: Mapping[str, Any],
+) -> type[Message2]:
+    body: dict[str, Any] = {
+        "__module__": f"{package}.{kind}._{snake_case(of)}",
+        "__doc__": f"The message {package}/{short}.",
+        "__slots__": [f"_{field.name}" for field in fields],
+        "_ros_type": f"{package}/{short}",
+        "_ros_fields": fields,
+        "_fields_and_field_types": {field.name: field.type_text for field in fields},
+        "SLOT_TYPES": tuple(field.type_text for field in fields),
+    }
+    body |= constants
+    body |= {field.name: accessor(field) for field in fields}
+    return type(short, (Message2,), body)
+
+
+def snake_case(name: str) -> str:
+    """Return a type's name as rosidl names its module: `pose_stamped` of `PoseStamped`."""
+    split = re.sub(r"(.)([A-Z][a-z]+)", r"\1_\2", name)
+    return re.sub(r"([a-z0-9])([A-Z])", r"\1_\2", split).lower()
+
+
+def _defaults(text: str, path: Path) -> dict[str, Any]:
+    found = {}
+    for number, line in enumerate(text.splitlines(), 1):
+        match = _DEFAULT.fullmatch(line)
+        if match is None:
+            continue
+        name, value = match.groups()
+        try:
+            found[name] = ast.literal_eval({"true": "True", "false": "False"}.get(value, value))
+        except (ValueError, SyntaxError) as error:
+            told = f"'{value}' is no default that a field can have"
+            raise InputError(told, Location(str(path), number)) from error
+    return found
+
+
+def _fitting(field: Field2, value: Any) -> Any:
+    if field.base in ("float32", "float64"):
+        return [float(item) for item in value] if isinstance(value, list) else float(value)
+    if field.base == "bool":
+        return [bool(item) for item in value] if isinstance(value, list) else bool(value)
+    if field.base == "byte" and isinstance(value, int):
+        return bytes([value])
+    return value

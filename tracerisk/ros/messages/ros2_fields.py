@@ -1,0 +1,268 @@
+"""The fields of ROS 2 messages: their types, defaults, and what an assignment accepts."""
+
+from __future__ import annotations
+
+import array
+import math
+import numbers
+from collections import UserList, UserString
+from collections.abc import Callable, Sequence, Set
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from tracerisk.ros.messages.ros2_base import Message2
+
+SIGNED_BITS = {"int8": 8, "int16": 16, "int32": 32, "int64": 64}
+UNSIGNED_BITS = {"char": 8, "uint8": 8, "uint16": 16, "uint32": 32, "uint64": 64}
+FLOAT_LIMITS = {"float32": 3.402823466e38, "float64": 1.7976931348623157e308}
+TYPE_CODES = {
+    "float32": "f",
+    "float64": "d",
+    "int8": "b",
+    "int16": "h",
+    "int32": "i",
+    "int64": "q",
+    "char": "B",
+    "uint8": "B",
+    "uint16": "H",
+    "uint32": "I",
+    "uint64": "Q",
+}
+"""The numbers that arrays keep in place, by the type code of Python's `array`."""
+_IDL_NAMES = {
+    "float32": "float",
+    "float64": "double",
+    "bool": "boolean",
+    "byte": "octet",
+    "char": "uint8",
+}
+_SCALAR_DEFAULTS: dict[str, Any] = {"bool": False, "byte": b"\0", "string": ""}
+
+Arrangement = Literal["scalar", "array", "sequence"]
+
+
+@dataclass(frozen=True, slots=True)
+class Field2:
+    """One field of a ROS 2 message.
+
+    `base` is the type of an element, `size` the length of an array or the upper bound of a
+    sequence (None: unbounded), `longest` that of a string, `message` the class of a nested
+    message and `default` what the definition sets.
+    """
+
+    name: str
+    base: str
+    arrangement: Arrangement = "scalar"
+    size: int | None = None
+    longest: int | None = None
+    message: type[Message2] | None = None
+    default: Any = None
+
+    @property
+    def type_text(self) -> str:
+        """The type as IDL has it: `sequence<double, 3>`."""
+        inner = _IDL_NAMES.get(self.base, self.base)
+        if self.longest is not None:
+            inner = f"{inner}<{self.longest}>"
+        if self.arrangement == "scalar":
+            return inner
+        if self.arrangement == "array":
+            return f"{inner}[{self.size}]"
+        return f"sequence<{inner}>" if self.size is None else f"sequence<{inner}, {self.size}>"
+
+    @property
+    def is_numbers(self) -> bool:
+        """Whether the value is an array of numbers kept in place: numpy's, or Python's."""
+        return self.arrangement != "scalar" and self.base in TYPE_CODES
+
+    @property
+    def dtype(self) -> Any:
+        """numpy's type of an element."""
+        return getattr(np, "uint8" if self.base == "char" else self.base)
+
+    def make_default(self) -> Any:
+        """Make the value that the field has where the constructor is not given one."""
+        if self.arrangement == "scalar":
+            return self._element() if self.default is None else self.default
+        values = [] if self.default is None else list(self.default)
+        if self.arrangement == "array" and not values:
+            values = [self._element() for _ in range(self.size or 0)]
+        return self.pack(values)
+
+    def pack(self, values: Any) -> Any:
+        """Return what the field keeps of a sequence that its constructor is given."""
+        if not self.is_numbers:
+            return values
+        if self.arrangement == "array":
+            return np.array(values, dtype=self.dtype)
+        return array.array(TYPE_CODES[self.base], values)
+
+    def accept(self, value: Any) -> Any:
+        """Return what the field keeps of a value that is assigned to it.
+
+        Raises:
+            AssertionError: the value does not fit, in rosidl's words.
+        """
+        if self.arrangement == "scalar":
+            self._check_scalar(value)
+            return value
+        if self.is_numbers and self._keeps_in_place(value):
+            return value
+        self._check_many(value)
+        return self.pack(value)
+
+    def _element(self) -> Any:
+        if self.message is not None:
+            return self.message()
+        if self.base in FLOAT_LIMITS:
+            return 0.0
+        return _SCALAR_DEFAULTS.get(self.base, 0)
+
+    def _keeps_in_place(self, value: Any) -> bool:
+        if self.arrangement == "array" and isinstance(value, np.ndarray):
+            kind = f"numpy.{self.dtype.__name__}"
+            self._assert(
+                value.dtype == self.dtype,
+                f"The '{self.name}' numpy.ndarray() must have the dtype of '{kind}'",
+            )
+            self._assert(
+                value.size == self.size,
+                f"The '{self.name}' numpy.ndarray() must have a size of {self.size}",
+            )
+            return True
+        if self.arrangement == "sequence" and isinstance(value, array.array):
+            code = TYPE_CODES[self.base]
+            self._assert(
+                value.typecode == code,
+                f"The '{self.name}' array.array() must have the type code of '{code}'",
+            )
+            self._assert(
+                self.size is None or len(value) <= self.size,
+                f"The '{self.name}' array.array() must have a size <= {self.size}",
+            )
+            return True
+        return False
+
+    def _check_scalar(self, value: Any) -> None:
+        field = f"The '{self.name}' field must be"
+        if self.message is not None:
+            kind = self.message.__name__
+            self._assert(isinstance(value, self.message), f"{field} a sub message of type '{kind}'")
+        elif self.base == "byte":
+            self._assert(
+                isinstance(value, bytes | bytearray) and len(value) == 1,
+                f"{field} of type 'bytes' or 'ByteString' with length 1",
+            )
+        elif self.base == "string" and self.longest is not None:
+            self._assert(
+                isinstance(value, str | UserString) and len(value) <= self.longest,
+                f"{field} string value not longer than {self.longest}",
+            )
+        else:
+            self._assert(
+                isinstance(value, self._python_type), f"{field} of type '{self._python_name}'"
+            )
+            # Written only where it is needed: it costs more than all else that a message does.
+            if not self._in_range(value):
+                raise AssertionError(f"{field} {self._range_text()}")
+
+    def _check_many(self, value: Any) -> None:
+        is_vector = isinstance(value, np.ndarray) and value.ndim == 1
+        is_sequence = isinstance(value, Sequence | Set | UserList) and not isinstance(
+            value, str | UserString
+        )
+        kind, longest = self._python_type, self.longest
+        if self.base in FLOAT_LIMITS:
+            # Jazzy packs any numbers, Humble asserts on whole ones: what runs on one is let pass.
+            kind = numbers.Real
+        elif self.base in TYPE_CODES and is_vector:
+            kind = numbers.Integral
+        fits = (is_sequence or (is_vector and self.base in TYPE_CODES)) and all(
+            isinstance(item, kind) for item in value
+        )
+        if fits and self.size is not None:
+            exactly = self.arrangement == "array"
+            fits = len(value) == self.size if exactly else len(value) <= self.size
+        if fits and longest is not None:
+            fits = all(len(item) <= longest for item in value)
+        if fits and self.base in TYPE_CODES:
+            fits = all(self._in_range(item) for item in value)
+        if not fits:
+            raise AssertionError(self._told_of_many())
+
+    def _told_of_many(self) -> str:
+        told = ["a set or sequence"]
+        if self.size is not None:
+            told.append(f"with length {'' if self.arrangement == 'array' else '<= '}{self.size}")
+        if self.longest is not None:
+            told.append(f"and each string value not longer than {self.longest}")
+        told.append(f"and each value of type '{self._python_name}'")
+        if self.base in TYPE_CODES:
+            told.append(f"and each {self._range_text(many=True)}")
+        return f"The '{self.name}' field must be {' '.join(told)}"
+
+    @property
+    def _python_type(self) -> Any:
+        if self.message is not None:
+            return self.message
+        if self.base in FLOAT_LIMITS:
+            return float
+        return {"bool": bool, "byte": bytes, "string": str}.get(self.base, int)
+
+    @property
+    def _python_name(self) -> str:
+        name: str = self._python_type.__name__
+        return name
+
+    def _in_range(self, value: Any) -> bool:
+        low, high = self._limits()
+        if self.base in FLOAT_LIMITS:
+            return not (value < low or value > high) or math.isinf(value)
+        return low is None or bool(low <= value <= high)
+
+    def _limits(self) -> tuple[Any, Any]:
+        if self.base in FLOAT_LIMITS:
+            return -FLOAT_LIMITS[self.base], FLOAT_LIMITS[self.base]
+        if self.base in SIGNED_BITS:
+            bound = 1 << (SIGNED_BITS[self.base] - 1)
+            return -bound, bound - 1
+        if self.base in UNSIGNED_BITS:
+            return 0, (1 << UNSIGNED_BITS[self.base]) - 1
+        return None, None
+
+    def _range_text(self, *, many: bool = False) -> str:
+        low, high = self._limits()
+        if self.base in FLOAT_LIMITS:
+            name = _IDL_NAMES[self.base]
+            # rosidl prints the limits of a sequence's items with all of their digits.
+            told = f"{name} in [{low:f}, {high:f}]" if many else f"{name} in [{low}, {high}]"
+        elif self.base in SIGNED_BITS:
+            told = f"integer in [{low}, {high}]"
+        else:
+            told = f"unsigned integer in [{low}, {high}]"
+        if many:
+            return told
+        return f"{'an' if told[0] in 'iu' else 'a'} {told}"
+
+    @staticmethod
+    def _assert(holds: bool, message: str) -> None:
+        # Not `assert`: what the real library refuses is refused under `python -O` too.
+        if not holds:
+            raise AssertionError(message)
+
+
+def accessor(field: Field2) -> property:
+    """Return the property that reads and checks `field` of a message."""
+    slot = f"_{field.name}"
+
+    def read(message: Any) -> Any:
+        return getattr(message, slot)
+
+    def write(message: Any, value: Any) -> None:
+        object.__setattr__(message, slot, field.accept(value))
+
+    get: Callable[[Any], Any] = read
+    return property(get, write, doc=f"The field '{field.name}', {field.type_text}.")

@@ -1,0 +1,1 @@
+"""MoveIt's move_group on the twin: goals, planning scene, execution."""

@@ -1,0 +1,79 @@
+"""The twin's data as messages of moveit_msgs; `new` makes an empty message `package/Name`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from tracerisk.ros.messages.dialect import set_time
+from tracerisk.ros.moveit.planning_scene import PlanningScene, SceneObject
+from tracerisk.ros.time.clock import EPOCH_NS
+from tracerisk.twin.physics.motion import JointTrajectory, Pose
+
+New = Callable[[str], Any]
+
+SHAPES = ("primitives", "primitive_poses", "meshes", "mesh_poses", "planes", "plane_poses")
+"""The fields of a moveit_msgs/CollisionObject that hold its shapes."""
+
+
+def set_pose(message: Any, pose: Pose) -> None:
+    """Set a geometry_msgs/Pose."""
+    p, q = message.position, message.orientation
+    p.x, p.y, p.z = pose.position
+    q.x, q.y, q.z, q.w = pose.orientation
+
+
+def state_message(new: New, positions: Mapping[str, float], frame: str, now_ns: int) -> Any:
+    """Return joint positions as a RobotState at a time of the run [ns]."""
+    state = new("moveit_msgs/RobotState")
+    state.joint_state.header.frame_id = frame
+    set_time(state.joint_state.header.stamp, EPOCH_NS + now_ns)
+    state.joint_state.name = list(positions)
+    state.joint_state.position = [float(value) for value in positions.values()]
+    return state
+
+
+def trajectory_message(new: New, trajectory: JointTrajectory, frame: str) -> Any:
+    """Return a trajectory as a RobotTrajectory, with the accelerations between its points."""
+    message = new("moveit_msgs/RobotTrajectory")
+    joint_trajectory = message.joint_trajectory
+    joint_trajectory.header.frame_id = frame
+    joint_trajectory.joint_names = list(trajectory.joints)
+    acceleration = np.zeros_like(trajectory.velocity)
+    if len(trajectory.time) > 1:
+        acceleration = np.gradient(trajectory.velocity, trajectory.time, axis=0)
+    points = []
+    for time, position, velocity, change in zip(
+        trajectory.time, trajectory.position, trajectory.velocity, acceleration, strict=True
+    ):
+        point = new("trajectory_msgs/JointTrajectoryPoint")
+        point.positions, point.velocities = position.tolist(), velocity.tolist()
+        point.accelerations = change.tolist()
+        set_time(point.time_from_start, round(float(time) * 1e9))
+        points.append(point)
+    joint_trajectory.points = points
+    return message
+
+
+def object_message(new: New, item: SceneObject, frame: str, *, with_shapes: bool = True) -> Any:
+    """Return an object of the planning scene as a CollisionObject in a frame."""
+    message = new("moveit_msgs/CollisionObject")
+    message.id = item.name
+    message.header.frame_id = frame
+    set_pose(message.pose, item.pose)
+    for field in SHAPES if with_shapes else ():
+        setattr(message, field, list(getattr(item.message, field)))
+    return message
+
+
+def attached_messages(new: New, scene: PlanningScene) -> list[Any]:
+    """Return the attached objects of a scene as AttachedCollisionObjects, sorted by name."""
+    found = []
+    for _, one in sorted(scene.attached.items()):
+        message = new("moveit_msgs/AttachedCollisionObject")
+        message.link_name, message.touch_links = one.link, list(one.touch_links)
+        message.object = object_message(new, one.object, one.link)
+        found.append(message)
+    return found

@@ -1,0 +1,449 @@
+"""The move_group node of MoveIt, in process: it plans and executes on the twin.
+
+A command is recorded when a motion is executed, not when it is planned. A failure to plan is
+answered with MoveIt's error code and told as a finding of the run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal
+
+from tracerisk.errors import RobotError, one_of
+from tracerisk.ros.controller.needs import Need
+from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.moveit.path_constraints import PathRule
+from tracerisk.ros.moveit.planning_scene import PlanningScene
+from tracerisk.ros.moveit.robot_groups import RobotGroups
+from tracerisk.ros.moveit.scene_changes import SceneChanges
+from tracerisk.ros.moveit.scene_shapes import scene_body
+from tracerisk.ros.moveit.trajectory_execution import ErrorCode, TrajectoryExecution
+from tracerisk.ros.robot.frames import fixed_frame
+from tracerisk.twin.motion.timing import MIN_ANGLE_CHANGE, PATH_TOLERANCE, RESAMPLE_S
+from tracerisk.twin.physics.motion import (
+    JointTrajectory,
+    LinkTarget,
+    PlanningError,
+    PlanningFailure,
+    Pose,
+)
+
+if TYPE_CHECKING:
+    from tracerisk.ros.graph.runtime import Runtime
+    from tracerisk.twin.physics.scene_body import SceneBody
+    from tracerisk.twin.simulation.twin import Twin
+
+_FREE_POSITION = 1e3  # a position tolerance that any position meets [m]
+_FREE_ORIENTATION = 10.0  # an orientation tolerance that any orientation meets [rad]
+
+GoalKind = Literal["pose", "position", "orientation"]
+
+
+# As move_group answers a motion plan request: a pose without a solution is a plan not found.
+_CODE_OF: Mapping[PlanningFailure, ErrorCode] = {
+    "invalid_goal": ErrorCode.INVALID_GOAL_CONSTRAINTS,
+    "no_ik_solution": ErrorCode.PLANNING_FAILED,
+    "no_plan": ErrorCode.PLANNING_FAILED,
+    "collision": ErrorCode.GOAL_IN_COLLISION,
+    "start_in_collision": ErrorCode.START_STATE_IN_COLLISION,
+    "bad_request": ErrorCode.INVALID_MOTION_PLAN,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class PoseGoal:
+    """Where a link should come, in the planning frame; tolerances in [m] and [rad]."""
+
+    link: str
+    pose: Pose
+    kind: GoalKind = "pose"
+    position_tolerance: float = 1e-4
+    orientation_tolerance: float = 1e-3
+
+
+WHOLE_PATH = 0.999
+"""A Cartesian path of which less is covered was cut."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scaling:
+    """Fractions in (0, 1] of the rated velocity and acceleration."""
+
+    velocity: float
+    acceleration: float
+
+
+RATED = Scaling(1.0, 1.0)
+
+
+def valid_fraction(value: float) -> float:
+    """Return a scaling factor as MoveIt's time parameterization takes it.
+
+    What is not within (0, 1] is 1; that includes the 0 of a field of a message that is not set.
+    Source: MotionPlanRequest.msg of moveit_msgs, and verifyScalingFactor in MoveIt's
+    time_optimal_trajectory_generation.cpp.
+    """
+    return float(value) if 0.0 < value <= 1.0 else 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What planning came to: a trajectory with SUCCESS, none with any other code."""
+
+    code: ErrorCode
+    trajectory: JointTrajectory | None
+    message: str = ""
+
+
+class MoveGroupServer(RobotGroups):
+    """Plan and execute on the twin of `runtime`, for every client in the process.
+
+    `execution` carries out trajectories, `scene` is the planning scene, which `changes` changes.
+    `models` are bodies that the simulated world has and planning knows nothing of.
+    """
+
+    is_of_world = True
+
+    def __init__(self, runtime: Runtime) -> None:
+        super().__init__(runtime.twin.robot, runtime.seed)
+        self._runtime = runtime
+        self._twin: Twin = runtime.twin
+        self.scene = PlanningScene(self.declare)
+        self.models: dict[str, SceneBody] = {}
+        self.changes = SceneChanges(
+            self.scene, self.robot, runtime.twin.link_pose, self._tell_scene
+        )
+        self.execution = TrajectoryExecution(runtime)
+
+    # What the state is; each look moves the clock if it was looked at before
+
+    def positions(self) -> dict[str, float]:
+        """Return the position of every joint [rad or m]."""
+        self._runtime.scheduler.touch()
+        self._runtime.client(SensorReading).asked("encoder")
+        return self._positions()
+
+    def link_pose(self, link: str) -> Pose:
+        """Return a link's pose in the planning frame.
+
+        Raises:
+            RobotError: the robot has no such link; lists those it has.
+        """
+        self._runtime.scheduler.touch()
+        self._runtime.client(SensorReading).asked("encoder")
+        return self._twin.link_pose(link)
+
+    def forward(self, positions: Mapping[str, float], link: str) -> Pose:
+        """Return a link's pose at given joint positions; joints left out stand as they are."""
+        return self._twin.forward_kinematics({**self._positions(), **positions}, link)
+
+    def frame(self, name: str) -> Pose | None:
+        """Return the pose of a frame, else None, which is noted as a need.
+
+        That is a link, the world, an object of the scene, or a frame that `/tf_static` fixes to
+        one of these.
+        """
+        plain = name.lstrip("/")
+        pose = self.changes.frame(plain)
+        pose = pose or fixed_frame(self._runtime.graph, plain, self.changes.frame)
+        if plain:
+            need = Need("frame", plain, parent=self.robot.base_link)
+            if pose is None:
+                self._runtime.scheduler.miss(need)
+            else:
+                self._runtime.scheduler.needs.meet(need)
+        return pose
+
+    def object_pose(self, name: str) -> Pose | None:
+        """Return the pose of an object of the scene in the planning frame, else None."""
+        return self.changes.object_pose(name)
+
+    def now_ns(self) -> int:
+        """Return the time as the controller reads it [ns]."""
+        return self._runtime.scheduler.read_clock()
+
+    def _positions(self) -> dict[str, float]:
+        state = self._twin.joint_state()
+        return dict(zip(state.names, state.position, strict=True))
+
+    # Planning
+
+    def plan_joints(
+        self,
+        group: str,
+        target: Mapping[str, float],
+        scaling: Scaling,
+        start: Mapping[str, float] | None = None,
+    ) -> Plan:
+        """Plan to joint positions."""
+        self._runtime.scheduler.touch()
+        asked = tuple(target[name] for name in sorted(target))
+        try:
+            plan = self._plan_joints(group, target, scaling, start)
+        except PlanningError as error:
+            return self._failed(group, error, asked)
+        self._planned(group, asked)
+        return plan
+
+    def plan_pose(
+        self,
+        group: str,
+        goals: Sequence[Sequence[PoseGoal]],
+        scaling: Scaling,
+        start: Mapping[str, float] | None = None,
+    ) -> Plan:
+        """Plan to the first of several alternative goals that can be reached.
+
+        Each alternative is one goal a link, all of which must be met.
+        """
+        self._runtime.scheduler.touch()
+        failure = PlanningError("invalid_goal", "no goal is set; set a target first")
+        for alternative in goals:
+            try:
+                target = self.reach(group, alternative, start)
+                plan = self._plan_joints(group, target, scaling, start)
+            except PlanningError as error:
+                failure = error
+            else:
+                self._planned(group, _places(goals[:1]))
+                return plan
+        return self._failed(group, failure, _places(goals[:1]))
+
+    def plan_cartesian(
+        self,
+        group: str,
+        waypoints: Sequence[Pose],
+        *,
+        link: str,
+        eef_step: float,
+        avoid_collisions: bool = True,
+        start: Mapping[str, float] | None = None,
+        scaling: Scaling = RATED,
+    ) -> tuple[Plan, float]:
+        """Plan straight lines through `waypoints`, at the rated speeds as the service does.
+
+        With `avoid_collisions` the way ends before the first collision.
+        Returns the plan and the fraction of the way that it covers; less than 1 is a success
+        with a finding.
+        """
+        self._runtime.scheduler.touch()
+        try:
+            trajectory, fraction = self._twin.plan_cartesian(
+                group,
+                waypoints,
+                link=link,
+                eef_step=eef_step,
+                avoid_collisions=avoid_collisions,
+                start=start,
+                velocity_scaling=scaling.velocity,
+                acceleration_scaling=scaling.acceleration,
+            )
+        except PlanningError as error:
+            return self._failed(group, error, _last_place(waypoints)), -1.0
+        if fraction < WHOLE_PATH:
+            self.execution.tell(
+                "path_cut",
+                f"a Cartesian path of group '{group}' was cut to {100.0 * fraction:.1f} % of its "
+                "way",
+                object_name=group,
+                target=_last_place(waypoints),
+            )
+        else:
+            self._planned(group, _last_place(waypoints))
+        return Plan(ErrorCode.SUCCESS, trajectory), fraction
+
+    def retime(
+        self,
+        trajectory: JointTrajectory,
+        scaling: Scaling,
+        *,
+        path_tolerance: float = PATH_TOLERANCE,
+        resample_s: float = RESAMPLE_S,
+        min_angle_change: float = MIN_ANGLE_CHANGE,
+    ) -> JointTrajectory:
+        """Return the path timed anew; the settings are those of `timing.along_path`.
+
+        Raises:
+            PlanningError: the trajectory is none, or a setting is not above 0.
+        """
+        return self._twin.retime(
+            trajectory,
+            velocity_scaling=scaling.velocity,
+            acceleration_scaling=scaling.acceleration,
+            path_tolerance=path_tolerance,
+            resample_s=resample_s,
+            min_angle_change=min_angle_change,
+        )
+
+    def default_scaling(self, description: str) -> Scaling:
+        """Return the fractions that a client of move_group plans with until it sets others.
+
+        As MoveGroupInterface: `<description>_planning/default_velocity_scaling_factor` and
+        `default_acceleration_scaling_factor` of the parameter server, which joint_limits.yaml
+        sets, else those of the robot, 0.1 unless its description says otherwise. What is not
+        within (0, 1] the time parameterization then takes as 1.
+        """
+        parameters = self._runtime.graph.parameters
+        default = self.robot.default_scaling
+        found = [default.velocity, default.acceleration]
+        for i, kind in enumerate(("velocity", "acceleration")):
+            name = f"/{description}_planning/default_{kind}_scaling_factor"
+            value = parameters.get(name) if parameters.has(name) else None
+            if isinstance(value, int | float) and not isinstance(value, bool):
+                found[i] = valid_fraction(value)
+        return Scaling(*found)
+
+    def reach(
+        self, group: str, goals: Sequence[PoseGoal], start: Mapping[str, float] | None = None
+    ) -> dict[str, float]:
+        """Return joint positions that meet the goals, one a link.
+
+        Raises:
+            PlanningError: none were found.
+        """
+        for goal in goals:
+            if goal.link not in self.robot.link_names:
+                raise PlanningError(
+                    "bad_request",
+                    f"robot '{self.robot.name}' has no link '{goal.link}'; "
+                    f"{one_of(self.robot.link_names, goal.link)}",
+                )
+        near = [self._free(goal, start or {}) for goal in goals]
+        try:
+            return self._twin.reach_all(group, near, seed=start)
+        except PlanningError as error:
+            wide = [
+                replace(
+                    target,
+                    position_tolerance=max(target.position_tolerance, goal.position_tolerance),
+                    orientation_tolerance=max(
+                        target.orientation_tolerance, goal.orientation_tolerance
+                    ),
+                )
+                for target, goal in zip(near, goals, strict=True)
+            ]
+            if error.failure != "no_ik_solution" or wide == near:
+                raise
+        return self._twin.reach_all(group, wide, seed=start)
+
+    def solve(
+        self, group: str, pose: Pose, link: str, seed: Mapping[str, float]
+    ) -> dict[str, float]:
+        """Return joint positions that bring a link to a pose, whether or not they collide.
+
+        Raises:
+            PlanningError: none were found.
+        """
+        return self._twin.inverse_kinematics(group, pose, link=link, seed=seed)
+
+    def _free(self, goal: PoseGoal, start: Mapping[str, float]) -> LinkTarget:
+        """Return the pose to look for, and how near counts: the part not asked for stays near."""
+        here = self.forward(start, goal.link)
+        if goal.kind == "position":
+            free = Pose(goal.pose.position, here.orientation)
+            return LinkTarget(goal.link, free, orientation_tolerance=_FREE_ORIENTATION)
+        if goal.kind == "orientation":
+            free = Pose(here.position, goal.pose.orientation)
+            return LinkTarget(goal.link, free, position_tolerance=_FREE_POSITION)
+        return LinkTarget(goal.link, goal.pose)
+
+    def _plan_joints(
+        self,
+        group: str,
+        target: Mapping[str, float],
+        scaling: Scaling,
+        start: Mapping[str, float] | None,
+    ) -> Plan:
+        trajectory = self._twin.plan_joints(
+            group,
+            target,
+            start=start,
+            velocity_scaling=scaling.velocity,
+            acceleration_scaling=scaling.acceleration,
+        )
+        return Plan(ErrorCode.SUCCESS, trajectory)
+
+    def _planned(self, group: str, target: Sequence[float]) -> None:
+        """Note that a plan was found, which may be a retry."""
+        for kind in ("planning_failure", "path_cut"):
+            self.execution.succeeded(kind, group, target)
+
+    def _failed(self, group: str, error: PlanningError, target: Sequence[float] = ()) -> Plan:
+        message = f"planning for group '{group}' failed: {error.message}"
+        self.execution.tell("planning_failure", message, object_name=group, target=target)
+        return Plan(_CODE_OF[error.failure], None, error.message)
+
+    # Objects
+
+    def bodies(self, scene: PlanningScene) -> list[SceneBody]:
+        """Return the objects of a scene as bodies of the twin; one that cannot be is told of."""
+        bodies = []
+        placed = [(item, None, ()) for item in scene.world.values()] + [
+            (one.object, one.link, one.touch_links) for one in scene.attached.values()
+        ]
+        for item, link, touch_links in placed:
+            try:
+                bodies.append(
+                    scene_body(
+                        item.name, item.pose, item.message, link=link, touch_links=touch_links
+                    )
+                )
+            except RobotError as error:
+                self._tell_scene(
+                    f"object '{item.name}' is no body of the simulation: {error.message}"
+                )
+        return [one for one in bodies if one.is_solid]
+
+    def planning_in(self, scene: PlanningScene) -> AbstractContextManager[None]:
+        """Plan and check for collisions in another scene within the block."""
+        return self._twin.planning_among(self.bodies(scene), scene.allowed)
+
+    def planning_under(self, constraints: Any) -> AbstractContextManager[None]:
+        """Have plans keep to `moveit_msgs/Constraints` within the block."""
+        rule = PathRule(constraints, self.forward, self.frame)
+        return nullcontext() if rule.is_empty else self._twin.planning_under(rule)
+
+    def collisions(self, positions: Mapping[str, float]) -> list[tuple[str, str]]:
+        """Return the names of what collides at joint positions, pair by pair."""
+        return self._twin.collisions(positions)
+
+    def declare(self) -> None:
+        """Make the objects of the scene, and the models, bodies of the twin."""
+        try:
+            bodies = [*self.bodies(self.scene), *self.models.values()]
+            unknown = {frozenset((name,)) for name in self.models}
+            self._twin.declare(bodies, self.scene.allowed | unknown)
+        except RobotError as error:
+            self._tell_scene(error.message)
+
+    def _tell_scene(self, message: str) -> None:
+        self.execution.tell("planning_scene", message)
+
+    @contextmanager
+    def touching(self, name: str, links: Iterable[str]) -> Iterator[None]:
+        """Let plans touch an object with some links for a while, as when it is picked."""
+        before = self.scene.allowed
+        self.scene.allow(before | {frozenset((name, link)) for link in links})
+        try:
+            yield
+        finally:
+            self.scene.allow(before)
+
+    def attach(self, name: str, link: str, touch_links: Sequence[str]) -> bool:
+        """Attach a known object of the world to a link; False where there is none."""
+        return self.changes.attach(name, link, touch_links)
+
+    def detach(self, name: str) -> bool:
+        """Leave an attached object in the world where it now is; False where there is none."""
+        return self.changes.detach(name)
+
+
+def _last_place(poses: Sequence[Pose]) -> tuple[float, ...]:
+    return tuple(poses[-1].position) if poses else ()
+
+
+def _places(goals: Sequence[Sequence[PoseGoal]]) -> tuple[float, ...]:
+    """Return the positions of the first alternative: a retry may turn the tool."""
+    return tuple(value for goal in next(iter(goals), ()) for value in goal.pose.position)

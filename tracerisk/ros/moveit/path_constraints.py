@@ -1,0 +1,191 @@
+"""What moveit_msgs/Constraints allow: whether a state keeps to them, and how far it is off."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.ros.transforms.poses import (
+    compose,
+    conjugate,
+    multiply,
+    rpy_from_quaternion,
+    unit_quaternion,
+)
+from tracerisk.twin.physics.motion import Pose
+
+_BOX, _SPHERE, _CYLINDER = 1, 2, 3  # shape_msgs/SolidPrimitive
+_SLACK = 1e-6
+_WITHIN = 0.9  # of a tolerance: what a path is brought to, so that it keeps the whole between
+
+Array = NDArray[np.float64]
+Forward = Callable[[Mapping[str, float], str], Pose]
+Frame = Callable[[str], Pose | None]
+
+
+class PathRule:
+    """The constraints that a path must keep to; those of `moveit_msgs/Constraints`.
+
+    `forward(positions, link)` gives a link's pose, `frame(name)` that of a frame, both in the
+    planning frame. What cannot be checked counts as a breach, with the reason.
+    """
+
+    def __init__(self, constraints: Any, forward: Forward, frame: Frame) -> None:
+        self._constraints = constraints
+        self._forward = forward
+        self._frame = frame
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether it allows everything."""
+        kinds = ("joint", "orientation", "position", "visibility")
+        return not any(len(getattr(self._constraints, f"{kind}_constraints")) for kind in kinds)
+
+    def breach(self, positions: Mapping[str, float]) -> str | None:
+        """Return the first breach at joint positions [rad or m] in words, None for none."""
+        if self._constraints.visibility_constraints:
+            return "visibility constraints cannot be checked: the twin has no cameras"
+        return next((each.words for each in self._parts(positions) if each.is_broken), None)
+
+    def excess(self, positions: Mapping[str, float]) -> Array:
+        """Return how far each part of the rule is beyond nine tenths of what is allowed.
+
+        Returns: (n_parts,) [rad or m], 0 within; NaN for what cannot be checked.
+        """
+        return np.array([each.excess for each in self._parts(positions)])
+
+    def _parts(self, positions: Mapping[str, float]) -> Iterator[_Part]:
+        for one in self._constraints.joint_constraints:
+            value = positions.get(one.joint_name)
+            if value is not None:
+                yield _joint_part(one, value)
+        for one in self._constraints.orientation_constraints:
+            yield from self._orientation_parts(one, positions)
+        for one in self._constraints.position_constraints:
+            yield from self._position_parts(one, positions)
+
+    def _orientation_parts(self, one: Any, positions: Mapping[str, float]) -> Iterator[_Part]:
+        base = self._frame(one.header.frame_id)
+        if base is None:
+            yield _unknown(
+                f"an orientation constraint is in the unknown frame '{one.header.frame_id}'"
+            )
+            return
+        q = one.orientation
+        wanted = multiply(base.orientation, unit_quaternion((q.x, q.y, q.z, q.w)))
+        error = multiply(conjugate(wanted), self._forward(positions, one.link_name).orientation)
+        tolerances = (
+            one.absolute_x_axis_tolerance,
+            one.absolute_y_axis_tolerance,
+            one.absolute_z_axis_tolerance,
+        )
+        for axis, angle, tolerance in zip(
+            "xyz", rpy_from_quaternion(error), tolerances, strict=True
+        ):
+            words = (
+                f"link '{one.link_name}' is turned by {abs(angle):.3f} rad about {axis}, "
+                f"{tolerance:.3f} are allowed"
+            )
+            yield _Part(abs(angle) > tolerance + _SLACK, _beyond(angle, tolerance), words)
+
+    def _position_parts(self, one: Any, positions: Mapping[str, float]) -> Iterator[_Part]:
+        base = self._frame(one.header.frame_id)
+        if base is None:
+            yield _unknown(f"a position constraint is in the unknown frame '{one.header.frame_id}'")
+            return
+        region = one.constraint_region
+        if region.meshes:
+            told = "a position constraint has a mesh as its region, which cannot be checked"
+            yield _unknown(told)
+            return
+        offset = one.target_point_offset
+        point = compose(
+            self._forward(positions, one.link_name),
+            Pose((offset.x, offset.y, offset.z), (0.0, 0.0, 0.0, 1.0)),
+        ).position
+        words = f"link '{one.link_name}' is outside the region of its position constraint"
+        shapes = [
+            (shape, _seen_from(compose(base, message_pose(pose)), point))
+            for shape, pose in zip(region.primitives, region.primitive_poses, strict=False)
+        ]
+        outside = [_outside(shape, seen) for shape, seen in shapes]
+        nearest = min(outside, key=lambda each: sum(map(abs, each)), default=(math.nan,) * 3)
+        is_broken = not any(_is_inside(shape, seen) for shape, seen in shapes)
+        for each in nearest:
+            yield _Part(is_broken, each, words)
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """One bound: whether it is broken, by how much [rad or m], and in words."""
+
+    is_broken: bool
+    excess: float
+    words: str
+
+
+def _unknown(words: str) -> _Part:
+    return _Part(True, math.nan, words)
+
+
+def _joint_part(one: Any, value: float) -> _Part:
+    low, high = one.position - one.tolerance_below, one.position + one.tolerance_above
+    words = f"joint '{one.joint_name}' at {value:.4f} is outside [{low:.4f}, {high:.4f}]"
+    is_broken = not low - _SLACK <= value <= high + _SLACK
+    return _Part(is_broken, _beyond(value - (low + high) / 2, (high - low) / 2), words)
+
+
+def _beyond(value: float, tolerance: float) -> float:
+    """Return how far a value is from nine tenths of +-tolerance, with its sign; 0 within."""
+    rest = abs(value) - _WITHIN * tolerance
+    return math.copysign(rest, value) if rest > 0.0 else 0.0
+
+
+def _outside(shape: Any, point: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Return how far a point is outside a shape, along the shape's axes [m]."""
+    x, y, z = point
+    sizes = [float(value) for value in shape.dimensions]
+    if shape.type == _BOX:
+        return _beyond(x, sizes[0] / 2), _beyond(y, sizes[1] / 2), _beyond(z, sizes[2] / 2)
+    if shape.type == _SPHERE:
+        return _shortened((x, y, z), sizes[0])
+    if shape.type == _CYLINDER:
+        across = _shortened((x, y, 0.0), sizes[1])
+        return across[0], across[1], _beyond(z, sizes[0] / 2)
+    return (math.nan,) * 3
+
+
+def _shortened(point: tuple[float, float, float], radius: float) -> tuple[float, float, float]:
+    length = math.hypot(*point)
+    share = _beyond(length, radius) / length if length > 0.0 else 0.0
+    return point[0] * share, point[1] * share, point[2] * share
+
+
+def message_pose(message: Any) -> Pose:
+    """Return a geometry_msgs/Pose as the twin's; a turn of all zeros is no turn."""
+    p, q = message.position, message.orientation
+    return Pose((float(p.x), float(p.y), float(p.z)), unit_quaternion((q.x, q.y, q.z, q.w)))
+
+
+def _seen_from(place: Pose, point: tuple[float, float, float]) -> tuple[float, float, float]:
+    back = conjugate(place.orientation)
+    px, py, pz = place.position
+    moved = Pose((point[0] - px, point[1] - py, point[2] - pz), (0.0, 0.0, 0.0, 1.0))
+    return compose(Pose((0.0, 0.0, 0.0), back), moved).position
+
+
+def _is_inside(shape: Any, point: tuple[float, float, float]) -> bool:
+    x, y, z = point
+    sizes = [float(value) + _SLACK for value in shape.dimensions]
+    if shape.type == _BOX:
+        return all(abs(part) <= size / 2 for part, size in zip(point, sizes, strict=True))
+    if shape.type == _SPHERE:
+        return math.hypot(x, y, z) <= sizes[0]
+    if shape.type == _CYLINDER:
+        return abs(z) <= sizes[0] / 2 and math.hypot(x, y) <= sizes[1]
+    return False

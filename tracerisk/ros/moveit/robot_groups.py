@@ -1,0 +1,111 @@
+"""What move_group knows of a robot by itself: its groups, their links and joint targets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from tracerisk.twin.robots.robot import Gripper, Group, Robot
+
+
+class RobotGroups:
+    """The planning groups of a robot; what is drawn comes from a generator begun with `seed`."""
+
+    def __init__(self, robot: Robot, seed: int) -> None:
+        self.robot = robot
+        self.random = np.random.default_rng(seed)
+
+    @property
+    def planning_frame(self) -> str:
+        """The frame in which plans are made: the robot's base link."""
+        return self.robot.base_link
+
+    def group(self, name: str) -> Group:
+        """Return a planning group.
+
+        Raises:
+            RobotError: the robot has no such group; lists those it has.
+        """
+        return self.robot.group(name)
+
+    def gripper_of(self, name: str) -> Gripper | None:
+        """Return the gripper whose fingers are all that the group moves, else None."""
+        joints = set(self.group(name).joints)
+        return next((one for one in self.robot.grippers if joints <= set(one.joints)), None)
+
+    def values_by_name(self, name: str, values: Sequence[float]) -> dict[str, float] | None:
+        """Return a list of values by the joints of a group, `None` where it is of another length.
+
+        A list for a gripper may have a value for each finger that follows too, which is not used.
+        """
+        joints = self.group(name).joints
+        gripper = self.gripper_of(name)
+        listed = joints
+        if gripper is not None and len(values) != len(joints):
+            listed = tuple(one.name for one in self.robot.joints if one.name in gripper.joints)
+        if len(values) != len(listed):
+            return None
+        given = dict(zip(listed, values, strict=True))
+        return {joint: given[joint] for joint in joints}
+
+    def end_effector_link(self, name: str) -> str:
+        """Return the tip of a group that is an arm, else the empty string."""
+        group = self.group(name)
+        return group.tip_link if group.tip_link and self.gripper_of(name) is None else ""
+
+    def group_links(self, name: str) -> tuple[str, ...]:
+        """Return the links that the group's joints carry, from the base to the tip.
+
+        Links of fixed joints belong to the group as far as they lie on the way to its tip.
+        """
+        group = self.group(name)
+        parents = {one.child: one for one in self.robot.attachments}
+        way = set()
+        link = group.tip_link
+        while link in parents:
+            way.add(link)
+            link = parents[link].parent
+        moved = {one.child for one in self.robot.attachments if one.name in group.joints}
+        first = min((self.robot.link_names.index(link) for link in moved), default=0)
+        return tuple(
+            link
+            for index, link in enumerate(self.robot.link_names)
+            if link in moved or (link in way and index > first)
+        )
+
+    def hand_links(self, tip: str) -> tuple[str, ...]:
+        """Return the links that move with a tip, and those beyond them: hand and fingers."""
+        hangs = {one.child: one for one in self.robot.attachments}
+        root = tip
+        while root in hangs and hangs[root].type == "fixed":
+            root = hangs[root].parent
+        found = {root}
+        for link in self.robot.link_names:
+            at, way = link, {link}
+            while at in hangs and at not in found:
+                at = hangs[at].parent
+                way.add(at)
+            if at in found:
+                found |= way
+        return tuple(link for link in self.robot.link_names if link in found)
+
+    def default_target(self, name: str) -> dict[str, float]:
+        """Return a new client's joint target: zero, or the middle where zero is out of limits."""
+        target = {}
+        for joint in map(self.robot.joint, self.group(name).joints):
+            middle = (joint.lower + joint.upper) / 2
+            target[joint.name] = 0.0 if joint.lower <= 0.0 <= joint.upper else middle
+        return target
+
+    def random_target(self, name: str) -> dict[str, float]:
+        """Return joint positions drawn evenly within the group's limits."""
+        joints = map(self.robot.joint, self.group(name).joints)
+        return {one.name: float(self.random.uniform(one.lower, one.upper)) for one in joints}
+
+    def random_positions(self) -> dict[str, float]:
+        """Return a position of every joint, drawn evenly within its limits."""
+        joints = self.robot.joints
+        return {one.name: float(self.random.uniform(one.lower, one.upper)) for one in joints}

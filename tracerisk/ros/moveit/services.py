@@ -1,0 +1,262 @@
+"""move_group on the graph: its actions and services, for programs that talk to it themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.errors import RobotError
+from tracerisk.ros.graph.actions import ActionGoal
+from tracerisk.ros.graph.graph import Publication
+from tracerisk.ros.messages.dialect import set_time
+from tracerisk.ros.moveit.goal_constraints import GoalReader, RequestError
+from tracerisk.ros.moveit.messages import set_pose, state_message, trajectory_message
+from tracerisk.ros.moveit.move_group import MoveGroupServer, Plan, PoseGoal, Scaling, valid_fraction
+from tracerisk.ros.moveit.path_constraints import message_pose
+from tracerisk.ros.moveit.trajectory_execution import ErrorCode, Execution
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.trajectory_messages import TrajectoryRefusedError, twin_trajectory
+from tracerisk.ros.transforms.poses import compose, inverse
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
+
+if TYPE_CHECKING:
+    from tracerisk.ros.graph.runtime import Runtime
+
+MOVE_GROUP = "moveit_msgs/MoveGroup"
+EXECUTE_TRAJECTORY = "moveit_msgs/ExecuteTrajectory"
+EXECUTION_EVENTS = "/trajectory_execution_event"
+"""The topic on which MoveIt takes `stop` for all that it executes."""
+_NODE = "/move_group"
+
+
+class MoveItInterfaces:
+    """Plans, executes and answers on the graph with the server that every client shares."""
+
+    def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
+        self._runtime = runtime
+        self._server = runtime.client(MoveGroupServer)
+        self._goals = GoalReader(self._server)
+        self._messages = messages
+        self._executing: list[ActionGoal] = []
+        self._stopped: list[ActionGoal] = []
+        runtime.graph.subscribe(
+            EXECUTION_EVENTS, "std_msgs/String", self._on_event, node=_NODE, by_controller=False
+        )
+        for name, kind, handle in (
+            ("compute_ik", "GetPositionIK", self._position_ik),
+            ("compute_fk", "GetPositionFK", self._position_fk),
+            ("compute_cartesian_path", "GetCartesianPath", self._cartesian_path),
+            ("plan_kinematic_path", "GetMotionPlan", self._motion_plan),
+        ):
+            runtime.graph.offer(name, f"moveit_msgs/{kind}", handle, node=_NODE)
+
+    # Actions
+
+    def move_group(self, goal: ActionGoal) -> None:
+        """Plan, and execute unless the goal asks for a plan alone."""
+        goal.accept()
+        asked = goal.message
+        plan = self._planned(asked.request)
+        result = self._messages.part(MOVE_GROUP, "Result")
+        result.trajectory_start = self._state(self._server.positions())
+        if plan.trajectory is None:
+            self._finish(goal, result, plan.code, plan.message)
+            return
+        result.planned_trajectory = self._trajectory(plan.trajectory)
+        if asked.planning_options.plan_only:
+            self._finish(goal, result, ErrorCode.SUCCESS)
+            return
+        result.executed_trajectory = self._trajectory(plan.trajectory)
+        self._execute(goal, plan.trajectory, result)
+
+    def execute_trajectory(self, goal: ActionGoal) -> None:
+        """Execute the goal's trajectory."""
+        goal.accept()
+        result = self._messages.part(EXECUTE_TRAJECTORY, "Result")
+        message = goal.message.trajectory.joint_trajectory
+        # Its stamp is that of the plan, not of the motion's beginning.
+        set_time(message.header.stamp, 0)
+        scheduler = self._runtime.scheduler
+        try:
+            trajectory = twin_trajectory(message, self._runtime.twin, scheduler.now_ns)
+        except TrajectoryRefusedError as error:
+            self._server.execution.tell("execution_failure", f"a trajectory is none: {error}")
+            self._finish(goal, result, ErrorCode.INVALID_MOTION_PLAN, str(error))
+            return
+        self._execute(goal, trajectory, result)
+
+    def on_cancel(self, goal: ActionGoal) -> None:
+        """Stop what the goal moves; it ends with its motion."""
+        goal.accept_cancel()
+        execution = goal.data
+        if isinstance(execution, Execution) and execution.motion.outcome == "active":
+            self._runtime.twin.stop(execution.motion.joints)
+
+    def _on_event(self, message: Any, publication: Publication) -> None:
+        """Stop what the goals move: MoveIt calls them preempted, MoveIt 2 aborts them as that."""
+        del publication
+        if message.data == "stop":
+            if self._messages.is_ros2:
+                self._stopped.extend(self._executing)
+            for goal in self._executing:
+                self._runtime.twin.stop(goal.data.motion.joints)
+
+    def _execute(self, goal: ActionGoal, trajectory: JointTrajectory, result: Any) -> None:
+        execution = self._server.execution.start(trajectory)
+        if isinstance(execution, ErrorCode):
+            self._finish(goal, result, execution, "the trajectory was not executed")
+            return
+        goal.data = execution
+        self._executing.append(goal)
+        self._runtime.scheduler.spawn(
+            lambda: self._finish(goal, result, self._server.execution.wait(execution)),
+            f"goal of {goal.client.name}",
+            inherit=False,
+            is_controllers=False,
+        )
+
+    def _finish(self, goal: ActionGoal, result: Any, code: ErrorCode, message: str = "") -> None:
+        result.error_code.val = int(code)
+        if goal in self._executing:
+            self._executing.remove(goal)
+        if code is ErrorCode.SUCCESS:
+            goal.succeed(result, message)
+        elif code is ErrorCode.PREEMPTED and goal not in self._stopped:
+            goal.cancel(result, message)
+        else:
+            goal.abort(result, message)
+
+    # Services
+
+    def _position_ik(self, request: Any) -> Any:
+        asked, answer = request.ik_request, self._messages.response("moveit_msgs/GetPositionIK")
+        wanted = message_pose(asked.pose_stamped.pose).position
+        try:
+            self._goals.check_group(asked.group_name)
+            link = asked.ik_link_name or self._goals.tip(asked.group_name)
+            base = self._goals.frame(asked.pose_stamped.header.frame_id)
+            goal = PoseGoal(link, compose(base, message_pose(asked.pose_stamped.pose)))
+            found = self._server.reach(
+                asked.group_name, [goal], self._start(asked.robot_state) or None
+            )
+        except (RequestError, PlanningError) as error:
+            code = error.code if isinstance(error, RequestError) else ErrorCode.NO_IK_SOLUTION
+            answer.error_code.val = int(code)
+            self._server.execution.tell(
+                "ik_failure",
+                f"inverse kinematics of group '{asked.group_name}' failed ({code.name}, {code}): "
+                f"{error}",
+                object_name=asked.group_name,
+                target=wanted,
+            )
+        else:
+            self._server.execution.succeeded("ik_failure", asked.group_name, wanted)
+            answer.solution = self._state({**self._server.positions(), **found})
+            answer.error_code.val = int(ErrorCode.SUCCESS)
+        return answer
+
+    def _position_fk(self, request: Any) -> Any:
+        answer = self._messages.response("moveit_msgs/GetPositionFK")
+        links = ", ".join(request.fk_link_names)
+        try:
+            back = inverse(self._goals.frame(request.header.frame_id))
+            start = self._start(request.robot_state)
+            poses = [self._server.forward(start, link) for link in request.fk_link_names]
+        except (RequestError, RobotError) as error:
+            code = error.code if isinstance(error, RequestError) else ErrorCode.INVALID_LINK_NAME
+            answer.error_code.val = int(code)
+            self._server.execution.tell(
+                "fk_failure",
+                f"forward kinematics failed ({code.name}, {code}): {error}",
+                object_name=links,
+            )
+            return answer
+        self._server.execution.succeeded("fk_failure", links, ())
+        stamped = []
+        for pose in poses:
+            message = self._messages.new("geometry_msgs/PoseStamped")
+            message.header.frame_id = request.header.frame_id or self._server.planning_frame
+            self._messages.stamp(message.header, self._runtime.scheduler.now_ns)
+            set_pose(message.pose, compose(back, pose))
+            stamped.append(message)
+        answer.pose_stamped = stamped
+        answer.fk_link_names = list(request.fk_link_names)
+        answer.error_code.val = int(ErrorCode.SUCCESS)
+        return answer
+
+    def _cartesian_path(self, request: Any) -> Any:
+        answer = self._messages.response("moveit_msgs/GetCartesianPath")
+        answer.start_state = self._state(self._server.positions())
+        try:
+            self._goals.check_group(request.group_name)
+            base = self._goals.frame(request.header.frame_id)
+            if request.max_step <= 0.0:
+                raise RequestError(ErrorCode.FAILURE, "max_step must be more than 0")
+            with self._server.planning_under(request.path_constraints):
+                plan, fraction = self._server.plan_cartesian(
+                    request.group_name,
+                    [compose(base, message_pose(pose)) for pose in request.waypoints],
+                    link=request.link_name or self._goals.tip(request.group_name),
+                    eef_step=request.max_step,
+                    start=self._start(request.start_state) or None,
+                )
+        except RequestError as error:
+            answer.error_code.val = int(error.code)
+            self._server.execution.tell(
+                "planning_failure",
+                f"a Cartesian path failed: {error}",
+                object_name=request.group_name,
+            )
+            return answer
+        answer.fraction = fraction
+        answer.error_code.val = int(plan.code)
+        if plan.trajectory is not None:
+            answer.solution = self._trajectory(plan.trajectory)
+        return answer
+
+    def _motion_plan(self, request: Any) -> Any:
+        answer = self._messages.response("moveit_msgs/GetMotionPlan")
+        response = answer.motion_plan_response
+        plan = self._planned(request.motion_plan_request)
+        response.group_name = request.motion_plan_request.group_name
+        response.trajectory_start = self._state(self._server.positions())
+        response.error_code.val = int(plan.code)
+        if plan.trajectory is not None:
+            response.trajectory = self._trajectory(plan.trajectory)
+        return answer
+
+    # Planning
+
+    def _planned(self, request: Any) -> Plan:
+        try:
+            self._goals.check_group(request.group_name)
+            start = self._start(request.start_state) or None
+            if start is not None:
+                start = {**self._server.positions(), **start}
+            scaling = Scaling(
+                valid_fraction(request.max_velocity_scaling_factor),
+                valid_fraction(request.max_acceleration_scaling_factor),
+            )
+            with self._server.planning_under(request.path_constraints):
+                return self._goals.plan(
+                    request.group_name, request.goal_constraints, scaling, start
+                )
+        except RequestError as error:
+            self._server.execution.tell(
+                "planning_failure", f"planning failed: {error}", object_name=request.group_name
+            )
+            return Plan(error.code, None, str(error))
+
+    def _start(self, state: Any) -> dict[str, float]:
+        known = {joint.name for joint in self._server.robot.joints}
+        given = dict(zip(state.joint_state.name, state.joint_state.position, strict=False))
+        return {name: float(value) for name, value in given.items() if name in known}
+
+    # Messages
+
+    def _state(self, positions: Mapping[str, float]) -> Any:
+        frame, now_ns = self._server.planning_frame, self._runtime.scheduler.now_ns
+        return state_message(self._messages.new, positions, frame, now_ns)
+
+    def _trajectory(self, trajectory: JointTrajectory) -> Any:
+        return trajectory_message(self._messages.new, trajectory, self._server.planning_frame)

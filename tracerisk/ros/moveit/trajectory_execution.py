@@ -1,0 +1,228 @@
+"""Carry out trajectories on the twin as MoveIt's execution manager does; record the commands."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, cast
+
+from tracerisk.errors import Location, one_of
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
+
+if TYPE_CHECKING:
+    from tracerisk.instrument.recording import Recorder
+    from tracerisk.instrument.tracer import Frame, Tracer
+    from tracerisk.ros.graph.runtime import Runtime
+    from tracerisk.twin.motion.execution import Motion
+    from tracerisk.twin.robots.robot import Gripper
+    from tracerisk.twin.simulation.twin import Twin
+
+START_TOLERANCE = 0.01
+"""How far a trajectory may start from where the joints are: MoveIt's default [rad or m]."""
+
+
+class ErrorCode(enum.IntEnum):
+    """The values of moveit_msgs/MoveItErrorCodes that move_group answers with."""
+
+    SUCCESS = 1
+    FAILURE = 99999
+    PLANNING_FAILED = -1
+    INVALID_MOTION_PLAN = -2
+    CONTROL_FAILED = -4
+    PREEMPTED = -7
+    START_STATE_IN_COLLISION = -10
+    GOAL_IN_COLLISION = -12
+    INVALID_GROUP_NAME = -15
+    INVALID_GOAL_CONSTRAINTS = -16
+    INVALID_ROBOT_STATE = -17
+    INVALID_LINK_NAME = -18
+    INVALID_OBJECT_NAME = -19
+    FRAME_TRANSFORM_FAILURE = -21
+    NO_IK_SOLUTION = -31
+
+
+_CODE_OF_OUTCOME = {
+    "succeeded": ErrorCode.SUCCESS,
+    "aborted": ErrorCode.CONTROL_FAILED,
+    "preempted": ErrorCode.PREEMPTED,
+}
+
+
+@dataclass(slots=True, eq=False)
+class Execution:
+    """A motion in execution."""
+
+    motion: Motion
+    command_id: int
+    stack: tuple[Frame, ...]
+    """The functions that asked for it, innermost last."""
+    code: ErrorCode | None = None
+    """How it ended."""
+
+
+class TrajectoryExecution:
+    """Execute one trajectory at a time: a new one stops the one before.
+
+    A command is recorded when a motion begins, with the stack of the thread that asked, and its
+    end when the motion ends, whether or not anybody waits for it.
+    """
+
+    def __init__(self, runtime: Runtime) -> None:
+        self._runtime = runtime
+        self._twin: Twin = runtime.twin
+        self._tracer = cast("Tracer", runtime.tracer)
+        self._recorder: Recorder = runtime.recorder
+        self._live: list[Execution] = []
+        self._watching = False
+        runtime.scheduler.when_alone.append(self.poll)
+
+    def start(
+        self, trajectory: JointTrajectory, *, start_tolerance: float = START_TOLERANCE
+    ) -> Execution | ErrorCode:
+        """Start a trajectory and return its execution, or the code with which it is refused.
+
+        With a tolerance of 0 it may start anywhere [rad or m].
+        """
+        refusal = self._refusal(trajectory, start_tolerance)
+        if refusal is None:
+            self.stop()
+            try:
+                motion = self._begin(trajectory)
+            except PlanningError as error:
+                refusal = error.message
+        if refusal is not None:
+            self.tell(
+                "execution_failure",
+                f"a trajectory was not executed: {refusal}",
+                target=trajectory.position[-1] if len(trajectory.time) else (),
+            )
+            return ErrorCode.CONTROL_FAILED
+        stack = tuple(self._tracer.stack())
+        command_id = self._recorder.command("move_group", motion.elements, stack, goal=motion.goal)
+        execution = Execution(motion, command_id, stack)
+        self._live.append(execution)
+        self._watch()
+        self.poll()
+        return execution
+
+    def wait(self, execution: Execution) -> ErrorCode:
+        """Wait until an execution has ended and return its code."""
+        self._runtime.scheduler.wait_until(
+            lambda: execution.motion.outcome != "active", reason="a motion to end"
+        )
+        self.poll()
+        return execution.code if execution.code is not None else ErrorCode.FAILURE
+
+    def stop(self) -> None:
+        """Stop what is being executed."""
+        for execution in self._live:
+            if execution.motion.outcome == "active":
+                self._twin.stop(execution.motion.joints)
+        self.poll()
+
+    def poll(self) -> None:
+        """Note which executions have ended since the last call."""
+        for execution in [one for one in self._live if one.motion.outcome != "active"]:
+            self._live.remove(execution)
+            outcome = execution.motion.outcome
+            execution.code = _CODE_OF_OUTCOME[outcome]
+            self._recorder.command_ended(execution.command_id, outcome)
+            if outcome == "aborted":
+                message = f"a motion was aborted: {execution.motion.message}"
+                motion = execution.motion
+                self._tell_of(
+                    execution.stack,
+                    "execution_failure",
+                    message,
+                    object_name=", ".join(motion.elements),
+                    target=motion.goal,
+                )
+
+    def tell(
+        self, kind: str, message: str, *, object_name: str = "", target: Sequence[float] = ()
+    ) -> None:
+        """Record a finding where the controller stands; the same once, until a retry succeeds.
+
+        `object_name` is what it is about, `target` the goal of what failed.
+        """
+        stack = self._tracer.stack()
+        self._tell_of(stack, kind, message, object_name=object_name, target=target)
+
+    def succeeded(self, kind: str, object_name: str, target: Sequence[float]) -> None:
+        """Record that what failed where the controller stands has now succeeded."""
+        stack = self._tracer.stack()
+        if stack:
+            self._recorder.succeeded(
+                kind, asker=stack[-1].function, object_name=object_name, target=target
+            )
+
+    def _tell_of(
+        self,
+        stack: Sequence[Frame],
+        kind: str,
+        message: str,
+        *,
+        object_name: str,
+        target: Sequence[float],
+    ) -> None:
+        location = None
+        if stack:
+            line, column = stack[-1].site
+            location = Location(stack[-1].function.file, line, column or None)
+        self._recorder.failed(
+            kind,
+            message,
+            location,
+            asker=stack[-1].function if stack else None,
+            object_name=object_name,
+            target=target,
+        )
+
+    def _watch(self) -> None:
+        # A motion started without waiting ends when nobody looks; a thread of the library
+        # notes its end at its time.
+        if not self._watching:
+            self._watching = True
+            self._runtime.scheduler.spawn(
+                self._note_ends, "move_group", inherit=False, is_controllers=False
+            )
+
+    def _note_ends(self) -> None:
+        while True:
+            self._runtime.scheduler.wait_until(
+                lambda: any(one.motion.outcome != "active" for one in self._live),
+                reason="a motion to end",
+            )
+            self.poll()
+
+    def _begin(self, trajectory: JointTrajectory) -> Motion:
+        gripper = self._gripper_of(trajectory.joints)
+        if gripper is None:
+            return self._twin.follow(trajectory)
+        last = trajectory.position[-1].tolist()
+        finger = gripper.position(dict(zip(trajectory.joints, last, strict=True)))
+        return self._twin.move_gripper(gripper.name, finger)
+
+    def _gripper_of(self, joints: Sequence[str]) -> Gripper | None:
+        wanted = set(joints)
+        return next((one for one in self._twin.robot.grippers if wanted <= set(one.joints)), None)
+
+    def _refusal(self, trajectory: JointTrajectory, start_tolerance: float) -> str | None:
+        if not trajectory.joints or not len(trajectory.time):
+            return "it is empty"
+        state = self._twin.joint_state()
+        here = dict(zip(state.names, state.position, strict=True))
+        for name, begin in zip(trajectory.joints, trajectory.position[0], strict=True):
+            if name not in here:
+                return f"the robot has no joint '{name}'; {one_of(here, name)}"
+            # A single point is a goal, not a path; a first point after 0 is still to be reached.
+            if len(trajectory.time) == 1 or trajectory.time[0] > 0.0:
+                continue
+            if start_tolerance > 0.0 and abs(here[name] - begin) > start_tolerance:
+                return (
+                    f"it starts with joint '{name}' at {begin:.4f}, which is now at "
+                    f"{here[name]:.4f}, more than {start_tolerance:g} away; plan from the "
+                    "present state"
+                )
+        return None

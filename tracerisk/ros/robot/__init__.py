@@ -1,0 +1,1 @@
+"""The robot's drivers on the graph: joint states, trajectories, set-points, grippers."""

@@ -1,0 +1,375 @@
+"""What drivers of arms share: moves of all joints at once, lines of the tool, and their end.
+
+A driver adds its own units, codes and rules of waiting.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.robot.grippers import gripper_ends
+from tracerisk.ros.robot.motion_profiles import Ramp, ramped
+from tracerisk.ros.robot.velocity_motion import at_velocities
+from tracerisk.ros.transforms.poses import angle_between, compose, inverse
+from tracerisk.twin.motion.execution import Motion
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
+
+if TYPE_CHECKING:
+    from tracerisk.instrument.tracer import Frame
+    from tracerisk.twin.robots.robot import Joint
+
+_NEAR = 1e-3  # [rad]: how far a goal may be past a limit
+_LONGEST_LINE, _LONGEST_TURN = 1.0, 1.5  # [m], [rad]: how far a twist leads by itself
+
+
+class ArmMotion:
+    """Moves the arm of the twin for a driver.
+
+    `tools` are links that the driver speaks of, the first one there is taken; else it is the tip
+    of the group of all joints. `group` and `gripper` are names of the robot's, for one of several.
+    """
+
+    def __init__(
+        self,
+        commands: TwinCommands,
+        tools: Sequence[str] = (),
+        *,
+        group: str | None = None,
+        gripper: str | None = None,
+    ) -> None:
+        self._commands = commands
+        self.scheduler = commands.scheduler
+        self.twin = commands.twin
+        robot = self.twin.robot
+        held = {name for gripper in robot.grippers for name in gripper.joints}
+        groups = {
+            name: group
+            for name, group in robot.groups.items()
+            if group.tip_link is not None and not held & set(group.joints)
+        }
+        # Of several groups the largest, as a description has groups of parts of its arm too.
+        largest = max(groups, key=lambda name: len(groups[name].joints), default=None)
+        self.group = group if group in groups else largest
+        known = [robot.joint(name) for name in groups[self.group].joints] if self.group else ()
+        self.arm: tuple[Joint, ...] = tuple(known) or robot.arm_joints
+        self.joints = tuple(joint.name for joint in self.arm)
+        named = (link for tool in tools for link in robot.link_names if link.endswith(tool))
+        self.tool = next(named, groups[self.group].tip_link if self.group else None)
+        named_grippers = (each for each in robot.grippers if gripper in (None, each.name))
+        self.gripper = next(named_grippers, None)
+
+    # Where it is
+
+    def positions(self) -> list[float]:
+        """Return where the joints are [rad]."""
+        state = self.twin.joint_state()
+        at = dict(zip(state.names, state.position, strict=True))
+        return [at[name] for name in self.joints]
+
+    def velocities(self) -> list[float]:
+        """Return how fast the joints are [rad/s]."""
+        state = self.twin.joint_state()
+        at = dict(zip(state.names, state.velocity, strict=True))
+        return [at[name] for name in self.joints]
+
+    def efforts(self) -> list[float]:
+        """Return the torques of the joints [N m]."""
+        state = self.twin.joint_state()
+        at = dict(zip(state.names, state.effort, strict=True))
+        return [at[name] for name in self.joints]
+
+    def tool_pose(self) -> Pose:
+        """Return where the tool is, in the frame of the robot's base link."""
+        return self.twin.link_pose(self.tool or self.twin.robot.base_link)
+
+    def pose_at(self, positions: Sequence[float]) -> Pose:
+        """Return where the tool is with the joints at `positions` [rad]."""
+        named = dict(zip(self.joints, positions, strict=True))
+        return self.twin.forward_kinematics(named, self.tool or self.twin.robot.base_link)
+
+    def reach(self, pose: Pose, seed: Sequence[float] | None = None) -> list[float]:
+        """Return joint positions that bring the tool to a pose.
+
+        Raises:
+            PlanningError: there are none.
+        """
+        group = self._planned()
+        near = dict(zip(self.joints, seed, strict=False)) if seed else None
+        found = self.twin.inverse_kinematics(group, pose, link=self.tool, seed=near)
+        return [found[name] for name in self.joints]
+
+    def grip(self) -> float:
+        """Return how far the gripper is open: 0 closed, 1 wide open."""
+        if self.gripper is None:
+            return 0.0
+        state = self.twin.joint_state()
+        at = dict(zip(state.names, state.position, strict=True))
+        closed, opened = gripper_ends(self.twin.robot, self.gripper)
+        return (self.gripper.position(at) - closed) / (opened - closed)
+
+    def grip_width(self) -> float:
+        """Return how far the fingers are apart, or at which angle the gripper is [m or rad]."""
+        if self.gripper is None:
+            return 0.0
+        state = self.twin.joint_state()
+        at = dict(zip(state.names, state.position, strict=True))
+        position = self.gripper.position(at)
+        is_sliding = self.twin.robot.joint(self.gripper.joints[0]).type == "prismatic"
+        return position * len(self.gripper.joints) if is_sliding else position
+
+    # What it can do
+
+    def check(self, goal: Sequence[float]) -> None:
+        """Raise PlanningError for a goal of other joints than the arm has, or past a limit."""
+        if len(goal) != len(self.joints):
+            raise PlanningError(
+                "invalid_goal", f"{len(goal)} joint values for {len(self.joints)} joints"
+            )
+        for joint, value in zip(self.arm, goal, strict=True):
+            if not joint.lower - _NEAR <= value <= joint.upper + _NEAR:
+                raise PlanningError(
+                    "invalid_goal",
+                    f"{value:.3f} for '{joint.name}' is outside "
+                    f"[{joint.lower:.3f}, {joint.upper:.3f}]",
+                )
+
+    def fastest_s(
+        self,
+        start: Sequence[float],
+        goal: Sequence[float],
+        speeds: Sequence[float] | None = None,
+        rises: Sequence[float] | None = None,
+    ) -> float:
+        """Return in what time [s] all joints come from `start` to `goal` at the soonest.
+
+        A third of it is for speeding up, a third for slowing down: of a way w the greatest speed
+        is then 1.5 w / t, the acceleration 4.5 w / t^2.
+        """
+        time = 1e-3
+        for i, (joint, a, b) in enumerate(zip(self.arm, start, goal, strict=True)):
+            speed = min(speeds[i], joint.velocity_limit) if speeds else joint.velocity_limit
+            rise = min(rises[i], joint.acceleration_limit) if rises else joint.acceleration_limit
+            way = abs(b - a)
+            time = max(time, 1.5 * way / speed, math.sqrt(4.5 * way / rise))
+        return time
+
+    def to_joints(
+        self,
+        goal: Sequence[float],
+        *,
+        speeds: Sequence[float] | None = None,
+        rises: Sequence[float] | None = None,
+        duration_s: float = 0.0,
+    ) -> JointTrajectory:
+        """Return the move of all joints, which leave and arrive together.
+
+        `speeds` [rad/s] and `rises` [rad/s^2] bound each joint below its rated figures;
+        `duration_s` is taken where it is longer than that.
+
+        Raises:
+            PlanningError: the goal is past a limit.
+        """
+        self.check(goal)
+        here = self.positions()
+        time = max(self.fastest_s(here, goal, speeds, rises), duration_s)
+        return ramped(self.joints, here, list(goal), [Ramp(time, time / 3)] * len(here))
+
+    def through(
+        self, points: Sequence[Sequence[float]], times_s: Sequence[float]
+    ) -> JointTrajectory:
+        """Return the way through joint positions [rad] at times [s], at rest at its end.
+
+        Speeds at the points between are those of a spline through their neighbours.
+        """
+        for point in points:
+            self.check(point)
+        rows = np.array([self.positions(), *points])
+        times = np.array([0.0, *times_s])
+        speeds = np.zeros_like(rows)
+        for i in range(1, len(rows) - 1):
+            speeds[i] = (rows[i + 1] - rows[i - 1]) / (times[i + 1] - times[i - 1])
+        return JointTrajectory(self.joints, times[1:], rows[1:], speeds[1:])
+
+    def line(
+        self,
+        poses: Sequence[Pose],
+        *,
+        speed: float = math.inf,
+        turn: float = math.inf,
+        duration_s: float = 0.0,
+        least: float = 1.0,
+    ) -> JointTrajectory:
+        """Return the way of the tool along straight lines through `poses`.
+
+        `speed` [m/s] and `turn` [rad/s] bound it below what the joints can; `duration_s` is taken
+        where it is longer. At least the share `least` of the way must be one the arm can follow.
+
+        Raises:
+            PlanningError: it cannot be followed.
+        """
+        group = self._planned()
+        trajectory, fraction = self.twin.plan_cartesian(
+            group,
+            list(poses),
+            link=self.tool,
+            avoid_collisions=False,
+            velocity_scaling=1.0,
+            acceleration_scaling=1.0,
+        )
+        if fraction < least - 1e-6 or len(trajectory.time) < 2:
+            x, y, z = poses[-1].position
+            raise PlanningError(
+                "no_ik_solution",
+                f"only {fraction:.0%} of the line to ({x:.3f}, {y:.3f}, {z:.3f}) m can be followed",
+            )
+        here, needed = self.tool_pose(), 0.0
+        for pose in poses:
+            way = math.dist(here.position, pose.position) / speed
+            needed += max(way, angle_between(here.orientation, pose.orientation) / turn)
+            here = pose
+        # The points lie evenly along the way: each step takes the tool, or the joints, its time.
+        steps = np.diff(trajectory.time)
+        steps = np.maximum(steps, needed * fraction / len(steps))
+        steps *= max(1.0, duration_s / float(steps.sum()))
+        time = np.concatenate(([0.0], np.cumsum(steps)))
+        velocity = np.gradient(trajectory.position, time, axis=0)
+        velocity[0] = velocity[-1] = 0.0
+        return JointTrajectory(trajectory.joints, time, trajectory.position, velocity)
+
+    def twist(
+        self,
+        linear: Sequence[float],
+        angular: Sequence[float],
+        *,
+        linear_in_tool: bool,
+        angular_in_tool: bool,
+        for_s: float | None = None,
+    ) -> JointTrajectory | None:
+        """Return the way of the tool at a velocity [m/s, rad/s], None for none.
+
+        It ends after `for_s`, after a metre or 1.5 rad, or where the arm can follow no further.
+
+        Raises:
+            PlanningError: the arm cannot follow at all.
+        """
+        speed, turn = math.hypot(*linear), math.hypot(*angular)
+        if max(speed, turn) < 1e-6:
+            return None
+        ends = [_LONGEST_LINE / speed if speed else math.inf]
+        ends.append(_LONGEST_TURN / turn if turn else math.inf)
+        ends.append(math.inf if for_s is None else for_s)
+        time = min(ends)
+        here = self.tool_pose()
+        there = moved(
+            here,
+            [each * time for each in linear],
+            [each * time for each in angular],
+            linear_in_tool=linear_in_tool,
+            angular_in_tool=angular_in_tool,
+        )
+        return self.line([there], speed=speed or math.inf, turn=turn or math.inf, least=0.02)
+
+    def at_speeds(
+        self, speeds: Sequence[float], for_s: float | None = None
+    ) -> JointTrajectory | None:
+        """Return the way of the joints at velocities [rad/s], None where all are at rest."""
+        return at_velocities(self.twin, dict(zip(self.joints, speeds, strict=False)), for_s)
+
+    # Motion
+
+    def start(
+        self,
+        kind: str,
+        trajectory: JointTrajectory,
+        stack: tuple[Frame, ...],
+        on_end: Callable[[Motion], None] = lambda motion: None,  # noqa: ARG005
+    ) -> Motion:
+        """Begin to follow a trajectory for the code of `stack`."""
+        motion = self.twin.follow(trajectory)
+        self._commands.begin(kind, motion, stack, on_end)
+        return motion
+
+    def move_gripper(
+        self, opened: float, stack: tuple[Frame, ...], *, max_effort: float | None = None
+    ) -> Motion:
+        """Move the fingers to a share of their opening: 0 closed, 1 wide open.
+
+        Raises:
+            PlanningError: the robot has no gripper with joints.
+        """
+        motion = self.grip_motion(opened, max_effort=max_effort)
+        self._commands.begin("gripper_command", motion, stack)
+        return motion
+
+    def grip_motion(self, opened: float, *, max_effort: float | None = None) -> Motion:
+        """Start the motion of `move_gripper` without recording whose it is."""
+        if self.gripper is None:
+            raise PlanningError(
+                "bad_request", f"robot '{self.twin.robot.name}' has no gripper with joints"
+            )
+        closed, wide = gripper_ends(self.twin.robot, self.gripper)
+        goal = closed + min(max(opened, 0.0), 1.0) * (wide - closed)
+        goal = min(max(goal, self.gripper.least), self.gripper.opening)
+        return self.twin.move_gripper(self.gripper.name, goal, max_effort=max_effort)
+
+    def share_of_width(self, width: float) -> float:
+        """Return at which share of their opening the fingers are a width apart [m]."""
+        if self.gripper is None:
+            return 0.0
+        closed, wide = gripper_ends(self.twin.robot, self.gripper)
+        is_sliding = self.twin.robot.joint(self.gripper.joints[0]).type == "prismatic"
+        position = width / len(self.gripper.joints) if is_sliding else width
+        return (position - closed) / (wide - closed)
+
+    def stop(self, *, fingers: bool = False) -> None:
+        """Bring the arm to rest, and the fingers where told."""
+        self.twin.stop(self.joints)
+        if fingers and self.gripper is not None:
+            self.twin.stop(self.gripper.joints)
+        self._commands.poll()
+
+    def wait(self, motion: Motion, timeout_s: float | None = None) -> bool:
+        """Wait in the calling thread for the end of a motion, and tell whether it succeeded."""
+        self._commands.scheduler.wait_until(
+            lambda: motion.outcome != "active",
+            timeout_ns=None if timeout_s is None else round(timeout_s * 1e9),
+            reason="the arm to finish",
+        )
+        return motion.outcome == "succeeded"
+
+    def _planned(self) -> str:
+        if self.group is None:
+            raise PlanningError("bad_request", "the robot has no planning group with a tip link")
+        return self.group
+
+
+def moved(
+    here: Pose,
+    linear: Sequence[float],
+    turned: Sequence[float],
+    *,
+    linear_in_tool: bool,
+    angular_in_tool: bool,
+) -> Pose:
+    """Return a pose after a shift [m] and a turn about one axis (its length the angle) [rad]."""
+    angle = math.hypot(*turned)
+    scale = math.sin(angle / 2) / angle if angle > 1e-12 else 0.0
+    x, y, z = (float(each) * scale for each in turned)
+    turn = Pose((0.0, 0.0, 0.0), (x, y, z, math.cos(angle / 2)))
+    at_origin = Pose((0.0, 0.0, 0.0), here.orientation)
+    turned_pose = compose(at_origin, turn) if angular_in_tool else compose(turn, at_origin)
+    a, b, c = (float(each) for each in linear)
+    shift = Pose((a, b, c), (0.0, 0.0, 0.0, 1.0))
+    way = compose(at_origin, shift).position if linear_in_tool else shift.position
+    px, py, pz = (p + w for p, w in zip(here.position, way, strict=True))
+    return Pose((px, py, pz), turned_pose.orientation)
+
+
+def in_frame(pose: Pose, frame: Pose) -> Pose:
+    """Return a pose of the base frame as seen from `frame`."""
+    return compose(inverse(frame), pose)

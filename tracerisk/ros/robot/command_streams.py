@@ -1,0 +1,71 @@
+"""Set-points that follow one another: one command, for as long as they come from one place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.ros.robot.commands import LiveCommand, TwinCommands
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
+
+if TYPE_CHECKING:
+    from tracerisk.instrument.tracer import Frame
+
+DWELL_NS = 250_000_000
+"""How long after the last set-point a stream may still go on [ns]."""
+
+
+@dataclass(slots=True, eq=False)
+class _Stream:
+    command: LiveCommand
+    place: tuple[Any, ...]
+    joints: tuple[str, ...]
+
+
+class CommandStreams:
+    """Follows trajectories that arrive by topic; what cannot be followed is a finding."""
+
+    def __init__(self, commands: TwinCommands) -> None:
+        self._commands = commands
+        self._streams: dict[str, _Stream] = {}
+
+    def follow(
+        self, topic: str, kind: str, trajectory: JointTrajectory, *, is_set_point: bool
+    ) -> None:
+        """Move the twin; a set-point goes on with what came before it from the same place."""
+        stack = self._commands.stack()
+        place = tuple((frame.function, frame.site, frame.root) for frame in stack)
+        now_ns = self._commands.scheduler.now_ns
+        try:
+            motion = self._commands.twin.follow(trajectory)
+        except PlanningError as error:
+            self.refuse(topic, error.message, stack)
+            return
+        if not is_set_point:
+            self._streams.pop(topic, None)
+            self._commands.begin(kind, motion, stack)
+            return
+        stream = self._streams.get(topic)
+        goes_on = (
+            stream is not None
+            and stream.place == place
+            and stream.joints == trajectory.joints
+            and self._commands.is_live(stream.command)
+        )
+        if goes_on and stream is not None:
+            stream.command.motion = motion
+        else:
+            due_ns = now_ns + DWELL_NS
+            command = self._commands.begin(kind, motion, stack, keep_until_ns=due_ns)
+            stream = self._streams[topic] = _Stream(command, place, trajectory.joints)
+        stream.command.keep_until_ns = now_ns + DWELL_NS
+        # The watch of the commands looks when the clock stops here.
+        self._commands.scheduler.call_at(stream.command.keep_until_ns, lambda: None)
+
+    def refuse(self, topic: str, message: str, stack: tuple[Frame, ...] | None = None) -> None:
+        """Tell that a message moved nothing, and why."""
+        self._commands.tell(
+            "command_ignored",
+            f"a message on {topic} moved nothing: {message}",
+            self._commands.stack() if stack is None else stack,
+        )

@@ -1,0 +1,137 @@
+"""The frames of the twin's links, published as `robot_state_publisher` does.
+
+`/tf` tells of links that joints move, while somebody subscribes; `/tf_static` of those that are
+fixed, and of the base in the world, to whoever subscribes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from tracerisk.ros.graph.graph import Change, Graph, Publication, Subscription
+from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.messages.dialect import set_time
+from tracerisk.ros.time.clock import EPOCH_NS
+from tracerisk.ros.transforms.poses import ORIGIN, compose, inverse
+from tracerisk.twin.physics.motion import Pose
+
+TF = "/tf"
+TF_STATIC = "/tf_static"
+TF_TYPE = "tf2_msgs/TFMessage"
+WORLD = "world"
+RATE_HZ = 50.0
+"""How often moving frames are published while somebody listens: with every joint state."""
+
+_PUBLISHER = "/robot_state_publisher"
+
+
+class TwinFrames:
+    """Publishes where the twin's links are.
+
+    `interfaces` makes the classes that the controller receives (`message("tf2_msgs/TFMessage")`).
+    What is published keeps no run going.
+    """
+
+    def __init__(self, runtime: Runtime, interfaces: Any) -> None:
+        self._runtime = runtime
+        self._interfaces = interfaces
+        robot = runtime.twin.robot
+        fixed: dict[str, str] = {}
+        self._moving: dict[str, str] = {}
+        if WORLD not in robot.link_names:
+            fixed[robot.base_link] = WORLD
+        for each in robot.attachments:
+            (fixed if each.type == "fixed" else self._moving)[each.child] = each.parent
+        self._fixed = fixed
+        self._alike: dict[str, str] = {}
+        self._is_ticking = False
+        graph = runtime.graph
+        self._publication = graph.advertise(TF, TF_TYPE, node=_PUBLISHER)
+        self._static: Publication = graph.advertise(
+            TF_STATIC, TF_TYPE, node=_PUBLISHER, latch=True, on_connect=self._on_static_listener
+        )
+        graph.watch(self._on_change)
+
+    def also(self, frames: Mapping[str, str]) -> None:
+        """Publish frames that are where links are; those of links that are not there are left."""
+        links = set(self._runtime.twin.robot.link_names)
+        self._alike.update(
+            {name: link for name, link in frames.items() if link in links and name not in links}
+        )
+
+    def _on_static_listener(self, subscription: Subscription) -> None:  # noqa: ARG002
+        # Made for the first listener only: most controllers ask for no frames.
+        if self._static.latched is None:
+            message = self._message(self._fixed)
+            stamp_ns = EPOCH_NS + self._runtime.scheduler.now_ns
+            alike = [self._stamped(at, name, ORIGIN, stamp_ns) for name, at in self._alike.items()]
+            message.transforms = [*message.transforms, *alike]
+            self._static.latched = message
+
+    def _on_change(self, change: Change, name: str, type_name: str) -> None:  # noqa: ARG002
+        if change == "subscribed" and name == TF and not self._is_ticking:
+            self._is_ticking = True
+            self._schedule()
+
+    def _schedule(self) -> None:
+        scheduler = self._runtime.scheduler
+        period_ns = round(1e9 / RATE_HZ)
+        following_ns = (scheduler.now_ns // period_ns + 1) * period_ns
+        scheduler.call_at(following_ns, self._tick, background=True)
+
+    def _tick(self) -> None:
+        if not self._publication.subscriptions:
+            self._is_ticking = False
+            return
+        self._publication.publish(self._message(self._moving))
+        self._schedule()
+
+    def _message(self, parents: Mapping[str, str]) -> Any:
+        poses = self._runtime.twin.link_poses()
+        stamp_ns = EPOCH_NS + self._runtime.scheduler.now_ns
+        frames = [
+            self._stamped(parent, child, _relative(poses, parent, child), stamp_ns)
+            for child, parent in parents.items()
+        ]
+        return self._made(frames)
+
+    def _made(self, frames: Sequence[Any]) -> Any:
+        message: Any = self._interfaces.message(TF_TYPE)()
+        message.transforms = list(frames)
+        return message
+
+    def _stamped(self, parent: str, child: str, pose: Pose, stamp_ns: int) -> Any:
+        message: Any = self._interfaces.message("geometry_msgs/TransformStamped")()
+        message.header.frame_id = parent
+        message.child_frame_id = child
+        set_time(message.header.stamp, stamp_ns)
+        shift, turn = message.transform.translation, message.transform.rotation
+        shift.x, shift.y, shift.z = pose.position
+        turn.x, turn.y, turn.z, turn.w = pose.orientation
+        return message
+
+
+def _relative(poses: Mapping[str, Pose], parent: str, child: str) -> Pose:
+    # The world is where the base is: the robot's poses are in its base.
+    return compose(inverse(poses.get(parent, ORIGIN)), poses[child])
+
+
+def fixed_frame(
+    graph: Graph, name: str, known: Callable[[str], Pose | None], depth: int = 8
+) -> Pose | None:
+    """Return the pose of a frame that `/tf_static` hangs, by up to `depth` others, on a known one.
+
+    `known` gives the poses of frames in the frame asked for; None if it is not known.
+    """
+    for publication in graph.publications(TF_STATIC):
+        for each in () if publication.latched is None else publication.latched.transforms:
+            if each.child_frame_id.lstrip("/") != name or depth == 0:
+                continue
+            parent = each.header.frame_id.lstrip("/")
+            base = known(parent) or fixed_frame(graph, parent, known, depth - 1)
+            place, turn = each.transform.translation, each.transform.rotation
+            if base is not None:
+                at = Pose((place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w))
+                return compose(base, at)
+    return None

@@ -1,0 +1,224 @@
+"""The twin's grippers as actions: GripperCommand, and the four of franka_gripper."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+from tracerisk.ros.graph.actions import ActionGoal
+from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.twin.motion.execution import Motion
+from tracerisk.twin.physics.motion import PlanningError
+from tracerisk.twin.robots.robot import Gripper, Robot
+
+GRIPPER_COMMAND = "control_msgs/GripperCommand"
+_FAR_OUT = 2.0  # ranges past its end: nobody closes so hard, it is another unit
+_SIDES = {"l": "left", "left": "left", "r": "right", "right": "right"}
+FRANKA_PACKAGES = ("franka_gripper", "franka_msgs")
+"""Where Move, Grasp, Homing and Stop are defined: in ROS 1, and in ROS 2."""
+
+
+def gripper_of(robot: Robot, name: str) -> Gripper | None:
+    """Return the gripper that an action or topic of this name drives, None where none is meant.
+
+    Of several, it is that of the robot's controller which the name contains, else the one whose
+    own name it contains, else the only one on the side that it says.
+    """
+    if len(robot.grippers) <= 1:
+        return next(iter(robot.grippers), None)
+    parts = name.strip("/").split("/")
+    for controller in robot.controllers:
+        if controller.name in parts:
+            for gripper in robot.grippers:
+                if set(controller.joints) & set(gripper.joints):
+                    return gripper
+    named = next((each for each in robot.grippers if each.name in name), None)
+    sides = _sides(name)
+    if named is not None or len(sides) != 1:
+        return named
+    beside = [each for each in robot.grippers if _sides(each.name, *each.joints) == sides]
+    return beside[0] if len(beside) == 1 else None
+
+
+def _sides(*names: str) -> set[str]:
+    """Return the sides that names say in a word of their own: left, or right."""
+    words = {word for name in names for word in re.split(r"[^A-Za-z]+", name.lower())}
+    return {_SIDES[word] for word in words & _SIDES.keys()}
+
+
+def gripper_ends(robot: Robot, gripper: Gripper) -> tuple[float, float]:
+    """Return the gripper's positions when it is closed and when it is wide open."""
+    states = robot.named_states.get(gripper.group, {})
+    named = {name.lower(): state.get(gripper.joints[0]) for name, state in states.items()}
+    closed = next((v for k, v in named.items() if k.startswith("clos") and v is not None), None)
+    opened = next((v for k, v in named.items() if k.startswith("open") and v is not None), None)
+    if closed is None or opened is None:
+        return gripper.least, gripper.opening
+    return closed, opened
+
+
+class GripperServer:
+    """Carries out the goals of gripper actions.
+
+    Fingers that stop on an object have reached their goal, with `stalled` set.
+    """
+
+    def __init__(self, commands: TwinCommands, messages: TwinMessages) -> None:
+        self._commands = commands
+        self._messages = messages
+
+    @property
+    def handlers(self) -> dict[str, Callable[[ActionGoal], None]]:
+        """What is done with a goal of each type."""
+        named = {"Move": self._move, "Grasp": self._grasp, "Homing": self._homing}
+        franka = {
+            f"{package}/{name}": handler
+            for package in FRANKA_PACKAGES
+            for name, handler in {**named, "Stop": self._stop}.items()
+        }
+        return {GRIPPER_COMMAND: self._gripper_command, **franka}
+
+    def on_cancel(self, goal: ActionGoal) -> None:
+        """Stop the fingers; the goal ends with their motion."""
+        goal.accept_cancel()
+        if isinstance(goal.data, Motion) and goal.data.outcome == "active":
+            self._commands.twin.stop(goal.data.joints)
+            self._commands.poll()
+
+    def _gripper_command(self, goal: ActionGoal) -> None:
+        command = goal.message.command
+        # ROS 2's controller of the same name may take effort 0 for "whatever it needs".
+        effort = float(command.max_effort) if command.max_effort > 0.0 else None
+        wanted = _first(command.position)
+
+        def end(motion: Motion, gripper: Gripper) -> None:
+            result = self._messages.part(goal.client.type_name, "Result")
+            result.position, result.effort = self._measured(gripper)
+            result.stalled = motion.stalled
+            result.reached_goal = motion.outcome == "succeeded" and not motion.stalled
+            self._end(goal, motion, result, is_good=True)
+
+        self._start(goal, wanted, effort, end)
+
+    def _move(self, goal: ActionGoal) -> None:
+        self._start(goal, goal.message.width / 2, None, self._told(goal))
+
+    def _grasp(self, goal: ActionGoal) -> None:
+        asked = goal.message
+
+        def end(motion: Motion, gripper: Gripper) -> None:
+            width = 2 * self._measured(gripper)[0]
+            inner, outer = asked.epsilon.inner, asked.epsilon.outer
+            is_good = asked.width - inner <= width <= asked.width + outer
+            result = self._messages.part(goal.client.type_name, "Result")
+            result.success = motion.outcome == "succeeded" and is_good
+            if not is_good:
+                result.error = f"the fingers stopped at a width of {width:.4f} m"
+            self._end(goal, motion, result, is_good=is_good)
+
+        # The fingers close until they hold something, then press with the force.
+        gripper = gripper_of(self._commands.twin.robot, goal.client.name)
+        closed = 0.0 if gripper is None else gripper.least
+        self._start(goal, closed, asked.force or None, end)
+
+    def _homing(self, goal: ActionGoal) -> None:
+        gripper = gripper_of(self._commands.twin.robot, goal.client.name)
+        self._start(goal, 0.0 if gripper is None else gripper.opening, None, self._told(goal))
+
+    def _stop(self, goal: ActionGoal) -> None:
+        gripper = self._gripper(goal)
+        if gripper is None:
+            return
+        goal.accept()
+        self._commands.twin.stop(gripper.joints)
+        self._commands.poll()
+        result = self._messages.part(goal.client.type_name, "Result")
+        result.success = True
+        goal.succeed(result)
+
+    def _told(self, goal: ActionGoal) -> Callable[[Motion, Gripper], None]:
+        def end(motion: Motion, gripper: Gripper) -> None:
+            del gripper
+            result = self._messages.part(goal.client.type_name, "Result")
+            result.success = motion.outcome == "succeeded" and not motion.stalled
+            result.error = "" if result.success else motion.message or motion.outcome
+            self._end(goal, motion, result, is_good=bool(result.success))
+
+        return end
+
+    def _start(
+        self,
+        goal: ActionGoal,
+        position: float,
+        effort: float | None,
+        end: Callable[[Motion, Gripper], None],
+    ) -> None:
+        gripper = self._gripper(goal)
+        if gripper is None:
+            return
+        goal.accept()
+        # A servo pushes on where the fingers cannot go: beyond their range is its end.
+        reachable = min(max(float(position), gripper.least), gripper.opening)
+        if abs(position - reachable) > _FAR_OUT * (gripper.opening - gripper.least):
+            self._commands.tell(
+                "foreign_gripper",
+                f"gripper '{gripper.name}' was asked for {position:g}, far past its range "
+                f"[{gripper.least:g}, {gripper.opening:g}], and went to {reachable:g}: the "
+                "controller may mean another gripper; name its robot with --robot",
+                goal.stack,
+                object_name=gripper.name,
+            )
+        try:
+            motion = self._commands.twin.move_gripper(gripper.name, reachable, max_effort=effort)
+        except PlanningError as error:
+            self._tell(goal, error.message)
+            goal.abort(None, error.message)
+            return
+        goal.data = motion
+        self._commands.begin(
+            "gripper_command", motion, goal.stack, lambda ended: end(ended, gripper)
+        )
+
+    def _gripper(self, goal: ActionGoal) -> Gripper | None:
+        robot = self._commands.twin.robot
+        gripper = gripper_of(robot, goal.client.name)
+        if gripper is None:
+            names = ", ".join(each.name for each in robot.grippers) or "none"
+            message = (
+                f"no gripper of robot '{robot.name}' is meant by the name {goal.client.name}; "
+                f"it has {names}, whose name or controller the action's name must contain"
+            )
+            self._tell(goal, message)
+            goal.reject(message)
+        return gripper
+
+    def _end(self, goal: ActionGoal, motion: Motion, result: Any, *, is_good: bool) -> None:
+        if goal.state.is_terminal:
+            return
+        if motion.outcome == "preempted":
+            goal.cancel(result, motion.message)
+        elif motion.outcome == "succeeded" and is_good:
+            goal.succeed(result, motion.message)
+        else:
+            goal.abort(result, motion.message)
+
+    def _measured(self, gripper: Gripper) -> tuple[float, float]:
+        """Return the gripper's position and the greatest effort of a finger."""
+        state = self._commands.twin.joint_state()
+        at = [state.names.index(name) for name in gripper.joints]
+        position = gripper.position({state.names[i]: state.position[i] for i in at})
+        return position, max(abs(state.effort[i]) for i in at)
+
+    def _tell(self, goal: ActionGoal, message: str) -> None:
+        self._commands.tell(
+            "goal_rejected",
+            f"action {goal.client.name} refused a goal: {message}",
+            goal.stack,
+            object_name=goal.client.name,
+        )
+
+
+def _first(value: Any) -> float:
+    return float(value[0]) if hasattr(value, "__len__") else float(value)

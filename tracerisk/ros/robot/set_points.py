@@ -1,0 +1,349 @@
+"""Topics that command joints: trajectories, positions of a group, of one joint, joint states.
+
+Joint states are commands where a driver takes them: those of simulators and of bridges to them
+(`joint_command` of Isaac Sim, `topic_based_joint_commands` of topic_based_ros2_control), and those
+of MoveIt's fake controllers. What is published on `joint_states` itself is feedback; it moves no
+real robot.
+
+A stream of set-points is one command for as long as it goes on from the same place in the source:
+it is live until its joints have settled and nothing more has come for a while.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.errors import one_of
+from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.messages.dialect import nanoseconds
+from tracerisk.ros.robot.commands import LiveCommand, TwinCommands
+from tracerisk.ros.robot.grippers import gripper_of
+from tracerisk.ros.robot.trajectory_messages import (
+    TrajectoryCode,
+    TrajectoryRefusedError,
+    fastest_s,
+    twin_trajectory,
+)
+from tracerisk.twin.motion.execution import GOAL_TOLERANCE
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
+
+if TYPE_CHECKING:
+    from tracerisk.instrument.tracer import Frame
+    from tracerisk.twin.robots.robot import Robot
+
+TRAJECTORY = "trajectory_msgs/JointTrajectory"
+GROUP = "std_msgs/Float64MultiArray"
+SINGLE = "std_msgs/Float64"
+JOINT_STATE_TYPE = "sensor_msgs/JointState"
+DWELL_NS = 250_000_000
+"""How long after the last set-point a stream may still go on [ns]."""
+
+_NODE = "/robot_driver"
+_COMMANDS = ("command", "commands")
+_TAKES_STATES = re.compile(r"(^|_)(commands?|cmd)$|^fake_controller_joint_states$")
+_FEEDBACK = "joint_states"
+_NO_POSITIONS = re.compile(r"velocity|effort|torque")
+_NEARLY = 0.05  # of the goal of a motion whose time is over: the joints come to rest [rad or m]
+_SHORT_S = 0.25  # a single point within this time is a set-point of a stream, not a motion
+Array = NDArray[np.float64]
+
+
+@dataclass(slots=True, eq=False)
+class _Stream:
+    """The set-points that one place in the source sends on one topic."""
+
+    command: LiveCommand
+    place: tuple[Any, ...]
+    joints: tuple[str, ...]
+    target: Array
+    last_ns: int
+
+
+class SetPoints:
+    """Listens to the command topics that a controller publishes, and moves the twin.
+
+    A topic that the controller itself subscribes to is its own affair, and moves nothing.
+    """
+
+    def __init__(self, runtime: Runtime, commands: TwinCommands) -> None:
+        self._graph = runtime.graph
+        self._commands = commands
+        self._twin = commands.twin
+        self._streams: dict[str, _Stream] = {}
+        self._subscribed: set[str] = set()
+        self._takers = {
+            TRAJECTORY: self._take_trajectory,
+            GROUP: self._take_group,
+            SINGLE: self._take_single,
+            JOINT_STATE_TYPE: self._take_states,
+        }
+        self._graph.watch(self._on_change)
+
+    def _on_change(self, change: Change, name: str, type_name: str) -> None:
+        if change != "advertised" or type_name not in self._takers or name in self._subscribed:
+            return
+        if not is_command_topic(name, type_name):
+            if type_name == JOINT_STATE_TYPE and name.endswith(f"/{_FEEDBACK}"):
+                self._note_feedback(name)
+            return
+        self._subscribed.add(name)
+        take = self._takers[type_name]
+
+        def deliver(message: Any, publication: Publication) -> None:
+            if not publication.by_controller:
+                return
+            if publication.pace.is_of_loop and self._is_there(message):
+                # A loop that sends one trajectory all the time does so, too, once it is there.
+                return
+            others = self._graph.subscriptions(name)
+            if not any(each.by_controller for each in others):
+                take(name, message)
+
+        self._graph.subscribe(name, type_name, deliver, node=_NODE, by_controller=False)
+
+    def _take_trajectory(self, topic: str, message: Any) -> None:
+        now_ns = self._commands.scheduler.now_ns
+        if not message.points and message.joint_names:
+            # An empty trajectory stops the joints.
+            known = {joint.name for joint in self._twin.robot.joints}
+            self._twin.stop([name for name in message.joint_names if name in known])
+            self._commands.poll()
+            return
+        try:
+            trajectory = twin_trajectory(message, self._twin, now_ns)
+        except TrajectoryRefusedError as error:
+            is_late = error.code is TrajectoryCode.OLD_HEADER_TIMESTAMP
+            if not (is_late and self._is_there(message, _NEARLY)):
+                self._refuse(topic, str(error))
+            return
+        if len(message.points) == 1 and _asked_s(message.points[0]) <= _SHORT_S:
+            self.set_point(topic, trajectory.joints, trajectory.position[-1], "joint_trajectory")
+            return
+        try:
+            motion = self._twin.follow(trajectory)
+        except PlanningError as error:
+            self._refuse(topic, error.message)
+            return
+        self._streams.pop(topic, None)
+        self._commands.begin("joint_trajectory", motion, self._commands.stack())
+
+    def _is_there(self, message: Any, tolerance: float = GOAL_TOLERANCE) -> bool:
+        """Tell whether the joints are where a trajectory ends; of other messages, False."""
+        points = getattr(message, "points", None)
+        if not points or len(points[-1].positions) != len(message.joint_names):
+            return False
+        state = self._twin.joint_state()
+        here = dict(zip(state.names, state.position, strict=True))
+        goal = zip(message.joint_names, points[-1].positions, strict=True)
+        return all(abs(here.get(name, math.inf) - value) <= tolerance for name, value in goal)
+
+    def _take_group(self, topic: str, message: Any) -> None:
+        if self._is_no_position(topic):
+            return
+        values = [float(value) for value in message.data]
+        joints = group_joints(self._twin.robot, topic, len(values))
+        if joints is None:
+            self._refuse(
+                topic,
+                f"{len(values)} values fit no controller or group of robot "
+                f"'{self._twin.robot.name}'",
+            )
+            return
+        self.set_point(topic, joints, np.array(values), "joint_group_command")
+
+    def _take_single(self, topic: str, message: Any) -> None:
+        if self._is_no_position(topic):
+            return
+        joint = single_joint(self._twin.robot, topic)
+        if joint is None:
+            names = ", ".join(each.name for each in self._twin.robot.joints)
+            self._refuse(topic, f"no joint of the robot is meant; it has {names}")
+            return
+        self.set_point(topic, (joint,), np.array([float(message.data)]), "joint_command")
+
+    def _take_states(self, topic: str, message: Any) -> None:
+        robot = self._twin.robot
+        names, values = list(message.name), [float(value) for value in message.position]
+        known = {joint.name for joint in robot.joints}
+        unknown = [name for name in names if name not in known]
+        if not values and (len(message.velocity) or len(message.effort)):
+            self._refuse(topic, "commands of velocity or effort are not simulated, only positions")
+        elif not names or len(names) != len(values):
+            self._refuse(topic, f"{len(values)} positions for {len(names)} names of joints")
+        elif unknown:
+            self._refuse(
+                topic,
+                f"robot '{robot.name}' has no joint '{unknown[0]}'; {one_of(known, unknown[0])}",
+            )
+        else:
+            self.set_point(topic, tuple(names), np.array(values), "joint_state_command")
+
+    def _note_feedback(self, topic: str) -> None:
+        """Say of joint states that the controller publishes as a driver does that nothing moves."""
+        if any(each.by_controller for each in self._graph.publications(topic)):
+            self._commands.tell(
+                "not_simulated",
+                f"joint states published on {topic} move nothing: a driver publishes there what "
+                "it measured, and takes commands elsewhere",
+                self._commands.stack(),
+            )
+
+    def _is_no_position(self, topic: str) -> bool:
+        found = _NO_POSITIONS.search(topic)
+        if found is not None:
+            self._refuse(topic, f"commands of {found.group()} are not simulated, only positions")
+        return found is not None
+
+    def _refuse(self, topic: str, message: str) -> None:
+        self._commands.tell(
+            "command_ignored",
+            f"a message on {topic} moved nothing: {message}",
+            self._commands.stack(),
+            object_name=topic,
+        )
+
+    def set_point(
+        self,
+        topic: str,
+        joints: tuple[str, ...],
+        target: Array,
+        kind: str,
+        *,
+        speed: float = 1.0,
+    ) -> None:
+        """Bring joints to positions as fast as they may, or along a stream as it comes.
+
+        `speed` is the fraction of what they may that a single set-point is gone to with.
+        """
+        if not np.isfinite(target).all():
+            self._refuse(topic, "a position is not finite")
+            return
+        now_ns = self._commands.scheduler.now_ns
+        stack = self._commands.stack()
+        place = _place(stack)
+        stream = self._streams.get(topic)
+        if stream is not None and not (
+            self._commands.is_live(stream.command) and stream.joints == joints
+        ):
+            stream = None
+        if stream is not None and stream.place == place and np.array_equal(stream.target, target):
+            # The same again: what goes on goes on.
+            self._keep(stream, now_ns)
+            return
+        trajectory = self._towards(joints, target, stream, now_ns, speed)
+        if stream is not None and stream.place == place:
+            # In the place of the one before, whose end is not the command's.
+            stream.command.motion = self._twin.follow(trajectory)
+            stream.target = target
+            self._keep(stream, now_ns)
+            return
+        motion = self._twin.follow(trajectory)
+        command = self._commands.begin(kind, motion, stack, keep_until_ns=now_ns + DWELL_NS)
+        stream = _Stream(command, place, joints, target, now_ns)
+        self._streams[topic] = stream
+        self._keep(stream, now_ns)
+
+    def _keep(self, stream: _Stream, now_ns: int) -> None:
+        stream.last_ns = now_ns
+        due_ns = stream.command.keep_until_ns = now_ns + DWELL_NS
+        # The watch of the commands looks when the clock stops here.
+        self._commands.scheduler.call_at(due_ns, lambda: None)
+
+    def _towards(
+        self,
+        joints: tuple[str, ...],
+        target: Array,
+        stream: _Stream | None,
+        now_ns: int,
+        speed: float,
+    ) -> JointTrajectory:
+        state = self._twin.joint_state()
+        here = dict(zip(state.names, state.position, strict=True))
+        start = np.array([here[name] for name in joints])
+        rest = np.zeros((1, len(joints)))
+        if stream is not None and now_ns > stream.last_ns:
+            period_s = (now_ns - stream.last_ns) * 1e-9
+            rate = (target - stream.target) / period_s
+            rated = np.array([self._twin.robot.joint(name).velocity_limit for name in joints])
+            if period_s <= DWELL_NS * 1e-9 and (np.abs(rate) <= rated).all():
+                # The next one comes as this one did: pass it at the stream's own speed.
+                return JointTrajectory(joints, np.array([period_s]), target[None, :], rate[None, :])
+        least_s = fastest_s(joints, start, target, self._twin) / speed
+        return JointTrajectory(joints, np.array([least_s]), target[None, :], rest)
+
+
+def is_command_topic(name: str, type_name: str) -> bool:
+    """Tell whether a robot's driver takes what is published on a topic for a command."""
+    last = name.rsplit("/", 1)[-1]
+    if type_name == JOINT_STATE_TYPE:
+        return _TAKES_STATES.search(last) is not None
+    return type_name == TRAJECTORY or (type_name in (GROUP, SINGLE) and last in _COMMANDS)
+
+
+def group_joints(robot: Robot, topic: str, count: int) -> tuple[str, ...] | None:
+    """Return the joints that `count` values on a topic are for, None where nothing fits.
+
+    They are those of the controller that the topic names, of a gripper where it speaks of one,
+    of the first planning group with as many joints, or all. On a robot that stands in for one
+    that is not known they are the first joints of its arm.
+    """
+    parts = topic.strip("/").split("/")
+    for controller in robot.controllers:
+        if controller.name in parts and len(controller.joints) == count:
+            return controller.joints
+    if re.search(r"gripper|hand|finger", topic):
+        gripper = gripper_of(robot, topic)
+        if gripper is not None and count <= len(gripper.joints):
+            return gripper.joints[:count]
+    arm = {joint.name for joint in robot.arm_joints}
+    groups = [group.joints for group in robot.groups.values()]
+    for joints in sorted(groups, key=lambda joints: not set(joints) <= arm):
+        if len(joints) == count:
+            return joints
+    everything = tuple(joint.name for joint in robot.joints)
+    if len(everything) == count:
+        return everything
+    in_order = tuple(joint.name for joint in robot.arm_joints)
+    return in_order[:count] if robot.assumes_names and 0 < count <= len(in_order) else None
+
+
+def single_joint(robot: Robot, topic: str) -> str | None:
+    """Return the joint that a topic of one value is for, None where none is meant.
+
+    It is the one whose name the topic contains, else the only one of its number: the joint
+    `panda_joint3` for `/arm/joint3_position_controller/command`.
+    """
+    names = [joint.name for joint in robot.joints]
+    parts = topic.strip("/").split("/")[:-1]
+    for part in reversed(parts):
+        contained = [name for name in names if name in part]
+        if contained:
+            return max(contained, key=len)
+    for part in reversed(parts):
+        found = re.search(r"joint_?(\d+)", part)
+        if found is not None:
+            numbered = [name for name in names if re.search(rf"joint_?{found.group(1)}$", name)]
+            arm = [name for name in numbered if "finger" not in name and "gripper" not in name]
+            if len(arm) == 1:
+                return arm[0]
+    if re.search(r"gripper|hand|finger", topic):
+        gripper = gripper_of(robot, topic)
+        if gripper is not None:
+            return gripper.joints[0]
+    return None
+
+
+def _asked_s(point: Any) -> float:
+    return nanoseconds(point.time_from_start) * 1e-9
+
+
+def _place(stack: tuple[Frame, ...]) -> tuple[Any, ...]:
+    """Return from where in the source a message came, whichever call of it that was."""
+    return tuple((frame.function, frame.site, frame.root) for frame in stack)

@@ -1,0 +1,167 @@
+"""What the twin publishes of itself, as the drivers of a real robot do: joint states, the clock.
+
+A driver that runs in a namespace publishes its joint states there: so does the twin, in those in
+which the controller uses an interface of the robot.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from tracerisk.ros.graph.actions import ActionChange, Actions
+from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.graph.sensor_reading import JOINT_STATES_HZ, SensorReading
+from tracerisk.ros.messages.dialect import set_time
+from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.messages.ros2 import Interfaces2, Message2
+from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE, is_command_topic
+from tracerisk.ros.time.clock import EPOCH_NS
+
+JOINT_STATES = "/joint_states"
+
+CLOCK = "/clock"
+CLOCK_TYPE = "rosgraph_msgs/Clock"
+CLOCK_HZ = 100.0
+"""How often the simulated time is published while somebody listens."""
+
+_PUBLISHER = "/joint_state_publisher"
+_CLOCK_PUBLISHER = "/clock_publisher"
+# Controllers of ros_control that publish joint states, in a namespace of their own where it is set
+# (`use_local_topics` of the joint state broadcaster).
+_STATE_CONTROLLER = re.compile(r"_state_(controller|broadcaster)$")
+_DRIVERS = ("control_msgs/", "moveit_msgs/")
+"""The packages of actions that a robot's driver or its move_group serves."""
+
+
+class TwinTopics:
+    """Publishes the twin's joint states, and the clock, while anybody subscribes to them.
+
+    `interfaces` makes the classes that the controller receives. `rate_hz` is how often joint
+    states come, `order` the joints in the order in which a driver tells them: first these, then
+    the others in the robot's own. What is published keeps no run going: a controller that only
+    listens still comes to its end.
+    """
+
+    def __init__(
+        self,
+        runtime: Runtime,
+        interfaces: Interfaces | Interfaces2,
+        *,
+        rate_hz: float = JOINT_STATES_HZ,
+        order: Sequence[str] = (),
+    ) -> None:
+        self._runtime = runtime
+        self._interfaces = interfaces
+        self._order = tuple(order)
+        self._sequence = 0
+        self._rate_hz = rate_hz
+        self._published: set[str] = set()
+        self._asked: set[str] = set()
+        self._used: set[str] = set()
+        self._publish_states(JOINT_STATES)
+        clock = runtime.graph.advertise(CLOCK, CLOCK_TYPE, node=_CLOCK_PUBLISHER)
+        TopicStream(runtime, clock, CLOCK_HZ, self._clock)
+        runtime.graph.watch(self._on_change)
+        runtime.client(Actions).watch(self._on_action)
+
+    def _on_change(self, change: Change, name: str, type_name: str) -> None:
+        if change == "subscribed" and type_name == JOINT_STATE_TYPE:
+            if name.endswith(JOINT_STATES):
+                self._asked.add(name)
+        elif change == "advertised" and is_command_topic(name, type_name):
+            self._used.add(name)
+        elif change == "served":
+            servers = self._runtime.graph.services()
+            if not any(each.name == name and each.is_callback for each in servers):
+                self._used.add(name)
+        else:
+            return
+        self._publish_asked()
+
+    def _on_action(self, change: ActionChange, name: str, type_name: str) -> None:
+        if change == "client" and type_name.startswith(_DRIVERS):
+            self._used.add(name)
+            self._publish_asked()
+
+    def _publish_asked(self) -> None:
+        """Publish on the topics that somebody subscribes to and a driver would publish on."""
+        for topic in sorted(self._asked - self._published):
+            space = topic.removesuffix(JOINT_STATES)
+            is_used = any(name.startswith(f"{space}/") for name in self._used)
+            if is_used or _STATE_CONTROLLER.search(space):
+                self._publish_states(topic)
+
+    def _publish_states(self, topic: str) -> None:
+        self._published.add(topic)
+        graph = self._runtime.graph
+        joints = graph.advertise(topic, JOINT_STATE_TYPE, node=_PUBLISHER, by_controller=False)
+        self._runtime.client(SensorReading).tells_joints(joints, self._rate_hz)
+        TopicStream(
+            self._runtime, joints, self._rate_hz, self._joint_state, yields=topic != JOINT_STATES
+        )
+
+    def _joint_state(self) -> Any:
+        state = self._runtime.twin.joint_state()
+        message: Any = self._interfaces.message(JOINT_STATE_TYPE)()
+        self._sequence += 1
+        if not isinstance(message, Message2):
+            message.header.seq = self._sequence
+        set_time(message.header.stamp, EPOCH_NS + self._runtime.scheduler.now_ns)
+        first = [state.names.index(name) for name in self._order if name in state.names]
+        places = [*first, *(i for i in range(len(state.names)) if i not in first)]
+        message.name = [state.names[i] for i in places]
+        message.position = [state.position[i] for i in places]
+        message.velocity = [state.velocity[i] for i in places]
+        message.effort = [state.effort[i] for i in places]
+        return message
+
+    def _clock(self) -> Any:
+        message: Any = self._interfaces.message(CLOCK_TYPE)()
+        set_time(message.clock, EPOCH_NS + self._runtime.scheduler.now_ns)
+        return message
+
+
+class TopicStream:
+    """Publishes what `make` makes, `hz` times a second, while the topic has a subscription.
+
+    One that `yields` is silent where somebody else publishes on the topic: a maker's driver.
+    """
+
+    def __init__(
+        self,
+        runtime: Runtime,
+        publication: Publication,
+        hz: float,
+        make: Callable[[], Any],
+        *,
+        yields: bool = False,
+    ) -> None:
+        self._graph = runtime.graph
+        self._yields = yields
+        self._scheduler = runtime.scheduler
+        self._publication = publication
+        self._period_ns = round(1e9 / hz)
+        self._make = make
+        self._is_ticking = False
+        runtime.graph.watch(self._on_change)
+
+    def _on_change(self, change: Change, name: str, type_name: str) -> None:
+        del type_name
+        if change == "subscribed" and name == self._publication.topic and not self._is_ticking:
+            self._is_ticking = True
+            self._schedule()
+
+    def _schedule(self) -> None:
+        following_ns = (self._scheduler.now_ns // self._period_ns + 1) * self._period_ns
+        self._scheduler.call_at(following_ns, self._tick, background=True)
+
+    def _tick(self) -> None:
+        if not self._publication.subscriptions:
+            self._is_ticking = False
+            return
+        if not self._yields or len(self._graph.publications(self._publication.topic)) == 1:
+            self._publication.publish(self._make())
+        self._schedule()

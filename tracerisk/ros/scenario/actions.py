@@ -1,0 +1,99 @@
+"""Action servers that a scenario plays: what becomes of each goal, and when."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from tracerisk.errors import InputError, Location, ScenarioError
+from tracerisk.ros.drafts.draft import action_parts
+from tracerisk.ros.graph.actions import ActionGoal, Actions
+from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.scenario.message import MessageTemplate
+from tracerisk.ros.scenario.scenario import GoalScript, ServedAction
+from tracerisk.ros.scenario.schedule import Schedule
+from tracerisk.ros.scenario.topics import NODE
+
+
+@dataclass(frozen=True, slots=True)
+class _Outcome:
+    script: GoalScript
+    result: MessageTemplate
+    feedback: tuple[MessageTemplate, ...]
+
+
+class ScenarioAction:
+    """One entry of `actions`.
+
+    Raises:
+        ScenarioError: the type is not known, or a result or a feedback does not fit it.
+    """
+
+    def __init__(
+        self, runtime: Runtime, interfaces: Any, schedule: Schedule, entry: ServedAction
+    ) -> None:
+        try:
+            result, feedback = action_parts(interfaces, entry.type_name)
+        except InputError as error:
+            raise ScenarioError(error.message, entry.location) from error
+        self._entry = entry
+        self._schedule = schedule
+        self._goals = 0
+        self._outcomes = [
+            _Outcome(
+                script,
+                MessageTemplate(result, script.result),
+                tuple(MessageTemplate(feedback, each) for each in script.feedback),
+            )
+            for script in entry.goals
+        ]
+        runtime.client(Actions).serve(
+            entry.name,
+            entry.type_name,
+            node=NODE,
+            on_goal=self._on_goal,
+            on_cancel=self._on_cancel,
+            by_controller=False,
+            is_scenario=True,
+        )
+
+    @property
+    def unused(self) -> tuple[str, Location] | None:
+        """What nobody made use of, in words, and its place; None where somebody did."""
+        if self._goals:
+            return None
+        return f"nobody sent a goal to action server {self._entry.name}", self._entry.location
+
+    def _on_goal(self, goal: ActionGoal) -> None:
+        outcome = self._outcomes[min(self._goals, len(self._outcomes) - 1)]
+        self._goals += 1
+        script = outcome.script
+        goal.data = outcome
+        if script.status == "rejected":
+            goal.reject(script.text, outcome.result.make(self._schedule.now_ns))
+            return
+        goal.accept()
+        began_ns = self._schedule.now_ns
+        length_ns = round(script.after * 1e9)
+        count = len(outcome.feedback)
+        for index, feedback in enumerate(outcome.feedback):
+            due_ns = began_ns + length_ns * (index + 1) // (count + 1)
+            self._schedule.at(due_ns, partial(self._feed_back, goal, feedback))
+        self._schedule.at(began_ns + length_ns, lambda: self._finish(goal, outcome))
+
+    def _on_cancel(self, goal: ActionGoal) -> None:
+        goal.accept_cancel()
+        outcome: _Outcome = goal.data
+        goal.cancel(outcome.result.make(self._schedule.now_ns), outcome.script.text)
+
+    def _feed_back(self, goal: ActionGoal, feedback: MessageTemplate) -> None:
+        if not goal.state.is_terminal:
+            goal.publish_feedback(feedback.make(self._schedule.now_ns))
+
+    def _finish(self, goal: ActionGoal, outcome: _Outcome) -> None:
+        if goal.state.is_terminal:
+            return
+        result, text = outcome.result.make(self._schedule.now_ns), outcome.script.text
+        end = {"succeeded": goal.succeed, "aborted": goal.abort, "canceled": goal.cancel}
+        end[outcome.script.status](result, text)

@@ -1,0 +1,72 @@
+"""Objects that a scenario puts into the twin's scene: boxes, cylinders, spheres."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from tracerisk.geometry.shapes import Shape
+from tracerisk.ros.scenario.scenario import triple
+from tracerisk.text.yaml_reader import YamlMap
+from tracerisk.twin.physics.scene import Fixture, GraspableObject, Scene
+
+_SHAPES = ("box", "cylinder", "sphere")
+_FRICTION = 0.5
+
+
+def with_objects(scene: Scene, objects: Sequence[YamlMap]) -> Scene:
+    """Return the scene with the objects of a scenario in it; lengths are in [m], masses in [kg].
+
+    Raises:
+        ScenarioError: an object is malformed, or its name is taken.
+    """
+    fixtures, graspable = list(scene.fixtures), list(scene.objects)
+    taken = {each.name for each in fixtures} | {each.name for each in graspable}
+    for entry in objects:
+        read = _object(entry)
+        if read.name in taken:
+            entry.fail("name", f"the scene has a '{read.name}' already; take another name")
+        taken.add(read.name)
+        if isinstance(read, Fixture):
+            fixtures.append(read)
+        else:
+            graspable.append(read)
+    if not objects:
+        return scene
+    # Of another name: what is recorded in it cannot be replayed in the scene alone.
+    name = f"{scene.name}, with objects of a scenario"
+    return replace(scene, name=name, fixtures=tuple(fixtures), objects=tuple(graspable))
+
+
+def _object(entry: YamlMap) -> Fixture | GraspableObject:
+    entry.forbid_unknown({"name", *_SHAPES, "xyz", "rpy", "mass", "graspable", "friction"})
+    name = entry.string("name")
+    shape = _shape(entry)
+    xyz, rpy = triple(entry, "xyz"), triple(entry, "rpy")
+    if not entry.boolean("graspable", default="mass" in entry):
+        for key in ("mass", "friction"):
+            if key in entry:
+                entry.fail(key, "is only for what can be grasped; set graspable: true")
+        return Fixture(name, xyz, rpy, (shape,))
+    mass = entry.number("mass", minimum=1e-6, maximum=1e4)
+    friction = entry.number("friction", default=_FRICTION, minimum=0.0)
+    return GraspableObject(name, xyz, rpy, mass, friction, (shape,))
+
+
+def _shape(entry: YamlMap) -> Shape:
+    given = [key for key in _SHAPES if key in entry]
+    if len(given) != 1:
+        entry.fail(
+            given[1] if given else "name", "expected exactly one of box, cylinder and sphere"
+        )
+    if given == ["box"]:
+        lengths = entry.numbers("box", length=3)
+        if min(lengths) <= 0.0:
+            entry.fail("box", "every length must be above 0")
+        return Shape("box", tuple(length / 2 for length in lengths))
+    round_shape = entry.map(given[0])
+    round_shape.forbid_unknown({"radius", "height"} if given == ["cylinder"] else {"radius"})
+    radius = round_shape.number("radius", minimum=1e-4)
+    if given == ["sphere"]:
+        return Shape("sphere", (radius,))
+    return Shape("cylinder", (radius, round_shape.number("height", minimum=1e-4) / 2))

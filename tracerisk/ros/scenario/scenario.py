@@ -1,0 +1,383 @@
+"""The scenario file: what the world around a controller gives it. See docs/scenario.md.
+
+Here it is read as a text: keys, times, names. What is written of messages is kept with its place,
+for their types are known only where the controller runs.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+from tracerisk.acceptances import read_acceptances
+from tracerisk.errors import Location, ScenarioError, one_of
+from tracerisk.ros.graph.parameter_files import Parameter, parameters_of
+from tracerisk.ros.scenario.marks import Unconfirmed, unconfirmed
+from tracerisk.ros.scenario.message import Written
+from tracerisk.text.yaml_reader import YamlMap, read_yaml
+from tracerisk.trace import Acceptance
+
+Outcome = Literal["succeeded", "aborted", "canceled", "rejected"]
+"""What an action server makes of a goal."""
+
+_TYPE_KINDS = ("msg", "srv", "action")
+
+
+@dataclass(frozen=True, slots=True)
+class Published:
+    """Messages on a topic: at times [s], at a rate [Hz], or else to each subscriber.
+
+    `messages` come in turn, then the last one again. `after` is how long after a subscriber
+    appeared it gets its message [s]. A rate begins at the first of `at` and ends at `until` or
+    after `count` messages, if either is given.
+    """
+
+    topic: str
+    type_name: str
+    messages: tuple[Written | None, ...]
+    at: tuple[float, ...]
+    rate: float | None
+    after: float
+    count: int | None
+    until: float | None
+    type_location: Location
+
+
+@dataclass(frozen=True, slots=True)
+class Served:
+    """A service, its replies in turn, then the last one again; each comes `after` a time [s].
+
+    Without a type it takes that of whoever calls. `fails` is the text of an error instead.
+    """
+
+    name: str
+    type_name: str | None
+    replies: tuple[Written | None, ...]
+    after: float
+    fails: str | None
+    location: Location
+
+
+@dataclass(frozen=True, slots=True)
+class GoalScript:
+    """What becomes of a goal `after` a time [s]; feedback is spread evenly over that time."""
+
+    status: Outcome
+    after: float
+    result: Written | None
+    feedback: tuple[Written, ...]
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class ServedAction:
+    """An action server: what becomes of its goals in turn, then the last one again."""
+
+    name: str
+    type_name: str
+    goals: tuple[GoalScript, ...]
+    location: Location
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a frame is in its parent: from `at` [s] on, position [m], roll, pitch, yaw [rad]."""
+
+    at: float
+    xyz: tuple[float, float, float]
+    rpy: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A frame of tf: static from its first place on, or broadcast at a rate [Hz] along a path."""
+
+    frame: str
+    parent: str
+    path: tuple[Place, ...]
+    rate: float | None
+    until: float | None
+    location: Location
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """All that one scenario file holds; `calls` and `objects` are read by modules of their own."""
+
+    file: str = ""
+    parameters: tuple[Parameter, ...] = ()
+    published: tuple[Published, ...] = ()
+    services: tuple[Served, ...] = ()
+    actions: tuple[ServedAction, ...] = ()
+    frames: tuple[Frame, ...] = ()
+    calls: tuple[YamlMap, ...] = ()
+    objects: tuple[YamlMap, ...] = ()
+    answers: tuple[str, ...] = ()
+    accept: tuple[Acceptance, ...] = ()
+    robot: str | None = None
+    """Which robot the controller drives, where nobody else says so: a name or a file."""
+    arguments: tuple[str, ...] = ()
+    """The controller's command line, where nobody gives another."""
+    unconfirmed: tuple[Unconfirmed, ...] = ()
+
+
+def read_scenario(path: Path) -> Scenario:
+    """Read a scenario file.
+
+    Raises:
+        ScenarioError: it cannot be read, or something in it is not allowed, with its place.
+    """
+    if _holds_comments_alone(path):
+        return Scenario(str(path))
+    top = read_yaml(path, ScenarioError)
+    top.forbid_unknown(
+        {
+            *("parameters", "publish", "services", "actions"),
+            *("calls", "frames", "objects", "answers", "accept", "arguments", "robot"),
+        }
+    )
+    parameters = top.optional_map("parameters") if top.get("parameters") is not None else None
+    scenario = Scenario(
+        file=str(path),
+        parameters=() if parameters is None else parameters_of(parameters),
+        published=_entries(top, "publish", _published),
+        services=_entries(top, "services", _service),
+        actions=_entries(top, "actions", _action),
+        frames=_entries(top, "frames", _frame),
+        calls=tuple(top.maps("calls")) if top.get("calls") is not None else (),
+        objects=tuple(top.maps("objects")) if top.get("objects") is not None else (),
+        answers=_texts(top, "answers", "one answer for each input()"),
+        accept=_accept(top),
+        robot=_robot(top, path),
+        arguments=_texts(top, "arguments", "one word of the command line each"),
+        unconfirmed=unconfirmed(path, top),
+    )
+    _forbid_twice(top, "services", "name")
+    _forbid_twice(top, "actions", "name")
+    _forbid_twice(top, "frames", "frame")
+    return scenario
+
+
+def _holds_comments_alone(path: Path) -> bool:
+    try:
+        text = path.read_text("utf-8-sig")
+    except (OSError, UnicodeDecodeError):
+        return False
+    lines = [line.strip() for line in text.splitlines()]
+    return any(lines) and all(not line or line.startswith("#") for line in lines)
+
+
+def _entries(top: YamlMap, key: str, read: Callable[[YamlMap], Any]) -> tuple[Any, ...]:
+    # A section that is left empty holds nothing.
+    return tuple(read(entry) for entry in top.maps(key)) if top.get(key) is not None else ()
+
+
+def _forbid_twice(top: YamlMap, section: str, key: str) -> None:
+    seen: set[str] = set()
+    for entry in top.maps(section) if top.get(section) is not None else ():
+        name = entry.string(key)
+        if name in seen:
+            entry.fail(key, f"'{name}' stands twice in {section}; give it one entry")
+        seen.add(name)
+
+
+def _published(entry: YamlMap) -> Published:
+    entry.forbid_unknown(
+        {"topic", "type", "message", "messages", "at", "rate", "after", "count", "until"}
+    )
+    at, rate = _times(entry), None
+    if "rate" in entry:
+        rate = entry.number("rate", minimum=1e-3, maximum=1e3)
+        if len(at) > 1:
+            entry.fail("at", "a rate begins at one time; give either a rate or several times")
+    for key in ("count", "until"):
+        if key in entry and rate is None:
+            entry.fail(key, "says when a rate ends; give a rate, or leave it out")
+    if "after" in entry and (at or rate is not None):
+        entry.fail("after", "counts from when a subscriber appears; leave out at and rate")
+    return Published(
+        full_name(entry, "topic"),
+        interface_type(entry, "type"),
+        _messages(entry, "message", "messages"),
+        at,
+        rate,
+        _seconds(entry, "after"),
+        entry.integer("count", minimum=1) if "count" in entry else None,
+        entry.number("until", minimum=0.0) if "until" in entry else None,
+        entry.key_location("type"),
+    )
+
+
+def _service(entry: YamlMap) -> Served:
+    entry.forbid_unknown({"name", "type", "reply", "replies", "after", "fails"})
+    if "fails" in entry and ("reply" in entry or "replies" in entry):
+        entry.fail("fails", "a service that fails gives no reply; keep one of the two")
+    return Served(
+        full_name(entry, "name"),
+        interface_type(entry, "type") if "type" in entry else None,
+        _messages(entry, "reply", "replies"),
+        _seconds(entry, "after"),
+        entry.optional_string("fails"),
+        entry.key_location("type"),
+    )
+
+
+_GOAL_KEYS = frozenset({"status", "after", "result", "feedback", "text"})
+
+
+def _action(entry: YamlMap) -> ServedAction:
+    entry.forbid_unknown({"name", "type", "goals", *_GOAL_KEYS})
+    goals = entry.maps("goals") if "goals" in entry else [entry]
+    if "goals" in entry:
+        beside = sorted(_GOAL_KEYS.intersection(entry.keys()))
+        if beside:
+            entry.fail(beside[0], "stands in each entry of goals where goals is given")
+        if not goals:
+            entry.fail("goals", "holds no goal; give one or leave it out")
+        for goal in goals:
+            goal.forbid_unknown(_GOAL_KEYS)
+    return ServedAction(
+        full_name(entry, "name"),
+        interface_type(entry, "type"),
+        tuple(_goal(goal) for goal in goals),
+        entry.key_location("type"),
+    )
+
+
+def _goal(entry: YamlMap) -> GoalScript:
+    status = entry.string("status", default="succeeded")
+    if status not in get_args(Outcome):
+        entry.fail("status", f"'{status}' is no outcome; {one_of(get_args(Outcome), status)}")
+    feedback: tuple[Written, ...] = ()
+    if entry.get("feedback") is not None:
+        entry.maps("feedback")
+        listed = written_at(entry, "feedback")
+        feedback = tuple(listed.item(index) for index in range(len(listed.value)))
+    return GoalScript(
+        status,  # type: ignore[arg-type]  # checked above
+        _seconds(entry, "after"),
+        written_at(entry, "result") if "result" in entry else None,
+        feedback,
+        entry.string("text", default=""),
+    )
+
+
+def _frame(entry: YamlMap) -> Frame:
+    entry.forbid_unknown({"frame", "parent", "xyz", "rpy", "at", "path", "rate", "until"})
+    if "path" in entry:
+        for key in ("xyz", "rpy", "at"):
+            if key in entry:
+                entry.fail(key, "stands in each entry of path where a path is given")
+        places = entry.maps("path")
+        for each in places:
+            each.forbid_unknown({"at", "xyz", "rpy"})
+        path = tuple(_place(each) for each in places)
+        if not path or any(b.at <= a.at for a, b in itertools.pairwise(path)):
+            entry.fail("path", "expected places with rising times (at)")
+    else:
+        path = (_place(entry),)
+    rate = entry.number("rate", minimum=0.1, maximum=1e3) if "rate" in entry else None
+    if rate is None and len(path) > 1:
+        rate = 20.0
+    if "until" in entry and rate is None:
+        entry.fail("until", "a static frame stays; give it a rate, or leave it out")
+    return Frame(
+        entry.string("frame").removeprefix("/"),
+        entry.string("parent").removeprefix("/"),
+        path,
+        rate,
+        entry.number("until", minimum=0.0) if "until" in entry else None,
+        entry.key_location("frame"),
+    )
+
+
+def _place(entry: YamlMap) -> Place:
+    return Place(_seconds(entry, "at"), triple(entry, "xyz"), triple(entry, "rpy"))
+
+
+def triple(entry: YamlMap, key: str) -> tuple[float, float, float]:
+    """Return three numbers at `key`, zeros where the key is absent."""
+    if key not in entry:
+        return 0.0, 0.0, 0.0
+    x, y, z = entry.numbers(key, length=3)
+    return x, y, z
+
+
+def _times(entry: YamlMap) -> tuple[float, ...]:
+    if "at" not in entry:
+        return ()
+    if not isinstance(entry.get("at"), list):
+        return (entry.number("at", minimum=0.0),)
+    times = tuple(entry.numbers("at"))
+    if not times or min(times) < 0.0 or list(times) != sorted(times):
+        entry.fail("at", "expected times from 0 up that rise")
+    return times
+
+
+def _seconds(entry: YamlMap, key: str) -> float:
+    return entry.number(key, default=0.0, minimum=0.0, maximum=1e6)
+
+
+def full_name(entry: YamlMap, key: str) -> str:
+    """Return the name of a topic, a service or an action, with its leading slash."""
+    name = entry.string(key)
+    if not name or name.startswith("~"):
+        entry.fail(key, "expected the full name, such as /camera/detections")
+    return name if name.startswith("/") else f"/{name}"
+
+
+def interface_type(entry: YamlMap, key: str) -> str:
+    """Return a type without its kind: `std_srvs/Trigger` of `std_srvs/srv/Trigger`."""
+    parts = entry.string(key).split("/")
+    if len(parts) == 3 and parts[1] in _TYPE_KINDS:
+        del parts[1]
+    if len(parts) != 2 or not all(parts):
+        entry.fail(key, "expected a type such as geometry_msgs/PoseStamped")
+    return "/".join(parts)
+
+
+def _messages(entry: YamlMap, one: str, many: str) -> tuple[Written | None, ...]:
+    if one in entry and many in entry:
+        entry.fail(many, f"stands beside '{one}'; keep one of the two")
+    if one in entry:
+        return (written_at(entry, one),)
+    if many not in entry:
+        return (None,)
+    listed = written_at(entry, many)
+    if not isinstance(listed.value, list) or not listed.value:
+        entry.fail(many, "expected a list of one or more")
+    return tuple(listed.item(index) for index in range(len(listed.value)))
+
+
+def written_at(entry: YamlMap, key: str) -> Written:
+    """Return what is written at a key, with its place."""
+    place = entry.key_location(key)
+    return Written(entry.get(key), place.file, entry.name_of(key), place)
+
+
+def _accept(top: YamlMap) -> tuple[Acceptance, ...]:
+    value = top.get("accept")
+    return () if value is None else read_acceptances(value, lambda text: top.fail("accept", text))
+
+
+def _texts(top: YamlMap, key: str, told: str) -> tuple[str, ...]:
+    value = top.get(key)
+    if value is None:
+        return ()
+    if not isinstance(value, list):
+        top.fail(key, f"expected a list, {told}")
+    for each in value:
+        if isinstance(each, bool | dict | list) or each is None:
+            top.fail(key, f"expected strings or numbers, found {each!r}; put it in quotes")
+    return tuple(str(each) for each in value)
+
+
+def _robot(top: YamlMap, path: Path) -> str | None:
+    if top.get("robot") is None:
+        return None
+    name = top.string("robot")
+    # A file is named from the scenario's folder.
+    return str(path.parent / name) if Path(name).suffix else name

@@ -1,0 +1,105 @@
+"""Messages that a scenario publishes: at times, at a rate, or to each who subscribes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tracerisk.errors import InputError, Location, ScenarioError
+from tracerisk.ros.graph.graph import Publication, Subscription
+from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.scenario.message import MessageTemplate
+from tracerisk.ros.scenario.scenario import Published
+from tracerisk.ros.scenario.schedule import Schedule
+from tracerisk.ros.scenario.sensor_topics import sensors_told
+
+NODE = "/scenario"
+
+
+class ScenarioTopic:
+    """One entry of `publish`.
+
+    Raises:
+        ScenarioError: the type is not known, or a message does not fit it.
+    """
+
+    def __init__(
+        self, runtime: Runtime, interfaces: Any, schedule: Schedule, entry: Published
+    ) -> None:
+        try:
+            message_class = interfaces.message(entry.type_name)
+        except InputError as error:
+            raise ScenarioError(error.message, entry.type_location) from error
+        self._entry = entry
+        self._schedule = schedule
+        self._messages = [MessageTemplate(message_class, each) for each in entry.messages]
+        self._sent = 0
+        self._is_heard = False
+        self._publication: Publication = runtime.graph.advertise(
+            entry.topic,
+            entry.type_name,
+            node=NODE,
+            by_controller=False,
+            on_connect=None if entry.at or entry.rate is not None else self._on_subscriber,
+        )
+        robot = getattr(runtime.twin, "robot", None)
+        if robot is not None:
+            runtime.client(SensorReading).tells(
+                self._publication, sensors_told(robot, entry), entry.rate
+            )
+        if entry.rate is not None:
+            self._begin_rate(entry.rate, entry.at[0] if entry.at else 0.0)
+        else:
+            for seconds in entry.at:
+                schedule.at(round(seconds * 1e9), self._publish)
+
+    @property
+    def unused(self) -> tuple[str, Location] | None:
+        """What nobody made use of, in words, and its place; None where somebody did."""
+        if self._is_heard or self._has_listener():
+            return None
+        return f"nobody subscribed to topic {self._entry.topic}", self._entry.type_location
+
+    def _has_listener(self) -> bool:
+        return any(each.by_controller for each in self._publication.subscriptions)
+
+    def _on_subscriber(self, subscription: Subscription) -> None:
+        # What the twin itself listens to asks for nothing.
+        if not subscription.by_controller:
+            return
+        due_ns = self._schedule.now_ns + round(self._entry.after * 1e9)
+        self._schedule.at(due_ns, lambda: self._publish(subscription))
+
+    def _begin_rate(self, rate: float, begin_s: float) -> None:
+        entry = self._entry
+        count = entry.count
+        if entry.until is not None:
+            until = int((entry.until - begin_s) * rate + 1e-9) + 1
+            count = until if count is None else min(count, until)
+        begin_ns = round(begin_s * 1e9)
+
+        def tick(number: int) -> None:
+            self._publish()
+            follow(number + 1)
+
+        def follow(number: int) -> None:
+            if count is None or number < count:
+                due_ns = begin_ns + round(number * 1e9 / rate)
+                # A stream without an end is nothing that a run has to wait for.
+                awaited = count is not None or number == 0
+                unheard = not awaited and not self._publication.subscriptions
+                self._schedule.at(due_ns, lambda: tick(number), awaited=awaited, background=unheard)
+
+        follow(0)
+
+    def _publish(self, only: Subscription | None = None) -> None:
+        if only is not None and only.closed:
+            return
+        template = self._messages[min(self._sent, len(self._messages) - 1)]
+        self._sent += 1
+        message = template.make(self._schedule.now_ns)
+        self._is_heard |= self._has_listener()
+        if only is None:
+            self._publication.publish(message)
+        elif only in self._publication.subscriptions:
+            only.receive(message, self._publication)

@@ -1,0 +1,63 @@
+"""The world that a scenario describes, given to one run.
+
+What the controller itself serves comes before the scenario, and the scenario before the twin.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tracerisk.errors import Location
+from tracerisk.ros.graph.parameter_files import into_tree
+from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.scenario.actions import ScenarioAction
+from tracerisk.ros.scenario.calls import ScenarioCall
+from tracerisk.ros.scenario.frames import ScenarioFrames
+from tracerisk.ros.scenario.scenario import Scenario
+from tracerisk.ros.scenario.schedule import Schedule
+from tracerisk.ros.scenario.services import ScenarioService
+from tracerisk.ros.scenario.topics import ScenarioTopic
+
+
+class ScenarioWorld:
+    """Publishes, answers and broadcasts what a scenario says.
+
+    `interfaces` makes the message classes of the ROS that the controller speaks. `schedule`
+    tells whether anything is still to come.
+
+    Raises:
+        ScenarioError: a type is not known, or a message does not fit its type.
+    """
+
+    def __init__(self, runtime: Runtime, interfaces: Any, scenario: Scenario) -> None:
+        self.schedule = Schedule(runtime.scheduler)
+        self._parameters = scenario.parameters
+        self._asked = runtime.graph.parameters
+        into_tree(runtime.parameters, runtime.graph.parameters)
+        self._services = [ScenarioService(runtime, interfaces, each) for each in scenario.services]
+        self._actions = [
+            ScenarioAction(runtime, interfaces, self.schedule, each) for each in scenario.actions
+        ]
+        ScenarioFrames(runtime, interfaces, self.schedule, scenario.frames)
+        self._calls: list[ScenarioCall] = []
+        for each in scenario.calls:
+            before = self._calls[-1] if self._calls else None
+            self._calls.append(ScenarioCall(runtime, interfaces, self.schedule, each, before))
+        self._topics = [
+            ScenarioTopic(runtime, interfaces, self.schedule, each) for each in scenario.published
+        ]
+
+    def unused(self) -> tuple[tuple[str, Location], ...]:
+        """Return what nobody made use of, in words and with its place: a name may be mistaken."""
+        found = [
+            *(each.unused for each in self._services),
+            *(each.unused for each in self._actions),
+            *(each.unused for each in self._calls),
+            *(each.unused for each in self._topics),
+            *(
+                (f"nobody asked for parameter {each.name}", each.location)
+                for each in self._parameters
+                if each.location is not None and not self._asked.is_asked(each.name)
+            ),
+        ]
+        return tuple(each for each in found if each is not None)

@@ -1,0 +1,1 @@
+"""Virtual time: one thread of the controller at a time, and clocks that obey it."""

@@ -1,0 +1,309 @@
+"""Put virtual time in the place of the machine's, for the threads of the controller alone."""
+
+from __future__ import annotations
+
+import atexit
+import concurrent.futures
+import concurrent.futures.thread as pool
+import datetime as dt
+import functools
+import itertools
+import os
+import queue
+import select
+import selectors
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from sys import _getframe
+from typing import Any
+
+from tracerisk.ros.controller.frames import is_quiet
+from tracerisk.ros.controller.thread import RunOver
+from tracerisk.ros.time.alarm import VirtualAlarm
+from tracerisk.ros.time.clock import VirtualClock
+from tracerisk.ros.time.scheduler import Scheduler
+from tracerisk.ros.time.seeded_randomness import entropy_replacements, seeded_generators
+from tracerisk.ros.time.selector import VirtualSelector
+from tracerisk.ros.time.threads import Lock, ThreadHandle, ThreadStarter
+
+_real_selector = selectors.DefaultSelector
+# The one in C waits on a lock of its own.
+_SimpleQueue: Any = vars(queue)["_PySimpleQueue"]
+
+
+@contextmanager
+def virtual_time(scheduler: Scheduler, *, seed: int = 0) -> Iterator[None]:
+    """Replace clocks, sleeps, locks, threads and entropy process-wide; undo it all at the end.
+
+    What is random is drawn from `seed`.
+    Threads that are not under `scheduler` go on with the real ones. Names that a module took
+    from another before (`from time import sleep`) are not reached, so a controller must be
+    imported inside.
+    """
+    undo: list[Callable[[], None]] = []
+    scheduler.exit_calls.at_main_end(lambda: _stop_pools(scheduler))
+    try:
+        for owner, name, value in _replacements(scheduler):
+            undo.append(_replace(owner, name, value))
+        with seeded_generators(seed):
+            for owner, name, value in entropy_replacements(scheduler, seed):
+                undo.append(_replace(owner, name, value))
+            yield
+    finally:
+        for restore in reversed(undo):
+            restore()
+
+
+def _replace(owner: Any, name: str, value: Any) -> Callable[[], None]:
+    real = vars(owner)[name]
+    setattr(owner, name, value)
+    return lambda: setattr(owner, name, real)
+
+
+def _replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
+    clock = VirtualClock(scheduler)
+    for name, function in clock.time_functions().items():
+        yield time, name, function
+    for name, replacement in clock.date_classes().items():
+        yield dt, name, replacement
+    yield select, "select", clock.select
+    yield from _thread_replacements(scheduler)
+    yield from _poll_replacements(scheduler)
+    yield from _pool_replacements(scheduler)
+    yield from _process_replacements(scheduler)
+
+
+def _thread_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
+    starter = ThreadStarter(scheduler)
+    real_reentrant = threading.RLock
+
+    def reentrant() -> Any:
+        # The Python class is written on `_allocate_lock` and so waits in virtual time.
+        return vars(threading)["_PyRLock"]() if scheduler.current is not None else real_reentrant()
+
+    low_level = sys.modules["_thread"]
+    for owner, name, value in (
+        (low_level, "allocate_lock", starter.allocate_lock),
+        (low_level, "allocate", starter.allocate_lock),
+        (low_level, "start_new_thread", starter.start_new_thread),
+        (low_level, "start_new", starter.start_new_thread),
+        (low_level, "RLock", reentrant),
+        (threading, "_allocate_lock", starter.allocate_lock),
+        (threading, "Lock", starter.allocate_lock),
+        (threading, "RLock", reentrant),
+        (threading, "_time", lambda: scheduler.now_ns / 1e9),
+        (threading, "_counter", itertools.count(1).__next__),
+        (functools, "RLock", reentrant),
+        (queue, "time", lambda: scheduler.now_ns / 1e9),
+        (queue, "SimpleQueue", _SimpleQueue),
+    ):
+        if name in vars(owner):
+            yield owner, name, _for_controller(scheduler, vars(owner)[name], value, name)
+    known = vars(threading)
+    if "_start_joinable_thread" in known:
+        real_start, real_handle = known["_start_joinable_thread"], known["_ThreadHandle"]
+
+        def start_joinable(
+            function: Callable[[], object], handle: Any = None, daemon: bool = True
+        ) -> Any:
+            return starter.start_joinable_thread(real_start, function, handle, daemon)
+
+        def make_handle() -> Any:
+            return ThreadHandle(scheduler) if scheduler.current is not None else real_handle()
+
+        yield threading, "_start_joinable_thread", start_joinable
+        yield threading, "_ThreadHandle", make_handle
+    else:
+        real_sentinel = known["_set_sentinel"]
+        yield threading, "_start_new_thread", starter.start_new_thread
+        yield threading, "_set_sentinel", lambda: starter.set_sentinel(real_sentinel)
+    yield threading, "_make_invoke_excepthook", _quiet_excepthook(scheduler)
+
+
+def _for_controller(scheduler: Scheduler, real: Any, value: Any, name: str) -> Any:
+    """Return `value`, or for a clock a function that is `real` in threads of others."""
+    if name not in ("_time", "time"):
+        return value
+    return lambda: value() if scheduler.current is not None else real()
+
+
+def _quiet_excepthook(scheduler: Scheduler) -> Callable[[], Callable[[threading.Thread], None]]:
+    real_make = vars(threading)["_make_invoke_excepthook"]
+
+    def make() -> Callable[[threading.Thread], None]:
+        real = real_make()
+
+        def invoke(thread: threading.Thread) -> None:
+            error = sys.exc_info()[1]
+            if isinstance(error, RunOver):
+                return
+            if error is not None and scheduler.current is not None:
+                scheduler.failed_threads.append((thread.name, error))
+            real(thread)
+
+        return invoke
+
+    return make
+
+
+def _poll_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
+    """A loop that asks one of these again and again is a busy wait: each no moves the clock."""
+    polls: tuple[tuple[type, str, Callable[[Any], bool]], ...] = (
+        (threading.Event, "is_set", lambda found: not found),
+        (threading.Thread, "is_alive", bool),
+        (threading.Semaphore, "acquire", lambda found: not found),
+        (queue.Queue, "empty", bool),
+        (queue.Queue, "qsize", lambda found: found == 0),
+        (_SimpleQueue, "empty", bool),
+        (_SimpleQueue, "qsize", lambda found: found == 0),
+        (concurrent.futures.Future, "done", lambda found: not found),
+        (concurrent.futures.Future, "running", bool),
+    )
+    for owner, name, waits in polls:
+        yield owner, name, _poll(scheduler, vars(owner)[name], waits)
+    for kind in (queue.Queue, _SimpleQueue):
+        yield kind, "get", _poll_get(scheduler, kind.get)
+
+
+def _poll_get(scheduler: Scheduler, real: Callable[..., Any]) -> Callable[..., Any]:
+    @functools.wraps(real)
+    def get(self: Any, block: bool = True, timeout: float | None = None) -> Any:
+        try:
+            return real(self, block, timeout)
+        except queue.Empty:
+            if not block:
+                scheduler.touch()
+            raise
+
+    return get
+
+
+def _poll(
+    scheduler: Scheduler, real: Callable[..., Any], waits: Callable[[Any], bool]
+) -> Callable[..., Any]:
+    @functools.wraps(real)
+    def ask(*args: Any, **kwargs: Any) -> Any:
+        found = real(*args, **kwargs)
+        if waits(found) and not is_quiet(_getframe(1)):
+            scheduler.touch()
+        return found
+
+    return ask
+
+
+def _pool_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
+    # Held while a worker thread starts: a real lock would stop the next thread for good.
+    real_lock = vars(pool)["_global_shutdown_lock"]
+    yield pool, "_global_shutdown_lock", _LockOfEither(scheduler, real_lock)
+    yield pool, "_shutdown", vars(pool)["_shutdown"]
+    real_submit: Callable[..., Any] = pool.ThreadPoolExecutor.submit
+    tracer = scheduler.tracer
+
+    @functools.wraps(real_submit)
+    def submit(self: Any, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Any:
+        if tracer is None or scheduler.current is None:
+            return real_submit(self, fn, *args, **kwargs)
+        captured = tracer.capture()
+
+        @functools.wraps(fn)
+        def run(*args: Any, **kwargs: Any) -> Any:
+            with tracer.resume(captured):
+                return fn(*args, **kwargs)
+
+        return real_submit(self, run, *args, **kwargs)
+
+    yield pool.ThreadPoolExecutor, "submit", submit
+    real_add = concurrent.futures.Future.add_done_callback
+
+    @functools.wraps(real_add)
+    def add_done_callback(self: Any, fn: Callable[[Any], object]) -> None:
+        if tracer is None or scheduler.current is None:
+            real_add(self, fn)
+            return
+
+        @functools.wraps(fn)
+        def call(future: Any) -> None:
+            with tracer.root("done_callback"):
+                fn(future)
+
+        real_add(self, call)
+
+    yield concurrent.futures.Future, "add_done_callback", add_done_callback
+
+
+def _stop_pools(scheduler: Scheduler) -> None:
+    """Let the workers of thread pools end when they have done what was submitted, as at exit."""
+    vars(pool)["_shutdown"] = True
+    mine = {thread.ident for thread in scheduler.threads}
+    for thread, work in list(vars(pool)["_threads_queues"].items()):
+        if thread.ident in mine:
+            work.put(None)
+
+
+class _LockOfEither:
+    """A lock that is virtual for the controller's threads and the real one for others."""
+
+    def __init__(self, scheduler: Scheduler, real: Any) -> None:
+        self._scheduler = scheduler
+        self._real = real
+        self._virtual = Lock(scheduler)
+
+    def __enter__(self) -> Any:
+        return self._lock.__enter__()
+
+    def __exit__(self, *args: Any) -> None:
+        self._lock.__exit__(*args)
+
+    @property
+    def _lock(self) -> Any:
+        return self._virtual if self._scheduler.current is not None else self._real
+
+
+def _no_fork(scheduler: Scheduler, name: str, real: Callable[[], Any]) -> Callable[[], Any]:
+    @functools.wraps(real)
+    def fork() -> Any:
+        if scheduler.current is None:
+            return real()
+        raise RuntimeError(
+            f"os.{name}: a traced controller runs in one process, and its simulated arm cannot be "
+            "in two; use threads instead of multiprocessing"
+        )
+
+    return fork
+
+
+def _process_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
+    real_register, real_unregister = atexit.register, atexit.unregister
+    real_pause = signal.pause
+
+    def register(function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Any:
+        if scheduler.current is None:
+            return real_register(function, *args, **kwargs)
+        scheduler.exit_calls.at_exit(functools.partial(function, *args, **kwargs), function)
+        return function
+
+    def unregister(function: Callable[..., Any], /) -> None:
+        scheduler.exit_calls.forget(function)
+        real_unregister(function)
+
+    def pause() -> None:
+        if scheduler.current is None:
+            real_pause()
+        else:
+            scheduler.wait_until(lambda: False, reason="a signal", kind="idle")
+
+    def make_selector() -> selectors.BaseSelector:
+        return VirtualSelector(scheduler) if scheduler.current is not None else _real_selector()
+
+    for name in ("fork", "forkpty"):
+        yield os, name, _no_fork(scheduler, name, vars(os)[name])
+    yield atexit, "register", register
+    yield atexit, "unregister", unregister
+    yield signal, "pause", pause
+    for name, function in VirtualAlarm(scheduler).functions().items():
+        yield signal, name, function
+    yield selectors, "DefaultSelector", make_selector

@@ -1,0 +1,663 @@
+"""Virtual time: the controller's threads, one at a time, and a world that moves while all wait.
+
+Every thread of the controller is a real thread, and exactly one holds the baton. It passes it on
+only where it waits, or reads the clock twice at one instant. The thread that waits looks for who
+may run next: kernel events that are due, then the thread that has waited longest among those
+whose wait is over, and where there is none it lets the world move to the next instant at which
+something is due. So the order of everything depends on simulated time and on sequence alone.
+
+Times are integer nanoseconds of simulated time.
+"""
+
+from __future__ import annotations
+
+import itertools
+import threading
+from _thread import get_ident, start_new_thread
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from sys import _getframe
+from typing import Any, Literal, TypeVar
+
+from tracerisk.errors import Location
+from tracerisk.ros.controller.exit_calls import ExitCalls
+from tracerisk.ros.controller.needs import Need, NeedLedger
+from tracerisk.ros.controller.node_process import NodeProcess
+from tracerisk.ros.controller.thread import (
+    ControllerThread,
+    HoldsLock,
+    Meaning,
+    RunOver,
+    Wait,
+    WaitKind,
+)
+from tracerisk.ros.time.event_queue import EventQueue, ScheduledCall
+from tracerisk.ros.time.standstill import end_of_duration, end_of_standstill
+from tracerisk.ros.time.world import CallTracer, World
+from tracerisk.trace import EndCause
+
+__all__ = [
+    "CallTracer",
+    "ControllerThread",
+    "Meaning",
+    "RunOver",
+    "ScheduledCall",
+    "Scheduler",
+    "WaitKind",
+    "World",
+]
+
+READ_STEP_NS = 1_000_000
+"""How far a second reading of the clock at one instant moves it [ns]."""
+CALLS_PER_INSTANT = 1000
+"""Waits that need not wait, and locks that are free, that one thread gets at one instant."""
+TURNS_PER_INSTANT = 2000
+"""How often threads may hand the baton to each other at one instant."""
+POLL_COST = 50
+"""For how many such calls a turn of an event loop counts that finds nothing to wait for."""
+STREAM_PATIENCE_NS = 1_000_000_000
+"""How long background events alone may go on before it is a standstill: what they bring may
+satisfy a wait, or move a callback to act [ns]."""
+RAISES_BEFORE_GIVING_UP = 1000
+"""How often a thread may swallow the end of the run."""
+
+Result = TypeVar("Result")
+
+
+def _always(kind: WaitKind) -> Callable[[], Meaning]:
+    meaning = Meaning(kind)
+    return lambda: meaning
+
+
+_MEANINGS: dict[WaitKind, Callable[[], Meaning]] = {
+    "blocked": _always("blocked"),
+    "idle": _always("idle"),
+    "unmet": _always("unmet"),
+}
+
+
+class Scheduler:
+    """The clock, the baton and the queue of events of one run.
+
+    `world` moves while all wait, `duration_ns` is the simulated time after which the run is over.
+    `tracer` gives new threads the stack of their creator.
+    `listens` (an attribute, set by the graph) tells whether the controller listens to the world
+    outside, so that a standstill is no hang. `failed_threads` names those that died of an error.
+    `on_stuck` is called in the main thread when it has swallowed the end of the run a thousand
+    times; it should end the process.
+    `on_over` (an attribute) is called when the run is over before the controller has ended, and
+    when its main program has failed, before its exit calls.
+    `process` (an attribute) is the companion whose code runs, None for the controller's;
+    `has_companions` says that there may be any, and `on_process_change` is told of each change.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        *,
+        duration_ns: int,
+        tracer: CallTracer | None = None,
+        on_stuck: Callable[[RunOver], None] | None = None,
+    ) -> None:
+        self.world = world
+        self.duration_ns = duration_ns
+        self.tracer = tracer
+        self.listens: Callable[[], bool] = lambda: False
+        self.failed_threads: list[tuple[str, BaseException]] = []
+        self._on_stuck = on_stuck
+        self._now_ns = 0
+        self._sequence = itertools.count()
+        self._thread_numbers = itertools.count()
+        self._events = EventQueue()
+        self._threads: list[ControllerThread] = []
+        self._by_ident: dict[int, ControllerThread] = {}
+        self._main: ControllerThread | None = None
+        self._turns = 0
+        self._turns_ns = -1
+        self._kernel_depth = 0
+        self._stirred_ns = 0
+        self._over: RunOver | None = None
+        self._fault: BaseException | None = None
+        self.on_over: Callable[[], None] | None = None
+        self.when_alone: list[Callable[[], None]] = []
+        self.has_companions = False
+        self.process: NodeProcess | None = None
+        self.on_process_change: Callable[[NodeProcess | None], None] | None = None
+        self.exit_calls = ExitCalls()
+        self.needs = NeedLedger()
+
+    # Companions
+
+    def bound(self, call: Callable[..., Result], *, asks: bool = False) -> Callable[..., Result]:
+        """Return `call` such that it runs as code of the process that asks for this.
+
+        Whoever calls it: with `asks`, what it commands there is the doing of the controller's code
+        that did. Hooks of the twin are left unbound: they act for whoever calls them.
+        """
+        if not self.has_companions:
+            return call
+        process = self.process
+
+        def run(*args: Any, **kwargs: Any) -> Result:
+            if asks:
+                self.ask(process)
+            with self._within(process):
+                return call(*args, **kwargs)
+
+        return run
+
+    def ask(self, process: NodeProcess | None) -> None:
+        """Note that the code which runs asks something of a companion."""
+        if process is None or process is self.process or self._kernel_depth:
+            return
+        if self.process is not None:
+            process.asked_by = self.process.asked_by or process.asked_by
+        elif self.tracer is not None:
+            process.asked_by = self.tracer.capture().frames or process.asked_by
+
+    @contextmanager
+    def _within(self, process: NodeProcess | None) -> Iterator[None]:
+        thread, before = self.current, self.process
+        if process is before:
+            yield
+            return
+        of_thread = None if thread is None else thread.process
+        if thread is not None and not self._kernel_depth:
+            thread.process = process
+        self._enter(process)
+        try:
+            yield
+        finally:
+            if thread is not None and not self._kernel_depth:
+                thread.process = of_thread
+            self._enter(before)
+
+    def _enter(self, process: NodeProcess | None) -> None:
+        if process is not self.process:
+            self.process = process
+            if self.on_process_change is not None:
+                self.on_process_change(process)
+
+    # The clock
+
+    @property
+    def now_ns(self) -> int:
+        """The simulated time [ns]; asking for it moves nothing."""
+        return self._now_ns
+
+    @property
+    def over(self) -> RunOver | None:
+        """How the run ended, or None while it goes on."""
+        return self._over
+
+    def read_clock(self) -> int:
+        """Return the time as the controller reads it [ns]: 1 ms later at a second reading."""
+        self.touch()
+        return self._now_ns
+
+    def touch(self) -> None:
+        """Note that the controller looked at a state that only time changes.
+
+        A second look at the same instant moves the clock by 1 ms and lets other threads and
+        events have their turn, so that a busy wait ends.
+        Threads that are not the controller's, and kernel events, move nothing.
+
+        Raises:
+            RunOver: the run is over.
+        """
+        thread = self.current
+        if thread is None or self._kernel_depth or thread.is_undisturbed:
+            return
+        self._raise_if_over(thread)
+        if thread.read_ns == self._now_ns:
+            self._block(thread, None, self._now_ns + READ_STEP_NS, "the clock to move")
+        thread.read_ns = self._now_ns
+
+    def count_call(self, cost: int = 1) -> None:
+        """Note a call that could wait and need not; too many at one instant move the clock."""
+        thread = self.current
+        if thread is None or self._kernel_depth or self._over is not None:
+            return
+        if thread.calls_ns != self._now_ns:
+            thread.calls, thread.calls_ns = 0, self._now_ns
+        thread.calls += cost
+        if thread.calls > CALLS_PER_INSTANT:
+            self._block(thread, None, self._now_ns + READ_STEP_NS, "the clock to move")
+
+    # Waiting
+
+    def sleep(self, duration_ns: int) -> None:
+        """Let `duration_ns` pass; zero or less only lets others have their turn.
+
+        Raises:
+            RunOver: the run is over.
+        """
+        thread = self._require_current()
+        if duration_ns <= 0:
+            self.touch()
+        else:
+            thread.waits += 1
+        self._block(thread, None, self._now_ns + max(duration_ns, 0), "time to pass")
+
+    def pass_until(self, time_ns: int) -> None:
+        """Let the time pass that a call takes which is no wait of the controller's.
+
+        Raises:
+            RunOver: the run is over.
+        """
+        self._block(self._require_current(), None, time_ns, "a call to return")
+
+    def wait_until(
+        self,
+        predicate: Callable[[], bool],
+        *,
+        timeout_ns: int | None = None,
+        reason: str,
+        kind: WaitKind | Callable[[], Meaning] = "blocked",
+        on: HoldsLock | ControllerThread | None = None,
+        need: Need | None = None,
+    ) -> bool:
+        """Wait until `predicate` holds, and tell whether it does; False after `timeout_ns`.
+
+        `predicate` must change nothing and read no clock; it is asked whenever something has
+        happened. `reason` says what the wait is for: `service /add (pkg/Add)`. `kind` says
+        what it means if it never ends, or returns what it means when somebody asks; `on` is the
+        lock or thread that could end it, `need` what of the world outside it is for.
+
+        Raises:
+            RunOver: the run is over.
+        """
+        thread = self._require_current()
+        self._raise_if_over(thread)
+        if predicate():
+            self.count_call()
+            if need is not None:
+                self.needs.meet(need)
+            return True
+        if need is not None:
+            self.needs.miss(need, self._now_ns)
+        if timeout_ns is not None and timeout_ns <= 0:
+            self.touch()
+            return predicate()
+        if self._kernel_depth:
+            raise RuntimeError(f"a kernel event cannot wait for {reason}")
+        deadline_ns = None if timeout_ns is None else self._now_ns + timeout_ns
+        thread.waits += 1
+        is_met = self._block(thread, predicate, deadline_ns, reason, kind, on)
+        if need is not None:
+            if is_met:
+                self.needs.meet(need)
+            else:
+                self.needs.miss(need, self._now_ns)
+        return is_met
+
+    def miss(self, need: Need) -> None:
+        """Note that the code which runs asks for something that is not there."""
+        self.needs.miss(need, self._now_ns)
+
+    def call_at(
+        self, time_ns: int, callback: Callable[[], None], *, background: bool = False
+    ) -> ScheduledCall:
+        """Run `callback` when the clock reaches `time_ns`; it must not wait.
+
+        Background events (a sensor's stream) alone do not keep the run going for long.
+        """
+        sequence = next(self._sequence)
+        callback = self.bound(callback)
+        return self._events.add(ScheduledCall(time_ns, sequence, callback, background))
+
+    def raise_if_over(self) -> None:
+        """Raise the end of the run in a thread of the controller, once it is over.
+
+        Raises:
+            RunOver: the run is over.
+        """
+        thread = self.current
+        if thread is not None:
+            self._raise_if_over(thread)
+
+    # Threads
+
+    @property
+    def current(self) -> ControllerThread | None:
+        """The controller's thread that asks, or None in any other thread."""
+        return self._by_ident.get(get_ident())
+
+    @property
+    def threads(self) -> tuple[ControllerThread, ...]:
+        """The threads that live, in the order in which they were started."""
+        return tuple(self._threads)
+
+    def spawn(
+        self,
+        target: Callable[[], object],
+        name: str,
+        *,
+        daemon: bool = True,
+        inherit: bool = True,
+        is_controllers: bool = True,
+        process: NodeProcess | Literal["inherited"] | None = "inherited",
+    ) -> ControllerThread:
+        """Start a thread under the baton; it first runs when the caller waits.
+
+        It inherits the caller's stack of traced functions if `inherit`. `is_controllers` is
+        False for threads of a client library, which wait for work all their life.
+        `process` is whose code it runs, that of the caller's unless given.
+        """
+        thread = self._add_thread(name, daemon=daemon)
+        thread.process = self.process if process == "inherited" else process
+        thread.is_controllers = is_controllers and thread.process is None
+        thread.wait = self._new_wait(None, self._now_ns, "its start", "blocked", None)
+        captured = self.tracer.capture() if self.tracer is not None and inherit else None
+        ident = start_new_thread(self._run_thread, (thread, target, captured))
+        thread.ident = ident
+        self._by_ident[ident] = thread
+        return thread
+
+    def run_main(self, main: Callable[[], Result]) -> Result:
+        """Run `main` in the calling thread as the controller's main thread, and return its result.
+
+        When it has returned or raised, threads that are no daemons are waited for and exit calls
+        are run, as CPython does; then all other threads are ended.
+
+        Raises:
+            RunOver: the run was over before the controller ended by itself.
+            BaseException: what left `main`.
+        """
+        if self._threads:
+            raise RuntimeError("the controller runs already")
+        thread = self._main = self._add_thread("MainThread", daemon=False)
+        thread.is_main = True
+        thread.ident = get_ident()
+        self._by_ident[thread.ident] = thread
+        try:
+            try:
+                result = main()
+            except RunOver:
+                raise
+            except BaseException as error:
+                # A real Ctrl-C ends at once; rospy's interruption only derives from it.
+                if type(error) is not KeyboardInterrupt:
+                    if self.on_over is not None:
+                        self.on_over()
+                    self._finish_as_interpreter()
+                raise
+            self._finish_as_interpreter()
+            return result
+        finally:
+            if self._over is None:
+                self._over = RunOver("ended", "the controller ended")
+            self._end_other_threads(thread)
+            thread.finished = True
+            self._threads.clear()
+            self._by_ident.clear()
+            if self._fault is not None:
+                raise self._fault
+            if self._over.cause != "ended":
+                raise self._over.again() from None
+
+    def end(self, cause: EndCause, message: str, location: Location | None = None) -> None:
+        """End the run: every thread's next wait raises `RunOver`."""
+        if self._over is None:
+            self._end_with(RunOver(cause, message, location))
+
+    def _end_with(self, over: RunOver) -> None:
+        self._over = over
+        if self.on_over is not None:
+            self.on_over()
+
+    @contextmanager
+    def kernel(self) -> Iterator[None]:
+        """Mark code of ours in a controller's thread: it must not wait, and moves no clock."""
+        self._kernel_depth += 1
+        try:
+            yield
+        finally:
+            self._kernel_depth -= 1
+
+    @property
+    def in_kernel(self) -> bool:
+        """Whether a kernel event runs."""
+        return self._kernel_depth > 0
+
+    # The baton
+
+    def _add_thread(self, name: str, *, daemon: bool) -> ControllerThread:
+        thread = ControllerThread(name, next(self._thread_numbers), daemon)
+        thread.gate.acquire()
+        self._threads.append(thread)
+        return thread
+
+    def _new_wait(
+        self,
+        predicate: Callable[[], bool] | None,
+        deadline_ns: int | None,
+        reason: str,
+        kind: WaitKind | Callable[[], Meaning],
+        on: HoldsLock | ControllerThread | None,
+    ) -> Wait:
+        since = next(self._sequence)
+        meaning = _MEANINGS[kind] if isinstance(kind, str) else kind
+        return Wait(since, self._now_ns, predicate, deadline_ns, reason, meaning, on)
+
+    def _require_current(self) -> ControllerThread:
+        thread = self.current
+        if thread is None:
+            raise RuntimeError("only a thread of the controller can wait in virtual time")
+        return thread
+
+    def _block(
+        self,
+        thread: ControllerThread,
+        predicate: Callable[[], bool] | None,
+        deadline_ns: int | None,
+        reason: str,
+        kind: WaitKind | Callable[[], Meaning] = "blocked",
+        on: HoldsLock | ControllerThread | None = None,
+    ) -> bool:
+        self._raise_if_over(thread)
+        wait = self._new_wait(predicate, deadline_ns, reason, kind, on)
+        wait.frame = _getframe(1)
+        thread.wait = wait
+        following = self._next_thread(thread)
+        if following is not thread:
+            following.gate.release()
+            self._park(thread)
+        self._enter(thread.process)
+        thread.wait = wait.frame = None
+        self._raise_if_over(thread)
+        if thread.interrupt is not None:
+            interrupt, thread.interrupt = thread.interrupt, None
+            raise interrupt
+        return wait.satisfied
+
+    def _park(self, thread: ControllerThread) -> None:
+        while True:
+            try:
+                thread.gate.acquire()
+            except BaseException as error:  # noqa: BLE001 - a signal's; raised with the baton
+                thread.interrupt = error
+            else:
+                self._enter(thread.process)
+                return
+
+    def _next_thread(self, thread: ControllerThread | None) -> ControllerThread:
+        """Return who runs next; `thread` waits, or is None where it has finished."""
+        self._kernel_depth += 1
+        try:
+            while self._over is None:
+                self._run_due_events()
+                if self.over is not None:
+                    break
+                if self._turns_are_spent():
+                    self._pass_time(READ_STEP_NS)
+                    continue
+                ready = self._first_ready()
+                if ready is not None:
+                    if ready.is_controllers:
+                        self._stirred_ns = self._now_ns
+                    return ready
+                self._pass_time()
+        except BaseException as error:  # noqa: BLE001 - ours, not the controller's: kept for run_main
+            self._fault = error
+            self._over = RunOver("raised", f"the simulation failed: {error}")
+        finally:
+            self._kernel_depth -= 1
+        return thread or self._next_to_end()
+
+    def _run_due_events(self) -> None:
+        while self._over is None and (callback := self._events.pop_due(self._now_ns)) is not None:
+            callback()
+
+    def _first_ready(self) -> ControllerThread | None:
+        waiting = [(thread.wait.since, thread) for thread in self._threads if thread.wait]
+        for _, thread in sorted(waiting, key=lambda pair: pair[0]):
+            wait = thread.wait
+            if wait is None:
+                continue
+            self._enter(thread.process)
+            if wait.predicate is not None and wait.predicate():
+                wait.satisfied = True
+                return thread
+            if wait.deadline_ns is not None and wait.deadline_ns <= self._now_ns:
+                return thread
+            if thread.interrupt is not None:
+                return thread
+        return None
+
+    def _turns_are_spent(self) -> bool:
+        """Count the turns of this instant: threads that only hand on work take no time else."""
+        if self._turns_ns != self._now_ns:
+            self._turns, self._turns_ns = 0, self._now_ns
+        self._turns += 1
+        return self._turns > TURNS_PER_INSTANT
+
+    def _pass_time(self, at_most_ns: int | None = None) -> None:
+        deadlines = [
+            thread.wait.deadline_ns
+            for thread in self._threads
+            if thread.wait is not None and thread.wait.deadline_ns is not None
+        ]
+        if at_most_ns is not None:
+            later = [due_ns for due_ns in deadlines if due_ns > self._now_ns]
+            deadlines = [*later, self._now_ns + at_most_ns]
+        next_event_ns = self._events.next_ns
+        if deadlines or self._events.is_expecting or self.world.busy:
+            self._stirred_ns = self._now_ns
+        elif next_event_ns is None or self._now_ns - self._stirred_ns >= STREAM_PATIENCE_NS:
+            self._end_with(end_of_standstill(self._threads, listens=self.listens()))
+            return
+        if next_event_ns is not None:
+            deadlines.append(next_event_ns)
+        self._advance(min([*deadlines, self.duration_ns]))
+        if self._now_ns >= self.duration_ns:
+            self._end_with(end_of_duration(self._main, self.duration_ns))
+
+    def _advance(self, target_ns: int) -> None:
+        before_ns = self.world.time_ns
+        reached_ns = target_ns
+        if before_ns < target_ns:
+            reached_ns = self.world.advance(target_ns)
+            if reached_ns <= before_ns:
+                raise RuntimeError(f"the world does not move beyond {reached_ns} ns")
+        self._now_ns = max(self._now_ns, min(reached_ns, target_ns))
+
+    def outlast(self) -> None:
+        """Let the world end what is under way when the controller is gone; no thread runs.
+
+        What is in `when_alone` is called at first, and whenever a motion has ended.
+        """
+        for told in self.when_alone:
+            told()
+        while self.world.busy and self._now_ns < self.duration_ns:
+            self._advance(self.duration_ns)
+            for told in self.when_alone:
+                told()
+
+    # Ends
+
+    def _raise_if_over(self, thread: ControllerThread) -> None:
+        if self._over is None:
+            return
+        thread.raises += 1
+        if thread.raises > RAISES_BEFORE_GIVING_UP:
+            if not thread.is_main:
+                self._abandon(thread)
+            elif self._on_stuck is not None:
+                self._on_stuck(self._over)
+        raise self._over.again()
+
+    def _abandon(self, thread: ControllerThread) -> None:
+        # It swallows every end it is given: it gets no baton again, and dies with the process.
+        self._remove(thread)
+        self._next_to_end().gate.release()
+        while True:
+            thread.gate.acquire()
+
+    def _next_to_end(self) -> ControllerThread:
+        for thread in self._threads:
+            if not thread.is_main:
+                return thread
+        if self._main is None:
+            raise RuntimeError("no thread is left")
+        return self._main
+
+    def _end_other_threads(self, main: ControllerThread) -> None:
+        while len(self._threads) > 1:
+            self._next_to_end().gate.release()
+            self._park(main)
+
+    def _finish_as_interpreter(self) -> None:
+        """Do what CPython does between the end of the main module and its own."""
+        self.exit_calls.run_before_joining()
+        while lasting := [t for t in self._threads if not t.daemon and not t.is_main]:
+            thread = lasting[0]
+            self.wait_until(
+                lambda thread=thread: thread.finished,  # type: ignore[misc]
+                reason=f"the end of thread {thread.name}",
+                on=thread,
+            )
+        self.exit_calls.run_at_exit()
+
+    def _run_thread(
+        self, thread: ControllerThread, target: Callable[[], object], captured: Any
+    ) -> None:
+        self._park(thread)
+        thread.wait = None
+        try:
+            if self._over is None:
+                context = (
+                    self.tracer.resume(captured)
+                    if self.tracer is not None and captured is not None
+                    else nullcontext()
+                )
+                with context:
+                    target()
+        except RunOver:
+            pass
+        except SystemExit:
+            pass
+        except BaseException as error:  # noqa: BLE001 - told as the interpreter tells it
+            self.failed_threads.append((thread.name, error))
+            threading.excepthook(
+                threading.ExceptHookArgs((type(error), error, error.__traceback__, None))
+            )
+        finally:
+            self._forget_dummy_thread()
+            self._remove(thread)
+            self._next_thread(None).gate.release()
+
+    def _remove(self, thread: ControllerThread) -> None:
+        thread.finished = True
+        self._threads.remove(thread)
+        if thread.ident is not None:
+            self._by_ident.pop(thread.ident, None)
+        for callback in thread.at_finish:
+            callback()
+
+    @staticmethod
+    def _forget_dummy_thread() -> None:
+        # `threading.current_thread()` leaves an entry for a thread that it did not start.
+        known: dict[int, threading.Thread] = threading._active  # type: ignore[attr-defined]
+        if isinstance(known.get(get_ident()), threading._DummyThread):
+            del known[get_ident()]

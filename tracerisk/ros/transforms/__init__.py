@@ -1,0 +1,1 @@
+"""Poses, and the tree of frames that tf2 keeps."""

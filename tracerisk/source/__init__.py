@@ -1,0 +1,1 @@
+"""Reads a controller without running it: functions, calls, values, ROS version."""

@@ -1,0 +1,446 @@
+"""With which literals a source compares what it is given: fields of messages, parameters, answers.
+
+Read from the source alone. A name that is given a field's value stands for the field, also where
+it is handed to a function of the same file.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from tracerisk.errors import Location
+from tracerisk.source.named_literals import with_named_literals
+
+_DEEPEST = 3  # of functions to which a value is handed on
+_METHODS = frozenset({"lower", "upper", "strip", "rstrip", "lstrip", "title", "casefold"})
+_CASTS = frozenset({"str", "int", "float", "bool", "round"})
+_ENDS = frozenset({"q", "quit", "exit", "x", "n", "no", "stop", "end"})
+_NAMED = frozenset(
+    {
+        "MoveGroupCommander",
+        "MoveGroup",
+        "Subscriber",
+        "Publisher",
+        "ServiceProxy",
+        "lookup_transform",
+    }
+    | {
+        "wait_for_service",
+        "wait_for_message",
+        "SimpleActionClient",
+        "open",
+        "get_planning_component",
+    }
+)
+_OF_GOAL = frozenset({"request", "goal"})
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """The literals with which fields are compared, by path, in the order of the source.
+
+    A number stands behind each `<` or `>` on the side on which the comparison holds.
+    """
+
+    values: Mapping[tuple[str, ...], tuple[Any, ...]] = field(default_factory=dict)
+
+    def texts(self, path: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the texts with which a field is compared."""
+        return tuple(each for each in self._of(path) if isinstance(each, str))
+
+    def numbers(self, path: tuple[str, ...]) -> tuple[float, ...]:
+        """Return the numbers with which a field is compared."""
+        found = self._of(path)
+        return tuple(each for each in found if isinstance(each, int | float) and each is not True)
+
+    def _of(self, path: tuple[str, ...]) -> tuple[Any, ...]:
+        if path in self.values:
+            return self.values[path]
+        # A field that is compared after it was taken out of its message.
+        return self.values.get(path[-1:], ())
+
+
+def compared_in_callback(place: Location | None, argument: int = 0) -> Compared:
+    """Return the literals of the callback that a call at `place` names, else of the whole file.
+
+    `argument` counts the callback's parameters behind `self`.
+    """
+    tree = source_tree(place)
+    if tree is None or place is None:
+        return Compared()
+    functions = _functions(tree)
+    calls = list(calls_at(tree, place.line))
+    for call in (*calls, *_made_before(tree, calls)):
+        for value in (*call.args, *(each.value for each in call.keywords)):
+            # The callback itself, or within `partial(self.on, ...)`.
+            for node in ast.walk(value):
+                function: _Function | None = functions.get(last_name(node))
+                if isinstance(node, ast.Lambda):
+                    function = node
+                name = None if function is None else _parameter(function, argument)
+                if function is not None and name is not None:
+                    return Compared(_frozen(_flow(function, {name: ()}, functions, tree)))
+    return Compared(_frozen(_by_field(tree)))
+
+
+def _made_before(tree: ast.AST, calls: Iterable[ast.Call]) -> Iterator[ast.Call]:
+    """Yield the calls that made what is started by one of `calls`: `server.start()`."""
+    owners = {_dotted(call.func.value) for call in calls if isinstance(call.func, ast.Attribute)}
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Assign) or not isinstance(node.value, ast.Call):
+            continue
+        if owners & {_dotted(each) for each in node.targets} - {""}:
+            yield node.value
+
+
+def compared_in_file(place: Location | None) -> Compared:
+    """Return the literals with which a file compares attributes, by their last name."""
+    tree = source_tree(place)
+    return Compared() if tree is None else Compared(_frozen(_by_field(tree)))
+
+
+def compared_results(place: Location | None, call: str) -> tuple[Any, ...]:
+    """Return the literals with which the result of the `call` at `place` is compared.
+
+    Numbers come where the result is made one and nothing is compared with it.
+    """
+    tree = source_tree(place)
+    if tree is None or place is None:
+        return ()
+    for node in calls_at(tree, place.line):
+        if last_name(node.func) != call:
+            continue
+        names, casts = held_by(tree, node)
+        refused = _refused(tree)
+        found = [
+            value
+            for each in ast.walk(tree)
+            if isinstance(each, ast.Compare | ast.Match)
+            for subject, value in _comparisons(refused.get(id(each), each))
+            if subject is not None and (_same(subject, node) or _dotted(_bare(subject)) in names)
+        ]
+        if found:
+            return tuple(dict.fromkeys(found))
+        if "int" in casts or "float" in casts:
+            return (1,) if "int" in casts else (0.5,)
+    return ()
+
+
+_OTHER_SIDE: Mapping[type[ast.cmpop], type[ast.cmpop]] = {
+    ast.Lt: ast.GtE, ast.LtE: ast.Gt, ast.Gt: ast.LtE, ast.GtE: ast.Lt,
+}  # fmt: skip
+
+
+def _refused(tree: ast.AST) -> dict[int, ast.Compare]:
+    """Return what holds instead of each comparison (by `id`) that turns a number away.
+
+    That is the test of an `if` that raises, or goes on to the next round of a loop.
+    """
+    return {
+        id(test): ast.Compare(test.left, [_OTHER_SIDE[type(test.ops[0])]()], test.comparators)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.If) and isinstance(node.body[-1], ast.Continue | ast.Raise)
+        for test in [node.test]
+        if isinstance(test, ast.Compare) and len(test.ops) == 1 and type(test.ops[0]) in _OTHER_SIDE
+    }
+
+
+def used_as(place: Location | None, call: str) -> str:
+    """Return as what the result of the `call` at `place` is used: `int`, `bool`, ..., or empty.
+
+    By the conversions around it, and by what it is joined, reckoned or counted with.
+    """
+    tree = source_tree(place)
+    if tree is None or place is None:
+        return ""
+    for node in calls_at(tree, place.line):
+        if last_name(node.func) != call:
+            continue
+        names, casts = held_by(tree, node)
+        for kind in ("int", "float", "str"):
+            if kind in casts:
+                return kind
+        is_it = lambda each: each is node or _dotted(each) in names  # noqa: B023, E731
+        for each in ast.walk(tree):
+            found = _use(each, is_it)
+            if found:
+                return found
+    return ""
+
+
+def _use(node: ast.AST, is_it: Callable[[ast.AST], bool]) -> str:
+    if isinstance(node, ast.If | ast.While | ast.IfExp) and is_it(_asserted(node.test)):
+        return "bool"
+    if isinstance(node, ast.BinOp) and (is_it(node.left) or is_it(node.right)):
+        other = node.right if is_it(node.left) else node.left
+        if isinstance(other, ast.JoinedStr) or (
+            isinstance(other, ast.Constant) and isinstance(other.value, str)
+        ):
+            return "str"
+        return "float" if isinstance(node.op, ast.Mult | ast.Div | ast.Sub) else ""
+    if isinstance(node, ast.FormattedValue) and is_it(node.value):
+        return "str"
+    if isinstance(node, ast.Call) and any(is_it(each) for each in node.args):
+        name = last_name(node.func)
+        if name == "range":
+            return "int"
+        if name in ("Rate", "Duration", "sleep"):
+            return "float"
+        if name in _NAMED:
+            return "str"
+    return ""
+
+
+def _asserted(test: ast.expr) -> ast.expr:
+    return test.operand if isinstance(test, ast.UnaryOp) else test
+
+
+def written_name(place: Location | None, call: str) -> str:
+    """Return the text that the `call` at `place` has as its first argument; empty for none."""
+    tree = source_tree(place)
+    for node in () if tree is None or place is None else calls_at(tree, place.line):
+        first = node.args[0] if node.args else None
+        if last_name(node.func) == call and isinstance(first, ast.Constant):
+            return str(first.value) if isinstance(first.value, str) else ""
+    return ""
+
+
+def ordered_answers(values: Iterable[Any]) -> tuple[str, ...]:
+    """Return answers in the order in which a person would give them: what ends the program last."""
+    texts = list(dict.fromkeys(str(each) for each in values if not isinstance(each, bool)))
+    return tuple(sorted((each for each in texts if each), key=lambda each: each.lower() in _ENDS))
+
+
+_Found = dict[tuple[str, ...], list[Any]]
+
+
+def source_tree(place: Location | None) -> ast.Module | None:
+    """Return the tree of the source in which a place is; None where it cannot be read."""
+    if place is None:
+        return None
+    try:
+        found = Path(place.file).stat()
+    except (OSError, ValueError):
+        return None
+    return _parsed(place.file, found.st_mtime_ns, found.st_size)
+
+
+@lru_cache(maxsize=32)
+def _parsed(file: str, changed_ns: int, size: int) -> ast.Module | None:
+    """Return the tree of a source as it is; `changed_ns` and `size` tell it from what it was."""
+    del changed_ns, size
+    try:
+        return with_named_literals(ast.parse(Path(file).read_bytes()))
+    except (OSError, SyntaxError, ValueError, RecursionError):
+        return None
+
+
+def _frozen(found: _Found) -> dict[tuple[str, ...], tuple[Any, ...]]:
+    return {path: tuple(dict.fromkeys(values)) for path, values in found.items()}
+
+
+def calls_at(tree: ast.AST, line: int | None) -> Iterator[ast.Call]:
+    """Yield the calls of a tree that stand, or go on, at a line."""
+    calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
+    for call in calls if line is not None else ():
+        if call.lineno <= (line or 0) <= (call.end_lineno or call.lineno):
+            yield call
+
+
+_Function = ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
+
+
+def _functions(tree: ast.AST) -> dict[str, _Function]:
+    return {
+        node.name: node
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+    }
+
+
+def _parameter(function: _Function, number: int) -> str | None:
+    names = [each.arg for each in (*function.args.posonlyargs, *function.args.args)]
+    if names[:1] in (["self"], ["cls"]):
+        del names[0]
+    return names[number] if number < len(names) else None
+
+
+def _flow(
+    function: _Function,
+    roots: Mapping[str, tuple[str, ...]],
+    functions: Mapping[str, _Function],
+    tree: ast.AST,
+    depth: int = 0,
+) -> _Found:
+    """Follow names that hold a message or a field of it through a function."""
+    known = dict(roots)
+    found: _Found = {}
+    kept: dict[str, tuple[str, ...]] = {}
+    for node in ast.walk(function):
+        if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
+            path = _path(node.value, known)
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            for target in targets:
+                if path is not None and _dotted(target):
+                    known[_dotted(target)] = path
+                    if isinstance(target, ast.Attribute):
+                        kept[_dotted(target)] = path
+    for node in ast.walk(function):
+        _compare(node, known, found)
+        if isinstance(node, ast.Call) and depth < _DEEPEST:
+            callee = functions.get(last_name(node.func))
+            given = {
+                name: path
+                for index, value in enumerate(node.args)
+                if (path := _path(value, known)) is not None
+                and callee is not None
+                and (name := _parameter(callee, index)) is not None
+            }
+            if callee is not None and given and callee is not function:
+                for path, values in _flow(callee, given, functions, tree, depth + 1).items():
+                    found.setdefault(path, []).extend(values)
+    for node in ast.walk(tree) if kept else ():
+        _compare(node, kept, found)
+    return found
+
+
+def _compare(node: ast.AST, known: Mapping[str, tuple[str, ...]], found: _Found) -> None:
+    for subject, value in _comparisons(node):
+        path = None if subject is None else _path(subject, known)
+        if path is not None:
+            found.setdefault(path, []).append(value)
+
+
+def _by_field(tree: ast.AST) -> _Found:
+    """Return the literals by the last name of the attribute that is compared with them."""
+    found: _Found = {}
+    for node in ast.walk(tree):
+        for subject, value in _comparisons(node):
+            bare = None if subject is None else _bare(subject)
+            if isinstance(bare, ast.Attribute):
+                found.setdefault((bare.attr,), []).append(value)
+    return found
+
+
+def _comparisons(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
+    """Yield what is compared and a literal for which the comparison holds."""
+    if isinstance(node, ast.Match):
+        for case in node.cases:
+            for pattern in ast.walk(case.pattern):
+                if isinstance(pattern, ast.MatchValue) and isinstance(pattern.value, ast.Constant):
+                    yield node.subject, pattern.value.value
+        return
+    if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Dict):
+        for key in node.value.keys:
+            if isinstance(key, ast.Constant):
+                yield node.slice, key.value
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args:
+        if node.func.attr == "get" and isinstance(node.func.value, ast.Dict):
+            keys = (each for each in node.func.value.keys if isinstance(each, ast.Constant))
+            yield from ((node.args[0], each.value) for each in keys)
+        if node.func.attr in ("startswith", "endswith"):
+            yield from ((node.func.value, each) for each in _literals(node.args[0]))
+        return
+    if not isinstance(node, ast.Compare) or len(node.ops) != 1:
+        return
+    left, operator, right = node.left, node.ops[0], node.comparators[0]
+    if isinstance(operator, ast.Eq | ast.NotEq | ast.In | ast.NotIn):
+        # What is unequal is most often turned away.
+        yield from ((left, each) for each in _literals(right))
+        yield from ((right, each) for each in _literals(left) if isinstance(operator, ast.Eq))
+        if isinstance(operator, ast.In):
+            yield from ((right, each) for each in _literals(left) if isinstance(each, str))
+    elif isinstance(operator, ast.Gt | ast.GtE):
+        yield from ((left, _beyond(each, +1)) for each in _literals(right) if _is_number(each))
+        yield from ((right, _beyond(each, -1)) for each in _literals(left) if _is_number(each))
+    elif isinstance(operator, ast.Lt | ast.LtE):
+        yield from ((left, _beyond(each, -1)) for each in _literals(right) if _is_number(each))
+        yield from ((right, _beyond(each, +1)) for each in _literals(left) if _is_number(each))
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _beyond(value: float, side: int) -> float:
+    return value + side * max(abs(value) / 10, 1 if isinstance(value, int) else 0.1)
+
+
+def _literals(node: ast.expr) -> Iterator[Any]:
+    try:
+        value = ast.literal_eval(node)
+    except (ValueError, TypeError, SyntaxError, RecursionError):
+        return
+    for each in value if isinstance(value, list | tuple | set | dict) else (value,):
+        if isinstance(each, bool | int | float | str) and each != "":
+            yield each
+
+
+def _bare(node: ast.expr) -> ast.expr:
+    """Return an expression without the conversions around it: `str(a.b).lower()` is `a.b`."""
+    while isinstance(node, ast.Call):
+        if isinstance(node.func, ast.Attribute) and node.func.attr in _METHODS:
+            node = node.func.value
+        elif last_name(node.func) in _CASTS and len(node.args) == 1:
+            node = node.args[0]
+        else:
+            break
+    return node
+
+
+def _path(node: ast.expr, known: Mapping[str, tuple[str, ...]]) -> tuple[str, ...] | None:
+    """Return the path of the field that an expression is; None where it is none."""
+    bare = _bare(node)
+    names: list[str] = []
+    while True:
+        dotted = _dotted(bare)
+        if dotted in known:
+            rest = tuple(reversed(names))
+            path = (*known[dotted], *rest)
+            # The goal of a goal handle is the message.
+            return path[1:] if path[:1] and path[0] in _OF_GOAL and len(path) > 1 else path
+        if not isinstance(bare, ast.Attribute):
+            return None
+        names.append(bare.attr)
+        bare = bare.value
+
+
+def _dotted(node: ast.AST) -> str:
+    if isinstance(node, ast.Attribute):
+        inner = _dotted(node.value)
+        return f"{inner}.{node.attr}" if inner else ""
+    return node.id if isinstance(node, ast.Name) else ""
+
+
+def last_name(node: ast.AST) -> str:
+    """Return the last part of a dotted name; empty for what is none."""
+    if isinstance(node, ast.Attribute):
+        return node.attr
+    return node.id if isinstance(node, ast.Name) else ""
+
+
+def _same(subject: ast.expr, call: ast.Call) -> bool:
+    return _bare(subject) is call
+
+
+def held_by(tree: ast.AST, call: ast.Call) -> tuple[set[str], set[str]]:
+    """Return the names that are given what a call returns, and the conversions around it."""
+    names: set[str] = set()
+    casts: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Assign | ast.AnnAssign | ast.NamedExpr):
+            value = node.value
+            if value is None or all(each is not call for each in ast.walk(value)):
+                continue
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            names |= {_dotted(each) for each in targets if _dotted(each)}
+        if isinstance(node, ast.Call) and last_name(node.func) in _CASTS and node.args:
+            inner = node.args[0]
+            if any(each is call for each in ast.walk(inner)) or _dotted(inner) in names:
+                casts.add(last_name(node.func))
+    return names, casts

@@ -1,0 +1,1 @@
+"""Text and YAML of strangers: bounded, with places, safe to print."""

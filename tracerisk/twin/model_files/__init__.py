@@ -1,0 +1,1 @@
+"""Robots from MJCF, and from any file that a user names."""

@@ -1,0 +1,142 @@
+"""A compiled MJCF as data, and the process with limits that compiles it."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tracerisk.contained.limited_process import run_limited
+from tracerisk.errors import Location, RobotError
+from tracerisk.geometry.frames import matrix_of, roll_pitch_yaw
+from tracerisk.geometry.shapes import Shape
+from tracerisk.limits import DEFAULT_LIMITS, Limits
+from tracerisk.twin.model_files.mjcf_document import MjcfDocument, told_of_mujoco
+from tracerisk.twin.urdf.urdf import placed
+
+_LONGEST_REASON = 200
+
+Data = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class MjcfModel:
+    """A compiled model: each part as `model_file_child` tells it, in the compiler's order.
+
+    Lengths in [m], angles in [rad], quaternions as (w, x, y, z); bodies and joints are meant by
+    their index, body 0 is the world.
+    """
+
+    name: str
+    bodies: tuple[Data, ...]
+    joints: tuple[Data, ...]
+    shapes: tuple[Data, ...]
+    sites: tuple[Data, ...]
+    actuators: tuple[Data, ...]
+    couplings: tuple[Data, ...]
+    closed: tuple[int, ...]
+    excludes: tuple[tuple[int, int], ...]
+    keys: tuple[Data, ...]
+    without_mesh: frozenset[str]
+
+
+def compiled_mjcf(document: MjcfDocument, shown: str, limits: Limits = DEFAULT_LIMITS) -> MjcfModel:
+    """Return the compiled model of a document.
+
+    Raises RobotError when MuJoCo refuses it, LimitError when compiling it takes too long or too
+    much memory.
+    """
+    answer = _asked(
+        {
+            "text": document.text,
+            "meshes": {name: str(path) for name, path in document.meshes.items()},
+            "missing": list(document.missing),
+        },
+        shown,
+        limits,
+    )
+    if "error" in answer:
+        raise told_of_mujoco(answer["error"], document, shown)
+    return MjcfModel(
+        **{
+            **{key: tuple(value) for key, value in answer.items() if isinstance(value, list)},
+            "name": answer["name"],
+            "excludes": tuple((one, other) for one, other in answer["excludes"]),
+            "without_mesh": frozenset(answer["without_mesh"]),
+        }
+    )
+
+
+def mesh_shapes(
+    meshes: Mapping[str, tuple[Path, tuple[float, float, float]]],
+    shown: str,
+    limits: Limits = DEFAULT_LIMITS,
+) -> dict[str, Shape]:
+    """Return what bounds each mesh, given as file and scale, in the mesh's own frame.
+
+    Meshes that cannot be read are left out. Raises LimitError as `compiled_mjcf`.
+    """
+    if not meshes:
+        return {}
+    answer = _asked(
+        {
+            "text": None,
+            "meshes": {name: str(path) for name, (path, _) in meshes.items()},
+            "scales": {name: scale for name, (_, scale) in meshes.items()},
+        },
+        shown,
+        limits,
+    )
+    return {name: shape_of(told) for name, told in answer.items() if told is not None}
+
+
+def shape_of(told: Data) -> Shape:
+    """Return a geom as a shape in the frame of its body."""
+    data = told["shape"]
+    size = tuple(float(each) for each in data["size"])
+    zero = (0.0, 0.0, 0.0)
+    if data["kind"] == "ellipsoid":
+        shape = _around_ellipsoid(size)
+    else:
+        shape = Shape(
+            data["kind"],
+            size,
+            tuple(data.get("xyz", zero)),
+            tuple(data.get("rpy", zero)),
+        )
+    x, y, z = told["pos"]
+    return placed(shape, (x, y, z), roll_pitch_yaw(matrix_of(told["quat"])))
+
+
+def _around_ellipsoid(radii: tuple[float, ...]) -> Shape:
+    """Return the capsule along the longest radius that holds the ellipsoid."""
+    longest = max(range(3), key=lambda i: radii[i])
+    wide = sorted(radii)[1]
+    turn = {0: (0.0, 1.5707963267948966, 0.0), 1: (1.5707963267948966, 0.0, 0.0)}
+    return Shape(
+        "capsule",
+        (wide, max(radii[longest] - wide, 1e-4)),
+        rpy=turn.get(longest, (0.0, 0.0, 0.0)),
+    )
+
+
+def _asked(request: Mapping[str, Any], shown: str, limits: Limits) -> Any:
+    where = Location(shown)
+    with tempfile.TemporaryDirectory() as empty:
+        done = run_limited(
+            "tracerisk.twin.model_files.child",
+            request=json.dumps(request).encode(),
+            limits=limits,
+            doing="compiling the model",
+            place=where,
+            folder=Path(empty),
+            reads=[Path(each) for each in request["meshes"].values()],
+        )
+    if done.returncode != 0:
+        lines = done.stderr.decode(errors="replace").strip().splitlines()
+        reason = lines[-1].strip() if lines else f"its process ended with {done.returncode}"
+        raise RobotError(f"the model cannot be compiled: {reason[:_LONGEST_REASON]}", where)
+    return json.loads(done.stdout)

@@ -1,0 +1,211 @@
+"""Read the robot of a file that a user names: MJCF, URDF or xacro.
+
+Every file that it names stands below one folder, and what may take all memory or time is done in
+processes with limits.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from tracerisk.errors import Location, RobotError, one_of
+from tracerisk.geometry.shapes import Shape
+from tracerisk.limits import DEFAULT_LIMITS, Limits
+from tracerisk.twin.model_files.mjcf import mjcf_robot
+from tracerisk.twin.model_files.mjcf_document import read_mjcf_document
+from tracerisk.twin.model_files.mjcf_model import compiled_mjcf, mesh_shapes
+from tracerisk.twin.model_files.paths import ModelFolder, read_model_text
+from tracerisk.twin.robots.known_arms import completed_as_ours, named_as_ours
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.urdf.srdf import Srdf, SrdfGroup, read_srdf
+from tracerisk.twin.urdf.urdf import read_urdf
+from tracerisk.twin.urdf.xacro_files import expanded_xacro
+from tracerisk.twin.urdf.xml_reader import XmlElement, read_xml
+
+_ALLOWED = ("mujoco (MJCF)", "robot (URDF or xacro)")
+_LARGEST_M = 100.0
+_HEAVIEST_KG = 1e5
+_MOST_MESHES = 500
+_MOST_MESH_BYTES = 64 * 1024 * 1024
+_READABLE_MESHES = (".stl", ".obj")
+_FITS = 0.6  # the share of an SRDF's names that the robot must have
+
+
+@dataclass(frozen=True, slots=True)
+class ModelFile:
+    """What a model file says: the robot, and every file that was read for it, its own first."""
+
+    robot: Robot
+    files: tuple[Path, ...]
+
+
+def read_model_file(
+    path: Path, folder: ModelFolder, *, shown: str | None = None, limits: Limits = DEFAULT_LIMITS
+) -> ModelFile:
+    """Return the robot of a model file.
+
+    Raises RobotError with file and line when it is malformed or names a file outside the folder,
+    LimitError when it takes too much memory or time.
+    """
+    shown = str(path) if shown is None else shown
+    text = read_model_text(path, shown)
+    read: tuple[Path, ...] = ()
+    # Told before xacro, which reads without bounds, is asked.
+    root = read_xml(text, shown)
+    _check_root(root)
+    if path.name.endswith(".xacro") or b"<xacro:" in text or b"xmlns:xacro" in text:
+        within = (folder.top, *folder.packages.values())
+        expanded = expanded_xacro(path, folder.packages, within=within, shown=shown, limits=limits)
+        text, read = expanded.text, expanded.files
+        root = read_xml(text, shown)
+    if root.tag == "mujoco":
+        found = _of_mjcf(text, path, shown, folder, limits)
+    else:
+        found = _of_urdf(text, path, shown, folder, limits)
+    found = replace(found, files=tuple(dict.fromkeys((*found.files, *read))))
+    name = re.sub(r"[^\w.+-]+", "_", found.robot.name)[:80].strip("._") or "robot"
+    _check_sizes(found.robot, shown)
+    return replace(found, robot=replace(found.robot, name=name))
+
+
+def _check_root(root: XmlElement) -> None:
+    if root.tag == "sdf":
+        root.fail("is an SDF, which is not read; give the robot's URDF, xacro or MJCF")
+    if root.tag not in ("mujoco", "robot"):
+        root.fail(f"describes no robot; {one_of(_ALLOWED, root.tag)}")
+
+
+def _of_mjcf(text: bytes, path: Path, shown: str, folder: ModelFolder, limits: Limits) -> ModelFile:
+    document = read_mjcf_document(text, path, shown, folder)
+    model = compiled_mjcf(document, shown, limits)
+    names = {each["name"] for each in (*model.bodies, *model.joints)}
+    beside = _srdf_beside(path, model.name, names, folder)
+    srdf = None if beside is None else beside[1]
+    robot = mjcf_robot(model, shown, path.stem, srdf=srdf, felt=document.felt)
+    files = (*document.files, *([beside[0]] if beside else []))
+    return _named(robot, srdf, files, knows_motors=bool(model.actuators))
+
+
+def _of_urdf(text: bytes, path: Path, shown: str, folder: ModelFolder, limits: Limits) -> ModelFile:
+    root = read_xml(text, shown)
+    _check_root(root)
+    names = {
+        each.attributes.get("name", "") for each in root.children if each.tag in ("link", "joint")
+    }
+    beside = _srdf_beside(path, root.attributes.get("name", ""), names, folder)
+    srdf = None if beside is None else beside[1]
+    shapes, meshes = _meshes(root, shown, folder, limits)
+    robot = read_urdf(text, shown, srdf=srdf, mesh_shape=lambda mesh: shapes.get(_mesh_key(mesh)))
+    files = (path.resolve(), *meshes, *([beside[0]] if beside else []))
+    return _named(robot, srdf, files, knows_motors=False)
+
+
+def _named(
+    robot: Robot, srdf: Srdf | None, files: Iterable[Path], *, knows_motors: bool
+) -> ModelFile:
+    robot = completed_as_ours(robot, knows_motors=knows_motors)
+    if srdf is None:
+        robot = named_as_ours(robot)
+    return ModelFile(robot, tuple(dict.fromkeys(files)))
+
+
+def _meshes(
+    root: XmlElement, shown: str, folder: ModelFolder, limits: Limits
+) -> tuple[dict[str, Shape], tuple[Path, ...]]:
+    """Return what bounds each mesh of a URDF that is there, and the files."""
+    found: dict[str, tuple[Path, tuple[float, float, float]]] = {}
+    keys: dict[str, str] = {}
+    n_bytes = 0
+    for link in root.all("link"):
+        for kind in ("collision", "visual"):
+            for entry in link.all(kind):
+                geometry = entry.first("geometry")
+                for mesh in () if geometry is None else geometry.all("mesh"):
+                    path = folder.named(mesh.string("filename"), mesh)
+                    if path is None or path.suffix.lower() not in _READABLE_MESHES:
+                        continue
+                    key = _mesh_key(mesh)
+                    size = path.stat().st_size
+                    if key in keys.values() or n_bytes + size > _MOST_MESH_BYTES:
+                        continue
+                    if len(found) < _MOST_MESHES:
+                        n_bytes += size
+                        name = f"mesh{len(found)}{path.suffix.lower()}"
+                        found[name] = (path, mesh.triple("scale", (1.0, 1.0, 1.0)))
+                        keys[name] = key
+    shapes = {keys[name]: shape for name, shape in mesh_shapes(found, shown, limits).items()}
+    return shapes, tuple(path for path, _ in found.values())
+
+
+def _mesh_key(mesh: XmlElement) -> str:
+    return f"{mesh.attributes.get('filename')} {mesh.attributes.get('scale', '')}"
+
+
+def _srdf_beside(
+    path: Path, name: str, names: Iterable[str], folder: ModelFolder
+) -> tuple[Path, Srdf] | None:
+    """Return the SRDF beside a model: of its name, else the one that speaks of its parts.
+
+    Looked for in its folder, and in `config` and `srdf` beside that.
+    Raises RobotError when one that is named as the model cannot be read.
+    """
+    parts = set(names)
+    here = path.resolve().parent
+    for place in (here, here.parent / "config", here.parent / "srdf"):
+        if not place.resolve().is_relative_to(folder.top.resolve()):
+            continue
+        ranked: list[tuple[float, Path, Srdf]] = []
+        for each in sorted(place.glob("*.srdf")):
+            try:
+                srdf = read_srdf(read_model_text(each, str(each)), str(each))
+            except RobotError:
+                if each.stem == path.name.split(".")[0]:
+                    raise
+                continue
+            wanted = {part for group in srdf.groups for part in _parts(group)}
+            share = len(wanted & parts) / len(wanted) if wanted else 0.0
+            if share >= _FITS:
+                ranked.append((share + (srdf.name == name), each, srdf))
+        if ranked:
+            _, found, srdf = max(ranked, key=lambda each: each[0])
+            return found, srdf
+    return None
+
+
+def _parts(group: SrdfGroup) -> Iterator[str]:
+    yield from group.joints
+    yield from group.links
+    for chain in group.chains:
+        yield from chain
+
+
+def _check_sizes(robot: Robot, shown: str) -> None:
+    """Refuse what is no arm: links that weigh or measure as much as ships do."""
+    where = Location(shown)
+    for each in robot.attachments:
+        far = max(abs(length) for length in each.xyz)
+        if far > _LARGEST_M:
+            raise RobotError(
+                f"joint '{each.name}' is {far:g} m away from the one before; at most "
+                f"{_LARGEST_M:g} m are simulated: is it in millimetres?",
+                where,
+            )
+    for link in robot.links:
+        lengths = [*link.centre_of_mass]
+        lengths += [each for shape in link.shapes for each in (*shape.size, *shape.xyz)]
+        far = max((abs(each) for each in lengths), default=0.0)
+        if far > _LARGEST_M:
+            raise RobotError(
+                f"link '{link.name}' is {far:g} m large; at most {_LARGEST_M:g} m are simulated: "
+                "is it in millimetres?",
+                where,
+            )
+        if link.mass > _HEAVIEST_KG:
+            raise RobotError(
+                f"link '{link.name}' weighs {link.mass:g} kg; at most {_HEAVIEST_KG:g} kg are "
+                "simulated",
+                where,
+            )

@@ -1,0 +1,1 @@
+"""Kinematics, planning, timing and the carrying out of motions."""

@@ -1,0 +1,390 @@
+"""Carry out motions: the set-points of each step, and when a motion has ended.
+
+A motion gives its set-points in advance, so that many steps can run at once; fingers that press
+with little force, and whatever comes to rest, decide every few steps from what is measured.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.errors import one_of
+from tracerisk.twin.motion.timing import along_path, resample
+from tracerisk.twin.physics.builder import STEP_S
+from tracerisk.twin.physics.motion import JointTrajectory, MotionOutcome, PlanningError
+from tracerisk.twin.robots.robot import Gripper, Joint, Robot
+
+Array = NDArray[np.float64]
+TimedWay = tuple[Array, Array, Array]
+"""Times [s], positions and velocities, as `resample` takes them."""
+
+GOAL_TOLERANCE = 0.005  # of a joint at the end of its motion [rad or m]
+STOPPED_FRACTION = 0.01  # of the rated velocity: what counts as standing still
+SETTLE_S = 1.0  # an arm that is not at its goal this long after the trajectory never will be
+_STALL_S = 0.1  # fingers that stand still this long short of their goal hold something
+_FINGER_TOLERANCE = 0.0005  # of a pad [m]
+_FINGER_STILL = 0.001  # of a pad [m/s]
+FINGER_LENGTH_M = 0.05  # assumed, from the hinge of a finger to its pad [m]
+_LONGEST_S = 1800.0  # of a trajectory, whose set-points are all held in memory
+_LOOK_STEPS = 5  # between two looks at what is measured, where that decides
+
+
+class Motion:
+    """A motion that the twin carries out, as its owner sees it.
+
+    `elements` are the names addressed: arm joints, and grippers by their name.
+    `goal` is where it leads each of `joints` [rad or m]; one value for both fingers of a gripper.
+    `stalled` says that a gripper stopped on an object, short of the position asked for.
+    """
+
+    def __init__(
+        self,
+        joints: tuple[str, ...],
+        elements: tuple[str, ...],
+        started_ns: int,
+        goal: Sequence[float] = (),
+    ) -> None:
+        self.joints = joints
+        self.goal = tuple(goal)
+        self.elements = elements
+        self.started_ns = started_ns
+        self.outcome: MotionOutcome = "active"
+        self.ended_ns: int | None = None
+        self.message = ""
+        self.stalled = False
+        self._open_parts = 0
+
+    def __repr__(self) -> str:
+        return f"Motion({', '.join(self.elements)}: {self.outcome})"
+
+    def begin_part(self) -> None:
+        """Note that one more track carries out the motion; for the twin alone."""
+        self._open_parts += 1
+
+    def end_part(
+        self, outcome: MotionOutcome, message: str, time_ns: int, *, stalled: bool = False
+    ) -> None:
+        """Note that one part ended; the motion ends with its last part, or the first failure."""
+        self._open_parts -= 1
+        if self.outcome != "active":
+            return
+        if message:
+            self.message = f"{self.message}; {message}" if self.message else message
+        self.stalled = self.stalled or stalled
+        if outcome != "succeeded" or self._open_parts == 0:
+            self.outcome = outcome
+            self.ended_ns = time_ns
+
+
+class Measured(Protocol):
+    """What the simulation measures now, by the joints' places in the robot's order."""
+
+    def position(self, joints: Sequence[int]) -> Array:
+        """Return the positions of some joints [rad or m]."""
+
+    def velocity(self, joints: Sequence[int]) -> Array:
+        """Return the velocities of some joints [rad/s or m/s]."""
+
+    def pressed(self) -> tuple[str, str] | None:
+        """Return the link that something holds back hardest, and what it is; None: nothing."""
+
+
+class Track(Protocol):
+    """What drives some actuators for a while.
+
+    `actuators` are the columns of the control that it sets, `joints` the rows it measures.
+    """
+
+    motion: Motion | None
+    actuators: Sequence[int]
+    joints: Sequence[int]
+
+    def steps_ahead(self) -> int:
+        """Return for how many steps the set-points are known, at least 1."""
+
+    def fill(self, block: Array, measured: Measured) -> None:
+        """Write the set-points of the next steps; block: (n, n_actuators), n <= steps ahead."""
+
+    def finished(self, measured: Measured, time_ns: int) -> bool:
+        """Say after these steps whether the track is over, having told its motion."""
+
+
+def servo_lead(joint: Joint) -> float:
+    """Return the time by which a servo lags behind a moving set-point [s].
+
+    A position servo with damping settles kv/kp of the speed behind; leading the set-point by as
+    much cancels it.
+    """
+    return (joint.servo.damping + joint.servo.friction) / joint.servo.stiffness
+
+
+@dataclass(frozen=True, slots=True)
+class GoalTolerance:
+    """When a trajectory's goal is reached.
+
+    `position` [rad or m] is how far each joint may be from it; `settle_s` how long after the end
+    of the trajectory it is waited for, which may be infinite.
+    """
+
+    position: float = GOAL_TOLERANCE
+    settle_s: float = SETTLE_S
+
+
+@dataclass
+class ArmTrack:
+    """Set-points of arm joints along a trajectory, then the wait until they are reached."""
+
+    motion: Motion | None
+    actuators: Sequence[int]
+    joints: Sequence[int]
+    members: Sequence[Joint]
+    position: Array  # (n_steps, n_joints)
+    velocity: Array  # (n_steps, n_joints)
+    goal: GoalTolerance = field(default_factory=GoalTolerance)
+    _at: int = field(default=0, init=False)
+    _waited: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        lead = np.array([servo_lead(joint) for joint in self.members])
+        self._control = self.position + self.velocity * lead
+        self._still = np.array([joint.velocity_limit for joint in self.members]) * STOPPED_FRACTION
+
+    @classmethod
+    def along(
+        cls,
+        motion: Motion,
+        actuators: Sequence[int],
+        joints: Sequence[int],
+        members: Sequence[Joint],
+        trajectory: JointTrajectory,
+        columns: Sequence[int],
+        goal: GoalTolerance,
+    ) -> ArmTrack:
+        """Return the track of some columns of a trajectory."""
+        position, velocity = resample(
+            trajectory.time,
+            trajectory.position[:, columns],
+            trajectory.velocity[:, columns],
+            STEP_S,
+        )
+        return cls(motion, actuators, joints, members, position, velocity, goal)
+
+    def brake(self) -> ArmTrack:
+        """Return the track that brings the moving set-points to rest at rated acceleration."""
+        position, velocity = self.reference()
+        rated = np.array([joint.acceleration_limit for joint in self.members])
+        stop = np.abs(velocity) / rated
+        n_steps = max(1, math.ceil(float(stop.max(initial=0.0)) / STEP_S))
+        t = np.minimum(np.arange(1, n_steps + 1)[:, None] * STEP_S, stop)
+        slowing = np.sign(velocity) * rated
+        return ArmTrack(
+            None,
+            self.actuators,
+            self.joints,
+            self.members,
+            position + velocity * t - slowing * t * t / 2,
+            velocity - slowing * t,
+        )
+
+    def without(self, actuators: set[int]) -> ArmTrack | None:
+        """Return what is left of the track without some actuators, `None` for nothing."""
+        kept = [i for i, actuator in enumerate(self.actuators) if actuator not in actuators]
+        if len(kept) == len(self.actuators):
+            return self
+        if not kept:
+            return None
+        track = ArmTrack(
+            self.motion,
+            [self.actuators[i] for i in kept],
+            [self.joints[i] for i in kept],
+            [self.members[i] for i in kept],
+            self.position[:, kept],
+            self.velocity[:, kept],
+            self.goal,
+        )
+        track._at, track._waited = self._at, self._waited
+        return track
+
+    def reference(self) -> tuple[Array, Array]:
+        """Return the last set-points, (n_joints,), and their velocities."""
+        at = min(max(self._at, 1), len(self.position)) - 1
+        if self._at >= len(self.position):
+            return self.position[-1], np.zeros(len(self.members))
+        return self.position[at], self.velocity[at]
+
+    def steps_ahead(self) -> int:
+        """Return how many set-points are left; a few while the arm settles."""
+        left = len(self.position) - self._at
+        return left if left > 0 else _LOOK_STEPS
+
+    def fill(self, block: Array, measured: Measured) -> None:  # noqa: ARG002 (the protocol's)
+        """Write the set-points of the next steps, the last again when there are no more."""
+        left = len(self.position) - self._at
+        if left > 0:
+            block[:, self.actuators] = self._control[self._at : self._at + len(block)]
+            self._at += len(block)
+        else:
+            block[:, self.actuators] = self.position[-1]
+            self._waited += len(block)
+
+    def finished(self, measured: Measured, time_ns: int) -> bool:
+        """Say whether the arm stands still at its goal, or will not any more."""
+        if self._at < len(self.position):
+            return False
+        if self.motion is None:
+            return True
+        miss = np.abs(measured.position(self.joints) - self.position[-1])
+        speed = np.abs(measured.velocity(self.joints))
+        tolerance = self.goal.position
+        if (miss <= tolerance).all() and (speed <= self._still).all():
+            self.motion.end_part("succeeded", "", time_ns)
+            return True
+        if self._waited * STEP_S < self.goal.settle_s:
+            return False
+        worst = int(np.argmax(miss))
+        told = (
+            f"joint '{self.members[worst].name}' is {miss[worst]:.4f} from its goal "
+            f"{self.goal.settle_s:g} s after the trajectory ended (tolerance {tolerance:g})"
+        )
+        pressed = measured.pressed()
+        if pressed is not None:
+            told += f"; '{pressed[0]}' presses on '{pressed[1]}'"
+        self.motion.end_part("aborted", told, time_ns)
+        return True
+
+
+class GripperTrack:
+    """Fingers on their way to a position, with no more than a given force."""
+
+    def __init__(
+        self,
+        motion: Motion,
+        gripper: Gripper,
+        members: Sequence[Joint],
+        actuator: int,
+        joints: Sequence[int],
+        begin: float,
+        target: float,
+        max_effort: float,
+        timed: TimedWay | None = None,
+    ) -> None:
+        self.motion: Motion | None = motion
+        self.actuators: Sequence[int] = (actuator,)
+        self.joints = joints
+        self._gripper = gripper
+        self._target = target
+        if timed is not None and len(timed[0]) > 1:
+            way = _no_faster(timed, gripper.velocity_limit)
+        else:
+            speed = np.array([gripper.speed])
+            rise = np.array([min(joint.acceleration_limit for joint in members)])
+            way = along_path(np.array([[begin], [target]]), speed, rise)
+        path, slope = resample(*way, STEP_S)
+        share = 1.0 / len(joints)
+        friction = sum(joint.servo.friction for joint in members)
+        lead = (gripper.damping + friction) / gripper.stiffness
+        self._signs = np.array([gripper.sign(name) for name in gripper.joints], dtype=np.float64)
+        self._reference = (path + lead * slope)[:, 0]
+        # The servo's force on one finger is share * stiffness * (set-point - position).
+        self._slack = max_effort / (share * gripper.stiffness)
+        self._is_soft = self._slack < gripper.opening
+        hinged = members[0].type != "prismatic"
+        self._unit = "rad" if hinged else "m"
+        lever = FINGER_LENGTH_M if hinged else 1.0
+        self._still, self._tolerance = _FINGER_STILL / lever, _FINGER_TOLERANCE / lever
+        self._at = 0
+        self._waited = 0
+        self._moved_at = 0
+
+    def steps_ahead(self) -> int:
+        """Return how many set-points are left; a few where they depend on the fingers."""
+        left = len(self._reference) - self._at
+        return left if left > 0 and not self._is_soft else _LOOK_STEPS
+
+    def fill(self, block: Array, measured: Measured) -> None:
+        """Write the next set-points, no further from the fingers than the effort allows."""
+        count = len(block)
+        wanted = self._reference[self._at : self._at + count]
+        if len(wanted) < count:
+            wanted = np.append(wanted, np.repeat(self._reference[-1], count - len(wanted)))
+        if self._is_soft:
+            here = self._here(measured)
+            wanted = np.clip(wanted, here - self._slack, here + self._slack)
+        block[:, self.actuators[0]] = wanted
+        self._waited += max(0, min(count, self._at + count - len(self._reference)))
+        self._at += count
+
+    def finished(self, measured: Measured, time_ns: int) -> bool:
+        """Say whether the fingers are there, or stand still on something."""
+        if self._at < len(self._reference) or self.motion is None:
+            return False
+        here = self._here(measured)
+        speed = float(np.abs(measured.velocity(self.joints)).max())
+        still = speed < self._still
+        if still and abs(here - self._target) <= self._tolerance:
+            self.motion.end_part("succeeded", "", time_ns)
+            return True
+        if not still:
+            self._moved_at = self._waited
+        name, unit = self._gripper.name, self._unit
+        if (self._waited - self._moved_at) * STEP_S >= _STALL_S:
+            short = f"{self._target:.4f} {unit}"
+            note = f"gripper '{name}' stalled at {here:.4f} {unit}, short of {short}"
+            self.motion.end_part("succeeded", note, time_ns, stalled=True)
+            return True
+        if self._waited * STEP_S >= SETTLE_S:
+            note = f"gripper '{name}' does not come to rest at {self._target:.4f} {unit}"
+            self.motion.end_part("aborted", note, time_ns)
+            return True
+        return False
+
+    def _here(self, measured: Measured) -> float:
+        return float((self._signs * measured.position(self.joints)).mean())
+
+
+def _no_faster(asked: TimedWay, speed: float) -> TimedWay:
+    """Return the way of fingers as asked, slower where they cannot go so fast."""
+    time, position, velocity = asked
+    mean = np.abs(np.diff(position[:, 0])) / np.diff(time)
+    # From rest to rest the middle of the way is half as fast again as its mean.
+    slower = max(1.0, 1.5 * float(mean.max()) / speed)
+    return time * slower, position, velocity / slower
+
+
+def check_trajectory(trajectory: JointTrajectory, robot: Robot) -> None:
+    """Raise PlanningError("bad_request") for what no controller would follow."""
+    joints = [joint.name for joint in robot.joints]
+    shape = (len(trajectory.time), len(trajectory.joints))
+    if not shape[0] or not shape[1]:
+        raise PlanningError("bad_request", "the trajectory has no points or no joints")
+    for name in trajectory.joints:
+        if name not in joints:
+            raise PlanningError(
+                "bad_request", f"robot '{robot.name}' has no joint '{name}'; {one_of(joints, name)}"
+            )
+    if len(set(trajectory.joints)) != shape[1]:
+        raise PlanningError("bad_request", "the trajectory names a joint twice")
+    if trajectory.position.shape != shape or trajectory.velocity.shape != shape:
+        raise PlanningError(
+            "bad_request",
+            f"positions and velocities must be {shape[0]} points of {shape[1]} joints",
+        )
+    arrays = (trajectory.time, trajectory.position, trajectory.velocity)
+    if not all(np.isfinite(array).all() for array in arrays):
+        raise PlanningError("bad_request", "the trajectory holds a number that is not finite")
+    if trajectory.time[-1] > _LONGEST_S:
+        raise PlanningError(
+            "bad_request",
+            f"the trajectory lasts {trajectory.time[-1]:g} s; "
+            f"at most {_LONGEST_S:g} s are followed",
+        )
+    if trajectory.time[0] < 0.0 or not (np.diff(trajectory.time) > 0.0).all():
+        raise PlanningError(
+            "bad_request", "the times of a trajectory must rise from point to point, from 0 on"
+        )

@@ -1,0 +1,276 @@
+"""Forward and inverse kinematics of the robot alone, apart from the running simulation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.errors import RobotError, one_of
+from tracerisk.twin.physics.builder import compile_model
+from tracerisk.twin.physics.motion import LinkTarget, PlanningError, Pose
+from tracerisk.twin.robots.robot import Robot
+
+# After the builder, which says that no window is needed.
+import daqp  # noqa: F401  # isort: skip - mink looks for it only when it solves
+import mink  # isort: skip
+import mujoco  # isort: skip
+
+_TURN = 2 * math.pi
+
+_MAX_ITERATIONS = 40
+_RESTARTS = 24  # an arm without a common point of its wrist axes needs as many
+_STALLED = 1e-8  # a step this small changes nothing more [rad]
+
+
+class Kinematics:
+    """The robot's kinematics; each call gives the same answer for the same arguments.
+
+    Poses are in the frame of the robot's base link.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._model = compile_model(robot)
+        self._data = mujoco.MjData(self._model)
+        self._address = {
+            joint.name: int(self._model.joint(joint.name).qposadr[0]) for joint in robot.joints
+        }
+        self._dof = {
+            joint.name: int(self._model.joint(joint.name).dofadr[0]) for joint in robot.joints
+        }
+        self._configuration = mink.Configuration(self._model)
+        self._limits = [mink.ConfigurationLimit(self._model, gain=1.0)]
+        self._body = {name: int(self._model.body(name).id) for name in robot.link_names}
+
+    def positions(self, given: Mapping[str, float]) -> NDArray[np.float64]:
+        """Return the model's configuration for joint positions; joints left out are at rest.
+
+        Raises RobotError for a joint that the robot does not have.
+        """
+        qpos = np.zeros(self._model.nq)
+        for name, value in {**self._robot.initial_state, **given}.items():
+            if name not in self._address:
+                raise RobotError(
+                    f"robot '{self._robot.name}' has no joint '{name}'; "
+                    f"{one_of(self._address, name)}"
+                )
+            qpos[self._address[name]] = value
+        return qpos
+
+    def forward(self, positions: Mapping[str, float], link: str) -> Pose:
+        """Return the pose of `link` at the joint positions; raise RobotError for unknown names."""
+        body = self._link(link)
+        self._data.qpos[:] = self.positions(positions)
+        mujoco.mj_kinematics(self._model, self._data)
+        return self._pose(body)
+
+    def forward_all(self, positions: Mapping[str, float]) -> dict[str, Pose]:
+        """Return the pose of every link at the joint positions; raise RobotError as `forward`."""
+        self._data.qpos[:] = self.positions(positions)
+        mujoco.mj_kinematics(self._model, self._data)
+        return {name: self._pose(body) for name, body in self._body.items()}
+
+    def inverse(
+        self,
+        group: str,
+        pose: Pose,
+        *,
+        link: str | None = None,
+        seed: Mapping[str, float] | None = None,
+        position_tolerance: float = 1e-4,
+        orientation_tolerance: float = 1e-3,
+        restarts: int = _RESTARTS,
+        accept: Callable[[Mapping[str, float]], bool] | None = None,
+    ) -> dict[str, float]:
+        """Return joint positions of `group` within limits that bring `link` to `pose`.
+
+        The search starts at `seed`, then at the group's named states, then at positions drawn
+        from a generator that begins anew with each call; what `accept` refuses is passed over.
+        Tolerances in [m] and [rad].
+
+        Raises PlanningError("no_ik_solution") when no start leads there, and
+        PlanningError("bad_request") when the group has no tip link or the pose is no pose.
+        """
+        tip = link or self._robot.group(group).tip_link
+        if tip is None:
+            raise PlanningError(
+                "bad_request", f"group '{group}' has no tip link; name the link the pose is for"
+            )
+        target = LinkTarget(tip, pose, position_tolerance, orientation_tolerance)
+        return self.inverse_all(group, [target], seed=seed, restarts=restarts, accept=accept)
+
+    def inverse_all(
+        self,
+        group: str,
+        targets: Sequence[LinkTarget],
+        *,
+        seed: Mapping[str, float] | None = None,
+        restarts: int = _RESTARTS,
+        accept: Callable[[Mapping[str, float]], bool] | None = None,
+    ) -> dict[str, float]:
+        """Return joint positions of `group` that bring each link to its pose, as with two arms.
+
+        The search is that of `inverse`, and so are the errors.
+        """
+        members = self._robot.group(group)
+        for target in targets:
+            self._link(target.link)
+        search = _Search(self._configuration, self._limits, self._frozen(members.joints), targets)
+        best = np.inf
+        for start in self._starts(group, seed or {}, restarts):
+            found, error = search.descend(start)
+            if found is not None:
+                reached = self._within_limits(members.joints, found)
+                if accept is None or accept(reached):
+                    return reached
+            best = min(best, error)
+        raise self._out_of_reach(group, targets, seed or {}, best)
+
+    def _out_of_reach(
+        self, group: str, targets: Sequence[LinkTarget], seed: Mapping[str, float], best: float
+    ) -> PlanningError:
+        asked, now = [], []
+        for target in targets:
+            here = self.forward(seed, target.link)
+            asked.append(f"'{target.link}' to {_shown(target.pose)} m")
+            now.append(_shown(here))
+        return PlanningError(
+            "no_ik_solution",
+            f"no position of group '{group}' within its limits brings {' and '.join(asked)} with "
+            f"the orientation asked for; the nearest found is {best * 1000:.0f} mm away, the link "
+            f"is now at {', '.join(now)} m; ask for a pose within reach",
+        )
+
+    def _starts(
+        self, group: str, seed: Mapping[str, float], restarts: int
+    ) -> Iterator[NDArray[np.float64]]:
+        at_seed = self._clipped(self.positions(seed))
+        yield at_seed
+        if restarts == 0:
+            return
+        for state in self._robot.named_states.get(group, {}).values():
+            yield self.positions({**seed, **state})
+        joints = [self._robot.joint(name) for name in self._robot.group(group).joints]
+        generator = np.random.default_rng(0)
+        for _ in range(restarts):
+            start = at_seed.copy()
+            for joint in joints:
+                start[self._address[joint.name]] = generator.uniform(joint.lower, joint.upper)
+            yield start
+
+    def _clipped(self, qpos: NDArray[np.float64]) -> NDArray[np.float64]:
+        for joint in self._robot.joints:
+            at = self._address[joint.name]
+            qpos[at] = min(max(float(qpos[at]), joint.lower), joint.upper)
+        return qpos
+
+    def _within_limits(self, names: tuple[str, ...], qpos: NDArray[np.float64]) -> dict[str, float]:
+        values = {}
+        for name in names:
+            joint = self._robot.joint(name)
+            value = float(qpos[self._address[name]])
+            if joint.type == "continuous":
+                # Whole turns lead to the same pose; a limit of the range would not.
+                value -= _TURN * math.ceil(max(0.0, value - joint.upper) / _TURN)
+                value += _TURN * math.ceil(max(0.0, joint.lower - value) / _TURN)
+            values[name] = min(max(value, joint.lower), joint.upper)
+        return values
+
+    def _frozen(self, members: tuple[str, ...]) -> list[Any] | None:
+        others = sorted(set(self._dof.values()) - {self._dof[name] for name in members})
+        return [mink.DofFreezingTask(self._model, others)] if others else None
+
+    def _link(self, name: str) -> int:
+        if name not in self._body:
+            raise RobotError(
+                f"robot '{self._robot.name}' has no link '{name}'; {one_of(self._body, name)}"
+            )
+        return self._body[name]
+
+    def _pose(self, body: int) -> Pose:
+        x, y, z = (float(value) for value in self._data.xpos[body])
+        qw, qx, qy, qz = (float(value) for value in self._data.xquat[body])
+        return Pose((x, y, z), (qx, qy, qz, qw))
+
+
+class _Search:
+    """Gauss-Newton steps under joint limits (a quadratic program each) towards poses of links."""
+
+    def __init__(
+        self,
+        configuration: Any,
+        limits: list[Any],
+        frozen: list[Any] | None,
+        targets: Sequence[LinkTarget],
+    ) -> None:
+        self._configuration = configuration
+        self._limits = limits
+        self._frozen = frozen
+        self._targets = targets
+        self._tasks = [
+            mink.FrameTask(target.link, "body", position_cost=1.0, orientation_cost=0.3)
+            for target in targets
+        ]
+        for task, target in zip(self._tasks, targets, strict=True):
+            task.set_target(_target(target.pose))
+
+    def descend(self, start: NDArray[np.float64]) -> tuple[NDArray[np.float64] | None, float]:
+        """Return the configuration reached, `None` if short of a target, and the miss [m]."""
+        configuration = self._configuration
+        configuration.update(start)
+        distance = np.inf
+        for _ in range(_MAX_ITERATIONS):
+            distance, is_there = self._miss()
+            if is_there:
+                return configuration.q.copy(), distance
+            try:
+                velocity = mink.solve_ik(
+                    configuration,
+                    self._tasks,
+                    1.0,
+                    solver="daqp",
+                    damping=1e-6,
+                    limits=self._limits,
+                    constraints=self._frozen,
+                )
+            except mink.NoSolutionFound:
+                return None, distance
+            if float(np.abs(velocity).max()) < _STALLED:
+                return None, distance
+            configuration.integrate_inplace(velocity, 1.0)
+        return None, distance
+
+    def _miss(self) -> tuple[float, bool]:
+        """Return the greatest distance from a target [m], and whether all are reached."""
+        distances, is_there = [], True
+        for task, target in zip(self._tasks, self._targets, strict=True):
+            error = task.compute_error(self._configuration)
+            distances.append(float(np.linalg.norm(error[:3])))
+            turn = float(np.linalg.norm(error[3:]))
+            is_near = distances[-1] <= target.position_tolerance
+            is_there = is_there and is_near and turn <= target.orientation_tolerance
+        return max(distances, default=0.0), is_there
+
+
+def _shown(pose: Pose) -> str:
+    x, y, z = pose.position
+    return f"({x:.3f}, {y:.3f}, {z:.3f})"
+
+
+def _target(pose: Pose) -> Any:
+    x, y, z, w = pose.orientation
+    quaternion = np.array([w, x, y, z], dtype=np.float64)
+    norm = float(np.linalg.norm(quaternion))
+    if not np.isfinite([*pose.position, norm]).all() or norm < 1e-6:
+        raise PlanningError(
+            "bad_request",
+            f"position {pose.position}, orientation {pose.orientation} is no pose; "
+            "give finite numbers and a quaternion (x, y, z, w) that is not zero",
+        )
+    return mink.SE3.from_rotation_and_translation(
+        mink.SO3(wxyz=quaternion / norm), np.asarray(pose.position, dtype=np.float64)
+    )

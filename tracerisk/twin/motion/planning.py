@@ -1,0 +1,371 @@
+"""Plan motions of a group: in joint space, to a pose, or straight in space.
+
+A move in joint space is straight where that is free, else it leads around what is declared.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.errors import one_of
+from tracerisk.twin.motion.clearance import Clearance
+from tracerisk.twin.motion.kinematics import Kinematics
+from tracerisk.twin.motion.timing import MIN_ANGLE_CHANGE, PATH_TOLERANCE, RESAMPLE_S, along_path
+from tracerisk.twin.physics.motion import JointTrajectory, LinkTarget, PlanningError, Pose
+from tracerisk.twin.robots.robot import Joint, Robot
+
+_LIMIT_SLACK = 1e-6  # a target this far past a limit is a rounding error [rad or m]
+_MAX_WAYPOINTS = 20_000  # of one Cartesian path
+_TURN_STEP = 0.1  # the greatest turn between two points of a Cartesian path [rad]
+_JUMP = 0.8  # a joint that turns further between them has changed branch [rad]
+_LEAVING = 0.5 * math.pi  # how far one may turn to leave the singularity in which a path begins
+_NUDGES = (0.1, -0.1, 0.3, -0.3)  # by which a joint is moved off a singularity [rad or m]
+_Reached = tuple[float, NDArray[np.float64]]  # the furthest move of a joint [rad or m], and where
+
+
+class Planner:
+    """Plans on the robot's kinematics, clear of itself and of what `clearance` has declared."""
+
+    def __init__(self, robot: Robot, kinematics: Kinematics, clearance: Clearance) -> None:
+        self._robot = robot
+        self._kinematics = kinematics
+        self._clearance = clearance
+
+    def joints(
+        self,
+        group: str,
+        target: Mapping[str, float],
+        start: Mapping[str, float],
+        *,
+        velocity_scaling: float | None = None,
+        acceleration_scaling: float | None = None,
+    ) -> JointTrajectory:
+        """Return the move of `group` from `start` to `target`, straight and synchronised if free.
+
+        Joints of the group that `target` leaves out stay where `start` has them.
+        Raises PlanningError("invalid_goal") for a joint outside the group or its limits,
+        ("collision") for a goal that touches something, ("start_in_collision") and ("no_plan").
+        """
+        members = self._members(group)
+        names = [joint.name for joint in members]
+        for name in target:
+            if name not in names:
+                raise PlanningError(
+                    "invalid_goal",
+                    f"joint '{name}' is not in group '{group}'; {one_of(names, name)}",
+                )
+        goal = np.array(
+            [_within(joint, target.get(joint.name, start[joint.name])) for joint in members]
+        )
+        begin = np.array([start[name] for name in names])
+        limits = self._limits(members, velocity_scaling, acceleration_scaling)
+        path = self._clearance.way(members, start, begin, goal) or [begin, goal]
+        return JointTrajectory(tuple(names), *along_path(np.array(path), *limits))
+
+    def pose(
+        self,
+        group: str,
+        pose: Pose,
+        start: Mapping[str, float],
+        *,
+        link: str | None = None,
+        velocity_scaling: float | None = None,
+        acceleration_scaling: float | None = None,
+    ) -> JointTrajectory:
+        """Return the move of `group` that brings `link` (its tip) to `pose`.
+
+        Raises PlanningError("no_ik_solution") for a pose out of reach.
+        """
+        target = self.reach(group, pose, seed=start, link=link)
+        return self.joints(
+            group,
+            target,
+            start,
+            velocity_scaling=velocity_scaling,
+            acceleration_scaling=acceleration_scaling,
+        )
+
+    def reach(
+        self,
+        group: str,
+        pose: Pose,
+        *,
+        seed: Mapping[str, float],
+        link: str | None = None,
+        position_tolerance: float = 1e-4,
+        orientation_tolerance: float = 1e-3,
+    ) -> dict[str, float]:
+        """Return joint positions that bring `link` (the tip) to `pose`, clear of everything.
+
+        The search begins at `seed`, which also says where the other joints are.
+
+        Raises PlanningError("no_ik_solution") for a pose out of reach, ("collision") for one that
+        is reached in collision only.
+        """
+        return self._clear(
+            seed,
+            lambda is_clear: self._kinematics.inverse(
+                group,
+                pose,
+                link=link,
+                seed=seed,
+                position_tolerance=position_tolerance,
+                orientation_tolerance=orientation_tolerance,
+                accept=is_clear,
+            ),
+        )
+
+    def reach_all(
+        self, group: str, targets: Sequence[LinkTarget], *, seed: Mapping[str, float]
+    ) -> dict[str, float]:
+        """Return joint positions that bring each link to its pose, clear of everything.
+
+        Raises PlanningError as `reach` does.
+        """
+        return self._clear(
+            seed,
+            lambda is_clear: self._kinematics.inverse_all(
+                group, targets, seed=seed, accept=is_clear
+            ),
+        )
+
+    def _clear(
+        self,
+        seed: Mapping[str, float],
+        search: Callable[[Callable[[Mapping[str, float]], bool]], dict[str, float]],
+    ) -> dict[str, float]:
+        pair: tuple[str, str] | None = None
+        broken: str | None = None
+
+        def is_clear(found: Mapping[str, float]) -> bool:
+            nonlocal pair, broken
+            if breach := self._clearance.breach({**seed, **found}):
+                broken = broken or breach
+                return False
+            touching = self._clearance.collision({**seed, **found})
+            pair = pair or touching
+            return touching is None
+
+        try:
+            return search(is_clear)
+        except PlanningError as error:
+            if pair is None and broken is None:
+                raise
+            if pair is None:
+                raise PlanningError(
+                    "no_plan",
+                    f"the goal breaks the path constraints however it is reached: {broken}",
+                ) from error
+            raise PlanningError(
+                "collision",
+                f"the goal is in collision however it is reached: '{pair[0]}' touches '{pair[1]}'",
+            ) from error
+
+    def cartesian(
+        self,
+        group: str,
+        waypoints: Sequence[Pose],
+        start: Mapping[str, float],
+        *,
+        link: str | None = None,
+        eef_step: float = 0.01,
+        avoid_collisions: bool = True,
+        velocity_scaling: float | None = None,
+        acceleration_scaling: float | None = None,
+    ) -> tuple[JointTrajectory, float]:
+        """Return the move of `link` in straight lines through `waypoints`, and how much of it.
+
+        The path is followed in steps of `eef_step` [m] until a pose is out of reach, the joints
+        would have to jump, the rule of `Clearance.keeping` is broken or, with
+        `avoid_collisions`, something is touched; the fraction achieved is in [0, 1].
+        """
+        if not math.isfinite(eef_step) or eef_step <= 0.0:
+            raise PlanningError("bad_request", f"eef_step {eef_step} m; give a length above 0")
+        members = self._members(group)
+        names = tuple(joint.name for joint in members)
+        tip = link or self._robot.group(group).tip_link
+        if tip is None:
+            raise PlanningError("bad_request", f"group '{group}' has no tip link; name one")
+        here = self._kinematics.forward(start, tip)
+        targets = _straight_steps([here, *waypoints], eef_step)
+        path = [np.array([start[name] for name in names])]
+        for target in targets:
+
+            def reach(guess: NDArray[np.float64], target: Pose = target) -> _Reached | None:
+                seed = {**start, **dict(zip(names, guess.tolist(), strict=True))}
+                return self._reach(group, target, tip, names, seed, path[-1])
+
+            found = reach(_onward(path))
+            if len(path) == 1 and (found is None or found[0] > _JUMP):
+                # Stretched out or with wrist axes in line, a descent leads nowhere or far off.
+                near = [found, *(reach(guess) for guess in _nudged(path[-1]))]
+                found = min((each for each in near if each), key=lambda each: each[0], default=None)
+            if found is None or found[0] > (_LEAVING if len(path) == 1 else _JUMP):
+                break
+            path.append(found[1])
+        if avoid_collisions or self._clearance.has_rule:
+            count = self._clearance.free_share(
+                members, start, path, avoid_collisions=avoid_collisions
+            )
+            path = path[:count]
+        fraction = (len(path) - 1) / len(targets) if targets else 1.0
+        limits = self._limits(members, velocity_scaling, acceleration_scaling)
+        return JointTrajectory(names, *along_path(np.array(path), *limits)), fraction
+
+    def _reach(
+        self,
+        group: str,
+        target: Pose,
+        tip: str,
+        names: Sequence[str],
+        seed: Mapping[str, float],
+        here: NDArray[np.float64],
+    ) -> _Reached | None:
+        """Return how the joints come from `here` to a pose near by, None where they cannot."""
+        try:
+            found = self._kinematics.inverse(
+                group,
+                target,
+                link=tip,
+                seed=seed,
+                position_tolerance=1e-6,
+                orientation_tolerance=1e-5,
+                restarts=0,
+            )
+        except PlanningError as failure:
+            if failure.failure != "no_ik_solution":
+                raise
+            return None
+        reached = np.array([found[name] for name in names])
+        return float(np.abs(reached - here).max()), reached
+
+    def retime(
+        self,
+        trajectory: JointTrajectory,
+        *,
+        velocity_scaling: float | None = None,
+        acceleration_scaling: float | None = None,
+        path_tolerance: float = PATH_TOLERANCE,
+        resample_s: float = RESAMPLE_S,
+        min_angle_change: float = MIN_ANGLE_CHANGE,
+    ) -> JointTrajectory:
+        """Return the path through the same points, timed anew under the limits.
+
+        `path_tolerance`, `resample_s` and `min_angle_change` are those of `timing.along_path`.
+        Raises PlanningError("bad_request") for one of them that is not a number above 0.
+        """
+        for what, value in (
+            ("path tolerance", path_tolerance),
+            ("time between points", resample_s),
+            ("least change of angle", min_angle_change),
+        ):
+            if not (math.isfinite(value) and value > 0.0):
+                raise PlanningError("bad_request", f"{what} {value:g}; give a number above 0")
+        members = [self._robot.joint(name) for name in trajectory.joints]
+        limits = self._limits(members, velocity_scaling, acceleration_scaling)
+        timed = along_path(
+            trajectory.position,
+            *limits,
+            tolerance=path_tolerance,
+            resample_s=resample_s,
+            min_angle_change=min_angle_change,
+        )
+        return JointTrajectory(trajectory.joints, *timed)
+
+    def _members(self, group: str) -> list[Joint]:
+        return [self._robot.joint(name) for name in self._robot.group(group).joints]
+
+    def _limits(
+        self, joints: Sequence[Joint], velocity: float | None, acceleration: float | None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        default = self._robot.default_scaling
+        v = _scaling("velocity", default.velocity if velocity is None else velocity)
+        a = _scaling("acceleration", default.acceleration if acceleration is None else acceleration)
+        return (
+            np.array([joint.planned_velocity * v for joint in joints]),
+            np.array([joint.planned_acceleration * a for joint in joints]),
+        )
+
+
+def _onward(path: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Return where the joints come if they go on as in the last step: a start near the goal."""
+    return 2 * path[-1] - path[-2] if len(path) > 1 else path[-1]
+
+
+def _nudged(here: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
+    """Yield positions near by, one joint moved a little in either direction."""
+    for offset in _NUDGES:
+        for joint in range(len(here)):
+            guess = here.copy()
+            guess[joint] += offset
+            yield guess
+
+
+def _scaling(what: str, value: float) -> float:
+    if not 0.0 < value <= 1.0:
+        raise PlanningError(
+            "bad_request", f"{what} scaling {value:g}; give a number above 0, at most 1"
+        )
+    return value
+
+
+def _within(joint: Joint, value: float) -> float:
+    if not joint.lower - _LIMIT_SLACK <= value <= joint.upper + _LIMIT_SLACK:
+        raise PlanningError(
+            "invalid_goal",
+            f"{value:g} for joint '{joint.name}' is outside its limits "
+            f"[{joint.lower:g}, {joint.upper:g}]",
+        )
+    return min(max(float(value), joint.lower), joint.upper)
+
+
+def _straight_steps(corners: Sequence[Pose], eef_step: float) -> list[Pose]:
+    steps: list[Pose] = []
+    for begin, end in pairwise(corners):
+        a, b = np.array(begin.position), np.array(end.position)
+        qa, qb = _unit(begin.orientation), _unit(end.orientation)
+        if float(qa @ qb) < 0.0:
+            qb = -qb
+        angle = 2 * math.acos(min(1.0, float(qa @ qb)))
+        distance = float(np.linalg.norm(b - a))
+        if not math.isfinite(distance):
+            raise PlanningError("bad_request", f"waypoint {end.position} is not finite")
+        count = max(math.ceil(distance / eef_step), math.ceil(angle / _TURN_STEP), 1)
+        if len(steps) + count > _MAX_WAYPOINTS:
+            raise PlanningError(
+                "bad_request",
+                f"eef_step {eef_step:g} m cuts the path into more than {_MAX_WAYPOINTS} points; "
+                "give a longer step",
+            )
+        for i in range(1, count + 1):
+            part = i / count
+            x, y, z = (float(value) for value in a + part * (b - a))
+            qx, qy, qz, qw = (float(value) for value in _slerp(qa, qb, angle / 2, part))
+            steps.append(Pose((x, y, z), (qx, qy, qz, qw)))
+    return steps
+
+
+def _unit(orientation: Sequence[float]) -> NDArray[np.float64]:
+    quaternion = np.array(orientation, dtype=np.float64)
+    norm = float(np.linalg.norm(quaternion))
+    if not math.isfinite(norm) or norm < 1e-6:
+        raise PlanningError(
+            "bad_request", f"orientation {tuple(orientation)} is no quaternion (x, y, z, w)"
+        )
+    return quaternion / norm
+
+
+def _slerp(
+    a: NDArray[np.float64], b: NDArray[np.float64], half_angle: float, part: float
+) -> NDArray[np.float64]:
+    mixed: NDArray[np.float64]
+    if half_angle < 1e-6:
+        mixed = a + part * (b - a)
+    else:
+        mixed = math.sin((1 - part) * half_angle) * a + math.sin(part * half_angle) * b
+    return _unit(mixed.tolist())

@@ -1,0 +1,1 @@
+"""Robot and scene as a MuJoCo model: bodies, contacts, collision."""

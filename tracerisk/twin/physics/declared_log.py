@@ -1,0 +1,133 @@
+"""The log of bodies that a controller declared while it ran, in files that outlive the run.
+
+`declared.jsonl` has a line for each change of them, with all that are there from then on;
+`declared_poses.bin` where those that can move were, beside the poses of the samples.
+Both are appended to, so that what was logged stays readable however the process ended.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.errors import Location, LogError
+from tracerisk.geometry.shapes import Shape
+
+_BODIES = "declared.jsonl"
+_POSES = "declared_poses.bin"
+DECLARED_FILES = (_BODIES, _POSES)
+POSE = 7  # position and quaternion (w, x, y, z) in the world
+
+Array = NDArray[np.float64]
+Points = tuple[tuple[float, float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class LoggedShape:
+    """A declared body: its primitives, the points of its convex hulls, whether it is a plane.
+
+    `pose` is where it was when it was declared, position and quaternion (w, x, y, z) in the world;
+    `planes` are poses in the body's frame, of which z points out of the ground.
+    """
+
+    name: str
+    is_free: bool
+    pose: tuple[float, ...]
+    shapes: tuple[Shape, ...] = ()
+    hulls: tuple[Points, ...] = ()
+    planes: tuple[tuple[float, ...], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DeclaredChange:
+    """All declared bodies that are simulated from `step` on.
+
+    pose_steps: (n_poses,), the steps at which poses were logged; poses: (n_poses, n_free, 7), of
+    those that are free, in their order.
+    """
+
+    step: int
+    bodies: tuple[LoggedShape, ...]
+    pose_steps: Array
+    poses: Array
+
+
+class DeclaredLogWriter:
+    """Appends to the log of declared bodies; raises OSError when the disk refuses."""
+
+    def __init__(self, directory: Path) -> None:
+        flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC
+        self._bodies = os.open(directory / _BODIES, flags, 0o644)
+        self._poses = os.open(directory / _POSES, flags, 0o644)
+
+    def change(self, step: int, bodies: Sequence[LoggedShape]) -> None:
+        """Note all that are there from `step` on."""
+        line = {"step": step, "bodies": [dataclasses.asdict(body) for body in bodies]}
+        os.write(self._bodies, (json.dumps(line, sort_keys=True) + "\n").encode())
+
+    def pose(self, step: int, poses: Array) -> None:
+        """Append where the free ones are at a step; poses: (7 n_free,)."""
+        os.write(self._poses, np.concatenate(([step], poses)).tobytes())
+
+    def close(self) -> None:
+        """Close the files."""
+        os.close(self._bodies)
+        os.close(self._poses)
+
+
+def read_declared(directory: Path) -> tuple[DeclaredChange, ...]:
+    """Return the changes of declared bodies in a directory, as far as they were written.
+
+    Returns none where nothing was declared. Raises LogError when the files do not fit each other.
+    """
+    path = directory / _BODIES
+    if not path.exists():
+        return ()
+    try:
+        lines = path.read_text(encoding="utf-8").split("\n")
+        # The last line may have been cut short.
+        read = [json.loads(line) for line in lines[:-1]]
+        changes = [
+            (int(line["step"]), tuple(_body(body) for body in line["bodies"])) for line in read
+        ]
+    except (KeyError, TypeError, ValueError) as cause:
+        raise LogError(f"is no log of declared bodies: {cause}", Location(str(path))) from cause
+    data = (directory / _POSES).read_bytes()
+    flat = np.frombuffer(data[: len(data) // 8 * 8], dtype=np.float64)
+    found, at = [], 0
+    for index, (step, bodies) in enumerate(changes):
+        n_free = sum(1 for body in bodies if body.is_free)
+        width = 1 + POSE * n_free
+        last = changes[index + 1][0] if index + 1 < len(changes) else np.inf
+        begin = at
+        while n_free and at + width <= len(flat) and step <= flat[at] < last:
+            at += width
+        rows = flat[begin:at].reshape(-1, width)
+        poses = rows[:, 1:].reshape(len(rows), n_free, POSE)
+        found.append(DeclaredChange(step, bodies, rows[:, 0], poses))
+    return tuple(found)
+
+
+def _shape(data: dict[str, Any]) -> Shape:
+    lists = {key: tuple(value) for key, value in data.items() if isinstance(value, list)}
+    return Shape(**{**data, **lists})
+
+
+def _body(data: dict[str, Any]) -> LoggedShape:
+    shapes = [_shape(each) for each in data["shapes"]]
+    return LoggedShape(
+        name=data["name"],
+        is_free=data["is_free"],
+        pose=tuple(data["pose"]),
+        shapes=tuple(shapes),
+        hulls=tuple(tuple((x, y, z) for x, y, z in hull) for hull in data["hulls"]),
+        planes=tuple(tuple(plane) for plane in data["planes"]),
+    )

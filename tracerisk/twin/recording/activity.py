@@ -1,0 +1,239 @@
+"""Say at each step what each element of the robot does: moving, holding, grasping.
+
+`joint_motion` finds when it moves, and `grasp` what is between the pads of a gripper. Short
+flickers of the other states are smoothed away: an interval counts from its first step once it has
+lasted long enough.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.errors import LogError
+from tracerisk.trace import Element
+from tracerisk.twin.motion.execution import FINGER_LENGTH_M, servo_lead
+from tracerisk.twin.recording.grasp import between_pads
+from tracerisk.twin.recording.joint_motion import LEVER_M, MotionRule, SetPoint, motion_steps
+from tracerisk.twin.recording.samples import Samples
+from tracerisk.twin.robots.robot import Gripper, Joint, Robot
+
+Flags = NDArray[np.bool_]
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Thresholds:
+    """When a state begins and ends."""
+
+    motion: MotionRule = field(default_factory=MotionRule)
+    """When a joint or a finger moves."""
+    holding: float = 0.02
+    """The torque above which a joint at rest holds, of its torque limit."""
+    mean_s: float = 0.05
+    """The time over which that torque is the mean: a load that trembles counts as it is borne."""
+    grasping_on: float = 0.5
+    """The force above which a grasp begins, on the lesser of the pads and of the drive [N]."""
+    grasping_off: float = 0.2
+    """The force below which it ends [N]."""
+    debounce_on: float = 0.02
+    """How long an interval of holding or grasping lasts at least [s]."""
+    debounce_off: float = 0.05
+    """How long a gap in one lasts at least [s]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ElementActivity:
+    """What one element does at each step; every array is (n_steps,).
+
+    `moving` and `holding` exclude each other; `grasping` may overlap either.
+    speed: |velocity| over the rated one; torque: |torque| over the limit; grip: the lesser force
+    of the pads on what is between them [N], 0 for a joint; travel: how far it goes in the stretch
+    of motion that the step belongs to, over the least that counts, 0 at rest.
+    """
+
+    element: Element
+    moving: Flags
+    holding: Flags
+    grasping: Flags
+    speed: Array
+    torque: Array
+    grip: Array
+    travel: Array
+    thresholds: Thresholds
+
+    @property
+    def active(self) -> Flags:
+        """Whether the element is in any of its states."""
+        return self.moving | self.holding | self.grasping
+
+
+def element_activity(
+    samples: Samples, robot: Robot, thresholds: Thresholds | None = None
+) -> Mapping[str, ElementActivity]:
+    """Return the activity of each element of the robot, by its name.
+
+    Raises LogError when the samples are of another robot.
+    """
+    limits = Thresholds() if thresholds is None else thresholds
+    index = {name: i for i, name in enumerate(samples.header.joints)}
+    pad_index = {name: i for i, name in enumerate(samples.header.pads)}
+    missing = [joint.name for joint in robot.joints if joint.name not in index]
+    missing += [p for gripper in robot.grippers for p in gripper.pads if p not in pad_index]
+    if missing:
+        raise LogError(
+            f"the samples are of robot '{samples.header.robot}' and lack '{missing[0]}' of robot "
+            f"'{robot.name}'; read them with the robot that was simulated"
+        )
+    found = {
+        joint.name: _joint_activity(samples, joint, index[joint.name], limits)
+        for joint in robot.arm_joints
+    }
+    for gripper in robot.grippers:
+        fingers = [robot.joint(name) for name in gripper.joints]
+        columns = [index[name] for name in gripper.joints]
+        pads = [pad_index[name] for name in gripper.pads]
+        found[gripper.name] = _gripper_activity(samples, gripper, fingers, columns, pads, limits)
+    return found
+
+
+def hysteresis(values: Array, on: float, off: float) -> Flags:
+    """Return where `values` (n,) have risen above `on` and not yet fallen below `off`."""
+    return _latch((values > on).astype(np.int8) - (values < off).astype(np.int8))
+
+
+def debounce(flags: Flags, n_on: int, n_off: int) -> Flags:
+    """Return `flags` (n,) without intervals shorter than `n_on` and gaps shorter than `n_off`.
+
+    An interval that is long enough begins with its first step, and so does a gap.
+    """
+    if not len(flags):
+        return flags
+    edges = np.flatnonzero(np.diff(flags)) + 1
+    starts = np.concatenate(([0], edges))
+    lengths = np.diff(np.concatenate((starts, [len(flags)])))
+    value = flags[starts]
+    decided = np.where(value, lengths >= n_on, lengths >= n_off)
+    signs = np.where(decided, np.where(value, 1, -1), 0).astype(np.int8)
+    return np.repeat(_latch(signs), lengths)
+
+
+def _latch(signs: NDArray[np.int8]) -> Flags:
+    """Return at each entry whether the last sign that is not 0 was positive."""
+    at = np.where(signs != 0, np.arange(len(signs)), -1)
+    last = np.maximum.accumulate(at) if len(at) else at
+    return (last >= 0) & (signs[last] > 0)
+
+
+def _joint_activity(
+    samples: Samples, joint: Joint, column: int, limits: Thresholds
+) -> ElementActivity:
+    stiffness = joint.servo.stiffness
+    set_point = _set_point(
+        samples,
+        joint.name,
+        samples.position[:, column],
+        servo_lead(joint) if stiffness > 0.0 else None,
+    )
+    unit = _unit(joint)
+    velocity = samples.velocity[:, column]
+    moving, travel = motion_steps(velocity, set_point, unit, samples.step_s, limits.motion)
+    torque = samples.torque[:, column] / joint.torque_limit
+    return ElementActivity(
+        element=Element(joint.name, "joint"),
+        moving=moving,
+        holding=_holding(torque[:, None], moving, samples.step_s, limits),
+        grasping=np.zeros(samples.n_steps, dtype=np.bool_),
+        speed=np.abs(velocity) / joint.velocity_limit,
+        torque=np.abs(torque),
+        grip=np.zeros(samples.n_steps),
+        travel=travel,
+        thresholds=limits,
+    )
+
+
+def _gripper_activity(
+    samples: Samples,
+    gripper: Gripper,
+    fingers: list[Joint],
+    columns: list[int],
+    pads: list[int],
+    limits: Thresholds,
+) -> ElementActivity:
+    n_steps, step_s = samples.n_steps, samples.step_s
+    signs = np.array([gripper.sign(name) for name in gripper.joints], dtype=np.float64)
+    friction = sum(finger.servo.friction for finger in fingers)
+    lag_s = (gripper.damping + friction) / gripper.stiffness if gripper.stiffness > 0.0 else None
+    position = (samples.position[:, columns] * signs).mean(axis=1)
+    set_point = _set_point(samples, gripper.name, position, lag_s)
+    moving, travel = np.zeros(n_steps, dtype=np.bool_), np.zeros(n_steps)
+    for finger, column in zip(fingers, columns, strict=True):
+        velocity = samples.velocity[:, column]
+        steps, far = motion_steps(velocity, set_point, _unit(finger), step_s, limits.motion)
+        moving |= steps
+        travel = np.maximum(travel, far)
+    torques = samples.torque[:, columns]
+    rated = np.array([finger.velocity_limit for finger in fingers])
+    grip = samples.pad_force[:, pads].min(axis=1)
+    # What the drive presses with: a hand that is pressed on something needs none. The weight of
+    # fingers that move against one another cancels.
+    drive = np.abs((torques * signs).mean(axis=1))
+    drive /= np.array([1.0 if f.type == "prismatic" else FINGER_LENGTH_M for f in fingers]).mean()
+    if samples.contacts is not None:
+        grip = np.where(between_pads(samples.contacts, gripper, n_steps), grip, 0.0)
+    pressed = np.minimum(grip, drive)
+    grasped = hysteresis(pressed, limits.grasping_on, limits.grasping_off)
+    return ElementActivity(
+        element=Element(gripper.name, "gripper"),
+        moving=moving,
+        holding=_holding(torques / gripper.effort, moving, step_s, limits),
+        grasping=debounce(grasped, *_debounce_steps(step_s, limits)),
+        speed=(np.abs(samples.velocity[:, columns]) / rated).max(axis=1),
+        torque=np.abs(torques).max(axis=1) / gripper.effort,
+        grip=grip,
+        travel=travel,
+        thresholds=limits,
+    )
+
+
+def _unit(joint: Joint) -> float:
+    return LEVER_M if joint.type == "prismatic" else 1.0
+
+
+def _set_point(
+    samples: Samples, actuator: str, position: Array, lag_s: float | None
+) -> SetPoint | None:
+    """Return the set-point of an actuator, None where there is none that says where it leads."""
+    if lag_s is None or actuator not in samples.header.controls:
+        return None
+    column = samples.header.controls.index(actuator)
+    return SetPoint(samples.control[:, column], position, lag_s)
+
+
+def _holding(torque: Array, moving: Flags, step_s: float, limits: Thresholds) -> Flags:
+    """Return where a joint at rest holds; torque: (n_steps, n_joints), of the limit."""
+    # Without hysteresis: what a joint bore before does not decide on what it bears now.
+    loaded = _mean_load(torque, ~moving, round(limits.mean_s / step_s)) > limits.holding
+    return debounce(loaded & ~moving, *_debounce_steps(step_s, limits)) & ~moving
+
+
+def _mean_load(torque: Array, rest: Flags, size: int) -> Array:
+    """Return the greatest |mean| of the columns of torque (n, m) at rest, `size` steps about each.
+
+    What is borne in motion is no part of the mean.
+    """
+    n_steps = len(torque)
+    at = np.arange(n_steps)
+    first, stop = np.maximum(at - size // 2, 0), np.minimum(at + size // 2 + 1, n_steps)
+    count = np.concatenate(([0], np.cumsum(rest)))
+    total = np.concatenate((np.zeros((1, torque.shape[1])), np.cumsum(torque * rest[:, None], 0)))
+    mean = (total[stop] - total[first]) / np.maximum(count[stop] - count[first], 1)[:, None]
+    found: Array = np.abs(mean).max(axis=1)
+    return found
+
+
+def _debounce_steps(step_s: float, limits: Thresholds) -> tuple[int, int]:
+    return round(limits.debounce_on / step_s), round(limits.debounce_off / step_s)

@@ -1,0 +1,127 @@
+"""See during the simulation what touches what, at little cost to each step.
+
+A contact sensor on the whole robot counts what touches it; only while it touches something, or
+holds a body by a weld, are the points of contact copied, to be sorted afterwards: at each step
+from a change of their number on, later at each fourth. So a thing that stands by itself costs
+nothing. For a while after the last touch the look goes on, to see what a thing that was let go
+comes to rest on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.twin.physics.declared import Declared
+from tracerisk.twin.physics.scene_body import body_name
+from tracerisk.twin.recording.contact_log import (
+    OVERLAP,
+    ROW,
+    BodyKind,
+    ContactLogWriter,
+    LoggedBody,
+)
+from tracerisk.twin.robots.robot import Robot
+
+_MOVED = 0.01  # joints that all moved less overlap as they did [rad or m]
+AFTER_STEPS = 125  # for so long after a touch the contacts of what was touched are seen too
+
+Array = NDArray[np.float64]
+FRESH_STEPS = 10  # from a change of the number of contacts on each step is looked at
+Points = tuple[int, NDArray[np.int32], NDArray[np.int32], Array]
+"""The contacts of a step: its number, their geoms, where in the forces each begins, the forces."""
+
+
+def points(step: int, data: Any) -> Points:
+    """Return copies of what MuJoCo knows of the contacts of a step."""
+    contact = data.contact
+    return step, contact.geom.copy(), contact.efc_address.copy(), data.efc_force.copy()
+
+
+class ContactWatch:
+    """Logs the contacts of a simulation.
+
+    `overlaps` says which links of the robot overlap, pair by pair, at joint positions: the
+    simulation lets them pass through each other.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        log: ContactLogWriter,
+        overlaps: Callable[[Array], list[tuple[str, str]]],
+    ) -> None:
+        self._robot = robot
+        self._log = log
+        self._overlaps = overlaps
+        self._until = 0
+        self._is_welded = False
+        self._looked_at: Array = np.full(len(robot.joints), np.inf)
+        self._overlapping: list[tuple[str, str]] = []
+
+    def use(self, model: Any, declared: Declared, step: int) -> None:
+        """Take `model` for what is simulated from `step` on."""
+        links = set(self._robot.link_names)
+        names = {body_name(body.name): body.name for body in declared.bodies}
+        bodies = []
+        for i in range(model.nbody):
+            name = model.body(i).name
+            kind: BodyKind = (
+                "link" if name in links else "fixed" if model.body_weldid[i] == 0 else "free"
+            )
+            mass = round(float(model.body_mass[i]), 9) if kind == "free" else 0.0
+            bodies.append(LoggedBody(names.get(name, name), kind, mass))
+        stands_for = declared.stands_for or {}
+        welds = {
+            stands_for.get(body.name, body.name): body.link
+            for body in declared.bodies
+            if body.link is not None
+        }
+        self._is_welded = bool(welds)
+        places = self._log.model(step, bodies, welds)
+        self._place_of_geom = places[model.geom_bodyid]
+        self._place_of = {
+            body.name: int(places[i]) for i, body in enumerate(bodies) if body.kind == "link"
+        }
+
+    def is_on(self, step: int) -> bool:
+        """Say whether the contacts of every step from `step` on are to be seen."""
+        return self._is_welded or step < self._until
+
+    def seen(self, until: int, found: list[Points], *, touched: bool) -> None:
+        """Log the contacts that were seen in some steps up to `until`, in order.
+
+        `touched` says that something touched the robot meanwhile.
+        """
+        if touched:
+            self._until = until + AFTER_STEPS
+        sizes = [len(addresses) for _, _, addresses, _ in found]
+        if not sum(sizes):
+            return
+        rows = np.empty(sum(sizes), dtype=ROW)
+        rows["step"] = np.repeat([at for at, *_ in found], sizes)
+        bodies = self._place_of_geom[np.concatenate([geoms for _, geoms, _, _ in found])]
+        rows["one"], rows["two"] = bodies[:, 0], bodies[:, 1]
+        addresses = np.concatenate([each for _, _, each, _ in found])
+        forces = [each for *_, each in found]
+        begins = np.repeat(np.cumsum([0, *(len(each) for each in forces[:-1])]), sizes)
+        # A contact that is not in the solver (address -1) has no force.
+        solved = addresses >= 0
+        rows["force"] = 0.0
+        rows["force"][solved] = np.concatenate(forces)[(begins + addresses)[solved]]
+        self._log.append(rows[rows["force"] > 0.0])
+
+    def posture(self, step: int, positions: Array) -> None:
+        """Log which links overlap; positions: (n_joints,), of all joints in the robot's order."""
+        if np.abs(positions - self._looked_at).max(initial=0.0) > _MOVED:
+            self._overlapping = self._overlaps(positions)
+            self._looked_at = positions.copy()
+        if self._overlapping:
+            rows = np.zeros(len(self._overlapping), dtype=ROW)
+            rows["step"], rows["force"] = step, OVERLAP
+            for row, pair in zip(rows, self._overlapping, strict=True):
+                row["one"], row["two"] = (self._place_of[name] for name in pair)
+            self._log.append(rows)

@@ -1,0 +1,294 @@
+"""Say which touches of a run were to be expected, and share touches and payload among visits.
+
+What is expected, and why, is told in docs/theory.md#contacts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.trace import Contact, Element, Payload
+from tracerisk.twin.recording.activity import ElementActivity, Thresholds, debounce, hysteresis
+from tracerisk.twin.recording.contact_log import ContactLog, LoggedBody
+from tracerisk.twin.recording.touches import (
+    Hold,
+    PairTouches,
+    Steps,
+    hand_links,
+    holds,
+    moved_by,
+    pair_touches,
+)
+from tracerisk.twin.robots.robot import Robot
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Owners = NDArray[np.int64]
+
+_GAP_S = 0.1  # touches of a pair that are no further apart are one [s]
+_AROUND_S = 1.0  # a finger may touch what it grasps for so long before and after [s]
+_SUPPORT_S = 0.5  # what bears a thing is what touches it so near to its grasp or release [s]
+GENTLE_N = 20.0
+"""The normal force up to which a held thing may press on what bears it, twice its weight more.
+
+Own choice: a servo of 2000 N m/rad half a metre away presses with 8 N for each millimetre that a
+set-point lies below a surface, and in the shipped samples no held thing is pressed on with 3 N.
+"""
+_GRAVITY = 9.81  # [m/s^2]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Touch:
+    """A touch of a link, or of a held thing, with another body; `steps` may have short gaps.
+
+    `moves` is the element whose motion moves what touches, `None` where it stands fast.
+    """
+
+    link: str
+    other: str
+    steps: Steps
+    force: Array | None
+    moves: str | None
+    expected: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RunContacts:
+    """All touches of a run and all that was held, with the log that they are from."""
+
+    robot: Robot
+    log: ContactLog
+    touches: tuple[Touch, ...]
+    holds: tuple[Hold, ...]
+    n_steps: int
+    step_s: float
+
+
+def run_contacts(
+    robot: Robot,
+    log: ContactLog,
+    activity: Mapping[str, ElementActivity],
+    commanded: Mapping[str, Flags],
+    step_s: float,
+) -> RunContacts:
+    """Return what touched what, and what was held.
+
+    `commanded` says for each gripper in which steps a command of it was live, (n_steps,) each.
+    """
+    n_steps = next((len(each.moving) for each in activity.values()), 0)
+    pairs = pair_touches(log, n_steps)
+    held = holds(robot, log, pairs, activity)
+    judge = _Judge(robot, log, pairs, held, commanded, step_s)
+    touches = tuple(touch for pair in pairs for touch in judge.touches(pair))
+    return RunContacts(robot, log, touches, held, n_steps, step_s)
+
+
+def visit_contacts(
+    run: RunContacts, owners: Mapping[str | None, Owners]
+) -> dict[int, tuple[Contact, ...]]:
+    """Return the contacts of each visit, by its index, in the order in which they began.
+
+    A touch belongs at each step to the visit that moves what touches: `owners` gives the visit
+    of each element, and under `None` the current one, (n_steps,) each. Within a visit a pair has
+    one contact of what is expected, and one of what is not.
+    """
+    found: dict[tuple[int, str, str, bool], Contact] = {}
+    for touch in run.touches:
+        owner = owners[touch.moves][touch.steps]
+        for visit in np.unique(owner[owner >= 0]):
+            own = owner == visit
+            force = 0.0 if touch.force is None else float(touch.force[own].max())
+            key = (int(visit), touch.link, touch.other, touch.expected)
+            start = float(touch.steps[own][0]) * run.step_s
+            seconds = int(np.count_nonzero(own)) * run.step_s
+            before = found.get(key)
+            if before is not None:
+                start, force = min(start, before.start_s), max(force, before.force_n)
+                seconds += before.touching_s
+            found[key] = Contact(touch.link, touch.other, start, seconds, force, touch.expected)
+    by_visit: dict[int, list[Contact]] = {}
+    for (index, *_), contact in found.items():
+        by_visit.setdefault(index, []).append(contact)
+    return {
+        index: tuple(sorted(each, key=lambda c: (c.start_s, c.link, c.other, c.expected)))
+        for index, each in by_visit.items()
+    }
+
+
+def visit_payloads(
+    run: RunContacts,
+    activity: Mapping[str, ElementActivity],
+    owners: Mapping[str | None, Owners],
+) -> dict[int, tuple[Payload, ...]]:
+    """Return what was held in each visit, by its index; what cannot be moved is no payload.
+
+    Each step belongs to the visit that owns the gripper, as its exposure does; that of a link
+    to which a thing is welded, to the one that moves the link.
+    """
+    spans: dict[tuple[str, LoggedBody], Flags] = {}
+    for hold in run.holds:
+        body = run.log.bodies[hold.body]
+        if body.kind == "free":
+            flags = spans.setdefault((hold.holder, body), np.zeros(run.n_steps, dtype=np.bool_))
+            flags[hold.start : hold.stop] = True
+    grippers = {gripper.name for gripper in run.robot.grippers}
+    by_visit: dict[int, list[Payload]] = {}
+    for (holder, body), flags in spans.items():
+        element = holder if holder in grippers else moved_by(run.robot, holder)
+        grip = activity[holder].grip if holder in grippers else np.zeros(run.n_steps)
+        owner = np.where(flags, owners[element], -1)
+        for visit in np.unique(owner[owner >= 0]):
+            force = grip[owner == visit]
+            by_visit.setdefault(int(visit), []).append(
+                Payload(
+                    gripper=holder,
+                    object=body.name,
+                    mass_kg=body.mass_kg,
+                    held_s=len(force) * run.step_s,
+                    pad_force_n=float(force.mean()),
+                    most_pad_force_n=float(force.max()),
+                )
+            )
+    return {
+        index: tuple(sorted(each, key=lambda p: (p.gripper, p.object)))
+        for index, each in by_visit.items()
+    }
+
+
+def contact_activity(run: RunContacts, elements: Sequence[Element]) -> dict[str, ElementActivity]:
+    """Return when each element of kind `contact` that ever touches does so: as grasping."""
+    limits = Thresholds()
+    n_on, n_off = (round(span / run.step_s) for span in (limits.debounce_on, limits.debounce_off))
+    rest, still = np.zeros(run.n_steps), np.zeros(run.n_steps, dtype=np.bool_)
+    forces: dict[str, Array] = {}
+    for touch in run.touches:
+        if touch.force is not None:
+            force = forces.setdefault(touch.link, np.zeros(run.n_steps))
+            force[touch.steps] += touch.force
+    found = {}
+    for element in elements:
+        if element.kind == "contact" and element.part in forces:
+            force = forces[element.part]
+            touching = hysteresis(force, limits.grasping_on, limits.grasping_off)
+            grasping = debounce(touching, n_on, n_off)
+            found[element.name] = ElementActivity(
+                element, still, still, grasping, rest, rest, force, rest, limits
+            )
+    return found
+
+
+class _Judge:
+    """Splits the touches of a pair, and says of each whether it was to be expected."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        log: ContactLog,
+        pairs: Sequence[PairTouches],
+        held: Sequence[Hold],
+        commanded: Mapping[str, Flags],
+        step_s: float,
+    ) -> None:
+        self._robot = robot
+        self._bodies = log.bodies
+        self._holds = held
+        self._commanded = commanded
+        self._gap, self._around, self._near = (
+            round(span / step_s) for span in (_GAP_S, _AROUND_S, _SUPPORT_S)
+        )
+        self._hands = {each.name: hand_links(robot, each.name) for each in robot.grippers}
+        self._supports = [self._supports_of(hold, pairs) for hold in held]
+
+    def touches(self, pair: PairTouches) -> Iterator[Touch]:
+        """Yield the touches of a pair that concern the robot or what it holds."""
+        one, two = self._bodies[pair.one], self._bodies[pair.two]
+        if "link" in (one.kind, two.kind):
+            link, other = (one, two) if one.kind == "link" else (two, one)
+            moves = moved_by(self._robot, link.name)
+            for steps, force in _split(pair, self._gap):
+                fine = force is not None and self._is_grasp(link.name, other.name, steps)
+                yield Touch(link.name, other.name, steps, force, moves, fine)
+            return
+        for i, hold in enumerate(self._holds):
+            if hold.body not in (pair.one, pair.two):
+                continue
+            other_place = pair.two if hold.body == pair.one else pair.one
+            within = self._while_held(pair, i, other_place)
+            for steps, force in _split(within, self._gap):
+                thing = self._bodies[hold.body]
+                limit = GENTLE_N + 2.0 * _GRAVITY * thing.mass_kg
+                fine = self._bodies[other_place].name in self._supports[i] and force is not None
+                yield Touch(
+                    thing.name,
+                    self._bodies[other_place].name,
+                    steps,
+                    force,
+                    self._moves(hold.holder),
+                    fine and force is not None and float(force.max()) <= limit,
+                )
+
+    def _is_grasp(self, link: str, body: str, steps: Steps) -> bool:
+        """Say whether a link touches what its gripper grasps, or closes on by command.
+
+        Bodies are told by their names: one that is attached was another body before.
+        """
+        for gripper, (fingers, hand) in self._hands.items():
+            if link not in hand:
+                continue
+            for hold in self._holds:
+                is_held = hold.holder == gripper and self._bodies[hold.body].name == body
+                begun = hold.start - self._around <= steps[-1]
+                if is_held and begun and steps[0] < hold.stop + self._around:
+                    return True
+            if link in fingers and bool(self._commanded[gripper][steps[0]]):
+                return True
+        return False
+
+    def _supports_of(self, hold: Hold, pairs: Sequence[PairTouches]) -> frozenset[str]:
+        """Return what a thing was lifted from, and what it was put on."""
+        found = set()
+        for pair in pairs:
+            if hold.body in (pair.one, pair.two) and pair.force is not None:
+                near = [
+                    (pair.steps >= at - self._near) & (pair.steps <= at + self._near)
+                    for at in (hold.start, hold.stop)
+                ]
+                if bool((near[0] | near[1]).any()):
+                    place = pair.two if hold.body == pair.one else pair.one
+                    found.add(self._bodies[place].name)
+        return frozenset(found)
+
+    def _while_held(self, pair: PairTouches, hold: int, other: int) -> PairTouches:
+        """Return a pair's touches during a hold, but while an earlier hold of the other lasts."""
+        own = np.zeros(len(pair.steps), dtype=np.bool_)
+        for each in (self._holds[hold], *self._holds[:hold]):
+            within = (pair.steps >= each.start) & (pair.steps < each.stop)
+            if each is self._holds[hold]:
+                own |= within
+            elif each.body == other:
+                own &= ~within
+        force = None if pair.force is None else pair.force[own]
+        return PairTouches(pair.one, pair.two, pair.steps[own], force)
+
+    def _moves(self, holder: str) -> str | None:
+        """Return the element whose motion carries what is held."""
+        for gripper in self._robot.grippers:
+            if gripper.name == holder:
+                link = next(
+                    each.parent for each in self._robot.attachments if each.name in gripper.joints
+                )
+                return moved_by(self._robot, link)
+        return moved_by(self._robot, holder)
+
+
+def _split(pair: PairTouches, gap: int) -> Iterator[tuple[Steps, Array | None]]:
+    """Yield the steps and forces of each touch: those further apart than `gap` are two."""
+    if not len(pair.steps):
+        return
+    cuts = np.flatnonzero(np.diff(pair.steps) > gap) + 1
+    forces = [None] * (len(cuts) + 1) if pair.force is None else np.split(pair.force, cuts)
+    yield from zip(np.split(pair.steps, cuts), forces, strict=True)

@@ -1,0 +1,284 @@
+"""The samples of a run: what the twin measured at each physics step, in files that outlive it.
+
+Rows are written into mapped memory of `samples.bin`, so that what was sampled stays readable
+however the process that wrote it ended.
+Row k holds the state at the time k step, and the controls applied from then on.
+"""
+
+from __future__ import annotations
+
+import json
+import mmap
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.contained.process import read_regular
+from tracerisk.errors import Location, LogError
+from tracerisk.twin.physics.declared_log import DECLARED_FILES, DeclaredLogWriter
+from tracerisk.twin.recording.contact_log import ContactLog, ContactLogWriter, read_contacts
+
+_ROWS = "samples.bin"
+_POSES = "poses.bin"
+_END = "end_pose.bin"
+_HEADER = "samples.json"
+_CHANGED = "model_changed.bin"
+_VERSION = 1
+_MOST_HEADER = 16 * 1024**2
+_SEGMENT_ROWS = 16_384  # a multiple of every page size, in rows of 8 bytes
+POSE_EVERY = 20  # steps between two poses of everything that can move
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class SampleHeader:
+    """What the columns of the samples mean.
+
+    `controls` are the actuators; `joints` have position, velocity and torque each; `pads` are
+    the finger links whose contact force is measured; `n_pose` is the length of one pose.
+    `free_bodies` are the things that can be moved, `free_at` where the pose of each begins in
+    one: three coordinates [m], then the quaternion, w first.
+    """
+
+    robot: str
+    scene: str
+    step_ns: int
+    controls: tuple[str, ...]
+    joints: tuple[str, ...]
+    pads: tuple[str, ...]
+    n_pose: int
+    free_bodies: tuple[str, ...] = ()
+    free_at: tuple[int, ...] = ()
+
+    @property
+    def width(self) -> int:
+        """The number of columns: the step's number, the controls, then the sensors."""
+        return 1 + len(self.controls) + 3 * len(self.joints) + len(self.pads)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Samples:
+    """The samples of one run.
+
+    control: (n_steps, n_controls) [rad or m]; position, velocity, torque: (n_steps, n_joints)
+    [rad or m, and per second; N m or N]; pad_force: (n_steps, n_pads) [N].
+    poses: (n_poses, n_pose), every `POSE_EVERY` steps from the first.
+    end_pose: (n_pose,) after the last step; `None` for a run that was cut short.
+    changed_at: the step before which bodies were first put into the running simulation, else
+    `None`.
+    contacts: what touched what, `None` where that was not logged.
+    """
+
+    header: SampleHeader
+    control: Array
+    position: Array
+    velocity: Array
+    torque: Array
+    pad_force: Array
+    poses: Array
+    end_pose: Array | None = None
+    changed_at: int | None = None
+    contacts: ContactLog | None = None
+
+    @property
+    def n_steps(self) -> int:
+        """The number of physics steps sampled."""
+        return len(self.control)
+
+    @property
+    def step_s(self) -> float:
+        """The physics step [s]."""
+        return self.header.step_ns * 1e-9
+
+
+class SampleWriter:
+    """Writes samples into a directory; `begin` first, then `rows` and `commit` in turn."""
+
+    def __init__(self, directory: Path) -> None:
+        self._directory = directory
+        self._header: SampleHeader | None = None
+        self._file = -1
+        self._poses = -1
+        self._map: mmap.mmap | None = None
+        self._segment: Array = np.empty((0, 0))
+        self._committed = 0
+        self._contacts: ContactLogWriter | None = None
+        self._declared: DeclaredLogWriter | None = None
+
+    def begin(self, header: SampleHeader) -> None:
+        """Write the header and open the files; raises OSError when the disk refuses."""
+        self._header = header
+        names = {field: getattr(header, field) for field in header.__slots__}
+        text = json.dumps({"version": _VERSION, **names}, indent=1, sort_keys=True)
+        (self._directory / _HEADER).write_text(text + "\n", encoding="utf-8")
+        (self._directory / _END).unlink(missing_ok=True)
+        (self._directory / _CHANGED).unlink(missing_ok=True)
+        for name in DECLARED_FILES:
+            (self._directory / name).unlink(missing_ok=True)
+        flags = os.O_RDWR | os.O_CREAT | os.O_TRUNC
+        self._file = os.open(self._directory / _ROWS, flags, 0o644)
+        self._poses = os.open(self._directory / _POSES, flags, 0o644)
+
+    def rows(self, wanted: int) -> Array:
+        """Return a view (n, width) of the next rows to fill, 1 <= n <= wanted."""
+        if self._header is None:
+            raise ValueError("rows asked for before begin")
+        at = self._committed % _SEGMENT_ROWS
+        if at == 0:
+            self._open_segment(self._header.width)
+        return self._segment[at : at + wanted]
+
+    def commit(self, count: int) -> None:
+        """Mark the first `count` of the rows last asked for as written."""
+        at = self._committed % _SEGMENT_ROWS
+        numbers = np.arange(self._committed + 1, self._committed + count + 1)
+        self._segment[at : at + count, 0] = numbers
+        self._committed += count
+
+    def pose(self, qpos: Array) -> None:
+        """Append the pose of everything that can move; qpos: (n_pose,)."""
+        os.write(self._poses, qpos.tobytes())
+
+    def contacts(self) -> ContactLogWriter:
+        """Return the writer of what touches what, which closes with this; raise as `begin`."""
+        self._contacts = ContactLogWriter(self._directory)
+        return self._contacts
+
+    def declared(self) -> DeclaredLogWriter:
+        """Return the writer of declared bodies, which closes with this; raise as `begin`."""
+        if self._declared is None:
+            self._declared = DeclaredLogWriter(self._directory)
+        return self._declared
+
+    def model_changed(self) -> None:
+        """Note that bodies were put into the simulation after the rows committed so far."""
+        path = self._directory / _CHANGED
+        if not path.exists():
+            path.write_bytes(np.array([self._committed], dtype=np.float64).tobytes())
+
+    def close(self, end_pose: Array | None = None) -> None:
+        """Cut the file to the rows written, and close; further calls do nothing.
+
+        end_pose: (n_pose,) after the last step, of a run that came to its end.
+        """
+        if self._file < 0 or self._header is None:
+            return
+        self._drop_segment()
+        os.ftruncate(self._file, self._committed * self._header.width * 8)
+        os.close(self._file)
+        os.close(self._poses)
+        if end_pose is not None:
+            (self._directory / _END).write_bytes(end_pose.tobytes())
+        self._file = self._poses = -1
+        if self._contacts is not None:
+            self._contacts.close()
+        if self._declared is not None:
+            self._declared.close()
+
+    def __enter__(self) -> SampleWriter:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _open_segment(self, width: int) -> None:
+        self._drop_segment()
+        size = _SEGMENT_ROWS * width * 8
+        offset = self._committed // _SEGMENT_ROWS * size
+        # Allocated now: a full disk is an error here, and not a signal at some later row.
+        os.posix_fallocate(self._file, offset, size)
+        self._map = mmap.mmap(self._file, size, offset=offset)
+        self._segment = np.frombuffer(self._map, dtype=np.float64).reshape(_SEGMENT_ROWS, width)
+
+    def _drop_segment(self) -> None:
+        # The map closes itself when the last view of it is gone.
+        self._segment = np.empty((0, 0))
+        self._map = None
+
+
+def read_samples(directory: Path) -> Samples:
+    """Return the samples in a directory, as far as they were written.
+
+    Raises LogError when the files are absent or do not fit each other.
+    """
+    header = _read_header(directory / _HEADER)
+    width = header.width
+    flat = _floats(directory / _ROWS)
+    rows = flat[: len(flat) // width * width].reshape(-1, width)
+    written = int(np.count_nonzero(rows[:, 0]))
+    rows = rows[:written]
+    if not np.array_equal(rows[:, 0], np.arange(1, written + 1)):
+        raise LogError("rows are missing or out of order", Location(str(directory / _ROWS)))
+    poses = _floats(directory / _POSES)
+    n_poses = len(poses) // header.n_pose if header.n_pose else 0
+    n_controls, n_joints = len(header.controls), len(header.joints)
+    cuts = np.cumsum([1, n_controls, n_joints, n_joints, n_joints])
+    return Samples(
+        header=header,
+        control=rows[:, cuts[0] : cuts[1]],
+        position=rows[:, cuts[1] : cuts[2]],
+        velocity=rows[:, cuts[2] : cuts[3]],
+        torque=rows[:, cuts[3] : cuts[4]],
+        pad_force=rows[:, cuts[4] :],
+        poses=poses[: n_poses * header.n_pose].reshape(n_poses, -1 if n_poses else header.n_pose),
+        end_pose=_floats(end) if (end := directory / _END).exists() else None,
+        changed_at=int(_floats(at)[0]) if (at := directory / _CHANGED).exists() else None,
+        contacts=log if (log := read_contacts(directory, written)).bodies else None,
+    )
+
+
+def has_samples(directory: Path) -> bool:
+    """Return whether a run began to write samples into the directory."""
+    return (directory / _HEADER).exists() and (directory / _POSES).exists()
+
+
+def simulated_ns(directory: Path) -> int:
+    """Return how far a run that is still writing has come [ns], to the last pose."""
+    if not has_samples(directory):
+        return 0
+    header = _read_header(directory / _HEADER)
+    n_poses = (directory / _POSES).stat().st_size // (8 * max(header.n_pose, 1))
+    return max(n_poses - 1, 0) * POSE_EVERY * header.step_ns
+
+
+def _read_header(path: Path) -> SampleHeader:
+    try:
+        # Read while the run goes on, which may put anything in its place.
+        found = json.loads(read_regular(path, _MOST_HEADER))
+        if found.pop("version") != _VERSION:
+            raise LogError(f"is not version {_VERSION} of the samples", Location(str(path)))
+        names = ("controls", "joints", "pads", "free_bodies", "free_at")
+        return SampleHeader(**{**found, **{name: tuple(found.get(name, ())) for name in names}})
+    except (OSError, KeyError, TypeError, AttributeError, RecursionError, ValueError) as cause:
+        raise LogError(f"is no header of samples: {cause}", Location(str(path))) from cause
+
+
+def _floats(path: Path) -> Array:
+    try:
+        data = path.read_bytes()
+    except OSError as cause:
+        raise LogError(f"cannot be read: {cause.strerror}", Location(str(path))) from cause
+    return np.frombuffer(data[: len(data) // 8 * 8], dtype=np.float64)
+
+
+def column_names(header: SampleHeader) -> Sequence[str]:
+    """Return the name of each column of `samples.bin`, in order."""
+    return (
+        "step",
+        *(f"control:{name}" for name in header.controls),
+        *(f"position:{name}" for name in header.joints),
+        *(f"velocity:{name}" for name in header.joints),
+        *(f"torque:{name}" for name in header.joints),
+        *(f"force:{name}" for name in header.pads),
+    )

@@ -1,0 +1,148 @@
+"""When each sensor is in use: while its joint is, and while the controller reads it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.trace import Element, Exposure
+from tracerisk.twin.recording.activity import ElementActivity
+from tracerisk.twin.robots.sensors import IN_JOINTS
+
+Flags = NDArray[np.bool_]
+Owners = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class ReadingSpan:
+    """The controller reads some sensors, by name, from a time to another [ns]."""
+
+    sensors: tuple[str, ...]
+    from_ns: int
+    to_ns: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SensorActivity:
+    """What one sensor does at each step.
+
+    reading: (n_steps,), or `None` where the controller never reads it. `joint` is what the joint
+    does in which it is, `None` for a sensor in none.
+    """
+
+    element: Element
+    reading: Flags | None
+    joint: ElementActivity | None
+
+
+def sensor_activity(
+    elements: Sequence[Element],
+    joints: Mapping[str, ElementActivity],
+    spans: Sequence[ReadingSpan],
+    n_steps: int,
+    step_ns: int,
+) -> Mapping[str, SensorActivity]:
+    """Return the activity of each sensor among the elements, by its name.
+
+    A step is read in which a span holds at its start, and that in which one begins.
+    """
+    reading: dict[str, Flags] = {}
+    for span in spans:
+        first, last = span.from_ns // step_ns, -(-span.to_ns // step_ns)
+        for name in span.sensors:
+            if name not in reading:
+                reading[name] = np.zeros(n_steps, dtype=np.bool_)
+            reading[name][first:last] = True
+    return {
+        each.name: SensorActivity(
+            each,
+            reading.get(each.name),
+            joints.get(each.part or "") if each.sensor in IN_JOINTS else None,
+        )
+        for each in elements
+        if each.kind == "sensor"
+    }
+
+
+def sensor_exposures(
+    activity: SensorActivity,
+    of_joint: Sequence[Exposure] | None,
+    owners: Owners,
+    n_visits: int,
+    step_s: float,
+) -> list[Exposure]:
+    """Return the exposure of a sensor in each visit.
+
+    owners: (n_steps,), the index of the visit that owns each step, -1 for none. `of_joint` are
+    the exposures of its joint in the visits. Moving, holding and starts are those of the joint;
+    the times sum to those of the run.
+    """
+    like = [Exposure()] * n_visits if of_joint is None else of_joint
+    joints = [
+        Exposure(
+            moving_s=each.moving_s,
+            holding_s=each.holding_s,
+            active_s=each.active_s,
+            longest_moving_s=each.longest_moving_s,
+            longest_active_s=each.longest_active_s,
+            starts=each.starts,
+            borderline=each.borderline,
+        )
+        for each in like
+    ]
+    if activity.reading is None:
+        return joints
+    active = (
+        activity.reading if activity.joint is None else activity.reading | activity.joint.active
+    )
+    read_s = _seconds(activity.reading, owners, n_visits, step_s)
+    active_s = _seconds(active, owners, n_visits, step_s)
+    longest_s = _longest(active, owners, n_visits) * step_s
+    return [
+        Exposure(
+            moving_s=each.moving_s,
+            holding_s=each.holding_s,
+            active_s=float(active_s[index]),
+            longest_moving_s=each.longest_moving_s,
+            longest_active_s=float(longest_s[index]),
+            starts=each.starts,
+            borderline=each.borderline,
+            reading_s=float(read_s[index]),
+        )
+        for index, each in enumerate(joints)
+    ]
+
+
+def _seconds(flags: Flags, owners: Owners, n_visits: int, step_s: float) -> NDArray[np.float64]:
+    counted = owners[flags & (owners >= 0)]
+    return np.bincount(counted, minlength=n_visits).astype(np.float64) * step_s
+
+
+def _longest(flags: Flags, owners: Owners, n_visits: int) -> NDArray[np.int64]:
+    """Return the longest run of true entries in each visit, in steps.
+
+    One that fills an unbroken part of the visit counts from its begin to its end in the run, as
+    `tracerisk.twin.recording.exposure` counts it for joints.
+    """
+    longest = np.zeros(n_visits, dtype=np.int64)
+    if not len(flags):
+        return longest
+    cuts = np.flatnonzero((np.diff(flags) != 0) | (np.diff(owners) != 0)) + 1
+    starts = np.concatenate(([0], cuts))
+    stops = np.concatenate((cuts, [len(flags)]))
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False]))))
+    whole_starts, whole_stops = edges[::2], edges[1::2]
+    kept = flags[starts] & (owners[starts] >= 0)
+    starts, stops = starts[kept], stops[kept]
+    own = owners[starts]
+    # It fills its part of the visit where the owner changes at both of its ends.
+    before = np.where(starts == 0, -2, owners[starts - 1])
+    after = np.where(stops == len(flags), -2, owners[np.minimum(stops, len(flags) - 1)])
+    fills = (before != own) & (after != own)
+    around = np.searchsorted(whole_starts, starts, side="right") - 1
+    lengths = np.where(fills, (whole_stops - whole_starts)[around], stops - starts)
+    np.maximum.at(longest, own, lengths)
+    return longest

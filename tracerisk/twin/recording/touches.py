@@ -1,0 +1,189 @@
+"""What touched what at each step of a run, and what each gripper held, from the log of contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.twin.recording.contact_log import LOOK_EVERY, POSTURE_EVERY, ContactLog
+from tracerisk.twin.robots.robot import Robot
+
+if TYPE_CHECKING:
+    from tracerisk.twin.recording.activity import ElementActivity
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Steps = NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PairTouches:
+    """When two bodies touched: `steps` in order, and the normal force at each [N], (n,) both.
+
+    `one` and `two` are places in the log. `force` sums over the points of contact; `None` for
+    links that overlapped, whose force is not simulated.
+    """
+
+    one: int
+    two: int
+    steps: Steps
+    force: Array | None
+
+
+@dataclass(frozen=True, slots=True)
+class Hold:
+    """A body, by its place in the log, that a gripper (or a link, by a weld) held.
+
+    From the step `start` on, up to `stop`.
+    """
+
+    holder: str
+    body: int
+    start: int
+    stop: int
+
+
+def pair_touches(log: ContactLog, n_steps: int) -> tuple[PairTouches, ...]:
+    """Return the touches of each pair of bodies, by the place of the first, then of the other."""
+    rows = log.rows
+    low = np.minimum(rows["one"], rows["two"]).astype(np.int64)
+    high = np.maximum(rows["one"], rows["two"]).astype(np.int64)
+    overlaps = rows["force"] < 0.0
+    key = (low * len(log.bodies) + high) * 2 + overlaps
+    found = []
+    for pair in np.unique(key):
+        own = rows[key == pair]
+        (one, two), is_overlap = divmod(int(pair) // 2, len(log.bodies)), bool(pair % 2)
+        if is_overlap:
+            # Postures are looked at now and then: each stands for the time to the next look.
+            steps = np.unique(own["step"][:, None] + np.arange(POSTURE_EVERY))
+            found.append(PairTouches(one, two, steps[steps < n_steps], None))
+            continue
+        steps, place = np.unique(own["step"], return_inverse=True)
+        force: Array = np.bincount(place, weights=own["force"]).astype(np.float64)
+        found.append(PairTouches(one, two, *_filled(steps.astype(np.intp), force)))
+    return tuple(found)
+
+
+def _filled(steps: Steps, force: Array) -> tuple[Steps, Array]:
+    """Return steps and forces with those between two looks: as at the earlier look."""
+    gaps = np.diff(steps, append=steps[-1:] + 1)
+    times = np.where(gaps <= LOOK_EVERY, gaps, 1)
+    firsts = np.repeat(np.cumsum(times) - times, times)
+    return np.repeat(steps, times) + np.arange(times.sum()) - firsts, np.repeat(force, times)
+
+
+def holds(
+    robot: Robot,
+    log: ContactLog,
+    touches: Sequence[PairTouches],
+    activity: Mapping[str, ElementActivity],
+) -> tuple[Hold, ...]:
+    """Return what was held: free and touched by all pads of a gripper that grasps, or welded.
+
+    A grasp holds a body from the first step in which a pad touches it up to the last.
+    What is gripped and welded at once is held once.
+    """
+    found: list[Hold] = []
+    for gripper in robot.grippers:
+        grasping = activity[gripper.name].grasping
+        by_body: dict[int, dict[str, Steps]] = {}
+        for each in touches:
+            for link, body in ((each.one, each.two), (each.two, each.one)):
+                name = log.bodies[link].name
+                is_pad = log.bodies[link].kind == "link" and name in gripper.pads
+                if is_pad and log.bodies[body].kind == "free" and each.force is not None:
+                    by_body.setdefault(body, {})[name] = each.steps
+        for body, by_pad in sorted(by_body.items()):
+            if len(by_pad) == len(gripper.pads):
+                spans = [(w.start, w.stop) for w in log.welds if w.body == body]
+                spans += _spans(grasping, list(by_pad.values()))
+                found += [Hold(gripper.name, body, *span) for span in _united(spans)]
+    gripped = {(each.body, each.start, each.stop) for each in found}
+    for weld in log.welds:
+        if not any(b == weld.body and i <= weld.start < o for b, i, o in sorted(gripped)):
+            holder = _holder(robot, weld.link)
+            found.append(Hold(holder, weld.body, weld.start, weld.stop))
+    return tuple(sorted(found, key=lambda each: (each.start, each.holder, each.body)))
+
+
+def moved_by(robot: Robot, link: str) -> str | None:
+    """Return the element whose motion moves a link: the next joint towards the base.
+
+    It is the gripper for a finger, `None` for a link that stands fast.
+    """
+    of_gripper = {name: each.name for each in robot.grippers for name in each.joints}
+    arm = {joint.name for joint in robot.arm_joints}
+    above = {each.child: each for each in robot.attachments}
+    while link in above:
+        attachment = above[link]
+        if attachment.name in of_gripper:
+            return of_gripper[attachment.name]
+        if attachment.name in arm:
+            return attachment.name
+        link = attachment.parent
+    return None
+
+
+def hand_links(robot: Robot, gripper: str) -> tuple[frozenset[str], frozenset[str]]:
+    """Return the fingers of a gripper, pads among them, and the hand: these and what bears them."""
+    own = next(each for each in robot.grippers if each.name == gripper)
+    fingers = set(own.pads)
+    bearers = set()
+    for attachment in robot.attachments:
+        if attachment.name in own.joints:
+            fingers.add(attachment.child)
+            bearers.add(attachment.parent)
+    grown = True
+    while grown:
+        more = {each.child for each in robot.attachments if each.parent in fingers} - fingers
+        fingers |= more
+        grown = bool(more)
+    return frozenset(fingers), frozenset(fingers | bearers)
+
+
+def _holder(robot: Robot, link: str) -> str:
+    """Return the gripper in whose hand a link is, or that hangs on it; else the link."""
+    for gripper in robot.grippers:
+        fingers, hand = hand_links(robot, gripper.name)
+        if link in hand or _above(robot, fingers) & {link}:
+            return gripper.name
+    return link if len(robot.grippers) != 1 else robot.grippers[0].name
+
+
+def _above(robot: Robot, links: frozenset[str]) -> frozenset[str]:
+    """Return the links that bear `links` by fixed joints or those of a gripper."""
+    moving = {joint.name for joint in robot.arm_joints}
+    above = {each.child: each for each in robot.attachments}
+    found: set[str] = set()
+    for each in sorted(links):
+        link = each
+        while link in above and above[link].name not in moving:
+            link = above[link].parent
+            found.add(link)
+    return frozenset(found)
+
+
+def _spans(grasping: Flags, by_pad: Sequence[Steps]) -> list[tuple[int, int]]:
+    """Return from when to when a body was held in each grasp in which all pads touch it."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], grasping, [False]))))
+    spans = []
+    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+        within = [steps[(steps >= start) & (steps < stop)] for steps in by_pad]
+        if all(len(steps) for steps in within):
+            spans.append((int(min(s[0] for s in within)), int(max(s[-1] for s in within)) + 1))
+    return spans
+
+
+def _united(spans: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+    found: list[tuple[int, int]] = []
+    for start, stop in sorted(spans):
+        if found and start <= found[-1][1]:
+            found[-1] = (found[-1][0], max(stop, found[-1][1]))
+        else:
+            found.append((start, stop))
+    return found

@@ -1,0 +1,114 @@
+"""A gripper on an arm that is sold without one, for a controller that commands one.
+
+Which gripper it is, nobody says: every figure is assumed.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterable
+from dataclasses import replace
+from types import MappingProxyType
+
+from tracerisk.geometry.shapes import Shape
+from tracerisk.twin.robots.robot import (
+    Attachment,
+    Controller,
+    Gripper,
+    Group,
+    Joint,
+    Link,
+    Robot,
+    Servo,
+)
+
+NAME = "gripper"
+_COMMANDS = frozenset({"GripperCommand", "GripperCommandAction", "ParallelGripperCommand"})
+_NAMED = re.compile(r"(?:^|.*[/_.])(?:\w*gripper|robotiq)\w*(?:/\S*)?|hand", re.IGNORECASE)
+_FINGER = re.compile(r"finger|gripper|knuckle|jaw|robotiq", re.IGNORECASE)
+
+_FINGER_LINK = "assumed_finger_"
+_OPENING = 0.04  # of each finger [m]
+_EFFORT, _RATED, _SPEED = 20.0, 0.2, 0.05  # [N], [m/s], [m/s]
+_REACH = 0.12  # of the pads before the flange, along its z axis [m]
+_PAD = (0.012, 0.004, 0.015)  # half lengths [m]
+_MASS = 0.01  # of a finger: an idle gripper does not count as one that holds [kg]
+
+
+def commands_gripper(source: bytes) -> bool:
+    """Say whether a controller names a gripper as an action, a topic, a group or a joint."""
+    try:
+        tree = ast.parse(source)
+    except (SyntaxError, ValueError):
+        return False
+    for node in ast.walk(tree):
+        if isinstance(node, ast.alias) and node.name.split(".")[-1] in _COMMANDS:
+            return True
+        if isinstance(node, ast.Constant) and _NAMED.fullmatch(str(node.value)):
+            return True
+    return False
+
+
+def has_assumed_gripper(robot: Robot) -> bool:
+    """Return whether the gripper of a robot is one of `with_assumed_gripper`."""
+    return any(link.name.startswith(_FINGER_LINK) for link in robot.links)
+
+
+def with_assumed_gripper(robot: Robot, joints: Iterable[str]) -> Robot:
+    """Return the robot with a gripper of two fingers on the tip of its longest arm.
+
+    `joints` are those that the controller names; the first two that are called like fingers move
+    them. Names of groups and states that the controller has for it are assumed.
+    """
+    arms = [group for group in robot.groups.values() if group.tip_link is not None]
+    tip = max(arms, key=lambda group: len(group.joints)).tip_link
+    assert tip is not None
+    fingers = tuple(name for name in joints if _FINGER.search(name))[:2] or ("gripper_joint",)
+    second = "gripper_second_finger_joint"
+    moved = fingers if len(fingers) == 2 else (*fingers, second)
+    links, attachments, added = [], [], []
+    for index, name in enumerate(moved):
+        side = 1.0 - 2.0 * index
+        link = f"{_FINGER_LINK}{index + 1}"
+        pad = Shape("box", _PAD, (0.0, side * _PAD[1], _REACH), pad=True)
+        links.append(Link(link, _MASS, (0.0, 0.0, _REACH), None, (pad,)))
+        attachments.append(
+            Attachment(
+                name, "prismatic", tip, link, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, side, 0.0)
+            )
+        )
+        added.append(
+            Joint(name, "prismatic", 0.0, _OPENING, _RATED, 5 * _RATED, _EFFORT, Servo(0, 0, 0.1))
+        )
+    stiffness = len(moved) * _EFFORT / _OPENING
+    gripper = Gripper(
+        name=NAME,
+        group=NAME,
+        joints=moved,
+        pads=tuple(link.name for link in links),
+        opening=_OPENING,
+        effort=_EFFORT,
+        velocity_limit=_RATED,
+        speed=_SPEED,
+        stiffness=stiffness,
+        damping=stiffness / 25,
+        signs=(1,) * len(moved),
+    )
+    driver = Controller("gripper_controller", "gripper_command", moved)
+    states = {"open": dict.fromkeys(moved, _OPENING), "close": dict.fromkeys(moved, 0.0)}
+    return replace(
+        robot,
+        links=(*robot.links, *links),
+        attachments=(*robot.attachments, *attachments),
+        joints=(*robot.joints, *added),
+        groups=MappingProxyType({**robot.groups, NAME: Group(moved, tip)}),
+        named_states=MappingProxyType({**robot.named_states, NAME: MappingProxyType(states)}),
+        initial_state=MappingProxyType({**robot.initial_state, **states["open"]}),
+        grippers=(gripper,),
+        controllers=(*robot.controllers, driver),
+        approximate=True,
+        assumes_names=True,
+        chosen_by=f"{robot.chosen_by}; the gripper that the controller speaks of is assumed, on "
+        f"'{tip}'",
+    )

@@ -1,0 +1,156 @@
+"""Assumed planning groups and named states of a robot; each is an assumption of the run."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
+from difflib import get_close_matches
+
+from tracerisk.twin.robots.generic import NAME
+from tracerisk.twin.robots.robot import Group, Robot
+
+_HAND = re.compile(r"gripper|hand|finger|claw|end_?effector", re.IGNORECASE)
+_OPENS = re.compile(r"open|release", re.IGNORECASE)
+_CLOSES = re.compile(r"clos|grasp|grip", re.IGNORECASE)
+_SLIP = 0.8  # how alike two names of a group are of which one is taken for a misspelling
+_SHARE = 0.12  # of its range, how far an assumed state is from rest at most
+
+
+def with_assumed_names(robot: Robot, tell: Callable[[str], None]) -> Robot:
+    """Return a robot that assumes the groups and states asked of it, and tells each one once.
+
+    A robot that does not assume names is returned as it is.
+    """
+    if not robot.assumes_names:
+        return robot
+    groups = _AssumedGroups(robot, tell)
+    return replace(robot, groups=groups, named_states=_AssumedStates(robot, groups, tell))
+
+
+def _remedy(robot: Robot) -> str:
+    if robot.name == NAME:
+        return "name the robot with --robot"
+    return "an SRDF beside its file would tell"
+
+
+class _AssumedGroups(Mapping[str, Group]):
+    """The groups of a robot; any other name is the arm, or the gripper if it sounds like one."""
+
+    def __init__(self, robot: Robot, tell: Callable[[str], None]) -> None:
+        self._known = dict(robot.groups)
+        self._robot = robot
+        self._tell = tell
+
+    def __getitem__(self, name: str) -> Group:
+        if name not in self._known:
+            stand_in = self.stand_in(name)
+            self._known[name] = self._known[stand_in]
+            self._tell(
+                f"planning group '{name}' is assumed to be the {stand_in} of the {self._robot.name}"
+                f" robot, for it is not known; {_remedy(self._robot)}"
+            )
+        return self._known[name]
+
+    def stand_in(self, name: str) -> str:
+        """Return which known group stands for one of another name."""
+        grippers = [gripper.group for gripper in self._robot.grippers]
+        if grippers and _HAND.search(name) and "arm" not in name.lower():
+            return grippers[0]
+        fingers = {joint for gripper in self._robot.grippers for joint in gripper.joints}
+        groups = self._robot.groups
+        arms = [name for name in groups if name not in grippers]
+        # An arm with its hand has no tip to which a pose could be asked for.
+        plain = [name for name in arms if fingers.isdisjoint(groups[name].joints)]
+        return max(plain or arms, key=lambda each: len(groups[each].joints))
+
+    def __contains__(self, name: object) -> bool:
+        return isinstance(name, str) and bool(name) and not self._is_slip(name)
+
+    def _is_slip(self, name: str) -> bool:
+        """Say whether a name is a known one with a slip of the pen, which must not be assumed."""
+        near = get_close_matches(name, self._robot.groups, n=1, cutoff=_SLIP)
+        if not near or name in self._known:
+            return False
+        return name not in near[0] and near[0] not in name
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(list(self._known))
+
+    def __len__(self) -> int:
+        return len(self._known)
+
+
+class _AssumedStates(Mapping[str, Mapping[str, Mapping[str, float]]]):
+    """For each group, named states of any name."""
+
+    def __init__(self, robot: Robot, groups: _AssumedGroups, tell: Callable[[str], None]) -> None:
+        self._robot = robot
+        self._groups = groups
+        self._tell = tell
+        self._states: dict[str, _StatesOfGroup] = {}
+
+    def __getitem__(self, group: str) -> Mapping[str, Mapping[str, float]]:
+        if group not in self._states:
+            states = self._robot.named_states
+            known = states.get(group) or states.get(self._groups.stand_in(group), {})
+            members = self._groups[group].joints
+            self._states[group] = _StatesOfGroup(self._robot, group, members, known, self._tell)
+        return self._states[group]
+
+    def __contains__(self, group: object) -> bool:
+        return group in self._groups
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(list(self._groups))
+
+    def __len__(self) -> int:
+        return len(self._groups)
+
+
+class _StatesOfGroup(Mapping[str, Mapping[str, float]]):
+    def __init__(
+        self,
+        robot: Robot,
+        group: str,
+        joints: Iterable[str],
+        known: Mapping[str, Mapping[str, float]],
+        tell: Callable[[str], None],
+    ) -> None:
+        self._robot = robot
+        self._group = group
+        self._joints = tuple(joints)
+        self._known = dict(known)
+        self._tell = tell
+
+    def __getitem__(self, name: str) -> Mapping[str, float]:
+        if name not in self._known:
+            self._known[name] = {joint: self._position(joint, name) for joint in self._joints}
+            self._tell(
+                f"named state '{name}' of group '{self._group}' is not known: a posture is "
+                f"assumed; {_remedy(self._robot)}"
+            )
+        return self._known[name]
+
+    def _position(self, joint: str, state: str) -> float:
+        """Return a position that is the same in every run: near rest, another for each name."""
+        own = self._robot.joint(joint)
+        rest = self._robot.initial_state[joint]
+        for gripper in self._robot.grippers:
+            if joint in gripper.joints and (_OPENS.search(state) or _CLOSES.search(state)):
+                return own.upper if _OPENS.search(state) else max(own.lower, min(0.0, own.upper))
+        if re.fullmatch(r"home|rest|zero|init\w*", state, re.IGNORECASE):
+            return rest
+        draw = hashlib.sha256(f"{state}\x00{joint}".encode()).digest()[0] / 255 * 2 - 1
+        wanted = rest + draw * _SHARE * (own.upper - own.lower)
+        return min(max(wanted, own.lower), own.upper)
+
+    def __contains__(self, name: object) -> bool:
+        return isinstance(name, str) and bool(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(list(self._known))
+
+    def __len__(self) -> int:
+        return len(self._known)

@@ -1,0 +1,261 @@
+"""The generic arm: for a controller whose robot nobody knows.
+
+It has the joints that the controller names, else six. Planning groups, named states and tool
+frames that the controller asks for are assumed, and each assumption is told.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from tracerisk.geometry.shapes import Shape
+from tracerisk.twin.robots.outline import derived_servo, outlined
+from tracerisk.twin.robots.robot import (
+    DEFAULT_SCALING,
+    Attachment,
+    Controller,
+    Gripper,
+    Group,
+    Joint,
+    Link,
+    Robot,
+    Servo,
+)
+
+NAME = "generic"
+_N_JOINTS = 6
+_MOST_JOINTS = 9
+_JOINT = re.compile(r"(?=.*joint)[A-Za-z][A-Za-z0-9_]*(?:\d|_joint|joint_\w+)", re.IGNORECASE)
+_NO_JOINT = re.compile(
+    r"state|traj|controller|command|name|value|goal|limit|group|position|space|angle|pub|sub|"
+    r"target|move|path|servo|action|interface|jog|config|tolerance|vel|topic",
+    re.IGNORECASE,
+)
+_FINGER = re.compile(r"finger|gripper|jaw|claw|hand", re.IGNORECASE)
+_FRAME = re.compile(
+    r"[A-Za-z][A-Za-z0-9_]*(?:_link\w*|_frame|_tcp|_ee)|tool0|tcp|ee|flange|link_?\d"
+)
+_BASE = re.compile(r"base|world|odom|map|camera|pedestal|table", re.IGNORECASE)
+
+# A small industrial arm of six axes, elbow up: 0.9 m of reach.
+_FRAMES = (
+    ((0.0, 0.0, 0.30), (0.0, 0.0, 1.0)),
+    ((0.0, 0.0, 0.10), (0.0, 1.0, 0.0)),
+    ((0.0, 0.0, 0.40), (0.0, 1.0, 0.0)),
+    ((0.15, 0.0, 0.0), (1.0, 0.0, 0.0)),
+    ((0.20, 0.0, 0.0), (0.0, 1.0, 0.0)),
+    ((0.08, 0.0, 0.0), (1.0, 0.0, 0.0)),
+)
+_TOOL = (0.10, 0.0, 0.0)
+_TORQUES = (150.0, 150.0, 100.0, 30.0, 30.0, 15.0)  # [N m]
+_MASSES = (4.0, 5.0, 3.0, 1.5, 1.0, 0.5)  # [kg]
+_VELOCITY, _ACCELERATION = 2.0, 2.0
+_REST = (0.0, -0.4, 0.6, 0.0, 0.6, 0.0)
+
+
+TITLE = "generic arm, for a robot that is not known"
+
+
+@dataclass(frozen=True, slots=True)
+class AxisFigures:
+    """What is assumed of one axis of an arm: where it is on the one before it, and its figures.
+
+    `range_rad` is how far it turns to either side, `mass_kg` that of the link behind it.
+    """
+
+    xyz: tuple[float, float, float]
+    axis: tuple[float, float, float]
+    torque_nm: float
+    mass_kg: float
+    speed: float = _VELOCITY
+    range_rad: float = math.pi
+
+
+def axis_figures(index: int) -> AxisFigures:
+    """Return the figures of an axis, from 0 at the base; further ones turn at the wrist."""
+    place = min(index, _N_JOINTS - 1)
+    xyz, axis = _FRAMES[place]
+    if index >= _N_JOINTS:
+        axis = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))[index % 2]
+    return AxisFigures(xyz, axis, _TORQUES[place], _MASSES[place])
+
+
+def is_finger_name(joint: str) -> bool:
+    """Tell whether a joint is called as those of fingers are."""
+    return bool(_FINGER.search(joint))
+
+
+@dataclass(frozen=True, slots=True)
+class NamesAsked:
+    """The names of a robot's parts that stand in a controller's source, in their order."""
+
+    joints: tuple[str, ...]
+    frames: tuple[str, ...]
+
+
+def names_asked(source: bytes) -> NamesAsked:
+    """Return what a source names as joints (in lists, or by their look) and as frames.
+
+    A source that is no Python names nothing.
+    """
+    try:
+        tree = ast.parse(source)
+    except (SyntaxError, ValueError):
+        return NamesAsked((), ())
+    listed = list(_listed(tree))
+    strings = [
+        node.value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    ]
+    alone = [text for text in strings if _JOINT.fullmatch(text) and not _NO_JOINT.search(text)]
+    joints = list(dict.fromkeys(listed or alone))
+    frames = [text for text in strings if _FRAME.fullmatch(text) and not _BASE.search(text)]
+    return NamesAsked(
+        tuple(joints), tuple(name for name in dict.fromkeys(frames) if name not in joints)
+    )
+
+
+def _listed(tree: ast.AST) -> Iterator[str]:
+    """Yield the names in each list that is given to what is called joints, or looks like them."""
+    for node in ast.walk(tree):
+        pairs: list[tuple[str, ast.expr]] = []
+        if isinstance(node, ast.Assign):
+            pairs = [(_name(target), node.value) for target in node.targets]
+        elif isinstance(node, ast.keyword):
+            pairs = [(node.arg or "", node.value)]
+        elif isinstance(node, ast.AnnAssign) and node.value is not None:
+            pairs = [(_name(node.target), node.value)]
+        for name, value in pairs:
+            words = _words(value)
+            if not words:
+                continue
+            if "joint" in name.lower() or all(_JOINT.fullmatch(word) for word in words):
+                yield from words
+
+
+def _words(value: ast.expr) -> list[str]:
+    if not isinstance(value, (ast.List, ast.Tuple)) or not value.elts:
+        return []
+    words = [
+        each.value
+        for each in value.elts
+        if isinstance(each, ast.Constant)
+        and isinstance(each.value, str)
+        and re.fullmatch(r"[A-Za-z]\w*", each.value)
+    ]
+    return words if len(words) == len(value.elts) else []
+
+
+def _name(target: ast.expr) -> str:
+    if isinstance(target, ast.Attribute):
+        return target.attr
+    return target.id if isinstance(target, ast.Name) else ""
+
+
+def generic_arm(asked: NamesAsked) -> Robot:
+    """Return an arm with the joints asked for, else with six, and with a gripper.
+
+    It is marked approximate, and as one that assumes groups and states: see `with_assumed_names`.
+    """
+    fingers = tuple(name for name in asked.joints if _FINGER.search(name))[:2]
+    names = tuple(name for name in asked.joints if not _FINGER.search(name))[:_MOST_JOINTS]
+    names = names or tuple(f"joint{index + 1}" for index in range(_N_JOINTS))
+    fingers = fingers or ("gripper_finger_joint",)
+    count = len(names)
+    # A shorter arm is the first axes of the longer one; further ones turn at its wrist.
+    places = [min(index, _N_JOINTS - 1) for index in range(count)]
+    arm_links = [f"generic_link{index + 1}" for index in range(count)]
+    base = "base_link"
+    attachments = [
+        Attachment(
+            name,
+            "revolute",
+            base if index == 0 else arm_links[index - 1],
+            arm_links[index],
+            _FRAMES[place][0],
+            (0.0, 0.0, 0.0),
+            _FRAMES[place][1] if index < _N_JOINTS else ((1.0, 0, 0), (0, 1.0, 0))[index % 2],
+        )
+        for index, (name, place) in enumerate(zip(names, places, strict=True))
+    ]
+    joints = [
+        Joint(
+            name,
+            "revolute",
+            -math.pi,
+            math.pi,
+            _VELOCITY,
+            _ACCELERATION,
+            _TORQUES[place],
+            derived_servo(_TORQUES[place], _VELOCITY),
+        )
+        for name, place in zip(names, places, strict=True)
+    ]
+    taken = {base, *arm_links}
+    frames = [name for name in asked.frames if name not in taken][:20]
+    tool = "tool0" if "tool0" not in frames else "generic_tool"
+    attachments.append(_fixed(tool, arm_links[-1], _TOOL))
+    attachments += [_fixed(name, tool, (0.0, 0.0, 0.0)) for name in frames]
+    links = [Link(base, 0.0, (0.0, 0.0, 0.0), None, (Shape("cylinder", (0.08, 0.1), (0, 0, 0.1)),))]
+    links += [
+        Link(link, _MASSES[place], (0.0, 0.0, 0.0), None, ())
+        for link, place in zip(arm_links, places, strict=True)
+    ]
+    links += [Link(name, 0.0, (0.0, 0.0, 0.0), None, ()) for name in (tool, *frames)]
+    for index, name in enumerate(fingers):
+        side = 1.0 - 2.0 * index
+        link = f"generic_finger{index + 1}"
+        attachments.append(
+            Attachment(
+                name, "prismatic", tool, link, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, side, 0.0)
+            )
+        )
+        pad = Shape("box", (0.015, 0.004, 0.01), (0.03, side * 0.004, 0.0), pad=True)
+        links.append(Link(link, 0.05, (0.0, 0.0, 0.0), None, (pad,)))
+        joints.append(Joint(name, "prismatic", 0.0, 0.04, 0.2, 1.0, 20.0, Servo(0.0, 0.0, 0.1)))
+    outlines = [
+        outlined(link, 0.04, attachments) if link.name in arm_links else link for link in links
+    ]
+    rest = {name: _REST[place] for name, place in zip(names, places, strict=True)}
+    groups = {
+        "arm": Group(names, tool),
+        "gripper": Group(fingers, tool),
+    }
+    gripper = Gripper(
+        "gripper", "gripper", fingers, tuple(f"generic_finger{i + 1}" for i in range(len(fingers))),
+        0.04, 20.0, 0.2, 0.05, 500.0 * len(fingers), 20.0 * len(fingers), 0.0, (1,) * len(fingers),
+    )  # fmt: skip
+    return Robot(
+        name=NAME,
+        title=TITLE,
+        source="assumed: no figure is that of a robot",
+        base_link=base,
+        links=tuple(outlines),
+        attachments=tuple(attachments),
+        joints=tuple(joints),
+        groups=MappingProxyType(groups),
+        named_states=MappingProxyType({}),
+        initial_state=MappingProxyType({**rest, **dict.fromkeys(fingers, 0.04)}),
+        grippers=(gripper,),
+        controllers=(
+            Controller("arm_controller", "follow_joint_trajectory", names),
+            Controller("gripper_controller", "gripper_command", fingers),
+        ),
+        default_scaling=DEFAULT_SCALING,
+        default_scene="empty",
+        file="tracerisk/twin/robots/generic.py",
+        approximate=True,
+        assumes_names=True,
+    )
+
+
+def _fixed(child: str, parent: str, xyz: tuple[float, float, float]) -> Attachment:
+    return Attachment(
+        f"{child}_fixed", "fixed", parent, child, xyz, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+    )

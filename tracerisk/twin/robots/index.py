@@ -1,0 +1,98 @@
+"""The names in the shipped robots, told at once: the files are not parsed as YAML, only scanned.
+
+That is quick because our own files are written in one way, which a test holds them to. Whatever
+more is asked of a robot is read by `load_robot`.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from tracerisk.twin.robots.robot import SHIPPED_ROBOTS, robot_names
+
+_SECTION = re.compile(r"^(\w+):(.*)$")
+_ENTRY = re.compile(r"^  - \{?name: (\S+?)(?:,|\}|$)(.*)$")
+_GROUP = re.compile(r"^  (\S+):\n    joints: \[([^\]]*)\]", re.MULTILINE)
+_JOINTS = re.compile(r"\bjoints: \[([^\]]*)\]")
+
+
+@dataclass(frozen=True, slots=True)
+class RobotNames:
+    """What a shipped robot calls itself and its parts, and what stands at the top of its file.
+
+    `joints` are all that move, `arm_joints` those of them that belong to no gripper; `groups` have
+    the joints of each. `payload` is rated, in [kg], `None` where the file gives none.
+    """
+
+    name: str
+    title: str
+    aliases: tuple[str, ...]
+    source: str
+    payload: float | None
+    links: tuple[str, ...]
+    joints: tuple[str, ...]
+    arm_joints: tuple[str, ...]
+    groups: Mapping[str, tuple[str, ...]]
+    grippers: tuple[str, ...]
+    controllers: tuple[str, ...]
+
+
+@functools.cache
+def shipped_names() -> tuple[RobotNames, ...]:
+    """Return the names in each shipped robot, in the order of the robots' names."""
+    return tuple(
+        scan_names((SHIPPED_ROBOTS / f"{name}.yaml").read_text(encoding="utf-8"))
+        for name in robot_names()
+    )
+
+
+def scan_names(text: str) -> RobotNames:
+    """Return the names in a robot file that is written as the shipped ones are."""
+    sections = dict(_sections(text))
+    grippers = sections.get("grippers", "")
+    held = {joint.strip() for found in _JOINTS.finditer(grippers) for joint in found[1].split(",")}
+    joints = tuple(name for name, rest in _entries(sections, "joints") if "type: fixed" not in rest)
+    return RobotNames(
+        name=sections["name"].strip(),
+        title=sections["title"].strip(),
+        aliases=_list(sections.get("aliases", "")),
+        source=" ".join(sections["source"].split()).removeprefix(">- "),
+        payload=float(sections["payload"]) if "payload" in sections else None,
+        links=tuple(name for name, _ in _entries(sections, "links")),
+        joints=joints,
+        arm_joints=tuple(name for name in joints if name not in held),
+        groups=MappingProxyType(
+            {found[1]: _list(found[2]) for found in _GROUP.finditer(sections["groups"])}
+        ),
+        grippers=tuple(name for name, _ in _entries(sections, "grippers")),
+        controllers=tuple(name for name, _ in _entries(sections, "controllers")),
+    )
+
+
+def _sections(text: str) -> Iterator[tuple[str, str]]:
+    """Yield each key at the top with all that stands under it."""
+    key, lines = "", list[str]()
+    for line in text.splitlines():
+        found = _SECTION.match(line)
+        if found is not None:
+            yield key, "\n".join(lines)
+            key, lines = found[1], [found[2]]
+        elif not line.startswith("#"):
+            lines.append(line)
+    yield key, "\n".join(lines)
+
+
+def _entries(sections: dict[str, str], key: str) -> Iterator[tuple[str, str]]:
+    for line in sections.get(key, "").splitlines():
+        found = _ENTRY.match(line)
+        if found is not None:
+            yield found[1], found[2]
+
+
+def _list(text: str) -> tuple[str, ...]:
+    inner = text.strip().removeprefix("[").removesuffix("]")
+    return tuple(part.strip() for part in inner.split(",") if part.strip())

@@ -1,0 +1,155 @@
+"""Tell which shipped robot another description is of, and take from it what that lacks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+
+from tracerisk.geometry.frames import rotation
+from tracerisk.twin.robots.index import shipped_names
+from tracerisk.twin.robots.prefix import prefix_in, with_prefix
+from tracerisk.twin.robots.robot import Joint, Robot, load_robot
+from tracerisk.twin.robots.sensors import sensors_like
+
+_MATCHES = 0.8  # the share of joint names that two robots of one make have in common
+_SAME_LENGTH = 0.03  # [m]
+_SAME = 1e-6  # lengths of two shipped arms that differ by less are one [m]
+
+
+def shipped_like(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the shipped robots that have the greatest share of their joints among the names."""
+    shares = _shares(names)
+    return tuple(name for name in shares if shares[name] == max(shares.values()))
+
+
+def _shares(names: Iterable[str]) -> dict[str, float]:
+    """Return the shares of the shipped robots with most of their joints among the names."""
+    wanted = set(names)
+    shares = {
+        each.name: len(wanted.intersection(each.arm_joints)) / len(each.arm_joints)
+        for each in shipped_names()
+    }
+    return {name: share for name, share in sorted(shares.items()) if share >= _MATCHES}
+
+
+def _all_shipped_like(names: Iterable[str]) -> Iterator[Robot]:
+    """Yield the shipped robots with most of their joints among the names, the best ones first.
+
+    Where that is none, one whose joints are all there with a prefix is yielded with it.
+    """
+    given = tuple(names)
+    prefix = ""
+    shares = _shares(given)
+    if not shares:
+        prefix = prefix_in(given, shipped_names())
+        shares = _shares(name.removeprefix(prefix) for name in given) if prefix else {}
+    for name in sorted(shares, key=lambda each: (-shares[each], each)):
+        yield with_prefix(load_robot(name), prefix) if prefix else load_robot(name)
+
+
+def _ours(robot: Robot) -> Robot | None:
+    """Return the shipped robot that this one is: joints of the same names at the same distances.
+
+    Names alone say little: many arms call their joints `joint1` and so on.
+    """
+    own = _distances(robot)
+    best: tuple[float, Robot] | None = None
+    for like in _all_shipped_like(joint.name for joint in robot.arm_joints):
+        ours = _distances(like)
+        apart = [abs(own[name] - ours[name]) for name in sorted(own.keys() & ours.keys())]
+        # The first joint stands on whatever the arm is mounted on.
+        same = [each for each in apart if each < _SAME_LENGTH]
+        if len(same) < _MATCHES * len(apart):
+            continue
+        # Of arms that are alike it is the one whose lengths come nearest.
+        off = math.fsum(same) / max(len(same), 1)
+        if best is None or off < best[0] - _SAME:
+            best = off, like
+    return None if best is None else best[1]
+
+
+def _distances(robot: Robot) -> dict[str, float]:
+    """Return how far each arm joint is from the moving one before it, or from the base [m]."""
+    hangs = {each.child: each for each in robot.attachments}
+    moving = {joint.name for joint in robot.arm_joints}
+    found: dict[str, float] = {}
+    for each in robot.attachments:
+        if each.name in moving:
+            place = np.array(each.xyz)
+            above = hangs.get(each.parent)
+            while above is not None and above.type == "fixed":
+                place = np.array(above.xyz) + rotation(above.rpy) @ place
+                above = hangs.get(above.parent)
+            found[each.name] = float(np.linalg.norm(place))
+    return found
+
+
+def is_variant(one: Robot, other: Robot) -> bool:
+    """Tell whether two robots have joints of the same names, in other places."""
+    names = [{joint.name for joint in each.joints} for each in (one, other)]
+    places = [[(at.name, at.xyz, at.rpy) for at in each.attachments] for each in (one, other)]
+    return names[0] == names[1] and places[0] != places[1]
+
+
+def completed_as_ours(robot: Robot, *, knows_motors: bool = False) -> Robot:
+    """Return the robot with the rated figures of ours, where one has the same joints.
+
+    A robot that knows its motors keeps torques and servos, and lacks only rated velocities.
+    """
+    like = _ours(robot)
+    if like is None:
+        return robot
+    ours = {joint.name: joint for joint in like.arm_joints}
+    mine = {joint.name for joint in robot.arm_joints}
+    joints = tuple(
+        _rated(joint, ours[joint.name], robot.approximate, knows_motors)
+        if joint.name in ours and joint.name in mine and ours[joint.name].type == joint.type
+        else joint
+        for joint in robot.joints
+    )
+    taken = {element.name for element in robot.elements}
+    sensors = tuple(
+        each
+        for each in sensors_like(like.own_sensors, mine, robot.link_names)
+        if each.name not in taken
+    )
+    return replace(robot, joints=joints, own_sensors=(*robot.own_sensors, *sensors))
+
+
+def _rated(joint: Joint, ours: Joint, assumed: bool, knows_motors: bool) -> Joint:
+    """Return a joint with what a URDF does not say, and our figures where its own are assumed."""
+    joint = replace(
+        joint,
+        acceleration_limit=ours.acceleration_limit,
+        plan_velocity=ours.plan_velocity,
+        plan_acceleration=ours.plan_acceleration,
+    )
+    if not assumed:
+        return joint
+    joint = replace(joint, velocity_limit=ours.velocity_limit)
+    if knows_motors:
+        return joint
+    return replace(joint, torque_limit=ours.torque_limit, servo=ours.servo)
+
+
+def named_as_ours(robot: Robot) -> Robot:
+    """Return a robot without an SRDF with the groups of ours, else one that assumes them."""
+    like = _ours(robot)
+    if like is None:
+        return replace(robot, approximate=True, assumes_names=True)
+    joints = {joint.name: joint for joint in robot.joints}
+    groups, states = dict(robot.groups), dict(robot.named_states)
+    for name, group in like.groups.items():
+        if set(group.joints) <= joints.keys():
+            tip = group.tip_link if group.tip_link in robot.link_names else None
+            own = next((g for g in robot.groups if robot.groups[g].joints == group.joints), None)
+            own_tip = robot.groups[own].tip_link if own is not None else None
+            groups[name] = replace(group, tip_link=tip or own_tip)
+            told = robot.named_states.get(own or name, {})
+            # The file's own states go before those of ours.
+            states[name] = MappingProxyType({**like.named_states.get(name, {}), **told})
+    return replace(robot, groups=MappingProxyType(groups), named_states=MappingProxyType(states))

@@ -1,0 +1,347 @@
+"""Read a robot from its YAML file, checking all that can be checked without a physics engine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import cast, get_args
+
+from tracerisk.errors import RobotError, one_of
+from tracerisk.geometry.shapes import read_shapes
+from tracerisk.text.yaml_reader import YamlMap, read_yaml
+from tracerisk.twin.robots.outline import derived_servo, outlined
+from tracerisk.twin.robots.robot import (
+    DEFAULT_SCALING,
+    Attachment,
+    Controller,
+    ControllerType,
+    Gripper,
+    Group,
+    Joint,
+    JointType,
+    Link,
+    Robot,
+    Scaling,
+    Servo,
+    without_stiffness,
+)
+from tracerisk.twin.robots.sensors import read_sensors
+
+_WHOLE_TURNS = 2 * math.pi  # what a joint without a stop is given as its range in a plan
+
+
+def read_robot(path: Path, *, shown: str | None = None) -> Robot:
+    """Read a robot from its YAML file; `shown` is the file's name in messages.
+
+    Raises RobotError with file and line when the file is malformed.
+    """
+    file = shown if shown is not None else str(path)
+    top = read_yaml(path, RobotError, shown=file)
+    top.forbid_unknown(
+        {
+            "name", "title", "aliases", "source", "base_link", "links", "joints", "servos",
+            "groups", "named_states", "initial_state", "grippers", "controllers",
+            "default_scaling", "default_scene", "payload", "sensors",
+        }
+    )  # fmt: skip
+    plain = tuple(_link(entry) for entry in top.maps("links"))
+    _unique((link.name for link in plain), top, "links")
+    link_names = {link.name for link in plain}
+    base_link = _known(top, "base_link", link_names)
+    attachments, joints = _joints(top, link_names)
+    radii = {
+        entry.string("name"): _positive(entry, "radius")
+        for entry in top.maps("links")
+        if "radius" in entry
+    }
+    links = tuple(outlined(link, radii.get(link.name), attachments) for link in plain)
+    _check_tree(top, base_link, link_names, attachments)
+    by_name = {joint.name: joint for joint in joints}
+    groups = {
+        name: _group(entry, by_name, link_names)
+        for name, entry in top.map("groups").items_as_maps()
+    }
+    named_states = _named_states(top, groups, by_name)
+    initial = _state(top.map("initial_state"), by_name)
+    initial.update({name: _rest(joint) for name, joint in by_name.items() if name not in initial})
+    scaling = top.optional_map("default_scaling")
+    _unique((entry.string("name") for entry in top.maps("grippers")), top, "grippers")
+    grippers = tuple(_gripper(entry, by_name, link_names, groups) for entry in top.maps("grippers"))
+    held = {name for gripper in grippers for name in gripper.joints}
+    for entry in top.maps("joints"):
+        joint = by_name.get(entry.string("name"))
+        if joint is not None and joint.name not in held and joint.servo.stiffness == 0.0:
+            entry.fail("servo", without_stiffness(joint.name))
+    sensors, without_encoder = read_sensors(
+        top,
+        tuple(name for name in by_name if name not in held),
+        tuple(link.name for link in links),
+        taken=(*by_name, *(gripper.name for gripper in grippers)),
+    )
+    return Robot(
+        name=top.string("name"),
+        title=top.string("title"),
+        source=top.string("source"),
+        base_link=base_link,
+        links=links,
+        attachments=attachments,
+        joints=joints,
+        groups=MappingProxyType(groups),
+        named_states=MappingProxyType(named_states),
+        initial_state=MappingProxyType({name: initial[name] for name in by_name}),
+        grippers=grippers,
+        controllers=tuple(_controller(entry, by_name) for entry in top.maps("controllers")),
+        default_scaling=DEFAULT_SCALING if scaling is None else _scaling(scaling),
+        default_scene=top.optional_string("default_scene"),
+        file=file,
+        aliases=tuple(top.strings("aliases")),
+        payload=_positive(top, "payload") if "payload" in top else None,
+        own_sensors=sensors,
+        without_encoder=without_encoder,
+    )
+
+
+def _link(entry: YamlMap) -> Link:
+    entry.forbid_unknown({"name", "mass", "centre_of_mass", "inertia", "radius", "shapes"})
+    mass = entry.number("mass", default=0.0, minimum=0.0)
+    centre = entry.numbers("centre_of_mass", length=3) if "centre_of_mass" in entry else [0.0] * 3
+    inertia = entry.numbers("inertia", length=6) if "inertia" in entry else None
+    return Link(
+        name=entry.string("name"),
+        mass=mass,
+        centre_of_mass=(centre[0], centre[1], centre[2]),
+        inertia=None
+        if inertia is None
+        else (inertia[0], inertia[1], inertia[2], inertia[3], inertia[4], inertia[5]),
+        shapes=read_shapes(entry),
+    )
+
+
+def _joints(top: YamlMap, links: Iterable[str]) -> tuple[tuple[Attachment, ...], tuple[Joint, ...]]:
+    section = top.optional_map("servos")
+    servos = {name: _servo(entry) for name, entry in section.items_as_maps()} if section else {}
+    attachments, joints = [], []
+    for entry in top.maps("joints"):
+        entry.forbid_unknown(
+            {
+                "name", "type", "parent", "child", "xyz", "rpy", "axis", "lower", "upper",
+                "velocity", "acceleration", "torque", "servo", "plan_velocity",
+                "plan_acceleration", "friction",
+            }
+        )  # fmt: skip
+        kind = entry.string("type", default="revolute")
+        if kind not in get_args(JointType):
+            entry.fail("type", f"unknown joint type '{kind}'; {one_of(get_args(JointType), kind)}")
+        joint_type = cast(JointType, kind)
+        attachments.append(
+            Attachment(
+                name=entry.string("name"),
+                type=joint_type,
+                parent=_known(entry, "parent", links),
+                child=_known(entry, "child", links),
+                xyz=_triple(entry, "xyz", (0.0, 0.0, 0.0)),
+                rpy=_triple(entry, "rpy", (0.0, 0.0, 0.0)),
+                axis=_triple(entry, "axis", (0.0, 0.0, 1.0)),
+            )
+        )
+        if joint_type != "fixed":
+            joints.append(_joint(entry, joint_type, servos))
+    _unique((attachment.name for attachment in attachments), top, "joints")
+    return tuple(attachments), tuple(joints)
+
+
+def _joint(entry: YamlMap, kind: JointType, servos: Mapping[str, Servo]) -> Joint:
+    endless = kind == "continuous"
+    lower = entry.number("lower", default=-_WHOLE_TURNS) if endless else entry.number("lower")
+    upper = entry.number("upper", default=_WHOLE_TURNS) if endless else entry.number("upper")
+    if lower >= upper:
+        entry.fail("upper", f"{upper:g} is not above the lower limit {lower:g}")
+    velocity, torque = _positive(entry, "velocity"), _positive(entry, "torque")
+    acceleration = _positive(entry, "acceleration")
+    if "servo" in entry:
+        servo = servos[_known(entry, "servo", servos)]
+    else:
+        servo = derived_servo(torque, velocity)
+    if "friction" in entry:
+        servo = replace(servo, friction=entry.number("friction", minimum=0.0))
+    return Joint(
+        name=entry.string("name"),
+        type=kind,
+        lower=lower,
+        upper=upper,
+        velocity_limit=velocity,
+        acceleration_limit=acceleration,
+        torque_limit=torque,
+        servo=servo,
+        plan_velocity=_planned(entry, "plan_velocity", velocity),
+        plan_acceleration=_planned(entry, "plan_acceleration", acceleration),
+    )
+
+
+def _planned(entry: YamlMap, key: str, rated: float) -> float | None:
+    """Return a limit of plans, `None` where it is the rated one; it may not lie above that."""
+    if key not in entry:
+        return None
+    value = _positive(entry, key)
+    if value > rated:
+        entry.fail(key, f"{value:g} is above the rated {rated:g}; give the rated figure or less")
+    return value
+
+
+def _servo(entry: YamlMap) -> Servo:
+    entry.forbid_unknown({"stiffness", "damping", "armature"})
+    return Servo(
+        stiffness=entry.number("stiffness", minimum=0.0),
+        damping=entry.number("damping", minimum=0.0),
+        armature=entry.number("armature", default=0.0, minimum=0.0),
+    )
+
+
+def _group(entry: YamlMap, joints: Mapping[str, Joint], links: Iterable[str]) -> Group:
+    entry.forbid_unknown({"joints", "tip_link"})
+    names = _known_all(entry, "joints", joints)
+    return Group(names, _known(entry, "tip_link", links) if "tip_link" in entry else None)
+
+
+def _named_states(
+    top: YamlMap, groups: Mapping[str, Group], joints: Mapping[str, Joint]
+) -> dict[str, Mapping[str, Mapping[str, float]]]:
+    found: dict[str, Mapping[str, Mapping[str, float]]] = {}
+    section = top.optional_map("named_states")
+    if section is None:
+        return found
+    section.forbid_unknown(groups)
+    for group, entry in section.items_as_maps():
+        members = {name: joints[name] for name in groups[group].joints}
+        states = {
+            state: MappingProxyType(_state(values, members))
+            for state, values in entry.items_as_maps()
+        }
+        found[group] = MappingProxyType(states)
+    return found
+
+
+def _state(entry: YamlMap, joints: Mapping[str, Joint]) -> dict[str, float]:
+    entry.forbid_unknown(joints)
+    return {
+        name: entry.number(name, minimum=joints[name].lower, maximum=joints[name].upper)
+        for name in entry.keys()  # noqa: SIM118 (a YamlMap is no mapping)
+    }
+
+
+def _gripper(
+    entry: YamlMap,
+    joints: Mapping[str, Joint],
+    links: Iterable[str],
+    groups: Mapping[str, Group],
+) -> Gripper:
+    entry.forbid_unknown(
+        {
+            "name", "group", "joints", "pads", "opening", "effort", "velocity", "speed",
+            "stiffness", "damping", "signs",
+        }
+    )  # fmt: skip
+    names = _known_all(entry, "joints", joints)
+    signs = entry.numbers("signs", length=len(names)) if "signs" in entry else [1.0] * len(names)
+    if signs[0] != 1.0 or any(sign not in (1.0, -1.0) for sign in signs):
+        entry.fail("signs", "each is 1 or -1, the first 1: the joint whose position is told")
+    return Gripper(
+        name=entry.string("name"),
+        group=_known(entry, "group", groups),
+        joints=names,
+        pads=_known_all(entry, "pads", links),
+        opening=entry.number("opening", minimum=joints[names[0]].lower),
+        effort=_positive(entry, "effort"),
+        velocity_limit=_positive(entry, "velocity"),
+        speed=entry.number("speed", minimum=1e-6, maximum=entry.number("velocity")),
+        stiffness=_positive(entry, "stiffness"),
+        damping=entry.number("damping", minimum=0.0),
+        least=joints[names[0]].lower,
+        signs=tuple(int(sign) for sign in signs),
+    )
+
+
+def _controller(entry: YamlMap, joints: Mapping[str, Joint]) -> Controller:
+    entry.forbid_unknown({"name", "type", "joints"})
+    kind = entry.string("type")
+    if kind not in get_args(ControllerType):
+        entry.fail("type", f"unknown type '{kind}'; {one_of(get_args(ControllerType), kind)}")
+    return Controller(
+        entry.string("name"), cast(ControllerType, kind), _known_all(entry, "joints", joints)
+    )
+
+
+def _scaling(entry: YamlMap) -> Scaling:
+    entry.forbid_unknown({"velocity", "acceleration"})
+    return Scaling(
+        entry.number("velocity", minimum=0.001, maximum=1.0),
+        entry.number("acceleration", minimum=0.001, maximum=1.0),
+    )
+
+
+def _check_tree(
+    top: YamlMap, base: str, links: Iterable[str], attachments: Iterable[Attachment]
+) -> None:
+    parents: dict[str, str] = {}
+    for attachment in attachments:
+        if attachment.child in parents or attachment.child == base:
+            top.fail("joints", f"link '{attachment.child}' hangs on more than one parent")
+        parents[attachment.child] = attachment.parent
+    for link in links:
+        seen = {link}
+        at = link
+        while at != base:
+            if at not in parents:
+                top.fail("joints", f"link '{link}' does not hang on the base link '{base}'")
+            at = parents[at]
+            if at in seen:
+                top.fail("joints", f"link '{link}' hangs on itself")
+            seen.add(at)
+
+
+def _rest(joint: Joint) -> float:
+    return min(max(0.0, joint.lower), joint.upper)
+
+
+def _positive(entry: YamlMap, key: str) -> float:
+    value = entry.number(key, minimum=0.0)
+    if value == 0.0:
+        entry.fail(key, "0 is not allowed; give a positive number")
+    return value
+
+
+def _triple(
+    entry: YamlMap, key: str, default: tuple[float, float, float]
+) -> tuple[float, float, float]:
+    if key not in entry:
+        return default
+    values = entry.numbers(key, length=3)
+    return values[0], values[1], values[2]
+
+
+def _known(entry: YamlMap, key: str, names: Iterable[str]) -> str:
+    value = entry.string(key)
+    if value not in names:
+        entry.fail(key, f"unknown name '{value}'; {one_of(names, value)}")
+    return value
+
+
+def _known_all(entry: YamlMap, key: str, names: Iterable[str]) -> tuple[str, ...]:
+    values = entry.strings(key)
+    if not values:
+        entry.fail(key, "names nothing; name one or more")
+    for value in values:
+        if value not in names:
+            entry.fail(key, f"unknown name '{value}'; {one_of(names, value)}")
+    return tuple(values)
+
+
+def _unique(names: Iterable[str], top: YamlMap, key: str) -> None:
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            top.fail(key, f"'{name}' is defined twice")
+        seen.add(name)

@@ -1,0 +1,121 @@
+"""The sensors of a robot: which there are, and in which joint or link each is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import cast, get_args
+
+from tracerisk.errors import one_of
+from tracerisk.text.yaml_reader import YamlMap
+from tracerisk.trace import Element, SensorKind
+
+IN_JOINTS: tuple[SensorKind, ...] = ("encoder", "torque")
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor:
+    """A sensor, in the joint or link `part`.
+
+    `topics` are the names under which drivers tell of it: a topic is one of them, or stands below
+    one, whatever stands before. `link` is that in whose axes a torque sensor's estimate of a
+    wrench is told there.
+    """
+
+    kind: SensorKind
+    name: str
+    part: str
+    topics: tuple[str, ...] = ()
+    link: str | None = None
+
+    @property
+    def element(self) -> Element:
+        """What a trace calls the sensor."""
+        return Element(self.name, "sensor", sensor=self.kind, part=self.part)
+
+    def tells(self, topic: str) -> bool:
+        """Say whether a topic is one of the sensor's."""
+        return any(f"/{name.strip('/')}/" in f"/{topic.strip('/')}/" for name in self.topics)
+
+    def renamed(self, named: Callable[[str], str]) -> Sensor:
+        """Return the sensor of a robot whose links and joints are called anew."""
+        own = named(self.name) if self.kind in IN_JOINTS else self.name
+        link = None if self.link is None else named(self.link)
+        return replace(self, name=own, part=named(self.part), link=link)
+
+
+def joint_sensor(kind: SensorKind, joint: str) -> Sensor:
+    """Return the encoder or torque sensor of a joint."""
+    return Sensor(kind, f"{joint}/{kind}", joint)
+
+
+def read_sensors(
+    top: YamlMap, arm_joints: Sequence[str], links: Sequence[str], taken: Iterable[str]
+) -> tuple[tuple[Sensor, ...], tuple[str, ...]]:
+    """Read what a robot file says of sensors: those that it names, the joints without an encoder.
+
+    Names in `taken` are those of other elements. Raises RobotError with file and line.
+    """
+    found: list[Sensor] = []
+    with_encoder = tuple(arm_joints)
+    for entry in top.maps("sensors"):
+        kind = entry.string("kind")
+        if kind not in get_args(SensorKind):
+            entry.fail("kind", f"unknown kind '{kind}'; {one_of(get_args(SensorKind), kind)}")
+        if kind == "encoder":
+            entry.forbid_unknown({"kind", "joints", "source"})
+            with_encoder = _joints(entry, arm_joints)
+            continue
+        entry.string("source")  # what a robot is said to have, somebody must have told
+        if kind == "torque":
+            found += _torque(entry, arm_joints, links)
+        else:
+            entry.forbid_unknown({"kind", "name", "link", "topics", "source"})
+            link = _link(entry, links)
+            topics = tuple(entry.strings("topics"))
+            found.append(Sensor(cast(SensorKind, kind), entry.string("name"), link, topics))
+    seen = {*taken, *(joint_sensor("encoder", name).name for name in with_encoder)}
+    for sensor in found:
+        if sensor.name in seen:
+            top.fail("sensors", f"'{sensor.name}' is defined twice, or is the name of another part")
+        seen.add(sensor.name)
+    return tuple(found), tuple(name for name in arm_joints if name not in with_encoder)
+
+
+def sensors_like(
+    sensors: Iterable[Sensor], joints: Iterable[str], links: Iterable[str]
+) -> tuple[Sensor, ...]:
+    """Return those sensors of another description of a robot whose joint or link is there."""
+    known = {*joints, *links}
+    return tuple(
+        each if each.link is None or each.link in known else replace(each, link=None, topics=())
+        for each in sensors
+        if each.part in known
+    )
+
+
+def _torque(entry: YamlMap, arm_joints: Sequence[str], links: Sequence[str]) -> tuple[Sensor, ...]:
+    entry.forbid_unknown({"kind", "joints", "link", "topics", "source"})
+    topics = tuple(entry.strings("topics")) if "topics" in entry else ()
+    link = _link(entry, links) if topics or "link" in entry else None
+    return tuple(
+        replace(joint_sensor("torque", name), topics=topics, link=link)
+        for name in _joints(entry, arm_joints)
+    )
+
+
+def _joints(entry: YamlMap, arm_joints: Sequence[str]) -> tuple[str, ...]:
+    if entry.require("joints") == "*":
+        return tuple(arm_joints)
+    names = entry.strings("joints")
+    for name in names:
+        if name not in arm_joints:
+            entry.fail("joints", f"unknown joint '{name}'; {one_of(arm_joints, name)}")
+    return tuple(names)
+
+
+def _link(entry: YamlMap, links: Sequence[str]) -> str:
+    name = entry.string("link")
+    if name not in links:
+        entry.fail("link", f"unknown link '{name}'; {one_of(links, name)}")
+    return name

@@ -1,0 +1,90 @@
+"""What a controller and the files around it say about the robot of a workspace."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Set
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Literal
+
+from tracerisk.twin.robots.mentions import words_in
+from tracerisk.twin.robots.robot import Robot
+
+_SHORTEST_STEM = 5  # `joint` alone says nothing about the arm
+_FEWEST_JOINTS = 3  # that a controller lists, for them to speak against a robot without them
+# What so many robots call a part of theirs says nothing about which one it is.
+SAYS_NOTHING = frozenset({"world", "base", "base_link", "link", "tool0", "open", "close", "home"})
+
+
+LaunchedBy = Literal["controller", "package", "workspace"]
+"""Whose launch file it is: the one that starts the controller, one of a package that the
+controller is of or names, or another one of the workspace."""
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchedDescription:
+    """The file of a robot that a launch file names, as far as it can be told.
+
+    `arguments` are those that it gives xacro. `problem` says why there is no `path`. `file` is
+    the launch file, for messages; `by` says what it is to the controller.
+    """
+
+    path: Path | None
+    arguments: tuple[tuple[str, str], ...]
+    problem: str
+    file: str
+    by: LaunchedBy
+
+
+@dataclass(frozen=True)
+class Spoken:
+    """What a controller, its launch files and its manifest say about the workspace's robot."""
+
+    strings: tuple[str, ...]
+    """The strings of the controller's sources."""
+    packages: frozenset[str] = frozenset()
+    """The packages that they name, the controller's own among them."""
+    described: tuple[LaunchedDescription, ...] = ()
+    """The files of robots that launch files name, those of the controller's own first."""
+    joints: tuple[str, ...] = ()
+    """The joints that the controller lists."""
+
+    @cached_property
+    def words(self) -> frozenset[str]:
+        """The strings and their parts."""
+        return words_in(self.strings)
+
+    def among(self, names: Set[str]) -> Set[str]:
+        """Return those of the names that the controller names, also as a stem before a number."""
+        return {
+            name
+            for name in names - SAYS_NOTHING
+            if name in self.words
+            or (
+                (stem := name.rstrip("0123456789")) in self.words
+                and stem != name
+                and len(stem.rstrip("_")) > _SHORTEST_STEM
+            )
+        }
+
+    def exactly(self, names: Iterable[str]) -> Set[str]:
+        """Return those of the names that the controller names as they are."""
+        return (set(names) & self.words) - SAYS_NOTHING
+
+    def parts_of(self, robot: Robot) -> Set[str]:
+        """Return the parts of a robot, or its name, that the controller names.
+
+        Groups of a robot that has none of its own are names that anybody gave it.
+        """
+        parts = {joint.name for joint in robot.joints} | {robot.name, *robot.link_names}
+        for group, states in robot.named_states.items():
+            parts |= {group, *states}
+        groups = set(robot.groups)
+        return self.exactly(parts - groups if robot.assumes_names else parts | groups)
+
+    def speaks_against(self, robot: Robot) -> bool:
+        """Tell whether the controller lists joints, and the robot has none of them."""
+        if len(self.joints) < _FEWEST_JOINTS:
+            return False
+        return not self.among({joint.name for joint in robot.joints})

@@ -1,0 +1,1 @@
+"""The twin: simulated, moved and measured."""

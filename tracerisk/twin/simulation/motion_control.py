@@ -1,0 +1,246 @@
+"""What moves the joints: the live motions, their set-points, and who takes over from whom."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.errors import RobotError, one_of
+from tracerisk.twin.motion.execution import (
+    ArmTrack,
+    GoalTolerance,
+    GripperTrack,
+    Motion,
+    TimedWay,
+    Track,
+    check_trajectory,
+)
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
+from tracerisk.twin.robots.robot import Gripper, Robot
+from tracerisk.twin.simulation.simulation import Simulation
+
+_FINGER_SLACK = 1e-4  # a finger's goal this far past its range is a rounding error [m]
+
+Array = NDArray[np.float64]
+
+
+class MotionControl:
+    """The motions of a simulated robot; it gives the set-points of every step."""
+
+    def __init__(self, robot: Robot, simulation: Simulation) -> None:
+        self._robot = robot
+        self._simulation = simulation
+        self._tracks: list[Track] = []
+        self._set_points = simulation.controls()
+
+    @property
+    def busy(self) -> bool:
+        """Whether a motion is live."""
+        return any(track.motion is not None for track in self._tracks)
+
+    def steps_ahead(self, wanted: int) -> int:
+        """Return for how many of the `wanted` steps the set-points are known."""
+        return min((track.steps_ahead() for track in self._tracks), default=wanted)
+
+    def set_points(self, count: int) -> Array:
+        """Return the set-points of the next `count` steps, (count, n_actuators)."""
+        block = np.repeat(self._set_points[None, :], count, axis=0)
+        for track in self._tracks:
+            track.fill(block, self._simulation)
+        self._set_points = block[-1]
+        return block
+
+    def settle(self) -> bool:
+        """Drop the tracks that are over; say whether a motion ended with one of them."""
+        if not self._tracks:
+            return False
+        ended = False
+        kept: list[Track] = []
+        for track in self._tracks:
+            if not track.finished(self._simulation, self._simulation.time_ns):
+                kept.append(track)
+                continue
+            motion = track.motion
+            if motion is not None and motion.outcome != "active":
+                ended = True
+                if motion.outcome == "aborted":
+                    self._hold(track)
+        self._tracks = kept
+        return ended
+
+    def follow(
+        self, trajectory: JointTrajectory, *, goal_tolerance: GoalTolerance | None = None
+    ) -> Motion:
+        """Follow a trajectory; a live motion on any of its joints is preempted.
+
+        A first point later than time 0 is reached from the present set-point.
+        Fingers go through its points too, no faster and no further than they can.
+        Raises PlanningError("bad_request") for a trajectory that is none.
+        """
+        check_trajectory(trajectory, self._robot)
+        trajectory = self._led_in(trajectory)
+        motion = Motion(
+            trajectory.joints,
+            self._elements_of(trajectory.joints),
+            self._simulation.time_ns,
+            trajectory.position[-1].tolist(),
+        )
+        self._preempt(motion.elements)
+        # A gripper may be called as its only finger is, which has no servo of its own.
+        arm = {joint.name for joint in self._robot.arm_joints}
+        columns = [i for i, name in enumerate(trajectory.joints) if name in arm]
+        if columns:
+            names = [trajectory.joints[i] for i in columns]
+            track = ArmTrack.along(
+                motion,
+                [self._simulation.actuator[name] for name in names],
+                [self._simulation.joint_index[name] for name in names],
+                [self._robot.joint(name) for name in names],
+                trajectory,
+                columns,
+                goal_tolerance or GoalTolerance(),
+            )
+            self._add(track)
+        for gripper in self._robot.grippers:
+            if gripper.name in motion.elements:
+                position, velocity = (
+                    np.array(
+                        [
+                            [gripper.position(dict(zip(trajectory.joints, row, strict=True)))]
+                            for row in rows.tolist()
+                        ]
+                    )
+                    for rows in (trajectory.position, trajectory.velocity)
+                )
+                # A controller of trajectories knows no limits: the fingers stop at theirs.
+                reached = np.clip(position, gripper.least, gripper.opening)
+                position, velocity = reached, np.where(reached == position, velocity, 0.0)
+                timed = (trajectory.time, position, velocity)
+                target = float(position[-1, 0])
+                self._add(self._gripper_track(motion, gripper, target, None, timed))
+        return motion
+
+    def move_gripper(
+        self, gripper: str, position: float, *, max_effort: float | None = None
+    ) -> Motion:
+        """Move the fingers to `position` [m] each, with at most `max_effort` [N] each.
+
+        The motion succeeds when they are there, or stand still on something before.
+        Raises PlanningError("invalid_goal") for a position or an effort that is not allowed.
+        """
+        found = self._robot.gripper(gripper)
+        motion = Motion(found.joints, (found.name,), self._simulation.time_ns, (position,))
+        track = self._gripper_track(motion, found, position, max_effort)
+        self._preempt(motion.elements)
+        self._add(track)
+        return motion
+
+    def stop(self, joints: Iterable[str] | None = None) -> None:
+        """Preempt the motions of these joints (of all), and bring them to rest."""
+        names = tuple(self._simulation.joint_index) if joints is None else tuple(joints)
+        for name in names:
+            if name not in self._simulation.joint_index:
+                raise RobotError(
+                    f"robot '{self._robot.name}' has no joint '{name}'; "
+                    f"{one_of(self._simulation.joint_index, name)}"
+                )
+        self._preempt(self._elements_of(names))
+
+    def references(self) -> tuple[Array, Array]:
+        """Return the set-points of all joints and their velocities; of fingers, as measured."""
+        position = self._simulation.position().copy()
+        velocity = np.zeros(len(position))
+        for joint in self._robot.arm_joints:
+            position[self._simulation.joint_index[joint.name]] = self._set_points[
+                self._simulation.actuator[joint.name]
+            ]
+        for track in self._tracks:
+            if isinstance(track, ArmTrack):
+                position[track.joints], velocity[track.joints] = track.reference()
+        return position, velocity
+
+    def _hold(self, track: Track) -> None:
+        """Take what is measured for the set-point: an arm that is blocked stops pressing."""
+        if isinstance(track, ArmTrack):
+            self._set_points = self._set_points.copy()
+            self._set_points[track.actuators] = self._simulation.position(track.joints)
+
+    def _preempt(self, elements: Iterable[str]) -> None:
+        """End the motions that address any of the elements; their arm joints brake."""
+        wanted = set(elements)
+        for track in [track for track in self._tracks if track.motion is not None]:
+            motion = track.motion
+            if motion is None or not wanted & set(motion.elements):
+                continue
+            self._tracks.remove(track)
+            motion.end_part("preempted", "preempted", self._simulation.time_ns)
+            if isinstance(track, ArmTrack):
+                self._tracks.append(track.brake())
+
+    def _add(self, track: Track) -> None:
+        """Begin a track; where its actuators were still braking, it leads on from there."""
+        taken = set(track.actuators)
+        self._tracks = [
+            kept
+            for other in self._tracks
+            if (kept := other.without(taken) if isinstance(other, ArmTrack) else other) is not None
+        ]
+        if track.motion is not None:
+            track.motion.begin_part()
+        self._tracks.append(track)
+
+    def _gripper_track(
+        self,
+        motion: Motion,
+        gripper: Gripper,
+        position: float,
+        max_effort: float | None,
+        timed: TimedWay | None = None,
+    ) -> GripperTrack:
+        effort = gripper.effort if max_effort is None else max_effort
+        if not 0.0 < effort < math.inf:
+            raise PlanningError(
+                "invalid_goal", f"effort {effort:g} N of '{gripper.name}'; give more than 0"
+            )
+        if not gripper.least - _FINGER_SLACK <= position <= gripper.opening + _FINGER_SLACK:
+            raise PlanningError(
+                "invalid_goal",
+                f"position {position:g} of '{gripper.name}' is outside "
+                f"[{gripper.least:g}, {gripper.opening:g}] for each finger",
+            )
+        joints = [self._simulation.joint_index[name] for name in gripper.joints]
+        return GripperTrack(
+            motion,
+            gripper,
+            [self._robot.joint(name) for name in gripper.joints],
+            self._simulation.actuator[gripper.name],
+            joints,
+            begin=gripper.position(self._positions()),
+            target=min(max(position, gripper.least), gripper.opening),
+            max_effort=min(effort, gripper.effort),
+            timed=timed,
+        )
+
+    def _led_in(self, trajectory: JointTrajectory) -> JointTrajectory:
+        """Return the trajectory, begun at the present set-points where it begins later."""
+        if trajectory.time[0] <= 0.0:
+            return trajectory
+        position, velocity = self.references()
+        columns = [self._simulation.joint_index[name] for name in trajectory.joints]
+        return JointTrajectory(
+            trajectory.joints,
+            np.concatenate(([0.0], trajectory.time)),
+            np.vstack((position[columns], trajectory.position)),
+            np.vstack((velocity[columns], trajectory.velocity)),
+        )
+
+    def _elements_of(self, joints: Iterable[str]) -> tuple[str, ...]:
+        owner = {name: g.name for g in self._robot.grippers for name in g.joints}
+        return tuple(dict.fromkeys(owner.get(name, name) for name in joints))
+
+    def _positions(self) -> dict[str, float]:
+        measured = self._simulation.position().tolist()
+        return dict(zip(self._simulation.joint_index, measured, strict=True))

@@ -1,0 +1,271 @@
+"""The stepping core: the physics of robot and scene, what it measures, and its samples."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.errors import RobotError, one_of
+from tracerisk.twin.physics.builder import STEP_NS
+from tracerisk.twin.physics.declared import Declared, logged_bodies, rebuild
+from tracerisk.twin.physics.motion import JointState, Pose
+from tracerisk.twin.physics.physics import begin_physics, is_unstable
+from tracerisk.twin.physics.scene import Scene
+from tracerisk.twin.physics.scene_body import SceneBody, body_name
+from tracerisk.twin.physics.wrench import Wrench, load_on, touch_on
+from tracerisk.twin.recording.contact_log import LOOK_EVERY, POSTURE_EVERY
+from tracerisk.twin.recording.contact_watch import FRESH_STEPS, ContactWatch, Points, points
+from tracerisk.twin.recording.samples import POSE_EVERY, SampleHeader, SampleWriter
+from tracerisk.twin.robots.robot import Robot
+
+# After the builder, which says that no window is needed.
+import mujoco  # isort: skip
+
+_CHUNK = 500  # steps at most between two looks at what happened
+_STOP_GIVES = 0.002  # how far a joint is pressed past its limit [rad or m]
+
+Array = NDArray[np.float64]
+
+
+class Controls(Protocol):
+    """What gives the set-points of the next steps."""
+
+    def set_points(self, count: int) -> Array:
+        """Return the set-points of the next `count` steps, (count, n_actuators)."""
+
+
+class Simulation:
+    """The physics of a robot in its scene; time advances in `step` alone.
+
+    `overlaps` says which links overlap at joint positions, (n_joints,).
+    `actuator` maps each arm joint and gripper to its column of the controls, `joint_index` each
+    joint to its row of what is measured.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        scene: Scene,
+        samples: SampleWriter | None,
+        overlaps: Callable[[Array], list[tuple[str, str]]],
+    ) -> None:
+        self.robot = robot
+        self.scene = scene
+        self._physics = begin_physics(robot, scene)  # owns the state, so it is kept
+        self._model: Any = self._physics.model
+        self._data: Any = self._physics.data
+        model = self._model
+        self.joint_index: Mapping[str, int] = {
+            joint.name: i for i, joint in enumerate(robot.joints)
+        }
+        self._qpos = np.array([model.joint(joint.name).qposadr[0] for joint in robot.joints])
+        self._dofs = np.array([model.joint(joint.name).dofadr[0] for joint in robot.joints])
+        self.actuator: Mapping[str, int] = {
+            name: int(model.actuator(name).id)
+            for name in (
+                *(joint.name for joint in robot.arm_joints),
+                *(gripper.name for gripper in robot.grippers),
+            )
+        }
+        turns = [joint.type == "continuous" for joint in robot.joints]
+        self._stops = (
+            np.where(turns, -np.inf, [joint.lower for joint in robot.joints]),
+            np.where(turns, np.inf, [joint.upper for joint in robot.joints]),
+        )
+        self._n_pose = int(model.nq)
+        self._steps = 0
+        self._samples = samples
+        # The last sensor tells when to look at contacts, and is not sampled.
+        self._scratch = np.zeros((_CHUNK, 1 + model.nu + model.nsensordata - 1))
+        self._declared = Declared()
+        self._wanted: tuple[SceneBody, ...] = ()
+        self._watch: ContactWatch | None = None
+        self._n_contacts = self._fresh_until = 0
+        if samples is not None:
+            samples.begin(self._header())
+            self._watch = ContactWatch(robot, samples.contacts(), overlaps)
+            self._watch.use(model, self._declared, 0)
+
+    @property
+    def time_ns(self) -> int:
+        """The simulated time [ns]."""
+        return self._steps * STEP_NS
+
+    def controls(self) -> Array:
+        """Return a copy of the controls applied last, (n_actuators,)."""
+        applied: Array = self._data.ctrl.copy()
+        return applied
+
+    def declare(self, bodies: Sequence[SceneBody]) -> None:
+        """Take `bodies` for all that is declared, from the next step on."""
+        self._wanted = tuple(bodies)
+
+    def step(self, wanted: int, controls: Controls) -> None:
+        """Run up to `wanted` physics steps and sample each.
+
+        Raises RobotError when the simulation becomes unstable.
+        """
+        if self._wanted != self._declared.bodies:
+            self._rebuild()
+        writer = self._samples
+        if writer is None:
+            rows = self._scratch[: min(wanted, _CHUNK)]
+        else:
+            if self._steps % POSE_EVERY == 0:
+                writer.pose(self._data.qpos[: self._n_pose])
+                if self._data.qpos.size > self._n_pose:
+                    writer.declared().pose(self._steps, self._data.qpos[self._n_pose :])
+                if self._watch is not None and self._steps % POSTURE_EVERY == 0:
+                    self._watch.posture(self._steps, self.position())
+            rows = writer.rows(min(wanted, POSE_EVERY - self._steps % POSE_EVERY))
+        n = len(rows)
+        block = controls.set_points(n)
+        first_sensor = 1 + block.shape[1]
+        rows[:, 1:first_sensor] = block
+        # Only views and C calls in here: this loop is the cost of sampling.
+        model, data, step = self._model, self._data, mujoco.mj_step
+        control, sensors, touching = data.ctrl, data.sensordata[:-1], data.sensordata[-1:]
+        watch, seen, touched = self._watch, list[Points](), False
+        always = watch is not None and watch.is_on(self._steps)
+        count, fresh = self._n_contacts, self._fresh_until
+        for at, (set_points, sampled) in enumerate(
+            zip(block, rows[:, first_sensor:], strict=True), start=self._steps
+        ):
+            control[:] = set_points
+            step(model, data)
+            sampled[:] = sensors
+            if touching[0] or always:
+                touched = touched or touching[0] > 0.0
+                if data.ncon != count:
+                    count, fresh = data.ncon, at + FRESH_STEPS
+                if at < fresh or at % LOOK_EVERY == 0:
+                    seen.append(points(at, data))
+        self._n_contacts, self._fresh_until = count, fresh
+        if writer is not None:
+            writer.commit(n)
+        if watch is not None:
+            watch.seen(self._steps + n, seen, touched=touched)
+        self._steps += n
+        if is_unstable(data):
+            raise RobotError(
+                f"the simulation of robot '{self.robot.name}' in scene '{self.scene.name}' became "
+                f"unstable at {self.time_ns * 1e-9:.3f} s; bodies may overlap, or a servo of the "
+                "robot's file is too stiff for its masses"
+            )
+
+    def close(self) -> None:
+        """Close the samples, with the pose of everything at the end."""
+        if self._samples is not None:
+            self._samples.close(self._data.qpos[: self._n_pose])
+
+    # What is measured
+
+    def position(self, joints: Sequence[int] | None = None) -> Array:
+        """Return the positions of some joints, by their index (of all) [rad or m]."""
+        found: Array = self._data.qpos[self._qpos if joints is None else self._qpos[joints]]
+        return found
+
+    def velocity(self, joints: Sequence[int] | None = None) -> Array:
+        """Return the velocities of some joints, by their index (of all) [rad/s or m/s]."""
+        found: Array = self._data.qvel[self._dofs if joints is None else self._dofs[joints]]
+        return found
+
+    def joint_state(self) -> JointState:
+        """Return positions, velocities and motor torques of all joints.
+
+        A stop gives way a little in the simulation; what is measured there is the limit.
+        """
+        position = self.position()
+        inside = np.clip(position, *self._stops)
+        position = np.where(np.abs(position - inside) < _STOP_GIVES, inside, position)
+        return JointState(
+            names=tuple(self.joint_index),
+            position=tuple(position.tolist()),
+            velocity=tuple(self.velocity().tolist()),
+            effort=tuple(self._data.qfrc_actuator[self._dofs].tolist()),
+        )
+
+    def load_on(self, link: str) -> Wrench:
+        """Return what a link, with all that hangs on it, exerts on what holds it."""
+        return load_on(self._model, self._data, link)
+
+    def touch_on(self, link: str) -> Wrench:
+        """Return what the world exerts by touch on a link and on all that moves as one with it."""
+        return touch_on(self._model, self._data, link, frozenset(self.robot.link_names))
+
+    def pressed(self) -> tuple[str, str] | None:
+        """Return the link of the robot that something holds back hardest, and what it is.
+
+        What pads touch and can be moved, or is a pad too, is held.
+        """
+        found: tuple[float, str, str] = (0.0, "", "")
+        links = set(self.robot.link_names)
+        pads = {pad for gripper in self.robot.grippers for pad in gripper.pads}
+        force = np.zeros(6)
+        for index in range(self._data.ncon):
+            geoms = self._data.contact.geom[index]
+            one, two = (self._model.body(self._model.geom_bodyid[geom]).name for geom in geoms)
+            link, other = (one, two) if one in links else (two, one)
+            held = link in pads and (other in pads or self._model.body(other).jntnum[0])
+            mujoco.mj_contactForce(self._model, self._data, index, force)
+            if link in links and not held and force[0] > found[0]:
+                found = float(force[0]), link, other
+        return found[1:] if found[1] else None
+
+    def object_pose(self, name: str) -> Pose:
+        """Return where an object of the scene, or a declared body, is in the world frame."""
+        names = [thing.name for thing in self.scene.objects]
+        declared = {body.name: body for body in self._declared.bodies}
+        if name in names:
+            return self._body_pose(name)
+        if name in declared:
+            if self._declared.simulated(declared[name]):
+                return self._body_pose(body_name(name))
+            return self._body_pose((self._declared.stands_for or {})[name])
+        raise RobotError(
+            f"scene '{self.scene.name}' has no object '{name}'; {one_of([*names, *declared], name)}"
+        )
+
+    # How
+
+    def _rebuild(self) -> None:
+        self._declared, self._model, self._data = rebuild(
+            self.robot, self.scene, self._declared, self._wanted, self._model, self._data
+        )
+        if self._samples is not None:
+            self._samples.model_changed()
+            simulated = logged_bodies(self._declared, self._model, self._data)
+            self._samples.declared().change(self._steps, simulated)
+        if self._watch is not None:
+            self._watch.use(self._model, self._declared, self._steps)
+
+    def _header(self) -> SampleHeader:
+        robot = self.robot
+        return SampleHeader(
+            robot=robot.name,
+            scene=self.scene.name,
+            step_ns=STEP_NS,
+            controls=tuple(sorted(self.actuator, key=self.actuator.__getitem__)),
+            joints=tuple(self.joint_index),
+            pads=tuple(pad for gripper in robot.grippers for pad in gripper.pads),
+            n_pose=self._n_pose,
+            free_bodies=tuple(thing.name for thing in self.scene.objects),
+            free_at=tuple(
+                int(self._model.jnt_qposadr[self._model.body(thing.name).jntadr[0]])
+                for thing in self.scene.objects
+            ),
+        )
+
+    def _body_pose(self, name: str) -> Pose:
+        # Where it is moved by a joint, the joint is the newer: bodies are one step behind.
+        body = self._model.body(name)
+        if body.jntnum[0]:
+            address = int(self._model.jnt_qposadr[body.jntadr[0]])
+            x, y, z, qw, qx, qy, qz = (float(v) for v in self._data.qpos[address : address + 7])
+        else:
+            x, y, z = (float(v) for v in self._data.xpos[body.id])
+            qw, qx, qy, qz = (float(v) for v in self._data.xquat[body.id])
+        return Pose((x, y, z), (qx, qy, qz, qw))

@@ -1,0 +1,243 @@
+"""Make a robot of what a model file gives: a tree of joints, links, groups and states.
+
+What the file leaves out is assumed as the constants below say, and the robot is then marked
+approximate.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+from tracerisk.errors import Location
+from tracerisk.twin.robots.outline import derived_servo
+from tracerisk.twin.robots.robot import (
+    DEFAULT_SCALING,
+    Attachment,
+    Gripper,
+    Group,
+    Joint,
+    JointType,
+    Link,
+    Robot,
+    Servo,
+)
+from tracerisk.twin.urdf.grippers import GripperParts, built_gripper, grippers_of, padded
+from tracerisk.twin.urdf.groups import controllers_of, groups_of, states_of
+from tracerisk.twin.urdf.srdf import Srdf
+from tracerisk.twin.urdf.tree import NoWholeRobotError, Tree, UrdfJoint
+
+# Assumed where a file says nothing, or 0. Velocities are those of a slow industrial arm; the
+# acceleration is what MoveIt plans with when nobody gives it one.
+ASSUMED_VELOCITY = {"revolute": 1.57, "continuous": 1.57, "prismatic": 0.1}  # [rad/s or m/s]
+ASSUMED_ACCELERATION = 1.0  # [rad/s^2 or m/s^2]
+ASSUMED_RANGE = {"revolute": math.pi, "continuous": 2 * math.pi, "prismatic": 0.5}  # [rad or m]
+ASSUMED_MASS = 0.3  # of a link that moves [kg]
+LIGHTEST = 1e-3  # what moves and weighs less cannot be simulated with steps of 2 ms [kg]
+_LEAST_TORQUE = 1.0  # of a joint whose file gives none [N m or N]
+_MARGIN = 2.0  # how much more than its own weight an arm is assumed to hold
+_GRAVITY = 9.81
+
+
+@dataclass(frozen=True, slots=True)
+class RobotParts:
+    """What was read of a robot.
+
+    `servos` are those that the file gives its joints; `fingers` the joints that its actuators
+    show to be a gripper's; `states` named positions of joints, whatever group they are in.
+    `assumed` says that some figure of the links is assumed.
+    """
+
+    name: str
+    file: str
+    tree: Tree
+    links: tuple[Link, ...]
+    assumed: bool
+    srdf: Srdf | None = None
+    servos: Mapping[str, Servo] = field(default_factory=dict)
+    fingers: frozenset[str] = frozenset()
+    states: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    disabled_collisions: frozenset[tuple[str, str]] = frozenset()
+
+
+def assembled_robot(parts: RobotParts) -> Robot:
+    """Return the robot; groups, states and end effectors are those of the SRDF.
+
+    Without an SRDF each arm is a group named `arm` (`arm_2` and so on), each gripper one named
+    `gripper`. Raises RobotError when no joint moves.
+    """
+    tree, srdf = parts.tree, parts.srdf
+    if not tree.moving:
+        raise NoWholeRobotError(
+            "has no joint that moves an arm; name the file of the whole robot",
+            Location(parts.file),
+        )
+    groups = groups_of(tree, srdf)
+    gripping = grippers_of(tree, srdf, groups, parts.fingers)
+    fingers = {name for one in gripping for name in one.joints}
+    # A joint that follows another one outside a gripper has no motor of its own.
+    still = {joint.name for joint in tree.moving if joint.mimic and joint.name not in fingers}
+    assumed = parts.assumed or bool(still)
+    joints: list[Joint] = []
+    for each in tree.moving:
+        if each.name in still:
+            continue
+        joint, guessed = _joint(each, tree, parts.links, parts.servos.get(each.name))
+        joints.append(joint)
+        assumed |= guessed
+    by_name = {joint.name: joint for joint in joints}
+    grippers, by_name, links = _with_grippers(gripping, by_name, parts.links, tree)
+    groups = {
+        name: replace(group, joints=tuple(j for j in group.joints if j in by_name))
+        for name, group in groups.items()
+    }
+    groups = {name: group for name, group in groups.items() if group.joints}
+    for gripper in grippers:
+        if gripper.group not in groups:
+            groups[gripper.group] = Group(gripper.joints, tree.parent_link(gripper.joints[0]))
+    states = _with_states(states_of(srdf, groups, by_name), parts.states, groups, by_name)
+    disabled = parts.disabled_collisions | (srdf.disabled_collisions if srdf else frozenset())
+    return Robot(
+        name=parts.name,
+        title=f"robot of {parts.file}",
+        source=parts.file if srdf is None else f"{parts.file}, {srdf.file}",
+        base_link=tree.root,
+        links=links,
+        attachments=tuple(attachment_of(joint, by_name) for joint in tree.joints),
+        joints=tuple(by_name.values()),
+        groups=MappingProxyType(groups),
+        named_states=MappingProxyType(states),
+        initial_state=MappingProxyType(_initial(states, by_name)),
+        grippers=grippers,
+        controllers=controllers_of(groups, grippers),
+        default_scaling=DEFAULT_SCALING,
+        default_scene="empty",
+        file=parts.file,
+        approximate=assumed,
+        disabled_collisions=disabled,
+    )
+
+
+def attachment_of(joint: UrdfJoint, moving: Mapping[str, Joint]) -> Attachment:
+    """Return how the child of a joint hangs on its parent; fixed if the joint does not move."""
+    kind: JointType = moving[joint.name].type if joint.name in moving else "fixed"
+    return Attachment(joint.name, kind, joint.parent, joint.child, joint.xyz, joint.rpy, joint.axis)
+
+
+def hanging(tree: Tree) -> list[Attachment]:
+    """Return how each link of a tree hangs on its parent, by the joint that the file gives it."""
+    return [
+        replace(attachment_of(joint, {}), type=joint.type if joint.moves else "fixed")
+        for joint in tree.joints
+    ]
+
+
+def _joint(
+    each: UrdfJoint, tree: Tree, links: Iterable[Link], servo: Servo | None
+) -> tuple[Joint, bool]:
+    """Return a joint that moves, and whether one of its figures is assumed."""
+    kind: JointType = each.type
+    assumed = False
+    reach = ASSUMED_RANGE[kind]
+    lower, upper = each.lower, each.upper
+    if kind == "continuous":
+        lower, upper = -reach, reach
+    elif lower >= upper:
+        lower, upper, assumed = -reach, reach, True
+    velocity, torque = each.velocity, each.effort
+    if velocity <= 0.0:
+        velocity, assumed = ASSUMED_VELOCITY[kind], True
+    weight = _weight(each, tree, links)
+    if torque <= 0.0:
+        torque, assumed = max(_MARGIN * weight, _LEAST_TORQUE), True
+    elif torque < weight and each.mimic is None:
+        # A placeholder: no arm is built that cannot lift itself.
+        torque, assumed = _MARGIN * weight, True
+    joint = Joint(
+        name=each.name,
+        type=kind,
+        lower=lower,
+        upper=upper,
+        velocity_limit=velocity,
+        acceleration_limit=ASSUMED_ACCELERATION,
+        torque_limit=torque,
+        servo=servo or derived_servo(torque, velocity),
+    )
+    return joint, assumed
+
+
+def _weight(each: UrdfJoint, tree: Tree, links: Iterable[Link]) -> float:
+    """Return the most that the weight behind a joint can ask of it: stretched, axis level.
+
+    In [N m], for a joint that slides in [N].
+    """
+    by_name = {link.name: link for link in links}
+    total = 0.0
+    waiting = [(each.child, 0.0)]
+    while waiting:
+        link, away = waiting.pop()
+        body = by_name[link]
+        lever = 1.0 if each.type == "prismatic" else away + math.hypot(*body.centre_of_mass)
+        total += body.mass * _GRAVITY * lever
+        waiting += [(one.child, away + math.hypot(*one.xyz)) for one in tree.below(link)]
+    return total
+
+
+def _with_grippers(
+    gripping: Iterable[GripperParts],
+    joints: Mapping[str, Joint],
+    links: Iterable[Link],
+    tree: Tree,
+) -> tuple[tuple[Gripper, ...], dict[str, Joint], tuple[Link, ...]]:
+    found, by_name = [], dict(joints)
+    by_link = {link.name: link for link in links}
+    for parts in gripping:
+        gripper, fingers = built_gripper(parts, by_name, tree)
+        found.append(gripper)
+        by_name.update(fingers)
+        for pad in gripper.pads:
+            by_link[pad] = padded(by_link[pad])
+    return tuple(found), by_name, tuple(by_link.values())
+
+
+def _with_states(
+    states: Mapping[str, Mapping[str, Mapping[str, float]]],
+    named: Mapping[str, Mapping[str, float]],
+    groups: Mapping[str, Group],
+    joints: Mapping[str, Joint],
+) -> dict[str, Mapping[str, Mapping[str, float]]]:
+    """Return the states of the groups, and those of the whole robot where a group has no such."""
+    found = dict(states)
+    for name, group in groups.items():
+        inside = {
+            state: MappingProxyType(
+                {
+                    joint: min(max(values[joint], joints[joint].lower), joints[joint].upper)
+                    for joint in group.joints
+                }
+            )
+            for state, values in named.items()
+            if all(joint in values for joint in group.joints)
+        }
+        if inside:
+            found[name] = MappingProxyType({**inside, **found.get(name, {})})
+    return found
+
+
+def _initial(
+    states: Mapping[str, Mapping[str, Mapping[str, float]]], joints: Mapping[str, Joint]
+) -> dict[str, float]:
+    """Return where the run begins: at rest as the SRDF names it, else at zero."""
+    initial = {name: min(max(0.0, j.lower), j.upper) for name, j in joints.items()}
+    for group in sorted(states, key=lambda name: (sum(map(len, states[name].values())), name)):
+        for name in _RESTS:
+            if name in states[group]:
+                initial.update(states[group][name])
+                break
+    return initial
+
+
+# Names under which a file tells where the arm rests.
+_RESTS = ("home", "Home", "rest", "ready", "resting", "sleep", "stow", "tuck", "up")

@@ -1,0 +1,229 @@
+"""Find the grippers in a URDF: joints that move fingers, together and behind all others."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+
+from tracerisk.geometry.shapes import Shape
+from tracerisk.twin.robots.robot import Gripper, Group, Joint, Link, Servo
+from tracerisk.twin.urdf.srdf import Srdf
+from tracerisk.twin.urdf.tree import Tree, UrdfJoint
+
+_FINGER = re.compile(r"finger|gripper|jaw|knuckle|claw|thumb|mors|pinch", re.IGNORECASE)
+_FINGER_LINK = re.compile(r"finger|jaw|knuckle|claw|thumb|mors", re.IGNORECASE)
+_TURNS_A_HAND = re.compile(r"roll|pitch|yaw|rot|wrist", re.IGNORECASE)
+_TRAVEL = {"prismatic": 0.03, "revolute": 0.8, "continuous": 0.8}  # where the file gives none
+_EFFORT = {"prismatic": (5.0, 100.0), "revolute": (0.5, 10.0)}  # least, greatest [N or N m]
+_SETTLES_S = 0.04  # damping by stiffness
+_PAD = (0.01, 0.01, 0.015)  # half lengths of a pad whose finger is a mesh [m]
+
+
+@dataclass(frozen=True, slots=True)
+class GripperParts:
+    """The joints of a gripper, the one that leads first, and the group that moves them."""
+
+    name: str
+    group: str
+    joints: tuple[str, ...]
+
+
+def is_finger(joint: UrdfJoint, tree: Tree) -> bool:
+    """Say whether a joint moves a finger: by its name, or as one of two that slide side by side.
+
+    Whatever carries a joint of another kind is no finger.
+    """
+    return (
+        joint.moves
+        and _looks_so(joint, tree)
+        and all(_looks_so(each, tree) for each in tree.movers_below(joint.child))
+    )
+
+
+def _looks_so(joint: UrdfJoint, tree: Tree) -> bool:
+    if _TURNS_A_HAND.search(joint.name):
+        return False
+    if _FINGER.search(joint.name) or _FINGER_LINK.search(joint.child):
+        return True
+    together = _linkage(joint, tree)
+    if len(together) > 1:
+        below = {each.name for each in tree.movers_below(joint.child)}
+        return not below or (below <= together and _is_forked(together, tree))
+    beside = [each for each in tree.below(joint.parent) if each.moves and each != joint]
+    return (
+        joint.type == "prismatic"
+        and not any(tree.movers_below(joint.child))
+        and any(
+            each.type == "prismatic" and not any(tree.movers_below(each.child)) for each in beside
+        )
+    )
+
+
+def _linkage(joint: UrdfJoint, tree: Tree) -> frozenset[str]:
+    """Return the joints that move as one with a joint, itself included: who mimics whom."""
+    found = {joint.name}
+    pairs = [(each.name, each.mimic[0]) for each in tree.moving if each.mimic is not None]
+    for _ in pairs:
+        more = {name for pair in pairs if found & set(pair) for name in pair}
+        if more <= found:
+            break
+        found |= more
+    return frozenset(name for name in found if tree.joint(name) is not None)
+
+
+def _is_forked(together: frozenset[str], tree: Tree) -> bool:
+    """Say whether joints that move as one begin side by side, as fingers of two links do.
+
+    Where each carries the next they level a tool, and are an arm.
+    """
+    members = [joint for joint in tree.moving if joint.name in together]
+    first = [
+        joint
+        for joint in members
+        if not any(each.name in together for each in tree.way(joint.parent))
+    ]
+    return len(first) > 1
+
+
+def grippers_of(
+    tree: Tree,
+    srdf: Srdf | None,
+    groups: Mapping[str, Group],
+    known: Collection[str] = (),
+) -> tuple[GripperParts, ...]:
+    """Return the grippers: those of the end effectors, and what else looks like fingers.
+
+    `known` are joints that are fingers whatever their names. Fingers behind the same joint of the
+    arm are one gripper.
+    """
+    wanted = {
+        name
+        for effector in (srdf.end_effectors if srdf is not None else ())
+        if effector.group in groups
+        for name in groups[effector.group].joints
+    }
+    wanted |= set(known)
+    fingers = [
+        joint
+        for joint in tree.moving
+        if is_finger(joint, tree)
+        or (joint.name in wanted and all(j.name in wanted for j in tree.movers_below(joint.child)))
+    ]
+    names = {joint.name for joint in fingers}
+    hands: dict[str, list[UrdfJoint]] = {}
+    for joint in fingers:
+        carrying = [
+            each.name for each in tree.way(joint.parent) if each.moves and each.name not in names
+        ]
+        hands.setdefault(carrying[-1] if carrying else "", []).append(joint)
+    found: list[GripperParts] = []
+    for hand in hands.values():
+        leaders = {each.mimic[0] for each in hand if each.mimic}
+        ordered = sorted(hand, key=lambda each: (each.mimic is not None, each.name not in leaders))
+        joints = tuple(joint.name for joint in ordered)
+        group = _group(joints, groups) or _fresh("gripper", {*groups, *(p.group for p in found)})
+        found.append(GripperParts(group, group, joints))
+    return tuple(found)
+
+
+def _group(joints: tuple[str, ...], groups: Mapping[str, Group]) -> str | None:
+    """Return the largest group that moves nothing but these joints."""
+    fitting = [name for name, group in groups.items() if set(group.joints) <= set(joints)]
+    return max(fitting, key=lambda name: len(groups[name].joints), default=None)
+
+
+def _fresh(name: str, taken: set[str]) -> str:
+    index = 1
+    fresh = name
+    while fresh in taken:
+        index += 1
+        fresh = f"{name}_{index}"
+    return fresh
+
+
+def built_gripper(
+    parts: GripperParts, joints: Mapping[str, Joint], tree: Tree
+) -> tuple[Gripper, dict[str, Joint]]:
+    """Return the gripper and its joints, which all travel as far as the one that leads."""
+    lead = joints[parts.joints[0]]
+    kind = "prismatic" if lead.type == "prismatic" else "revolute"
+    lower, upper = lead.lower, lead.upper
+    if upper - lower > 2 * math.pi * 0.9 or upper - lower < 1e-4:
+        lower, upper = 0.0, _TRAVEL[kind]
+    least, most = _EFFORT[kind]
+    effort = min(max(lead.torque_limit, least), most)
+    signs = tuple(_sign(name, parts, joints, tree) for name in parts.joints)
+    fingers = {
+        name: replace(
+            joints[name],
+            type="prismatic" if joints[name].type == "prismatic" else "revolute",
+            lower=lower if sign > 0 else -upper,
+            upper=upper if sign > 0 else -lower,
+            velocity_limit=lead.velocity_limit,
+            torque_limit=effort,
+            servo=Servo(
+                0.0,
+                0.0,
+                0.1 if kind == "prismatic" else 0.005,
+                1.0 if kind == "prismatic" else 0.02,
+            ),
+        )
+        for name, sign in zip(parts.joints, signs, strict=True)
+    }
+    stiffness = len(parts.joints) * effort / (upper - lower)
+    gripper = Gripper(
+        name=parts.name,
+        group=parts.group,
+        joints=parts.joints,
+        pads=_pads(parts, tree),
+        opening=upper,
+        effort=effort,
+        velocity_limit=lead.velocity_limit,
+        speed=lead.velocity_limit / 2,
+        stiffness=stiffness,
+        damping=_SETTLES_S * stiffness,
+        least=lower,
+        signs=signs,
+    )
+    return gripper, fingers
+
+
+def _sign(name: str, parts: GripperParts, joints: Mapping[str, Joint], tree: Tree) -> int:
+    lead = parts.joints[0]
+    joint = tree.joint(name)
+    sign = 1.0
+    # A finger may follow one that follows the leader.
+    for _ in parts.joints:
+        if joint is None or joint.name == lead or joint.mimic is None:
+            break
+        sign *= joint.mimic[1]
+        joint = tree.joint(joint.mimic[0])
+    if joint is not None and joint.name != lead and joint.name in joints:
+        own, first = joints[joint.name], joints[lead]
+        sign *= (own.lower + own.upper) * (first.lower + first.upper) or 1.0
+    return -1 if sign < 0 else 1
+
+
+def _pads(parts: GripperParts, tree: Tree) -> tuple[str, ...]:
+    """Return the outermost links that the joints move."""
+    moved = {tree.joint(name): name for name in parts.joints}
+    return tuple(
+        joint.child
+        for joint in moved
+        if joint is not None and not any(True for _ in tree.movers_below(joint.child))
+    )
+
+
+def padded(link: Link) -> Link:
+    """Return a finger with one shape that is its pad: its last one, else a box at its middle."""
+    if any(shape.pad for shape in link.shapes):
+        return link
+    solid = [shape for shape in link.shapes if shape.kind == "box"]
+    if solid:
+        rest = tuple(shape for shape in link.shapes if shape is not solid[-1])
+        return replace(link, shapes=(*rest, replace(solid[-1], pad=True)))
+    return replace(
+        link, shapes=(*link.shapes, Shape("box", _PAD, xyz=link.centre_of_mass, pad=True))
+    )

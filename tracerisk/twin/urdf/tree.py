@@ -1,0 +1,258 @@
+"""The tree of links and joints in a URDF, before anything is said about motors."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from tracerisk.errors import Location, RobotError, one_of
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.urdf.xml_reader import XmlElement
+
+_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+_MOST_LINKS = 500
+_WORLD, _WORLD_LINK = "world", "world_link"
+_ROLLS = re.compile(r"wheel|caster|castor|roller|track", re.IGNORECASE)
+
+
+class NoWholeRobotError(RobotError):
+    """The file holds a part of a robot, or a thing that does not move."""
+
+
+@dataclass(frozen=True, slots=True)
+class UrdfJoint:
+    """A joint as a URDF gives it; a figure that is missing is 0.
+
+    `mimic` is the joint that it follows, its factor and its offset; `moves` is false for what
+    stands still in the twin.
+    """
+
+    name: str
+    type: Literal["revolute", "continuous", "prismatic"]
+    moves: bool
+    parent: str
+    child: str
+    xyz: tuple[float, float, float]
+    rpy: tuple[float, float, float]
+    axis: tuple[float, float, float]
+    lower: float
+    upper: float
+    velocity: float
+    effort: float
+    mimic: tuple[str, float, float] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Tree:
+    """The links and joints of a robot, its joints from the root outwards, depth first."""
+
+    root: str
+    joints: tuple[UrdfJoint, ...]
+
+    @property
+    def moving(self) -> tuple[UrdfJoint, ...]:
+        """The joints that move."""
+        return tuple(joint for joint in self.joints if joint.moves)
+
+    def place_of(self, link: str) -> str | None:
+        """Return what a link of the file is called here; `None` for one that is left out."""
+        if link != _WORLD:
+            return link
+        return self.root if self.root == _WORLD_LINK else None
+
+    def below(self, link: str) -> Iterator[UrdfJoint]:
+        """Yield the joints that hang on a link."""
+        return (joint for joint in self.joints if joint.parent == link)
+
+    def joint_to(self, link: str) -> UrdfJoint | None:
+        """Return the joint on which a link hangs, `None` for the root."""
+        return next((joint for joint in self.joints if joint.child == link), None)
+
+    def joint(self, name: str) -> UrdfJoint | None:
+        """Return the joint of a name."""
+        return next((joint for joint in self.joints if joint.name == name), None)
+
+    def parent_link(self, joint: str) -> str | None:
+        """Return the link on which a joint sits."""
+        found = self.joint(joint)
+        return None if found is None else found.parent
+
+    def way(self, tip: str, base: str | None = None) -> tuple[UrdfJoint, ...]:
+        """Return the joints from `base` (the root by default) to a link, in this order.
+
+        Empty where `base` is not on the way.
+        """
+        found: list[UrdfJoint] = []
+        at = tip
+        while at != base:
+            joint = self.joint_to(at)
+            if joint is None:
+                return tuple(reversed(found)) if base in (None, at) else ()
+            found.append(joint)
+            at = joint.parent
+        return tuple(reversed(found))
+
+    def movers_below(self, link: str) -> Iterator[UrdfJoint]:
+        """Yield every joint that moves behind a link."""
+        for joint in self.below(link):
+            if joint.moves:
+                yield joint
+            yield from self.movers_below(joint.child)
+
+
+def read_tree(root: XmlElement, file: str) -> Tree:
+    """Return the tree of a URDF.
+
+    Raises RobotError with file and line for what is no URDF, or no tree.
+    """
+    if root.tag != "robot":
+        root.fail("is not the element <robot> of a URDF")
+    links = {}
+    for entry in root.all("link"):
+        name = entry.string("name")
+        if name in links:
+            entry.fail(f"link '{name}' is defined twice")
+        links[name] = entry
+        if len(links) > _MOST_LINKS:
+            entry.fail(f"is one too many: at most {_MOST_LINKS} links are simulated")
+    if not links:
+        raise NoWholeRobotError(
+            "<robot>: has no link; name the file of the whole robot", root.location
+        )
+    joints = {}
+    hangs: dict[str, str] = {}
+    for entry in root.all("joint"):
+        joint = _joint(entry, links)
+        if joint.name in joints:
+            entry.fail(f"joint '{joint.name}' is defined twice")
+        if joint.child in hangs:
+            entry.fail(
+                f"link '{joint.child}' hangs on '{hangs[joint.child]}' and on '{joint.name}'"
+            )
+        joints[joint.name] = joint
+        hangs[joint.child] = joint.name
+    tops = [name for name in links if name not in hangs]
+    if len(tops) != 1:
+        raise RobotError(
+            f"is no tree: {len(tops)} links hang on nothing ({', '.join(tops[:6]) or 'none'}); "
+            "one must be the root",
+            Location(file),
+        )
+    ordered = _ordered(tops[0], list(joints.values()))
+    if len(ordered) != len(joints):
+        lost = sorted(joints.keys() - {joint.name for joint in ordered})
+        raise RobotError(f"is no tree: joint '{lost[0]}' hangs on itself", Location(file))
+    return _without_world(Tree(tops[0], tuple(on_a_moving_base(joint) for joint in ordered)))
+
+
+def _without_world(tree: Tree) -> Tree:
+    """Return the tree without a link `world` whose frame is that of the base.
+
+    Where the base has a place of its own in the world, the root is a link `world_link`: poses
+    that a controller names in the frame `world` count from there.
+    """
+    if tree.root != _WORLD:
+        return tree
+    below = list(tree.below(_WORLD))
+    if len(below) == 1 and not below[0].moves and not any((*below[0].xyz, *below[0].rpy)):
+        return Tree(below[0].child, tuple(each for each in tree.joints if each != below[0]))
+    return Tree(
+        _WORLD_LINK,
+        tuple(
+            replace(each, parent=_WORLD_LINK) if each.parent == _WORLD else each
+            for each in tree.joints
+        ),
+    )
+
+
+def _ordered(root: str, joints: list[UrdfJoint]) -> list[UrdfJoint]:
+    below: dict[str, list[UrdfJoint]] = {}
+    for joint in joints:
+        below.setdefault(joint.parent, []).append(joint)
+    found, waiting = [], list(reversed(below.get(root, [])))
+    while waiting:
+        joint = waiting.pop()
+        found.append(joint)
+        waiting += reversed(below.get(joint.child, []))
+    return found
+
+
+def on_a_moving_base(joint: UrdfJoint) -> UrdfJoint:
+    """Wheels stand still: the twin has no floor to roll on."""
+    if joint.moves and (_ROLLS.search(joint.name) or _ROLLS.search(joint.child)):
+        return replace(joint, moves=False)
+    return joint
+
+
+def _joint(entry: XmlElement, links: dict[str, XmlElement]) -> UrdfJoint:
+    zero = (0.0, 0.0, 0.0)
+    kind = entry.string("type")
+    if kind not in _TYPES:
+        entry.fail(f"unknown joint type '{kind}'; {one_of(_TYPES, kind)}")
+    origin, axis, limit = (entry.first(tag) for tag in ("origin", "axis", "limit"))
+    along = (1.0, 0.0, 0.0) if axis is None else axis.triple("xyz", (1.0, 0.0, 0.0))
+    moves = kind in ("revolute", "continuous", "prismatic") and any(along)
+    mimic = entry.first("mimic")
+    figures = {
+        key: 0.0 if limit is None else limit.number(key, 0.0)
+        for key in ("lower", "upper", "velocity", "effort")
+    }
+    return UrdfJoint(
+        name=entry.string("name"),
+        type="continuous" if kind == "continuous" else _moving_type(kind),
+        moves=moves,
+        parent=_link(entry, "parent", links),
+        child=_link(entry, "child", links),
+        xyz=zero if origin is None else origin.triple("xyz", zero),
+        rpy=zero if origin is None else origin.triple("rpy", zero),
+        axis=along if any(along) else (0.0, 0.0, 1.0),
+        lower=figures["lower"],
+        upper=figures["upper"],
+        velocity=abs(figures["velocity"]),
+        effort=abs(figures["effort"]),
+        mimic=None
+        if mimic is None
+        else (mimic.string("joint"), mimic.number("multiplier", 1.0), mimic.number("offset", 0.0)),
+    )
+
+
+def _moving_type(kind: str) -> Literal["revolute", "prismatic"]:
+    return "prismatic" if kind == "prismatic" else "revolute"
+
+
+def _link(entry: XmlElement, tag: str, links: dict[str, XmlElement]) -> str:
+    child = entry.first(tag)
+    if child is None:
+        entry.fail(f"has no <{tag} link=.../>")
+    name = child.string("link")
+    if name not in links:
+        child.fail(f"there is no link '{name}'; {one_of(links, name)}")
+    return name
+
+
+def tree_of(robot: Robot) -> Tree:
+    """Return the tree of a robot that is known already."""
+    joints = {joint.name: joint for joint in robot.joints}
+    found = []
+    for each in robot.attachments:
+        joint = joints.get(each.name)
+        found.append(
+            UrdfJoint(
+                name=each.name,
+                type="revolute" if joint is None or joint.type == "fixed" else joint.type,
+                moves=joint is not None,
+                parent=each.parent,
+                child=each.child,
+                xyz=each.xyz,
+                rpy=each.rpy,
+                axis=each.axis,
+                lower=joint.lower if joint else 0.0,
+                upper=joint.upper if joint else 0.0,
+                velocity=joint.velocity_limit if joint else 0.0,
+                effort=joint.torque_limit if joint else 0.0,
+                mimic=None,
+            )
+        )
+    return Tree(robot.base_link, tuple(_ordered(robot.base_link, found)))

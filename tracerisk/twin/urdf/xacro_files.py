@@ -1,0 +1,114 @@
+"""Expand xacro files without ROS; packages are those of the workspace."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tracerisk.config import controller_root
+from tracerisk.contained.limited_process import run_limited
+from tracerisk.contained.process import regular_within
+from tracerisk.errors import Location, RobotError
+from tracerisk.limits import DEFAULT_LIMITS, Limits
+from tracerisk.twin.urdf.xacro_child import REFUSED
+
+_LONGEST_REASON = 200
+_ABSENT_PACKAGE = re.compile(r"Package not found: ([\w.-]+)")
+
+
+@dataclass(frozen=True, slots=True)
+class Expanded:
+    """The XML that a xacro file expands to, and the files that were read for it."""
+
+    text: bytes
+    files: tuple[Path, ...]
+
+
+def expand_xacro(
+    path: Path,
+    packages: Mapping[str, Path],
+    *,
+    arguments: Mapping[str, str] | None = None,
+    shown: str | None = None,
+    limits: Limits = DEFAULT_LIMITS,
+) -> bytes:
+    """Return the XML that a xacro file expands to, with `$(find ...)` among the packages.
+
+    It is expanded in a process with limits of time and memory.
+    Raises RobotError with xacro's reason when it cannot be expanded, LimitError where that takes
+    too long or too much memory.
+    """
+    return expanded_xacro(path, packages, arguments=arguments, shown=shown, limits=limits).text
+
+
+def expanded_xacro(
+    path: Path,
+    packages: Mapping[str, Path],
+    *,
+    arguments: Mapping[str, str] | None = None,
+    within: Sequence[Path] | None = None,
+    shown: str | None = None,
+    limits: Limits = DEFAULT_LIMITS,
+) -> Expanded:
+    """Return what a xacro file expands to; `within` are the folders whose files it may read.
+
+    Raises RobotError and LimitError as `expand_xacro` does, RobotError at a file outside the
+    folders.
+    """
+    file = shown if shown is not None else str(path)
+    asked = {
+        "path": str(path.resolve()),
+        "packages": {name: str(folder) for name, folder in packages.items()},
+        "arguments": dict(arguments or {}),
+        "within": None if within is None else [str(folder.resolve()) for folder in within],
+    }
+    around = [path.parent, controller_root(path), *packages.values(), *(within or ())]
+    done = run_limited(
+        "tracerisk.twin.urdf.xacro_child",
+        request=json.dumps(asked).encode(),
+        limits=limits,
+        doing="expanding the xacro file",
+        place=Location(file),
+        reads=around,
+    )
+    if done.returncode == REFUSED:
+        raise _refusal(json.loads(done.stdout), file, path)
+    if done.returncode != 0:
+        lines = done.stderr.decode(errors="replace").strip().splitlines()
+        reason = lines[-1].strip() if lines else f"its process ended with {done.returncode}"
+        absent = _ABSENT_PACKAGE.search(reason)
+        if absent is not None:
+            raise RobotError(
+                f"xacro cannot expand it: package '{absent[1]}' is not in the workspace; put it "
+                "there",
+                Location(file),
+            )
+        raise RobotError(f"xacro cannot expand it: {reason[:_LONGEST_REASON]}", Location(file))
+    try:
+        answer = json.loads(done.stdout)
+        text, files = answer["text"].encode(), [str(each) for each in answer["files"]]
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise RobotError("xacro gave no document; its macros may print", Location(file)) from error
+    return Expanded(text, regular_within(files, around))
+
+
+def _refusal(told: Mapping[str, Any], shown: str, path: Path) -> RobotError:
+    """Return the error at the line of the file that names what lies outside the folders."""
+    asked, top = told["asked"], told["within"][0]
+    line = None
+    where = shown
+    if told["by"] is not None:
+        by = Path(told["by"])
+        where = shown if by == path.resolve() else str(by)
+        name = asked.rpartition("/")[2].encode()
+        lines = by.read_bytes().splitlines()
+        line = next((number for number, each in enumerate(lines, 1) if name in each), None)
+    return RobotError(
+        f"'{asked}' lies outside {top} and the packages of the workspace, and only files in them "
+        "are read; put the file there, or take this line out",
+        Location(where, line),
+    )

@@ -1,0 +1,1 @@
+"""The robot that a controller's own workspace describes."""

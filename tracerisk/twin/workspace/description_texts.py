@@ -1,0 +1,79 @@
+"""The texts of the files that describe robots, with macros expanded."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from tracerisk.errors import RobotError
+from tracerisk.limits import Limits
+from tracerisk.twin.robots.spoken_names import LaunchedDescription
+from tracerisk.twin.urdf.xacro_files import Expanded, expanded_xacro
+from tracerisk.twin.workspace.description_files import DescriptionFile
+
+_MOST_EXPANDED = 8  # xacro files a controller; each costs up to a second
+_ROBOTS_NAME = "name"  # the argument of xacro that many files want and give no default
+_Key = tuple[Path, tuple[tuple[str, str], ...]]
+
+
+class DescriptionTexts:
+    """Expands each file once, with what a launch file gives xacro for it.
+
+    `packages` are those that a file may find, `launched` what launch files give.
+    """
+
+    def __init__(
+        self,
+        packages: Mapping[str, Path],
+        launched: Mapping[Path, LaunchedDescription],
+        limits: Limits,
+    ) -> None:
+        self._packages = packages
+        self._launched = launched
+        self._limits = limits
+        self._expanded: dict[_Key, Expanded | RobotError] = {}
+        self._read_for: dict[Path, tuple[Path, ...]] = {}
+
+    def of(self, file: DescriptionFile, arguments: Mapping[str, str] | None = None) -> bytes:
+        """Return the XML of a file; `arguments` are for xacro where no launch file gives any.
+
+        Raises RobotError where it cannot be expanded, or too many were before it; LimitError
+        where that takes too long or too much memory.
+        """
+        if not file.is_macro:
+            return file.text
+        launched = self._launched.get(file.path)
+        given = dict(launched.arguments) if launched is not None else dict(arguments or {})
+        key = (file.path, tuple(sorted(given.items())))
+        if key not in self._expanded:
+            if len(self._expanded) >= _MOST_EXPANDED:
+                raise RobotError(
+                    f"not looked at: {_MOST_EXPANDED} xacro files were expanded before it"
+                )
+            try:
+                self._expanded[key] = self._expand_named(file, given)
+            except RobotError as error:
+                self._expanded[key] = error
+        found = self._expanded[key]
+        if isinstance(found, RobotError):
+            raise found
+        self._read_for[file.path] = found.files
+        return found.text
+
+    def read_for(self, file: DescriptionFile) -> tuple[Path, ...]:
+        """Return the files that were read for one, none where it was not expanded."""
+        return self._read_for.get(file.path, ())
+
+    def _expand_named(self, file: DescriptionFile, given: Mapping[str, str]) -> Expanded:
+        try:
+            return self._expand(file, given)
+        except RobotError as error:
+            # What the robot is called is no matter of which robot it is.
+            if not error.message.endswith(f" {_ROBOTS_NAME}"):
+                raise
+            return self._expand(file, {**given, _ROBOTS_NAME: file.stem})
+
+    def _expand(self, file: DescriptionFile, given: Mapping[str, str]) -> Expanded:
+        return expanded_xacro(
+            file.path, self._packages, arguments=given, shown=file.shown, limits=self._limits
+        )

@@ -1,0 +1,401 @@
+"""Find the robot of a controller's own workspace: its SRDF, and its URDF or xacro."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from tracerisk.errors import RobotError, TraceRiskError
+from tracerisk.limits import DEFAULT_LIMITS, Limits
+from tracerisk.twin.robots.index import shipped_names
+from tracerisk.twin.robots.known_arms import (
+    completed_as_ours,
+    is_variant,
+    named_as_ours,
+    shipped_like,
+)
+from tracerisk.twin.robots.mentions import Hint, decide
+from tracerisk.twin.robots.prefix import prefix_before, prefix_left_out, with_prefix, without_prefix
+from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.robots.spoken_names import LaunchedDescription, Spoken
+from tracerisk.twin.urdf.joint_limits import limited_as_beside
+from tracerisk.twin.urdf.srdf import Srdf, read_srdf
+from tracerisk.twin.urdf.tree import NoWholeRobotError
+from tracerisk.twin.urdf.urdf import read_urdf
+from tracerisk.twin.workspace.description_files import (
+    DescriptionFile,
+    description_files,
+    distance,
+    read_description,
+)
+from tracerisk.twin.workspace.description_texts import DescriptionTexts
+from tracerisk.twin.workspace.srdf_pairing import (
+    UrdfChoice,
+    has_parts_of,
+    needed_packages,
+    setup_assistant,
+    with_srdf,
+)
+
+_TESTS = frozenset({"test", "tests"})
+_RANKS = {"controller": 0, "package": 1}
+_IN_MANY_NAMES = frozenset({"robot", "arm", "moveit", "gripper", "hand", "demo", "with"})
+_UNNAMED = 2  # the rank of a file that no launch file near the controller names
+
+
+class UnreadableRobotError(RobotError):
+    """The robot of the workspace is in a file that cannot be read."""
+
+
+@dataclass(frozen=True, slots=True)
+class WorkspaceRobot:
+    """What was found in a workspace: the robot and why it was taken, or `None`.
+
+    `is_named` says that the controller names a part of it, or the robot itself, or that a launch
+    file starts both. `skipped` are files that were looked at and not taken, each with its reason;
+    `unreadable` those of them that the controller means and that cannot be read; `files` are those
+    that the robot was read from.
+    """
+
+    robot: Robot | None
+    reason: str
+    skipped: tuple[str, ...] = ()
+    is_named: bool = False
+    files: tuple[Path, ...] = ()
+    unreadable: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Taken:
+    """A robot that was read: `files` are an SRDF, if there is one, and a URDF.
+
+    `left_out` is what stands before its joints, and not where the controller names them.
+    """
+
+    robot: Robot
+    reason: str
+    files: tuple[DescriptionFile, ...]
+    left_out: str = ""
+
+
+def find_workspace_robot(
+    roots: Iterable[Path],
+    packages: Mapping[str, Path],
+    spoken: Spoken,
+    script: Path,
+    limits: Limits = DEFAULT_LIMITS,
+) -> WorkspaceRobot:
+    """Return the robot of the SRDF, URDF and xacro files below the roots.
+
+    `packages` are the ROS packages that xacro files may find. Of several robots the one is taken
+    that the launch file describes which starts the controller, then the one whose joints, as they
+    are called when macros are expanded, the controller names most, then the one of another launch
+    file of its package, then that in a package that is named, then the one that is nearest to the
+    script. A robot of which the controller names nothing is taken only if it is the only one, or
+    a launch file describes it; one of tests is not, unless the script is of them too.
+    Raises LimitError where a xacro file takes too long or too much memory: which robot is taken
+    must not depend on that.
+    """
+    return _Search(tuple(roots), packages, spoken, script, limits).run()
+
+
+class _Search:
+    def __init__(
+        self,
+        roots: tuple[Path, ...],
+        packages: Mapping[str, Path],
+        spoken: Spoken,
+        script: Path,
+        limits: Limits,
+    ) -> None:
+        self._packages = packages
+        self._spoken = spoken
+        self._named = [packages[name].resolve() for name in spoken.packages if name in packages]
+        self._script = script.resolve()
+        self._skipped: list[str] = []
+        self._unreadable: list[str] = []
+        self._launched: dict[Path, LaunchedDescription] = {}
+        for each in spoken.described:
+            if each.path is not None:
+                self._launched.setdefault(each.path, each)
+        self._texts = DescriptionTexts(packages, self._launched, limits)
+        self._files = description_files(roots)
+        known = {file.path for file in self._files}
+        launched = (read_description(path, roots) for path in self._launched if path not in known)
+        self._files += [file for file in launched if file is not None]
+        self._included = frozenset[str]().union(*(file.included for file in self._files))
+        self._urdf_files = [file for file in self._files if file.is_robot and not file.is_srdf]
+
+    def run(self) -> WorkspaceRobot:
+        found = self._from_srdf()
+        if found is None or self._spoken.speaks_against(found.robot):
+            other = self._from_urdf()
+            if found is not None and (other is None or self._spoken.speaks_against(other.robot)):
+                listed = ", ".join(self._spoken.joints[:4])
+                self._skipped.append(
+                    f"{found.files[0].shown}: the robot has none of the joints that the "
+                    f"controller names ({listed}, ...)"
+                )
+            else:
+                found = other
+            if found is not None and self._spoken.speaks_against(found.robot):
+                found = None
+        for each in self._spoken.described:
+            if each.problem and each.by == "controller":
+                self._unreadable.append(f"{each.file}: {each.problem}")
+        if found is not None:
+            return self._result(found)
+        why = "no URDF or SRDF stands in the workspace"
+        if self._files:
+            why = "no URDF or SRDF of the workspace describes a robot that the controller speaks of"
+        unreadable = tuple(dict.fromkeys(self._unreadable))
+        return WorkspaceRobot(None, why, tuple(self._skipped), unreadable=unreadable)
+
+    def _result(self, found: _Taken) -> WorkspaceRobot:
+        robot = found.robot
+        starts = [self._launched_as(file) == 0 for file in found.files]
+        is_named = any(starts) or bool(self._spoken.parts_of(robot))
+        files = [path for file in found.files for path in self._texts.read_for(file)]
+        read = tuple(dict.fromkeys([*(file.path for file in found.files), *files]))
+        if found.files[0].is_srdf:
+            robot, read = self._limited(robot, found.files[0], read)
+        return WorkspaceRobot(robot, found.reason, tuple(self._skipped), is_named, read)
+
+    def _limited(
+        self, robot: Robot, srdf: DescriptionFile, read: tuple[Path, ...]
+    ) -> tuple[Robot, tuple[Path, ...]]:
+        """Return the robot with the limits of the MoveIt package that its SRDF is of."""
+        try:
+            limited, path = limited_as_beside(robot, srdf.path, shown=srdf.shown)
+        except TraceRiskError as error:
+            self._skipped.append(str(error))
+            return robot, read
+        return limited, read if path is None else (*read, path)
+
+    def _from_srdf(self) -> _Taken | None:
+        files = [file for file in self._files if file.is_srdf]
+        read: list[tuple[DescriptionFile, Srdf]] = []
+        for file in sorted(files, key=self._rank):
+            try:
+                text = self._texts.of(file)
+                read.append((file, read_srdf(text, file.shown)))
+            except RobotError as error:
+                self._skip(file, error.message, is_meant=len(files) == 1 or self._is_meant(file))
+        ranked = sorted(read, key=lambda each: self._srdf_rank(*each))
+        only = len({srdf.name for file, srdf in read if not self._is_of_tests(file)}) == 1
+        for file, srdf in ranked:
+            speaks = sorted(self._spoken.exactly(srdf.words))
+            starts = self._launched_as(file) == 0
+            if not speaks and not starts and (not only or self._is_of_tests(file)):
+                self._skipped.append(f"{file.shown}: the controller names nothing of it")
+                continue
+            why = f"names {', '.join(speaks[:4])}" if speaks else "it is the only one"
+            if starts and not speaks:
+                why = f"by {self._launched[file.path].file}"
+            found = self._urdf_for(file, srdf)
+            if found is not None:
+                robot, urdf = found
+                told = f"{file.shown} with {urdf.shown} in the workspace ({why})"
+                return _Taken(robot, told, (file, urdf))
+            like = shipped_like(srdf.words)
+            if len(like) > 1:
+                like = self._named_of(like, file, srdf)
+            if len(like) == 1:
+                completed = with_srdf(load_robot(like[0]), srdf)
+                told = f"{file.shown} in the workspace ({why}), the arm from {like[0]}"
+                return _Taken(completed, told, (file,))
+            told = f"several known robots have its joints: {', '.join(like)}"
+            if not like:
+                told = "no URDF or known robot has its joints"
+            self._skip(file, f"{told}{self._absent(file)}", is_meant=bool(speaks) or starts)
+        return None
+
+    def _absent(self, srdf: DescriptionFile) -> str:
+        """Return which package of the robot's links and joints is not here; empty for none."""
+        noted = setup_assistant(srdf.path)
+        if noted is not None and noted.package not in self._packages:
+            return f"; package '{noted.package}', which describes them, is not in the workspace"
+        return ""
+
+    def _named_of(self, names: Sequence[str], file: DescriptionFile, srdf: Srdf) -> tuple[str, ...]:
+        """Return those of several robots that the SRDF or its path names, else the controller."""
+        said = " ".join((self._script.stem, *sorted(self._spoken.words)))
+        hints = (
+            Hint("the SRDF", {file.shown: f"{srdf.name} {file.shown}"}),
+            Hint("its source", {self._script.name: said}),
+        )
+        return decide(names, {each.name: each for each in shipped_names()}, hints).left
+
+    def _urdf_for(self, file: DescriptionFile, srdf: Srdf) -> tuple[Robot, DescriptionFile] | None:
+        noted = setup_assistant(file.path)
+        needed = needed_packages(file.path, self._packages)
+        choice = UrdfChoice(file, srdf, noted, self._packages, needed)
+        ranked = sorted(
+            self._urdf_files,
+            key=lambda urdf: (
+                self._launched_as(urdf) != 0,
+                not choice.is_noted(urdf),
+                self._launched_as(urdf),
+                *choice.rank(urdf),
+            ),
+        )
+        for urdf in ranked:
+            is_near = self._launched_as(urdf) != _UNNAMED or choice.is_near(urdf)
+            if not is_near and (self._is_part(urdf) or not choice.is_needed(urdf)):
+                continue
+            try:
+                text = self._texts.of(urdf, choice.arguments(urdf))
+                robot = read_urdf(text, urdf.shown, srdf=srdf)
+            except RobotError as error:
+                # Another arm of the same joints may stand elsewhere, but it is not this one.
+                self._skip(urdf, error.message, is_meant=self._launched_as(urdf) == 0)
+                continue
+            if has_parts_of(robot, srdf):
+                return completed_as_ours(robot), urdf
+        return None
+
+    def _from_urdf(self) -> _Taken | None:
+        names_of = {file.robot_name for file in self._urdf_files if not self._is_of_tests(file)}
+        best: tuple[tuple[bool, int, int], _Taken] | None = None
+        for file in sorted(self._urdf_files, key=self._rank):
+            starts = self._launched_as(file) == 0
+            only = len(names_of) == 1 and not self._is_of_tests(file)
+            if not only and not starts and not self._is_meant(file):
+                continue
+            try:
+                text = self._texts.of(file)
+            except RobotError as error:
+                self._skip(file, error.message, is_meant=not self._is_part(file))
+                continue
+            try:
+                robot = read_urdf(text, file.shown)
+                prefix, left_out = self._prefixes_of(robot)
+            except RobotError as error:
+                is_meant = starts or bool(self._spoken.among(file.words))
+                is_whole = not self._is_part(file) and not isinstance(error, NoWholeRobotError)
+                is_meant = is_meant and is_whole
+                self._skip(file, error.message, is_meant=is_meant)
+                continue
+            prefixed = f", all with the prefix '{prefix}'" if prefix else ""
+            robot = with_prefix(robot, prefix) if prefix else robot
+            named = {one.name.removeprefix(left_out) for one in robot.joints}
+            of_joints = self._spoken.among(named)
+            speaks = of_joints | self._spoken.among(set(robot.link_names))
+            if not speaks and not only and not starts and not self._is_named(file):
+                continue
+            weight = (starts, len(of_joints), len(speaks))
+            if best is None or weight > best[0]:
+                why = f"names {', '.join(sorted(speaks)[:4])}" if speaks else "by its name"
+                if starts and not speaks:
+                    why = f"by {self._launched[file.path].file}"
+                best = weight, _Taken(robot, f"{why}{prefixed}", (file,), left_out)
+            is_whole = {one.name.removeprefix(left_out) for one in robot.arm_joints} <= of_joints
+            if is_whole and of_joints >= self._spoken.exactly(self._spoken.joints):
+                break
+        if best is None:
+            return None
+        taken = best[1]
+        completed = named_as_ours(completed_as_ours(taken.robot))
+        if taken.left_out:
+            told = f"the controller names its joints without the prefix '{taken.left_out}'"
+            completed = replace(without_prefix(completed, taken.left_out), doubt=told)
+        elif rivals := [*self._rivals_of(taken)]:
+            told = f"{', '.join(rivals)} in the workspace would fit as well; name it with --robot"
+            completed = replace(completed, doubt=told)
+        told = f"{taken.files[0].shown} in the workspace ({taken.reason})"
+        return replace(taken, robot=completed, reason=told)
+
+    def _rivals_of(self, taken: _Taken) -> Iterator[str]:
+        """Yield the files of other arms with the same joints, for which as much speaks."""
+        (own,) = taken.files
+        for file in self._urdf_files:
+            if file == own or self._rank(file)[:-1] != self._rank(own)[:-1]:
+                continue
+            with contextlib.suppress(RobotError):
+                if is_variant(read_urdf(self._texts.of(file), file.shown), taken.robot):
+                    yield file.shown
+
+    def _prefixes_of(self, robot: Robot) -> tuple[str, str]:
+        """Return what stands before its joints only where the controller names them, or only here.
+
+        A launch file that is not here gives xacro another prefix.
+        """
+        names = tuple(joint.name for joint in robot.arm_joints)
+        if self._spoken.among(set(names)):
+            return "", ""
+        prefix = prefix_before(names, self._spoken.words)
+        return prefix, "" if prefix else prefix_left_out(names, self._spoken.joints)
+
+    def _launched_as(self, file: DescriptionFile) -> int:
+        """Return 0 for what the controller's launch file names, 1 for what its package's do."""
+        launched = self._launched.get(file.path)
+        return _UNNAMED if launched is None else _RANKS.get(launched.by, _UNNAMED)
+
+    def _is_meant(self, file: DescriptionFile) -> bool:
+        """Tell whether a file may describe the robot of which the controller speaks.
+
+        Before macros are expanded that is seen from names in its text, its own name, and a package
+        that the controller, its launch file or its manifest names.
+        """
+        in_named = bool(file.robot_name) and self._is_in_named(file)
+        is_launched = self._launched_as(file) != _UNNAMED
+        is_spoken = bool(self._spoken.among(file.words)) or self._is_named(file)
+        return is_launched or is_spoken or in_named
+
+    def _is_part(self, file: DescriptionFile) -> bool:
+        """Tell whether another file includes this one, which is then no whole robot."""
+        return file.path.name in self._included and self._launched_as(file) == _UNNAMED
+
+    def _is_in_named(self, file: DescriptionFile) -> bool:
+        return any(file.path.resolve().is_relative_to(folder) for folder in self._named)
+
+    def _is_of_tests(self, file: DescriptionFile) -> bool:
+        """Tell whether a file belongs to tests of which the script is none."""
+        return any(
+            folder.name in _TESTS and not self._script.is_relative_to(folder)
+            for folder in file.path.resolve().parents
+        )
+
+    def _is_named(self, file: DescriptionFile) -> bool:
+        return bool({file.robot_name, file.stem} & self._spoken.words)
+
+    def _srdf_rank(
+        self, file: DescriptionFile, srdf: Srdf
+    ) -> tuple[bool, int, int, int, int, bool, int, str]:
+        speaks = self._spoken.exactly(srdf.words)
+        loud = {group.name for group in srdf.groups} & speaks
+        return (
+            self._launched_as(file) != 0,
+            -len(loud),
+            -len(speaks),
+            -len(self._named_in_file(srdf.name)),
+            self._launched_as(file),
+            not {srdf.name, file.stem} & self._spoken.words,
+            distance(self._script, file.path),
+            file.shown,
+        )
+
+    def _named_in_file(self, robot: str) -> set[str]:
+        """Return the words of a robot's name that are in the name of the script's file."""
+        words, own = (set(re.findall(r"[a-z]{4,}", each)) for each in (robot, self._script.stem))
+        return (words & own) - _IN_MANY_NAMES
+
+    def _rank(self, file: DescriptionFile) -> tuple[int, bool, bool, int, bool, bool, int, str]:
+        return (
+            self._launched_as(file),
+            not self._is_in_named(file),
+            self._is_part(file),
+            -len(self._spoken.exactly(file.words)),
+            not self._is_named(file),
+            file.path.name.endswith(".xacro"),
+            distance(self._script, file.path),
+            file.shown,
+        )
+
+    def _skip(self, file: DescriptionFile, reason: str, *, is_meant: bool = False) -> None:
+        self._skipped.append(f"{file.shown}: {reason}")
+        if is_meant and not self._is_of_tests(file):
+            self._unreadable.append(self._skipped[-1])

@@ -1,0 +1,130 @@
+"""Which URDF an SRDF goes with, and what an SRDF adds to a robot that is known already."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import MappingProxyType
+
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.urdf.groups import groups_of, states_of
+from tracerisk.twin.urdf.srdf import Srdf
+from tracerisk.twin.urdf.tree import tree_of
+from tracerisk.twin.workspace.description_files import DescriptionFile, distance
+
+_FITS = 0.6  # the share of an SRDF's names that its URDF must have
+_XACRO_ARGUMENT = re.compile(r"(\w+):=(\S+)")
+
+
+@dataclass(frozen=True, slots=True)
+class SetupAssistant:
+    """What MoveIt's setup assistant noted of the URDF from which it made an SRDF."""
+
+    package: str
+    relative_path: str
+    arguments: Mapping[str, str] = field(default_factory=dict)
+
+
+def setup_assistant(srdf: Path) -> SetupAssistant | None:
+    """Return what `.setup_assistant` beside an SRDF or above it says, `None` for none."""
+    for folder in list(srdf.parents)[:2]:
+        try:
+            text = (folder / ".setup_assistant").read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            continue
+        package, relative, given = (
+            re.search(rf"^\s*{key}:[ \t]*(.*)$", text, re.MULTILINE)
+            for key in ("package", "relative_path", "xacro_args")
+        )
+        if package and relative:
+            return SetupAssistant(
+                package[1].strip().strip("\"'"),
+                relative[1].strip().strip("\"'"),
+                dict(_XACRO_ARGUMENT.findall(given[1])) if given else {},
+            )
+    return None
+
+
+def needed_packages(srdf: Path, packages: Mapping[str, Path]) -> tuple[Path, ...]:
+    """Return the folders of the packages that the manifest of an SRDF's package names."""
+    own = next((each for each in packages.values() if srdf.is_relative_to(each)), None)
+    if own is None:
+        return ()
+    try:
+        text = (own / "package.xml").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ()
+    words = frozenset(re.findall(r">\s*([\w.-]+)\s*<", text))
+    return tuple(folder for name, folder in packages.items() if name in words and folder != own)
+
+
+@dataclass(frozen=True, slots=True)
+class UrdfChoice:
+    """How well URDF files go with an SRDF, before they are read.
+
+    `needed` are the folders of the packages on which that of the SRDF depends.
+    """
+
+    file: DescriptionFile
+    srdf: Srdf
+    noted: SetupAssistant | None
+    packages: Mapping[str, Path]
+    needed: tuple[Path, ...] = ()
+
+    def is_noted(self, urdf: DescriptionFile) -> bool:
+        """Tell whether MoveIt's assistant made the SRDF from the file."""
+        if self.noted is None or self.noted.package not in self.packages:
+            return False
+        return urdf.path == self.packages[self.noted.package] / self.noted.relative_path
+
+    def is_needed(self, urdf: DescriptionFile) -> bool:
+        """Tell whether a file is a robot in a package on which the one of the SRDF depends."""
+        return bool(urdf.robot_name) and any(map(urdf.path.is_relative_to, self.needed))
+
+    def arguments(self, urdf: DescriptionFile) -> Mapping[str, str] | None:
+        """Return the arguments of the assistant's file, `None` for another file."""
+        return self.noted.arguments if self.noted is not None and self.is_noted(urdf) else None
+
+    def is_near(self, urdf: DescriptionFile) -> bool:
+        """Tell whether a file has the SRDF's name or some of its joints, or made it."""
+        has_name = self.srdf.name in (urdf.robot_name, urdf.stem)
+        return self.is_noted(urdf) or has_name or bool(self.srdf.words & urdf.words)
+
+    def rank(self, urdf: DescriptionFile) -> tuple[bool, bool, bool, int, int, str]:
+        """Return how a file is ranked, the best one first."""
+        return (
+            not self.is_noted(urdf),
+            self.srdf.name not in (urdf.robot_name, urdf.stem),
+            self.file.stem != urdf.stem,
+            -len(self.srdf.words & urdf.words),
+            distance(self.file.path, urdf.path),
+            urdf.shown,
+        )
+
+
+def has_parts_of(robot: Robot, srdf: Srdf) -> bool:
+    """Tell whether a robot has most joints and links of an SRDF's groups, and one of the groups."""
+    names: set[str] = set()
+    for group in srdf.groups:
+        names.update(group.joints, group.links, *group.chains)
+    has = {*robot.link_names, *(one.name for one in robot.attachments)}
+    if names and len(names & has) < _FITS * len(names):
+        return False
+    return any(group.name in robot.groups for group in srdf.groups)
+
+
+def with_srdf(robot: Robot, srdf: Srdf) -> Robot:
+    """Return a known robot with the groups and states of an SRDF beside its own."""
+    joints = {joint.name: joint for joint in robot.joints}
+    groups = {**robot.groups, **groups_of(tree_of(robot), srdf)}
+    states = {**robot.named_states}
+    for group, found in states_of(srdf, groups, joints).items():
+        states[group] = MappingProxyType({**states.get(group, {}), **found})
+    return replace(
+        robot,
+        groups=MappingProxyType(groups),
+        named_states=MappingProxyType(states),
+        disabled_collisions=robot.disabled_collisions | srdf.disabled_collisions,
+    )
