@@ -25,7 +25,7 @@ CONTROLLER = "\n\n".join(f"def {name}():\n    pass" for name in STEPS) + "\n"
 JOINTS = tuple(f"panda_joint{number}" for number in range(1, 8))
 DESCRIPTIONS = {
     "hardware.sysml": Path(__file__).with_name("panda.sysml"),
-    "hardware.yaml": Path(read_hardware.__code__.co_filename).parent / "robots" / "panda.yaml",
+    "hardware.yaml": Path(read_hardware.__code__.co_filename).parents[1] / "robots" / "panda.yaml",
 }
 
 
