@@ -7,7 +7,8 @@ import pytest
 from tests.pipeline.merge_histories import run_history
 
 
-@pytest.mark.parametrize("seed", range(4))
+# The last one: ranks of another branch beside the first lines of this one, in a shallow clone.
+@pytest.mark.parametrize("seed", [*range(4), 130])
 def test_a_history(seed: int, tmp_path) -> None:
     run_history(tmp_path / "r", seed)
 

@@ -30,8 +30,9 @@ Author = Literal["tool", "person", "unknown"]
 class Evidence:
     """What is known of one source beyond its blocks and the lock.
 
-    `is_fresh`: nothing that the values depend on has changed since the lock was written, so that
-    no other branch has come in. `is_complete`: git kept every version of the source.
+    `is_fresh`: nothing that the values depend on has changed since the lock was written, and the
+    blocks were last written as the lock says, so that no other branch has come in.
+    `is_complete`: git kept every version of the source.
     `written` are the blocks that the tool wrote in those versions, by function; `standing` all
     blocks in them, whoever wrote what they say. `versions` are the functions that have a block in
     each of them.

@@ -7,9 +7,12 @@ from __future__ import annotations
 
 from functools import cache
 
+from tracerisk.adder.blocks.values import CALL_SEQUENCE
+from tracerisk.adder.lock.digest import digest_of
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.adder.merge.authors import Evidence
 from tracerisk.adder.merge.bases import SourceEvidence
+from tracerisk.adder.sources.read import read_blocks
 from tracerisk.config import Settings
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons, values_reasons
 from tracerisk.pipeline.workspace.controller import Controller
@@ -34,6 +37,26 @@ def evidence_for(
         from tracerisk.pipeline.history.kept_by_git import kept_by_git
 
         kept = kept_by_git(controller.root.resolve(), file)
-        return Evidence(is_fresh(), kept.is_complete, kept.written, kept.standing, kept.versions)
+        is_of_one = is_fresh() and _is_as_locked(controller, entry, file)
+        return Evidence(is_of_one, kept.is_complete, kept.written, kept.standing, kept.versions)
 
     return of_file
+
+
+def _is_as_locked(controller: Controller, entry: ControllerLock | None, file: str) -> bool:
+    """Tell whether every block of a file was last written as the lock says.
+
+    Where one was written otherwise, another branch has come into the file. So it has where more
+    than one rank is another: a function that is new on a branch moves all that come after it.
+    """
+    written = {} if entry is None else entry.blocks.get(file, {})
+    placed = read_blocks(controller.source_of(file), str(controller.path_of(file)))
+    blocks = [each.block for each in placed if each.block.name in written]
+    moved = 0
+    for block in blocks:
+        base = written[block.name]
+        if block.digest is not None and block.digest != digest_of(base):
+            return False
+        rank = block.call_sequence
+        moved += not rank.pinned and rank.text != base.values.get(CALL_SEQUENCE.key)
+    return moved < 2
