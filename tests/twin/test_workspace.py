@@ -178,6 +178,44 @@ def test_of_two_robots_the_one_that_the_controller_names_is_taken(tmp_path):
     assert chosen(script).robot.name == "other"
 
 
+def _two_robots_of_one_group(folder):
+    """Two robots of which a controller of `limb` names as much; the second has a state more."""
+    for name, state in (("a", "ready"), ("b", "aside")):
+        srdf = texts.SRDF.replace('"tiny"', f'"{name}"')
+        (folder / f"{name}.urdf").write_text(texts.RATED.replace('"tiny"', f'"{name}"'))
+        (folder / f"{name}.srdf").write_text(
+            re.sub(r'(<group_state name=)"ready"', rf'\1"{state}"', srdf)
+        )
+
+
+def test_of_two_robots_of_one_group_the_one_whose_state_is_named_is_taken(tmp_path):
+    folder, script = workspace(tmp_path, 'group = "limb"\nstate = "aside"\n')
+    _two_robots_of_one_group(folder)
+    assert chosen(script).robot.name == "b"
+
+
+def test_of_two_robots_the_one_of_a_launch_file_beside_the_controller_is_taken(tmp_path):
+    folder, script = workspace(tmp_path, 'import rospy\ngroup = "limb"\n')
+    _two_robots_of_one_group(folder)
+    launch = folder / "launch"
+    launch.mkdir()
+    (launch / "planning_context.launch").write_text(
+        '<launch><param name="robot_description" textfile="$(find tiny_description)/b.urdf"/>'
+        '<param name="robot_description_semantic" textfile="$(find tiny_description)/b.srdf"/>'
+        "</launch>"
+    )
+    (launch / "other.launch").write_text(
+        '<launch><param name="robot_description" textfile="$(find tiny_description)/a.urdf"/>'
+        '<param name="robot_description_semantic" textfile="$(find tiny_description)/a.srdf"/>'
+        "</launch>"
+    )
+    (script.parent / "launch").mkdir()
+    (script.parent / "launch" / "demo.launch").write_text(
+        '<launch><include file="$(find tiny_description)/launch/planning_context.launch"/></launch>'
+    )
+    assert chosen(script).robot.name == "b"
+
+
 @pytest.mark.parametrize("has_groups", [True, False])
 def test_the_only_robot_is_not_that_of_another_packages_tests(tmp_path, has_groups):
     folder, script = workspace(tmp_path, "pass\n")

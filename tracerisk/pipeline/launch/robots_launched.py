@@ -20,7 +20,7 @@ from tracerisk.twin.workspace.description_files import distance
 
 _MOST_READ = {1: 40, 2: 4}  # launch files of ROS 2 cost a process each
 _AT_ONCE = 2
-_DESCRIBES = re.compile(r"\.xacro\b|\.urdf\b|MoveItConfigsBuilder")
+_DESCRIBES = re.compile(r"\.xacro\b|\.urdf\b|MoveItConfigsBuilder|\bplanning_context\.launch\b")
 
 
 def launched_robots(
@@ -48,12 +48,14 @@ def launched_robots(
     named = named_packages(root, workspace.packages, strings)
     folders = [root, *(workspace.packages[name].resolve() for name in sorted(named))]
 
-    def is_near(path: Path) -> bool:
-        return any(path.is_relative_to(folder) for folder in folders)
+    def whose(path: Path) -> LaunchedBy:
+        if path.is_relative_to(folders[0]):
+            return "package"
+        return "named" if any(map(path.is_relative_to, folders)) else "workspace"
 
     paths = sorted(
         (path.resolve() for path, text in texts.items() if _DESCRIBES.search(text)),
-        key=lambda path: (not is_near(path), distance(script, path), path),
+        key=lambda path: (whose(path) == "workspace", distance(script, path), path),
     )[: _MOST_READ[ros]]
     files = [LaunchFile(path, ros, False) for path in paths]
     with ThreadPoolExecutor(_AT_ONCE) as pool:
@@ -62,7 +64,7 @@ def launched_robots(
         )
     found = list(own)
     for file, reading in zip(files, readings, strict=True):
-        by: LaunchedBy = "package" if is_near(file.path) else "workspace"
+        by = whose(file.path)
         if any(program.started_as(node) is not None for node in reading.nodes):
             by = "controller"
         found += [_described(each, shown([file.path], root)[0], by) for each in reading.robots]
@@ -78,7 +80,7 @@ def _described(source: RobotSource, file: str, by: LaunchedBy) -> LaunchedDescri
 
 def _agreed(found: Iterable[LaunchedDescription]) -> tuple[LaunchedDescription, ...]:
     """Return the descriptions, the nearest first; far ones that contradict each other are none."""
-    order: tuple[LaunchedBy, ...] = ("controller", "package", "workspace")
+    order: tuple[LaunchedBy, ...] = ("controller", "package", "named", "workspace")
     kept: dict[tuple[Path | None, str], LaunchedDescription] = {}
     contradicted: set[Path | None] = set()
     for each in sorted(found, key=lambda one: order.index(one.by)):

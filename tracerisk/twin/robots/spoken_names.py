@@ -17,9 +17,9 @@ _FEWEST_JOINTS = 3  # that a controller lists, for them to speak against a robot
 SAYS_NOTHING = frozenset({"world", "base", "base_link", "link", "tool0", "open", "close", "home"})
 
 
-LaunchedBy = Literal["controller", "package", "workspace"]
-"""Whose launch file it is: the one that starts the controller, one of a package that the
-controller is of or names, or another one of the workspace."""
+LaunchedBy = Literal["controller", "package", "named", "workspace"]
+"""Whose launch file it is: the one that starts the controller, one of its own package, one of a
+package that it names, or another one of the workspace."""
 
 
 @dataclass(frozen=True, slots=True)

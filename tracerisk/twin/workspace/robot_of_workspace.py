@@ -41,9 +41,9 @@ from tracerisk.twin.workspace.srdf_pairing import (
 )
 
 _TESTS = frozenset({"test", "tests"})
-_RANKS = {"controller": 0, "package": 1}
+_RANKS = {"controller": 0, "package": 1, "named": 2}
 _IN_MANY_NAMES = frozenset({"robot", "arm", "moveit", "gripper", "hand", "demo", "with"})
-_UNNAMED = 2  # the rank of a file that no launch file near the controller names
+_UNNAMED = 3  # the rank of a file that no launch file near the controller names
 
 
 class UnreadableRobotError(RobotError):
@@ -91,11 +91,12 @@ def find_workspace_robot(
     """Return the robot of the SRDF, URDF and xacro files below the roots.
 
     `packages` are the ROS packages that xacro files may find. Of several robots the one is taken
-    that the launch file describes which starts the controller, then the one whose joints, as they
-    are called when macros are expanded, the controller names most, then the one of another launch
-    file of its package, then that in a package that is named, then the one that is nearest to the
-    script. A robot of which the controller names nothing is taken only if it is the only one, or
-    a launch file describes it; one of tests is not, unless the script is of them too.
+    that the launch file describes which starts the controller, then the one of whose groups, their
+    states and its joints, as they are called when macros are expanded, the controller names most,
+    then the one of another launch file of its package, then that in a package that is named, then
+    the one that is nearest to the script. A robot of which the controller names nothing is taken
+    only if it is the only one, or a launch file describes it; one of tests is not, unless the
+    script is of them too.
     Raises LimitError where a xacro file takes too long or too much memory: which robot is taken
     must not depend on that.
     """
@@ -330,7 +331,7 @@ class _Search:
         return prefix, "" if prefix else prefix_left_out(names, self._spoken.joints)
 
     def _launched_as(self, file: DescriptionFile) -> int:
-        """Return 0 for what the controller's launch file names, 1 for what its package's do."""
+        """Return 0 for what the controller's launch file names, more for those less near to it."""
         launched = self._launched.get(file.path)
         return _UNNAMED if launched is None else _RANKS.get(launched.by, _UNNAMED)
 
@@ -364,12 +365,14 @@ class _Search:
 
     def _srdf_rank(
         self, file: DescriptionFile, srdf: Srdf
-    ) -> tuple[bool, int, int, int, int, bool, int, str]:
+    ) -> tuple[bool, int, int, int, int, int, bool, int, str]:
         speaks = self._spoken.exactly(srdf.words)
         loud = {group.name for group in srdf.groups} & speaks
+        states = {name for group in loud for name in srdf.states.get(group, {})}
         return (
             self._launched_as(file) != 0,
             -len(loud),
+            -len(self._spoken.exactly(states)),
             -len(speaks),
             -len(self._named_in_file(srdf.name)),
             self._launched_as(file),
