@@ -37,7 +37,14 @@ EndCause = Literal[
     "not_importable",  # a module it imports is missing, or is not Python 3
 ]
 NOTES: frozenset[str] = frozenset(
-    {"assumed_name", "concurrent_owners", "not_simulated", "nothing_to_grasp", "unused"}
+    {
+        "assumed_name",
+        "assumed_start",
+        "concurrent_owners",
+        "not_simulated",
+        "nothing_to_grasp",
+        "unused",
+    }
 )
 """The kinds of findings by which nothing went wrong: what was assumed, or is not simulated."""
 GOOD_ENDS: frozenset[EndCause] = frozenset({"ended", "quiescent", "cycles", "idle", "duration"})

@@ -97,7 +97,9 @@ def test_what_failed_and_was_not_retried_makes_the_run_faulted(kind, code):
     assert (reason.location, reason.time_s) == (HERE, 2.0)
 
 
-@pytest.mark.parametrize("kind", ["not_simulated", "assumed_name", "concurrent_owners"])
+@pytest.mark.parametrize(
+    "kind", ["not_simulated", "assumed_name", "assumed_start", "concurrent_owners"]
+)
 def test_a_note_is_no_reason(kind):
     assert judge(recorded(findings=(finding(kind),))).kind == "complete"
 

@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from tracerisk.prm.questions.uncertainty import Uncertainty
     from tracerisk.report.run_figures import RunFigures
 
-_NO_FAILURE = frozenset({"assumed_name", "unused"})
+_NO_FAILURE = frozenset({"assumed_name", "assumed_start", "unused"})
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -362,6 +362,7 @@ def test_a_plan_from_another_start_is_refused_when_the_arm_is_not_there(run):
     ran = run(
         FAST
         + """
+arm.set_named_target("ready"); arm.go()
 state = moveit_msgs.msg.RobotState()
 state.joint_state.name = arm.get_active_joints()
 state.joint_state.position = [0.5, -0.785, 0, -2.356, 0, 1.571, 0.785]
@@ -374,6 +375,7 @@ arm.set_start_state_to_current_state()
 after = arm.go()
 """
     )
+    assert "more than 0.01 away" in ran.findings[0]
     assert (ran["success"], ran["first"], ran["done"], ran["after"]) == (True, 0.5, False, True)
 
 

@@ -55,9 +55,26 @@ code = result.error_code.val
     assert dict(zip(begin.name, begin.position, strict=True))["panda_joint4"] == pytest.approx(-2.6)
 
 
+def test_the_arm_begins_where_its_first_motion_was_planned_from(run):
+    ran = run(
+        """
+arm.set_start_state(configuration_name="ready")
+arm.set_goal_state(configuration_name="extended")
+status = panda.execute(arm.plan().trajectory, controllers=[])
+"""
+    )
+    assert bool(ran["status"]) is True
+    (command,) = ran.recording.commands
+    assert command.outcome == "succeeded"
+    (told,) = ran.findings
+    assert "the arm is assumed to begin where its first motion was planned from" in told
+    assert "panda_joint2 -0.7854" in told
+
+
 def test_a_plan_from_elsewhere_is_not_executed(run):
     ran = run(
         """
+go("extended")
 arm.set_start_state(configuration_name="ready")
 arm.set_goal_state(configuration_name="extended")
 plan = arm.plan()
@@ -67,7 +84,7 @@ status = panda.execute(plan.trajectory, controllers=[])
     assert bool(ran["plan"]) is True
     assert bool(ran["status"]) is False
     assert ran["status"].status == "ABORTED"
-    assert ran.recording.commands == ()
+    assert len(ran.recording.commands) == 1
     assert "plan from the present state" in ran.findings[0]
 
 
@@ -312,6 +329,21 @@ code = arm.plan().error_code.val
     )
     assert ran["code"] == -1
     assert "the path constraints" in ran.findings[0]
+
+
+def test_random_states_are_clear_of_collisions(run):
+    ran = run(
+        """
+state = RobotState(panda.get_robot_model())
+with panda.get_planning_scene_monitor().read_only() as scene:
+    touching = []
+    for _ in range(40):
+        state.set_to_random_positions()
+        state.update()
+        touching.append(scene.is_state_colliding(robot_state=state, joint_model_group_name=""))
+"""
+    )
+    assert ran["touching"] == [False] * 40
 
 
 def test_the_same_program_gives_the_same_recording(run, tmp_path):

@@ -128,7 +128,7 @@ def run_verdict(
 
 
 def _assumed(robot: Robot, recording: Recording) -> Iterator[tuple[str, str]]:
-    """Yield what of the robot is assumed: the arm itself, groups and states, its gripper."""
+    """Yield what of the robot is assumed: itself, its names, where it begins, its gripper."""
     if robot.doubt:
         yield robot.name, f"the robot is assumed: {robot.doubt}"
     if robot.name == GENERIC:
@@ -137,6 +137,8 @@ def _assumed(robot: Robot, recording: Recording) -> Iterator[tuple[str, str]]:
         if finding.kind == "assumed_name":
             named = finding.message.split("'")
             yield named[1] if len(named) > 1 else "", finding.message
+        if finding.kind == "assumed_start":
+            yield robot.name, finding.message
     commanded = {name for command in recording.commands for name in command.elements}
     if ASSUMED_GRIPPER in commanded and has_assumed_gripper(robot):
         words = f"the gripper of {robot.name} is assumed with all its figures"

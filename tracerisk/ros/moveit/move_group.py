@@ -135,6 +135,10 @@ class MoveGroupServer(RobotGroups):
         self._runtime.client(SensorReading).asked("encoder")
         return self._twin.link_pose(link)
 
+    def is_clear(self, positions: Mapping[str, float]) -> bool:
+        """Tell whether the robot touches nothing that plans keep clear of."""
+        return self._twin.collision(positions) is None
+
     def forward(self, positions: Mapping[str, float], link: str) -> Pose:
         """Return a link's pose at given joint positions; joints left out stand as they are."""
         return self._twin.forward_kinematics({**self._positions(), **positions}, link)

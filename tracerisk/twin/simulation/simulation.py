@@ -99,6 +99,15 @@ class Simulation:
         applied: Array = self._data.ctrl.copy()
         return applied
 
+    def place(self, positions: Mapping[str, float]) -> None:
+        """Put joints of the arm elsewhere, at rest, with their set-points [rad or m]."""
+        for name, value in positions.items():
+            index = self.joint_index[name]
+            self._data.qpos[self._qpos[index]] = value
+            self._data.qvel[self._dofs[index]] = 0.0
+            self._data.ctrl[self.actuator[name]] = value
+        mujoco.mj_forward(self._model, self._data)
+
     def declare(self, bodies: Sequence[SceneBody]) -> None:
         """Take `bodies` for all that is declared, from the next step on."""
         self._wanted = tuple(bodies)

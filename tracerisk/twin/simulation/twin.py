@@ -296,6 +296,20 @@ class Twin:
 
     # Motion
 
+    def begin_at(self, positions: Mapping[str, float]) -> bool:
+        """Put joints of the arm where they begin [rad or m], and tell whether that was done.
+
+        Only before the first motion, within the joints' limits, and where nothing collides.
+        """
+        here = self._positions()
+        joints = {name: self.robot.joint(name) for name in positions if name in here}
+        is_possible = len(joints) == len(positions) and all(
+            joint.lower <= positions[name] <= joint.upper for name, joint in joints.items()
+        )
+        if not is_possible or self.collision(positions) is not None:
+            return False
+        return self._motions.begin_at(positions)
+
     def follow(
         self, trajectory: JointTrajectory, *, goal_tolerance: GoalTolerance | None = None
     ) -> Motion:
