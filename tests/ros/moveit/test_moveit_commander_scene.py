@@ -241,7 +241,13 @@ fingers = MoveGroupCommander("hand").get_current_joint_values()
     ("call", "code", "text"),
     [
         ("arm.pick('mug')", -19, "the planning scene has no such object; did you mean 'cup'"),
-        ("arm.pick('cup')", 99999, "no grasp was given"),
+        (
+            "arm.pick('cup', moveit_msgs.msg.Grasp(grasp_pose=top, "
+            "post_grasp_retreat=moveit_msgs.msg.GripperTranslation(desired_distance=3.0, "
+            "min_distance=2.0, direction=along(1.0, 1.0).direction)))",
+            -1,
+            "of the straight way from the pose can be followed, and 2 m are the least",
+        ),
     ],
 )
 def test_a_pick_that_cannot_be_done_returns_its_code(run, call, code, text):
@@ -270,6 +276,61 @@ code = arm.pick("cup", [far, near])
     )
     assert ran["code"] == 1
     assert "picking 'cup' failed" in ran.findings[0]
+
+
+def test_a_way_to_a_grasp_may_be_shorter_than_desired(run):
+    """As there: an approach of 2 m that is followed for its least 5 cm or more is one."""
+    ran = run(
+        SCENE
+        + PICK
+        + """
+grasp = moveit_msgs.msg.Grasp(
+    grasp_pose=top, pre_grasp_posture=posture(0.03), grasp_posture=posture(0.01),
+    pre_grasp_approach=along(-1.0, 2.0), post_grasp_retreat=along(1.0, 2.0))
+code = arm.pick("cup", grasp)
+held = list(scene.get_attached_objects())
+"""
+    )
+    assert (ran["code"], ran["held"]) == (1, ["cup"])
+    assert ran.findings == []
+
+
+def test_a_grasp_whose_way_is_too_short_gives_way_to_the_next(run):
+    ran = run(
+        SCENE
+        + PICK
+        + """
+low = moveit_msgs.msg.Grasp(
+    grasp_quality=1.0, grasp_pose=top, pre_grasp_approach=along(1.0, 0.5))
+low.pre_grasp_approach.min_distance = 0.5
+near = moveit_msgs.msg.Grasp(
+    grasp_pose=top, pre_grasp_posture=posture(0.03), pre_grasp_approach=along(-1.0, 0.1))
+code = arm.pick("cup", [near, low])
+"""
+    )
+    assert ran["code"] == 1
+    assert "0.5 m are the least" in ran.findings[0]
+
+
+def test_without_grasps_one_from_behind_is_tried(run):
+    """move_group's own: 0.2 m behind the object along x, and on from there."""
+    ran = run(
+        SCENE
+        + PICK
+        + """
+ball = copy.deepcopy(top)
+ball.pose.orientation = type(ball.pose.orientation)(w=1.0)
+ball.pose.position.x, ball.pose.position.z = 0.6, 0.6
+scene.add_box("ball", ball, size=(0.04, 0.04, 0.04))
+code = arm.pick("ball")
+held = list(scene.get_attached_objects())
+place = arm.get_current_pose().pose.position
+"""
+    )
+    assert (ran["code"], ran["held"]) == (1, ["ball"])
+    # From 0.4 m on to where the hand, 0.05 m wide, would touch it, and up by at least 0.1 m.
+    assert 0.45 < ran["place"].x < 0.58
+    assert 0.69 < ran["place"].z < 0.81
 
 
 WALL = """

@@ -225,12 +225,13 @@ class MoveGroupServer(RobotGroups):
         avoid_collisions: bool = True,
         start: Mapping[str, float] | None = None,
         scaling: Scaling = RATED,
+        least: float = WHOLE_PATH,
     ) -> tuple[Plan, float]:
         """Plan straight lines through `waypoints`, at the rated speeds as the service does.
 
         With `avoid_collisions` the way ends before the first collision.
-        Returns the plan and the fraction of the way that it covers; less than 1 is a success
-        with a finding.
+        Returns the plan and the fraction of the way that it covers; less than `least` is a
+        success with a finding.
         """
         self._runtime.scheduler.touch()
         try:
@@ -246,7 +247,7 @@ class MoveGroupServer(RobotGroups):
             )
         except PlanningError as error:
             return self._failed(group, error, _last_place(waypoints)), -1.0
-        if fraction < WHOLE_PATH:
+        if fraction < min(least, WHOLE_PATH):
             self.execution.tell(
                 "path_cut",
                 f"a Cartesian path of group '{group}' was cut to {100.0 * fraction:.1f} % of its "
@@ -257,6 +258,16 @@ class MoveGroupServer(RobotGroups):
         else:
             self._planned(group, _last_place(waypoints))
         return Plan(ErrorCode.SUCCESS, trajectory), fraction
+
+    def straight_way(
+        self, group: str, goal: Pose, *, link: str, eef_step: float, start: Mapping[str, float]
+    ) -> tuple[JointTrajectory, float]:
+        """Return the straight way of a link and how much of it is there; no finding tells of it.
+
+        Raises:
+            PlanningError: the request is bad.
+        """
+        return self._twin.plan_cartesian(group, [goal], link=link, eef_step=eef_step, start=start)
 
     def retime(
         self,

@@ -1,12 +1,17 @@
 """Pick and place as one request: approach, close or open, attach or detach, retreat."""
 
-from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
+import contextlib
+import copy
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, TypeAlias
 
 from geometry_msgs.msg import Pose, PoseStamped
 from moveit_msgs.msg import Grasp, GripperTranslation, PlaceLocation, RobotTrajectory
+from trajectory_msgs.msg import JointTrajectoryPoint
 
 from tracerisk.errors import one_of
+from tracerisk.ros.moveit.messages import set_pose
 from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode
 from tracerisk.ros.transforms.poses import compose, inverse, rotate
@@ -18,6 +23,9 @@ from ._group_targets import GroupTargets
 from .exception import MoveItCommanderException
 
 _CARTESIAN_STEP = 0.005  # [m]
+_SHORT = 0.01  # how far a grasp of move_group's own stays away from what stops it [m]
+_SAME = 0.01  # joint positions that differ less are the same [rad or m]
+_Joints: TypeAlias = Mapping[str, float]  # positions [rad or m]
 _PLACE_TYPES = (
     "Parameter location must be a Pose, PoseStamped, PlaceLocation, list of PoseStamped or list "
     "of PlaceLocation object"
@@ -32,33 +40,79 @@ class GroupPickPlace(GroupTargets):
         self._detach_postures: dict[str, Any] = {}
 
     def pick(self, object_name: str, grasp: Any = (), plan_only: bool = False) -> int:
-        """Pick an object by the first of the grasps that works; return a MoveItErrorCodes value.
+        """Pick an object by the best of the grasps that work; return a MoveItErrorCodes value.
 
-        Without grasps MoveIt asks a grasp planner; the twin has none, so that is a failure.
+        Without grasps the one is tried that move_group makes for it.
         """
         grasps = [grasp] if isinstance(grasp, Grasp) else list(grasp)
         if object_name not in self._server.scene.world:
             known = one_of(self._server.scene.world, object_name)
             text = f"picking '{object_name}' failed: the planning scene has no such object; {known}"
             return int(self._fail(ErrorCode.INVALID_OBJECT_NAME, text))
-        code = self._fail_without(grasps, f"picking '{object_name}' failed: no grasp was given")
+        code = ErrorCode.FAILURE
         link = self._link("", "pick with")
+        if not grasps:
+            grasps = [self._default_grasp(object_name, link)]
         # The hand has to touch what it picks.
         with self._server.touching(object_name, self._server.hand_links(link)):
-            for one in grasps:
+            for one in sorted(grasps, key=lambda each: -each.grasp_quality):
                 code, is_done = self._pick_with(object_name, one, link, plan_only)
                 if is_done:
                     break
         return int(code)
 
+    def _default_grasp(self, object_name: str, link: str) -> Any:
+        """Return the grasp that move_group makes: from behind along x, as near as it gets, up.
+
+        As `fillGrasps` of MoveIt's pick_place_action_capability.cpp, but near is where the hand
+        would touch the object, and not where the wrist would.
+        """
+        grasp = Grasp()
+        grasp.grasp_pose.header.frame_id = object_name
+        grasp.grasp_pose.pose.position.x = -0.2
+        grasp.grasp_pose.pose.orientation.w = 1.0
+        for translation in (grasp.pre_grasp_approach, grasp.post_grasp_retreat):
+            translation.direction.header.frame_id = self.get_planning_frame()
+            translation.min_distance, translation.desired_distance = 0.1, 0.2
+        grasp.pre_grasp_approach.direction.vector.x = 1.0
+        grasp.post_grasp_retreat.direction.vector.z = 1.0
+        for gripper in self._server.robot.grippers:
+            if (
+                gripper.name in self._server.hand_links(link)
+                or len(self._server.robot.grippers) == 1
+            ):
+                for posture, at in (
+                    (grasp.pre_grasp_posture, gripper.opening),
+                    (grasp.grasp_posture, gripper.least),
+                ):
+                    posture.joint_names = [gripper.joints[0]]
+                    posture.points = [JointTrajectoryPoint(positions=[at])]
+        with contextlib.suppress(PlanningError):  # picking fails by itself
+            near = self._closest(link, grasp)
+            grasp.grasp_pose.header.frame_id = self.get_planning_frame()
+            set_pose(grasp.grasp_pose.pose, near)
+        return grasp
+
+    def _closest(self, link: str, grasp: Any) -> motion.Pose:
+        """Return how far the hand comes from a grasp along its approach, short of 1 m."""
+        pose = self._in_planning_frame(grasp.grasp_pose)
+        there = self._server.reach(self._name, [self._goal(link, pose)])
+        onward = copy.deepcopy(grasp.pre_grasp_approach)
+        onward.desired_distance, onward.min_distance = 1.0, 0.0
+        end = self._server.forward(self._end_of_way(link, pose, onward, there), link)
+        onward.desired_distance = max(0.0, math.dist(pose.position, end.position) - _SHORT)
+        return self._moved(pose, onward, link)
+
     def _pick_with(
         self, object_name: str, one: Any, link: str, plan_only: bool
     ) -> tuple[ErrorCode, bool]:
         """Return what came of one grasp, and whether no other is to be tried."""
+        code = ErrorCode.SUCCESS
         try:
             pose = self._in_planning_frame(one.grasp_pose)
-            begin = self._moved(pose, one.pre_grasp_approach, link, back=True)
-            code = self._reachable(link, (pose, begin))
+            begin = self._begin(
+                link, pose, one.pre_grasp_approach, one.post_grasp_retreat, object_name
+            )
         except PlanningError as error:
             text = f"picking '{object_name}' failed: {error.message}"
             return self._fail(ErrorCode.PLANNING_FAILED, text), False
@@ -87,8 +141,10 @@ class GroupPickPlace(GroupTargets):
             try:
                 object_pose = self._in_planning_frame(one.place_pose)
                 pose = compose(object_pose, inverse(attached.object.pose))
-                begin = self._moved(pose, one.pre_place_approach, link, back=True)
-                code = self._reachable(link, (pose, begin))
+                begin = self._begin(
+                    link, pose, one.pre_place_approach, one.post_place_retreat, object_name
+                )
+                code = ErrorCode.SUCCESS
             except PlanningError as error:
                 code = self._fail(
                     ErrorCode.PLANNING_FAILED, f"placing '{object_name}' failed: {error.message}"
@@ -105,10 +161,10 @@ class GroupPickPlace(GroupTargets):
     # The steps; each is carried out when its code is asked for
 
     def _pick_steps(
-        self, object_name: str, grasp: Any, link: str, pose: motion.Pose, begin: motion.Pose
+        self, object_name: str, grasp: Any, link: str, pose: motion.Pose, begin: _Joints
     ) -> Iterator[ErrorCode]:
         yield self._take_posture(grasp.pre_grasp_posture)
-        yield self._move_to(link, begin)
+        yield self._move_to(begin)
         yield self._straight(link, pose, grasp.pre_grasp_approach)
         yield self._take_posture(grasp.grasp_posture)
         self._server.attach(object_name, link, self._server.hand_links(link))
@@ -116,12 +172,12 @@ class GroupPickPlace(GroupTargets):
         yield self._retreat(link, pose, grasp.post_grasp_retreat)
 
     def _place_steps(
-        self, object_name: str, location: Any, link: str, pose: motion.Pose, begin: motion.Pose
+        self, object_name: str, location: Any, link: str, pose: motion.Pose, begin: _Joints
     ) -> Iterator[ErrorCode]:
         posture = location.post_place_posture
         if not posture.points and object_name in self._detach_postures:
             posture = self._detach_postures[object_name]
-        yield self._move_to(link, begin)
+        yield self._move_to(begin)
         yield self._straight(link, pose, location.pre_place_approach)
         yield self._take_posture(posture)
         self._server.detach(object_name)
@@ -138,19 +194,25 @@ class GroupPickPlace(GroupTargets):
         )
         return self._carry_out(goal)
 
-    def _move_to(self, link: str, pose: motion.Pose) -> ErrorCode:
-        plan = self._server.plan_pose(self._name, [[self._goal(link, pose)]], self._scaling)
+    def _move_to(self, begin: _Joints) -> ErrorCode:
+        plan = self._server.plan_joints(self._name, begin, self._scaling)
         return plan.code if plan.trajectory is None else self._carry_out(plan.trajectory)
 
     def _straight(self, link: str, pose: motion.Pose, translation: Any) -> ErrorCode:
         if translation.desired_distance <= 0.0:
             return ErrorCode.SUCCESS
+        least = translation.min_distance / translation.desired_distance
         plan, fraction = self._server.plan_cartesian(
-            self._name, [pose], link=link, eef_step=_CARTESIAN_STEP, scaling=self._scaling
+            self._name,
+            [pose],
+            link=link,
+            eef_step=_CARTESIAN_STEP,
+            scaling=self._scaling,
+            least=least,
         )
         if plan.trajectory is None:
             return plan.code
-        if fraction * translation.desired_distance < translation.min_distance:
+        if fraction < least:
             text = f"only {fraction:.0%} of a straight way of link '{link}' can be followed"
             return self._fail(ErrorCode.PLANNING_FAILED, text)
         return self._carry_out(plan.trajectory)
@@ -198,10 +260,55 @@ class GroupPickPlace(GroupTargets):
             (px + dx * distance, py + dy * distance, pz + dz * distance), pose.orientation
         )
 
-    def _reachable(self, link: str, poses: Iterable[motion.Pose]) -> ErrorCode:
-        for pose in poses:
-            self._server.reach(self._name, [self._goal(link, pose)])
-        return ErrorCode.SUCCESS
+    def _begin(
+        self, link: str, pose: motion.Pose, approach: Any, retreat: Any, object_name: str
+    ) -> _Joints:
+        """Return joint positions from which a straight way leads to a pose, and another one off.
+
+        Each of the ways may be shorter than desired, down to its least distance. Several ways to
+        stand at the pose are tried. On the way off nothing hinders the object: it is left there,
+        or goes along, which is looked at when it is held.
+        Raises PlanningError where the pose cannot be reached, or none of the ways be gone.
+        """
+        scene = self._server.scene
+        others = {*self._server.robot.link_names, *scene.world, *scene.attached}
+        failure: PlanningError | None = None
+        tried: list[_Joints] = []
+        for state in ({}, *self._server.robot.named_states.get(self._name, {}).values()):
+            seed = {**self._server.positions(), **state}
+            there = self._server.reach(self._name, [self._goal(link, pose)], seed)
+            if any(_is_same(there, other) for other in tried):
+                continue
+            tried.append(there)
+            try:
+                begin = self._end_of_way(link, pose, approach, there, back=True)
+                with self._server.touching(object_name, others):
+                    self._end_of_way(link, pose, retreat, there)
+            except PlanningError as error:
+                failure = failure or error
+                continue
+            return begin
+        assert failure is not None, "the first position reached is always tried"
+        raise failure
+
+    def _end_of_way(
+        self, link: str, pose: motion.Pose, translation: Any, start: _Joints, *, back: bool = False
+    ) -> _Joints:
+        """Return where the joints come on a straight way from `start`, which stands at `pose`."""
+        if translation.desired_distance <= 0.0:
+            return start
+        goal = self._moved(pose, translation, link, back=back)
+        trajectory, fraction = self._server.straight_way(
+            self._name, goal, link=link, eef_step=_CARTESIAN_STEP, start=start
+        )
+        if fraction * translation.desired_distance < translation.min_distance:
+            what = "to" if back else "from"
+            raise PlanningError(
+                "no_plan",
+                f"only {fraction * translation.desired_distance:.3f} m of the straight way {what} "
+                f"the pose can be followed, and {translation.min_distance:g} m are the least",
+            )
+        return dict(zip(trajectory.joints, trajectory.position[-1].tolist(), strict=True))
 
     def _locations(self, location: Any) -> list[Any]:
         if location is None:
@@ -234,6 +341,10 @@ class GroupPickPlace(GroupTargets):
         if not options:
             self._fail(ErrorCode.FAILURE, message)
         return ErrorCode.FAILURE
+
+
+def _is_same(one: _Joints, other: _Joints) -> bool:
+    return all(abs(value - other[name]) < _SAME for name, value in one.items())
 
 
 def _first_failure(steps: Iterator[ErrorCode]) -> ErrorCode:
