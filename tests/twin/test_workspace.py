@@ -194,6 +194,23 @@ def test_of_two_robots_of_one_group_the_one_whose_state_is_named_is_taken(tmp_pa
     assert chosen(script).robot.name == "b"
 
 
+def test_of_two_robots_the_one_by_whose_part_of_a_name_the_controller_asks_is_taken(tmp_path):
+    source = 'import rospy, variants\ngroup = "limb"\nif version() == "b2":\n    pass\n'
+    folder, script = workspace(tmp_path, source)
+    for name in ("tiny_a", "tiny_b2"):
+        (folder / f"{name}.urdf").write_text(texts.RATED.replace('"tiny"', f'"{name}"'))
+        for copied in (name, f"{name}_copy"):
+            (folder / f"{copied}.srdf").write_text(texts.SRDF.replace('"tiny"', f'"{name}"'))
+    # A library of its own speaks of every variant, and a launch file describes the other one.
+    (script.parent / "launch").mkdir()
+    (script.parent / "launch" / "demo.launch").write_text(
+        '<launch><param name="robot_description" textfile="$(find tiny_description)/tiny_a.urdf"/>'
+        "</launch>"
+    )
+    (script.parent / "variants.py").write_text('variants = ["a", "b2"]\n')
+    assert chosen(script).robot.name == "tiny_b2"
+
+
 def test_of_two_robots_the_one_of_a_launch_file_beside_the_controller_is_taken(tmp_path):
     folder, script = workspace(tmp_path, 'import rospy\ngroup = "limb"\n')
     _two_robots_of_one_group(folder)

@@ -142,7 +142,8 @@ class _Search:
         root = self._controller.root
         packages = find_workspace(root).packages
         named = named_packages(root, packages, strings)
-        spoken = Spoken(strings, named, self._launched, self._asked.listed)
+        own = string_literals(self._controller)
+        spoken = Spoken(strings, named, self._launched, self._asked.listed, own)
         roots = (root, *packages.values())
         return find_workspace_robot(
             roots, packages, spoken, self._controller.path, self._settings.limits

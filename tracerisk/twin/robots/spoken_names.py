@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from collections.abc import Iterable, Set
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,8 +15,21 @@ from tracerisk.twin.robots.robot import Robot
 
 _SHORTEST_STEM = 5  # `joint` alone says nothing about the arm
 _FEWEST_JOINTS = 3  # that a controller lists, for them to speak against a robot without them
+_IN_MANY_NAMES = frozenset({"robot", "arm", "moveit", "gripper", "hand", "demo", "with"})
 # What so many robots call a part of theirs says nothing about which one it is.
 SAYS_NOTHING = frozenset({"world", "base", "base_link", "link", "tool0", "open", "close", "home"})
+
+
+def words_of_one(names: Set[str]) -> frozenset[str]:
+    """Return the words, between underscores, that are in one of the names alone."""
+    counts = Counter(word for name in names for word in {*name.split("_")})
+    return frozenset(word for word, count in counts.items() if count == 1)
+
+
+def words_shared(robot: str, stem: str) -> Set[str]:
+    """Return the words of a robot's name that are in the name of a script's file."""
+    words, own = (set(re.findall(r"[a-z]{4,}", each)) for each in (robot, stem))
+    return (words & own) - _IN_MANY_NAMES
 
 
 LaunchedBy = Literal["controller", "package", "named", "workspace"]
@@ -49,11 +64,17 @@ class Spoken:
     """The files of robots that launch files name, those of the controller's own first."""
     joints: tuple[str, ...] = ()
     """The joints that the controller lists."""
+    own_strings: tuple[str, ...] = ()
+    """The strings of the controller itself, without its modules."""
 
     @cached_property
     def words(self) -> frozenset[str]:
         """The strings and their parts."""
         return words_in(self.strings)
+
+    def asks_for(self, variants: Set[str]) -> bool:
+        """Tell whether the controller itself, and not only a library, has one of the words."""
+        return bool(variants & words_in(self.own_strings))
 
     def among(self, names: Set[str]) -> Set[str]:
         """Return those of the names that the controller names, also as a stem before a number."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -20,7 +19,12 @@ from tracerisk.twin.robots.known_arms import (
 from tracerisk.twin.robots.mentions import Hint, decide
 from tracerisk.twin.robots.prefix import prefix_before, prefix_left_out, with_prefix, without_prefix
 from tracerisk.twin.robots.robot import Robot, load_robot
-from tracerisk.twin.robots.spoken_names import LaunchedDescription, Spoken
+from tracerisk.twin.robots.spoken_names import (
+    LaunchedDescription,
+    Spoken,
+    words_of_one,
+    words_shared,
+)
 from tracerisk.twin.urdf.joint_limits import limited_as_beside
 from tracerisk.twin.urdf.srdf import Srdf, read_srdf
 from tracerisk.twin.urdf.tree import NoWholeRobotError
@@ -42,7 +46,6 @@ from tracerisk.twin.workspace.srdf_pairing import (
 
 _TESTS = frozenset({"test", "tests"})
 _RANKS = {"controller": 0, "package": 1, "named": 2}
-_IN_MANY_NAMES = frozenset({"robot", "arm", "moveit", "gripper", "hand", "demo", "with"})
 _UNNAMED = 3  # the rank of a file that no launch file near the controller names
 
 
@@ -116,6 +119,8 @@ class _Search:
         self._spoken = spoken
         self._named = [packages[name].resolve() for name in spoken.packages if name in packages]
         self._script = script.resolve()
+        self._srdf_names: set[str] = set()
+        self._variants: frozenset[str] = frozenset()
         self._skipped: list[str] = []
         self._unreadable: list[str] = []
         self._launched: dict[Path, LaunchedDescription] = {}
@@ -185,6 +190,8 @@ class _Search:
                 read.append((file, read_srdf(text, file.shown)))
             except RobotError as error:
                 self._skip(file, error.message, is_meant=len(files) == 1 or self._is_meant(file))
+        self._srdf_names = {srdf.name for _, srdf in read}
+        self._variants = words_of_one(self._srdf_names)
         ranked = sorted(read, key=lambda each: self._srdf_rank(*each))
         only = len({srdf.name for file, srdf in read if not self._is_of_tests(file)}) == 1
         for file, srdf in ranked:
@@ -234,11 +241,13 @@ class _Search:
         noted = setup_assistant(file.path)
         needed = needed_packages(file.path, self._packages)
         choice = UrdfChoice(file, srdf, noted, self._packages, needed)
+        others = self._srdf_names - {srdf.name}
         ranked = sorted(
             self._urdf_files,
             key=lambda urdf: (
                 self._launched_as(urdf) != 0,
                 not choice.is_noted(urdf),
+                bool({urdf.robot_name, urdf.stem} & others),
                 self._launched_as(urdf),
                 *choice.rank(urdf),
             ),
@@ -365,7 +374,7 @@ class _Search:
 
     def _srdf_rank(
         self, file: DescriptionFile, srdf: Srdf
-    ) -> tuple[bool, int, int, int, int, int, bool, int, str]:
+    ) -> tuple[bool, int, int, int, int, bool, int, bool, int, str]:
         speaks = self._spoken.exactly(srdf.words)
         loud = {group.name for group in srdf.groups} & speaks
         states = {name for group in loud for name in srdf.states.get(group, {})}
@@ -374,17 +383,13 @@ class _Search:
             -len(loud),
             -len(self._spoken.exactly(states)),
             -len(speaks),
-            -len(self._named_in_file(srdf.name)),
+            -len(words_shared(srdf.name, self._script.stem)),
+            not self._spoken.asks_for(self._variants & {*srdf.name.split("_")}),
             self._launched_as(file),
             not {srdf.name, file.stem} & self._spoken.words,
             distance(self._script, file.path),
             file.shown,
         )
-
-    def _named_in_file(self, robot: str) -> set[str]:
-        """Return the words of a robot's name that are in the name of the script's file."""
-        words, own = (set(re.findall(r"[a-z]{4,}", each)) for each in (robot, self._script.stem))
-        return (words & own) - _IN_MANY_NAMES
 
     def _rank(self, file: DescriptionFile) -> tuple[int, bool, bool, int, bool, bool, int, str]:
         return (
