@@ -59,6 +59,7 @@ BRINGUP = """\
 """
 
 
+@pytest.mark.slow
 def test_an_arm_by_prefix_made_names_gives_the_same_run_to_the_last_byte(ran, tmp_path, example_in):
     shutil.copytree(PACKAGES, tmp_path, dirs_exist_ok=True)
     urdf = tmp_path / "seven_joint_arm" / "urdf" / "seven_joint_arm.urdf"

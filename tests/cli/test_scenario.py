@@ -124,6 +124,7 @@ def test_what_is_there_is_kept_and_what_lacks_is_added(example, newline):
     assert [name for _, name in reasons(again)] == ["/more", "/ready"]
 
 
+@pytest.mark.slow
 def test_what_makes_the_run_worse_is_left_out(example):
     example.write(
         "c.py",
@@ -157,6 +158,7 @@ def test_values_of_the_repository_come_first_unless_they_do_not_fit(example):
     assert not (example.folder / "c.scenario.yaml").exists()
 
 
+@pytest.mark.slow
 def test_another_pose_is_tried_where_a_motion_fails_at_the_first(example):
     source = HEAD + (
         "pose = rospy.wait_for_message('/part', PoseStamped)\n"
@@ -174,6 +176,7 @@ def test_another_pose_is_tried_where_a_motion_fails_at_the_first(example):
     assert other["x"] != place["x"]
 
 
+@pytest.mark.slow
 def test_arguments_that_argparse_demands(example):
     example.write(
         "c.py",
@@ -194,6 +197,7 @@ def test_arguments_that_argparse_demands(example):
     assert len(two["visits"]) == 2
 
 
+@pytest.mark.slow
 def test_one_of_several_robots_that_fit(example):
     example.write(
         "c.py",
@@ -220,6 +224,7 @@ def test_one_of_several_robots_that_fit(example):
     assert other.json["trace"]["robot"] == "ur5e"
 
 
+@pytest.mark.slow
 def test_calls_that_wait_come_one_after_the_other(example):
     example.write(
         "c.py",
@@ -249,6 +254,7 @@ def test_what_nothing_helps_is_told_with_what_was_found(example):
     assert outcome.err.count("tracerisk:") == 1
 
 
+@pytest.mark.slow
 def test_a_limit_of_the_machine_ends_the_search(example):
     example.write("c.py", HEAD + "rospy.wait_for_message('/a', String)\nwhile True: pass\n")
     outcome = example.run("scenario", "c.py", "--write", "--json", "--stall-limit", "3")
@@ -344,6 +350,7 @@ def test_a_topic_for_want_of_which_it_fails(example):
     assert ran.json["verdict"]["kind"] == "partial"
 
 
+@pytest.mark.slow
 def test_what_a_node_beside_gives_in_vain_is_drafted(example):
     example.write(
         "finder.py",
@@ -362,6 +369,7 @@ def test_what_a_node_beside_gives_in_vain_is_drafted(example):
     assert b"name: /find" in example.read("c.scenario.yaml")
 
 
+@pytest.mark.slow
 def test_another_name_for_the_base_is_drafted_where_a_plan_is_in_it(example):
     example.write(
         "c.py",

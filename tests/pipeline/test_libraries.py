@@ -85,6 +85,7 @@ def write_project(example) -> None:
     example.write("scripts/program.py", PROGRAM)
 
 
+@pytest.mark.slow
 def test_steps_have_one_name_whether_a_library_is_installed_vendored_or_shared(
     example_in, tmp_path
 ):
@@ -212,6 +213,7 @@ def test_a_script_without_an_ending_and_an_installed_command_are_programs(exampl
         assert not libraries.holds(example.folder / "demo/shared.py"), name
 
 
+@pytest.mark.slow
 def test_what_no_controller_may_read_is_not_looked_at_for_programs(example):
     write_project(example)
     example.write("arm_library/__init__.py", "")

@@ -209,6 +209,7 @@ def test_a_sample_leaves_the_same_bytes_under_load(same_under_load):
     same_under_load("glue_bead.py", files_of("glue_bead.py"), "glue_bead.py")
 
 
+@pytest.mark.slow
 def test_the_launch_file_is_taken_under_load(same_under_load):
     left = same_under_load("launched", LAUNCHED, "arm_task/turn.py")
     assert b"launch/turn.launch.py" in left["tracerisk.lock"]
@@ -300,6 +301,7 @@ def test_doctor_names_no_robot_where_a_launch_file_is_not_read_in_time(example):
     assert outcome.out == ""
 
 
+@pytest.mark.slow
 def test_a_run_that_a_limit_ended_is_not_done_again_without_its_launch_file(example):
     for file, content in LAUNCHED.items():
         example.write(file, content)
@@ -335,6 +337,7 @@ def test_processor_time_has_a_limit_of_its_own(example, quick):
     assert "1 s of processor time are over; raise it with --cpu-limit" in outcome.err
 
 
+@pytest.mark.slow
 def test_an_alarm_that_comes_by_the_clock_of_the_machine_changes_no_run(example, quick):
     handler = "signal.signal(signal.SIGALRM, lambda *_: arm.go([0.1] * 7, wait=True))"
     # A second of the machine passes while the loop computes, none of the simulation.
