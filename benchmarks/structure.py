@@ -1,0 +1,134 @@
+"""How the package is built: files and lines by room, cycles of imports, what a verb loads.
+
+    python benchmarks/structure.py [PACKAGE]
+
+PACKAGE is the folder of another checkout's package, to compare two of them. Lines are lines of
+code: neither comments, docstrings nor blank ones count. An import within a function counts as an
+import, and is counted apart; one under TYPE_CHECKING counts too, for a reader has to follow it.
+"""
+
+from __future__ import annotations
+
+import ast
+import io
+import subprocess
+import sys
+import tokenize
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import networkx as nx
+
+SKIPPED = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT}
+VERBS = {
+    "check": ["check", "sample_controllers/pick_and_place.py"],
+    "solve": ["solve", "sample_controllers/pick_and_place.py"],
+}
+
+
+def docstring_lines(tree: ast.Module) -> set[int]:
+    """Return the lines of all docstrings, and of texts that stand below a name."""
+    lines: set[int] = set()
+    for node in ast.walk(tree):
+        for each in (
+            getattr(node, "body", ()) if isinstance(getattr(node, "body", ()), list) else ()
+        ):
+            if isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant):
+                lines |= set(range(each.lineno, (each.end_lineno or each.lineno) + 1))
+    return lines
+
+
+def code_lines(source: str) -> int:
+    """Return how many lines hold code."""
+    lines: set[int] = set()
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type not in SKIPPED and token.string:
+            lines |= set(range(token.start[0], token.end[0] + 1))
+    return len(lines - docstring_lines(ast.parse(source)))
+
+
+def imports(tree: ast.Module) -> Iterator[tuple[str, bool]]:
+    """Yield the names that a module imports of tracerisk, and whether within a function."""
+    inside = {
+        id(each)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+        for each in ast.walk(node)
+    }
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+        elif isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        else:
+            continue
+        yield from ((name, id(node) in inside) for name in names if name.startswith("tracerisk."))
+
+
+def loaded_lines(words: list[str], package: Path, lines: Mapping[str, int]) -> int:
+    """Return how many lines of the package a command loads, or has loaded when it fails."""
+    code = (
+        "import sys\nfrom tracerisk.cli import main\n"
+        f"sys.argv = ['tracerisk', *{words!r}]\n"
+        "try: main()\nexcept SystemExit: pass\n"
+        "print('loaded:', *(name for name in sys.modules if name.startswith('tracerisk')))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=package.parent,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    names = done.stdout.rpartition("loaded:")[2].split()
+    return sum(lines.get(name, 0) for name in names)
+
+
+def main() -> None:
+    """Print the figures of one package."""
+    package = Path(sys.argv[1] if len(sys.argv) > 1 else "tracerisk").resolve()
+    graph = nx.DiGraph()
+    trees, lines = {}, {}
+    for path in sorted(package.rglob("*.py")):
+        parts = path.relative_to(package.parent).with_suffix("").parts
+        name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+        source = path.read_text(encoding="utf-8")
+        trees[name], lines[name] = ast.parse(source), code_lines(source)
+        graph.add_node(name)
+    within = 0
+    for name, tree in trees.items():
+        for found, is_inside in imports(tree):
+            target = found if found in trees else found.rpartition(".")[0]
+            within += is_inside
+            if target in trees and target != name:
+                graph.add_edge(name, target)
+    rooms: Counter[str] = Counter()
+    files: Counter[str] = Counter()
+    for name, count in lines.items():
+        room = ".".join(name.split(".")[1:2]) or "(top)"
+        rooms[room] += count
+        files[room] += 1
+    print("| room | files | lines of code |\n|---|---|---|")
+    for room, count in sorted(rooms.items()):
+        print(f"| {room} | {files[room]} | {count} |")
+    print(f"| all | {len(lines)} | {sum(lines.values())} |")
+    folders = Counter(
+        path.parent.relative_to(package).as_posix()
+        for path in package.rglob("*.py")
+        if path.stem != "__init__" and "stand_ins" not in path.parts
+    )
+    crowded = [f"{folder} {count}" for folder, count in folders.most_common() if count > 15]
+    print(f"\nfolders with more than 15 files: {len(crowded)} ({', '.join(crowded)})")
+    cycles = sorted(
+        (len(each) for each in nx.strongly_connected_components(graph) if len(each) > 1),
+        reverse=True,
+    )
+    print(f"cycles of imports: {len(cycles)}, of {', '.join(map(str, cycles))} modules")
+    print(f"imports within functions: {within}")
+    for verb, words in VERBS.items():
+        print(f"lines loaded by {verb}: {loaded_lines(words, package, lines)}")
+
+
+if __name__ == "__main__":
+    main()
