@@ -13,7 +13,7 @@ from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.builder import compile_model
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 from tracerisk.twin.physics.scene import load_scene
-from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot import Robot, load_robot
 from tracerisk.twin.simulation.twin import Twin
 
 import mujoco  # isort: skip
@@ -335,3 +335,26 @@ def test_a_simulation_that_blows_up_is_told(free: Twin):
     free._simulation._data.qvel[0] = 1e12
     with pytest.raises(RobotError, match=r"became unstable at \d"):
         free.advance(SECOND)
+
+
+def test_a_line_goes_on_where_the_range_of_a_joint_without_end_ends():
+    """joint_1 of the Gen3 turns for ever; its positions are kept within a turn either way."""
+    twin = Twin.build(load_robot("gen3"), load_scene("empty"))
+    group, members = max(twin.robot.groups.items(), key=lambda each: len(each[1].joints))
+    turning = twin.robot.joint(members.joints[0])
+    assert turning.type == "continuous"
+    bent = dict(
+        zip(members.joints, [turning.upper - 0.05, 0.3, 3.14, -2.2, 0, 0.9, 1.57], strict=True)
+    )
+    here = twin.forward_kinematics(bent, members.tip_link)
+    x, y, z = here.position
+    goal = replace(here, position=(x, y - 0.1, z))
+    path, fraction = twin.plan_cartesian(group, [goal], start=bent)
+    assert fraction == 1.0
+    assert np.abs(np.diff(path.position, axis=0)).max() < 0.1
+    assert path.position[-1][0] > turning.upper
+    end = dict(zip(path.joints, path.position[-1].tolist(), strict=True))
+    assert (
+        twin.plan_joints(group, {members.joints[1]: 0.2}, start=end).position[-1][0]
+        == end[turning.name]
+    )

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tracerisk.errors import RobotError, one_of
 from tracerisk.twin.physics.builder import compile_model
 from tracerisk.twin.physics.motion import LinkTarget, PlanningError, Pose
-from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot import Joint, Robot
 
 # After the builder, which says that no window is needed.
 import daqp  # noqa: F401  # isort: skip - mink looks for it only when it solves
@@ -165,19 +165,13 @@ class Kinematics:
     def _clipped(self, qpos: NDArray[np.float64]) -> NDArray[np.float64]:
         for joint in self._robot.joints:
             at = self._address[joint.name]
-            qpos[at] = min(max(float(qpos[at]), joint.lower), joint.upper)
+            qpos[at] = _inside(joint, float(qpos[at]))
         return qpos
 
     def _within_limits(self, names: tuple[str, ...], qpos: NDArray[np.float64]) -> dict[str, float]:
         values = {}
         for name in names:
-            joint = self._robot.joint(name)
-            value = float(qpos[self._address[name]])
-            if joint.type == "continuous":
-                # Whole turns lead to the same pose; a limit of the range would not.
-                value -= _TURN * math.ceil(max(0.0, value - joint.upper) / _TURN)
-                value += _TURN * math.ceil(max(0.0, joint.lower - value) / _TURN)
-            values[name] = min(max(value, joint.lower), joint.upper)
+            values[name] = _inside(self._robot.joint(name), float(qpos[self._address[name]]))
         return values
 
     def _frozen(self, members: tuple[str, ...]) -> list[Any] | None:
@@ -254,6 +248,15 @@ class _Search:
             is_near = distances[-1] <= target.position_tolerance
             is_there = is_there and is_near and turn <= target.orientation_tolerance
         return max(distances, default=0.0), is_there
+
+
+def _inside(joint: Joint, value: float) -> float:
+    """Return a position within a joint's limits: whole turns less or more, else at the limit."""
+    if joint.type == "continuous":
+        # Whole turns lead to the same pose; a limit of the range would not.
+        value -= _TURN * math.ceil(max(0.0, value - joint.upper) / _TURN)
+        value += _TURN * math.ceil(max(0.0, joint.lower - value) / _TURN)
+    return min(max(value, joint.lower), joint.upper)
 
 
 def _shown(pose: Pose) -> str:

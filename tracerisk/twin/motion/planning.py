@@ -242,6 +242,9 @@ class Planner:
                 raise
             return None
         reached = np.array([found[name] for name in names])
+        # A joint without an end goes on turning where its range of positions ends.
+        endless = [self._robot.joint(name).type == "continuous" for name in names]
+        reached += np.where(endless, 2 * math.pi * np.round((here - reached) / (2 * math.pi)), 0.0)
         return float(np.abs(reached - here).max()), reached
 
     def retime(
@@ -315,6 +318,8 @@ def _scaling(what: str, value: float) -> float:
 
 
 def _within(joint: Joint, value: float) -> float:
+    if joint.type == "continuous" and math.isfinite(value):
+        return float(value)
     if not joint.lower - _LIMIT_SLACK <= value <= joint.upper + _LIMIT_SLACK:
         raise PlanningError(
             "invalid_goal",
