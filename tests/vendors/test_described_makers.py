@@ -129,6 +129,7 @@ names = rospy.get_param('/robot_config/right_config/joint_names')
 kind = rospy.get_param('/manifest/robot_class')
 version = rospy.get_param('/manifest/robot_software/version/HLR_VERSION_STRING')
 limbs = rospy.get_param('/robot_config/assembly_names')
+neutral = rospy.get_param('/named_poses/right/poses/neutral')
 state = rospy.wait_for_message('/robot/state', RobotAssemblyState)
 joints = rospy.wait_for_message('/robot/joint_states', JointState)
 before = rospy.wait_for_message('/robot/limb/right/endpoint_state', EndpointState)
@@ -151,6 +152,8 @@ far = solve(asked)
     assert ran["names"] == [f"right_j{i}" for i in range(7)]
     assert (ran["kind"], sorted(ran["limbs"])) == ("sawyer", ["head", "right", "torso"])
     assert ran["version"] == "5.3.0"  # a library compares it with its own
+    at = dict(zip(ran["joints"].name, ran["joints"].position, strict=True))
+    assert ran["neutral"] == pytest.approx([at[name] for name in ran["names"]], abs=1e-6)
     assert (ran["state"].enabled, ran["state"].homed) == (True, True)
     assert list(ran["found"].result_type) == [1]
     assert ran["after"].pose.position.z == pytest.approx(ran["height"] - 0.05, abs=5e-3)
