@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -56,6 +58,12 @@ def test_the_way_around_is_free_and_the_same_each_time(robot: Robot, twin: Twin)
     assert around.position.tobytes() == again.position.tobytes()
     for row in around.position:
         assert twin.collision({**start, **dict(zip(around.joints, row, strict=True))}) is None
+    (post,) = POST.shapes
+    wider = replace(post, size=tuple(half + 4e-3 for half in post.size))
+    twin.declare([replace(POST, shapes=(wider,))])
+    for before, after in pairwise(around.position):
+        for row in np.linspace(before, after, 5):  # it does not rub on the post between them
+            assert twin.collision({**start, **dict(zip(around.joints, row, strict=True))}) is None
     twin.declare([POST], [frozenset(("post",))])
     allowed = twin.plan_joints("panda_arm", {"panda_joint1": 1.0}, start=start)
     assert allowed.position.tobytes() == straight.position.tobytes()

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.twin.motion.rrt_connect import connect, segment_is_free
-from tracerisk.twin.physics.collision import CollisionWorld, Pair
+from tracerisk.twin.physics.collision import CLEAR, CollisionWorld, Pair
 from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.twin.physics.scene_body import SceneBody
 from tracerisk.twin.robots.robot import Joint, Robot
@@ -121,16 +121,10 @@ class Clearance:
 
         if segment_is_free(begin, goal, is_free):
             return None
-        lower = np.array([joint.lower for joint in members])
-        upper = np.array([joint.upper for joint in members])
-        path = connect(
-            begin,
-            goal,
-            np.minimum(lower, begin),
-            np.maximum(upper, begin),
-            is_free,
-            None if self._rule is None else excess,
-        )
+        lower = np.minimum([joint.lower for joint in members], begin)
+        upper = np.maximum([joint.upper for joint in members], begin)
+        ruled = None if self._rule is None else excess
+        path = connect(begin, goal, lower, upper, is_free, ruled)
         if path is None:
             within = " that keeps to the path constraints" if self._rule is not None else ""
             raise PlanningError(
@@ -138,7 +132,15 @@ class Clearance:
                 f"no way to the goal{within} clear of the planning scene and of the arm itself "
                 "was found",
             )
-        return path
+        # A way that grazes a body would rub on it or hook into its edge: rather one further off.
+        nears = self._judge(members, start, clear=CLEAR)
+        if nears(begin) or nears(goal):
+            return path
+
+        def is_clear(values: Array) -> bool:
+            return breach(values) is None and nears(values) is None
+
+        return connect(begin, goal, lower, upper, is_clear, ruled) or path
 
     def free_share(
         self,
@@ -169,7 +171,7 @@ class Clearance:
         return len(path)
 
     def _judge(
-        self, members: Sequence[Joint], start: Mapping[str, float]
+        self, members: Sequence[Joint], start: Mapping[str, float], *, clear: float = 0.0
     ) -> Callable[[Array], tuple[str, str] | None]:
         world = self._world
         configuration = world.configuration(start)
@@ -181,7 +183,7 @@ class Clearance:
             return next(
                 (
                     pair
-                    for pair in world.pairs(configuration)
+                    for pair in world.pairs(configuration, clear=clear)
                     if frozenset(pair) not in from_the_start
                 ),
                 None,

@@ -21,6 +21,7 @@ from tracerisk.twin.robots.robot import Robot
 import mujoco  # isort: skip
 
 _TOUCH = 1e-3  # bodies that overlap less than this touch, they do not collide [m]
+CLEAR = 5e-3  # what a way around a declared body keeps from it, where it can [m]
 _OVERSTATED = 0.03  # by which two links may overlap: their primitive shapes are thicker [m]
 _LINK, _BODY = 1, 2  # collision classes: links meet one another and bodies, bodies meet links
 
@@ -80,8 +81,13 @@ class CollisionWorld:
             qpos[self._address[name]] = value
         return qpos
 
-    def pairs(self, configuration: NDArray[np.float64]) -> list[tuple[str, str]]:
-        """Return the names of what collides, pair by pair; configuration: (n_joints,)."""
+    def pairs(
+        self, configuration: NDArray[np.float64], *, clear: float = 0.0
+    ) -> list[tuple[str, str]]:
+        """Return the names of what collides, pair by pair; configuration: (n_joints,).
+
+        With `clear` a declared body collides with what is nearer to it [m], `CLEAR` at most.
+        """
         self._data.qpos[:] = configuration
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_collision(self._model, self._data)
@@ -90,7 +96,7 @@ class CollisionWorld:
             return []
         depth = -self._data.contact.dist[:count]
         found: list[tuple[str, str]] = []
-        for index in np.flatnonzero(depth >= self._least_depth):
+        for index in np.flatnonzero(depth >= (-clear if clear else self._least_depth)):
             one, two = self._body_of[self._data.contact.geom[index]]
             if self._is_link[one] and self._is_link[two] and depth[index] < _OVERSTATED:
                 continue
@@ -131,7 +137,9 @@ class CollisionWorld:
                 )
             # An attached body meets the links and what stands in the world.
             kind, meets = (_BODY, _LINK) if body.link is None else (_LINK, _LINK | _BODY)
-            add_body(spec, body, parent, contype=kind, conaffinity=meets)
+            added = add_body(spec, body, parent, contype=kind, conaffinity=meets)
+            for geom in added.geoms:
+                geom.margin = CLEAR
         try:
             return spec.compile()
         except ValueError as cause:
