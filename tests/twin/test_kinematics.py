@@ -54,6 +54,18 @@ def test_a_pose_out_of_reach_is_a_planning_failure(kinematics: Kinematics):
     assert caught.value.failure == "no_ik_solution"
 
 
+def test_a_turn_out_of_reach_is_told_beside_the_distance():
+    robot = load_robot("px100")  # its four joints cannot turn the gripper about its own axis
+    kinematics = Kinematics(robot)
+    tip = robot.group("interbotix_arm").tip_link
+    assert tip is not None
+    level = robot.named_state("interbotix_arm", "Home")
+    here = kinematics.forward({**level, "wrist_angle": 1.0, "elbow": -1.0}, tip)
+    rolled = (0.13052619, 0.0, 0.0, 0.99144486)  # by 15 degrees
+    with pytest.raises(PlanningError, match=r"found is \d mm and (14|15)\.\d degrees away"):
+        kinematics.inverse("interbotix_arm", Pose(here.position, rolled))
+
+
 def test_a_group_without_a_tip_is_a_bad_request(kinematics: Kinematics):
     with pytest.raises(PlanningError, match="no tip link") as caught:
         kinematics.inverse("panda_arm_hand", Pose((0.4, 0.0, 0.4), DOWN))

@@ -23,7 +23,10 @@ _TURN = 2 * math.pi
 
 _MAX_ITERATIONS = 40
 _RESTARTS = 24  # an arm without a common point of its wrist axes needs as many
+_TURN_COST = 0.3  # of a turn that is missed, beside a distance [m/rad]
 _STALLED = 1e-8  # a step this small changes nothing more [rad]
+
+_Miss = tuple[float, float]  # the distance [m] and the turn [rad] from a target
 
 
 class Kinematics:
@@ -120,18 +123,18 @@ class Kinematics:
         for target in targets:
             self._link(target.link)
         search = _Search(self._configuration, self._limits, self._frozen(members.joints), targets)
-        best = np.inf
+        best = (math.inf, math.inf)
         for start in self._starts(group, seed or {}, restarts):
             found, error = search.descend(start)
             if found is not None:
                 reached = self._within_limits(members.joints, found)
                 if accept is None or accept(reached):
                     return reached
-            best = min(best, error)
+            best = min(best, error, key=_cost)
         raise self._out_of_reach(group, targets, seed or {}, best)
 
     def _out_of_reach(
-        self, group: str, targets: Sequence[LinkTarget], seed: Mapping[str, float], best: float
+        self, group: str, targets: Sequence[LinkTarget], seed: Mapping[str, float], best: _Miss
     ) -> PlanningError:
         asked, now = [], []
         for target in targets:
@@ -141,8 +144,9 @@ class Kinematics:
         return PlanningError(
             "no_ik_solution",
             f"no position of group '{group}' within its limits brings {' and '.join(asked)} with "
-            f"the orientation asked for; the nearest found is {best * 1000:.0f} mm away, the link "
-            f"is now at {', '.join(now)} m; ask for a pose within reach",
+            f"the orientation asked for; the nearest found is {best[0] * 1000:.0f} mm and "
+            f"{math.degrees(best[1]):.1f} degrees away, the link is now at {', '.join(now)} m; ask "
+            "for a pose within reach",
         )
 
     def _starts(
@@ -206,21 +210,21 @@ class _Search:
         self._frozen = frozen
         self._targets = targets
         self._tasks = [
-            mink.FrameTask(target.link, "body", position_cost=1.0, orientation_cost=0.3)
+            mink.FrameTask(target.link, "body", position_cost=1.0, orientation_cost=_TURN_COST)
             for target in targets
         ]
         for task, target in zip(self._tasks, targets, strict=True):
             task.set_target(_target(target.pose))
 
-    def descend(self, start: NDArray[np.float64]) -> tuple[NDArray[np.float64] | None, float]:
-        """Return the configuration reached, `None` if short of a target, and the miss [m]."""
+    def descend(self, start: NDArray[np.float64]) -> tuple[NDArray[np.float64] | None, _Miss]:
+        """Return the configuration reached, `None` if short of a target, and the miss."""
         configuration = self._configuration
         configuration.update(start)
-        distance = np.inf
+        miss = (math.inf, math.inf)
         for _ in range(_MAX_ITERATIONS):
-            distance, is_there = self._miss()
+            miss, is_there = self._miss()
             if is_there:
-                return configuration.q.copy(), distance
+                return configuration.q.copy(), miss
             try:
                 velocity = mink.solve_ik(
                     configuration,
@@ -232,22 +236,26 @@ class _Search:
                     constraints=self._frozen,
                 )
             except mink.NoSolutionFound:
-                return None, distance
+                return None, miss
             if float(np.abs(velocity).max()) < _STALLED:
-                return None, distance
+                return None, miss
             configuration.integrate_inplace(velocity, 1.0)
-        return None, distance
+        return None, miss
 
-    def _miss(self) -> tuple[float, bool]:
-        """Return the greatest distance from a target [m], and whether all are reached."""
-        distances, is_there = [], True
+    def _miss(self) -> tuple[_Miss, bool]:
+        """Return the furthest miss of a target, and whether all are reached."""
+        misses, is_there = [], True
         for task, target in zip(self._tasks, self._targets, strict=True):
             error = task.compute_error(self._configuration)
-            distances.append(float(np.linalg.norm(error[:3])))
-            turn = float(np.linalg.norm(error[3:]))
-            is_near = distances[-1] <= target.position_tolerance
+            distance, turn = (float(np.linalg.norm(part)) for part in (error[:3], error[3:]))
+            misses.append((distance, turn))
+            is_near = distance <= target.position_tolerance
             is_there = is_there and is_near and turn <= target.orientation_tolerance
-        return max(distances, default=0.0), is_there
+        return max(misses, key=_cost, default=(0.0, 0.0)), is_there
+
+
+def _cost(miss: _Miss) -> float:
+    return miss[0] + _TURN_COST * miss[1]
 
 
 def _inside(joint: Joint, value: float) -> float:
