@@ -107,8 +107,8 @@ def test_blocks_and_lock_are_the_same_after_every_run_and_are_fresh(example):
     ran = example.run("run", "c.py")
     assert ran.code == 0, ran.err
     told = " ".join(ran.err.split())
-    assert "1 value is drafted: without it the run showed no risk" in told
-    assert "`tracerisk scenario c.py --write` writes it down" in told
+    assert "1 value is drafted, for it showed no risk without, and nobody has confirmed" in told
+    assert "`tracerisk scenario c.py --write` writes them down" in told
     before = example.files()
     assert b"RiskAnnotation" in before["c.py"]
     assert example.run("run", "c.py").code == 0

@@ -50,10 +50,10 @@ def draft_line(verdict: Verdict | None, controller: Path) -> tuple[str, ...]:
     drafted = [each for each in reasons if each.code == INPUT_ASSUMED and each.location is None]
     if not drafted:
         return ()
-    values, them = ("value is", "it") if len(drafted) == 1 else ("values are", "them")
+    values = "value is" if len(drafted) == 1 else "values are"
     return (
-        f"{len(drafted)} {values} drafted: without {them} the run showed no risk, and nobody has "
-        f"confirmed {them}; `tracerisk scenario {controller} --write` writes {them} down",
+        f"{len(drafted)} {values} drafted, for it showed no risk without, and nobody has confirmed "
+        f"them: `tracerisk scenario {controller} --write` writes them down",
     )
 
 

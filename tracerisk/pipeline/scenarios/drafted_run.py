@@ -110,7 +110,6 @@ def _as_drafted(trace: Trace) -> Trace:
         words = reason.words
         if reason.code == INPUT_ASSUMED and words.endswith(_CONFIRM):
             words = words.removesuffix(_CONFIRM).replace(_ASSUMED, " is drafted", 1)
-            words = words.removeprefix("robot ")
         return replace(reason, location=place(reason.location), words=words)
 
     verdict = trace.verdict
