@@ -87,21 +87,6 @@ def test_what_it_lacks_is_drafted_and_is_a_reason_of_its_verdict(example, source
     assert "scenario.yaml" not in ran.out
 
 
-def test_what_is_drafted_in_vain_has_no_place_either(example):
-    example.write("c.py", HEAD + "rospy.wait_for_service('/lamp')\nturn(0.2)\n")
-    ran = example.run("run", "c.py", "--json", "--check")
-    assert ran.json["verdict"]["kind"] == "partial", ran.err
-    assert "unused-input" in {each["code"] for each in ran.json["verdict"]["reasons"]}
-    assert "scenario.yaml" not in ran.out
-
-
-def test_a_fault_that_comes_after_drafted_values_is_not_told_in_place_of_the_first(example):
-    example.write("c.py", MESSAGE + "raise RuntimeError('no cell')\n")
-    ran, plain = (example.run("run", "c.py", *more) for more in ((), ("--no-draft",)))
-    assert (ran.code, ran.err) == (plain.code, plain.err)
-    assert "waits for a message on /object" in plain.err
-
-
 def test_blocks_and_lock_are_the_same_after_every_run_and_are_fresh(example):
     example.write("c.py", MESSAGE)
     ran = example.run("run", "c.py")

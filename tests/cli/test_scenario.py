@@ -211,7 +211,7 @@ def test_one_of_several_robots_that_fit(example):
         "    pub.publish(JointTrajectory(joint_names=NAMES, points=[point]))\n"
         "move()\nrclpy.spin_once(node, timeout_sec=3.0)\n",
     )
-    assert example.run("run", "c.py", "--check", "--no-draft").code == 2
+    assert example.run("run", "c.py", "--check").code == 2
     outcome = example.run("scenario", "c.py", "--write", "--json")
     assert outcome.code == 0, outcome.err
     robot = outcome.json["robot"]

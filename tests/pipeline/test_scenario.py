@@ -198,7 +198,7 @@ def test_the_documents_example_runs_to_its_end(example):
 
 def test_the_documents_message_is_what_a_run_without_a_scenario_says(example):
     example.write("pick.py", block("python"))
-    outcome = example.run("run", "pick.py", "--no-draft")
+    outcome = example.run("run", "pick.py")
     assert outcome.code == 4
     message, advice = outcome.err.splitlines()[0], outcome.err[outcome.err.index("These lines") :]
     assert f"{message}\n...\n{advice.rstrip()}\n```" in DOCS.read_text()
@@ -264,7 +264,7 @@ def test_what_is_lacking_is_told_when_the_controller_takes_down_its_node_at_its_
 
 def test_a_loop_that_only_waits_stops_after_a_minute(example):
     example.write("c.py", LISTENER + POLL)
-    outcome = example.run("run", "c.py", "--no-draft", "--json")
+    outcome = example.run("run", "c.py", "--json")
     assert outcome.code == 4
     data = outcome.json
     assert data["error"]["message"].startswith("MainThread has only waited for 60 s")
@@ -482,7 +482,7 @@ def test_a_controller_that_waits_to_be_called_is_told_how(example):
         "    def on_call(self, _):\n        self.turn()\n        return TriggerResponse(True, '')\n\nlistener = ",
     )
     example.write("c.py", "from std_srvs.srv import Trigger, TriggerResponse\n" + source + body)
-    outcome = example.run("run", "c.py", "--no-draft", "--json")
+    outcome = example.run("run", "c.py", "--json")
     assert outcome.code == 4
     error = outcome.json["error"]
     assert "nothing provides calls of service /turn (std_srvs/Trigger)" in error["message"]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_diffs, print_json, progress_bar
 from tracerisk.cli.shared.without_controllers import note_without_controllers
-from tracerisk.cli.verdict import draft_line, verdict_exit, verdict_json
+from tracerisk.cli.verdict import verdict_exit, verdict_json
 from tracerisk.config import controller_root
 from tracerisk.errors import ExitCode, InputError, TraceRiskError
 from tracerisk.trace import verdict_line
@@ -74,8 +74,6 @@ def run(options: argparse.Namespace) -> int:
         state = "changed" if done.is_changed else "unchanged"
         note(f"{path}: {verdict_line(done.verdict)}", quiet=options.quiet)
         note(f"{path}: {state} ({done.reason})", quiet=options.quiet)
-        for line in draft_line(done.verdict, path):
-            note(f"{path}: {line}", quiet=options.quiet)
     forgotten = _forget_gone(paths, options)
     if forgotten and options.check:
         code = max(code, ExitCode.WOULD_CHANGE)

@@ -32,6 +32,7 @@ from tracerisk.cli.shared.output import (
 from tracerisk.cli.shared.report_input import RunShown, report_html
 from tracerisk.cli.shared.run_report import (
     blocks_line,
+    draft_line,
     failure_of,
     finding_exit,
     finding_lines,
@@ -40,13 +41,7 @@ from tracerisk.cli.shared.run_report import (
     print_failure,
     write_outputs,
 )
-from tracerisk.cli.verdict import (
-    draft_line,
-    print_verdict,
-    verdict_details,
-    verdict_exit,
-    verdict_json,
-)
+from tracerisk.cli.verdict import print_verdict, verdict_details, verdict_exit, verdict_json
 from tracerisk.cli.what_if import print_what_if, what_if_data
 from tracerisk.errors import ControllerFailedError, ExitCode, Location
 from tracerisk.trace import Trace, verdict_line
@@ -258,7 +253,7 @@ def _notes(options: argparse.Namespace, done: _Assessed) -> list[str]:
         keeps_files=options.check or options.diff,
         is_changed=done.annotated.is_changed,
     )
-    drafted = draft_line(done.trace.verdict, done.controller.path)
+    drafted = draft_line(done.trace, done.controller)
     return [headline(done.trace), *drafted, *object_lines(done.trace), blocks]
 
 

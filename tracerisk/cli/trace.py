@@ -23,7 +23,7 @@ from tracerisk.cli.shared.run_report import (
     trace_lines,
     write_outputs,
 )
-from tracerisk.cli.verdict import draft_line, print_verdict, verdict_exit, verdict_json
+from tracerisk.cli.verdict import print_verdict, verdict_exit, verdict_json
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -61,8 +61,7 @@ def run(options: argparse.Namespace) -> int:
         print_json("trace", exit_code=code, **verdict, error=failure_of(trace), trace=data)
     elif trace.is_usable:
         print_verdict(trace.verdict, options)
-        for line in (headline(trace), *draft_line(trace.verdict, controller.path)):
-            note(line, quiet=options.quiet)
+        note(headline(trace), quiet=options.quiet)
         for line in [*trace_lines(trace), *object_lines(trace), *finding_lines(trace)]:
             show(line)
         if trace.end.scenario:

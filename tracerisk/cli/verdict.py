@@ -5,13 +5,12 @@ from __future__ import annotations
 import argparse
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from tracerisk.cli.shared.output import show
 from tracerisk.cli.shared.sources import read_file
 from tracerisk.errors import ExitCode
-from tracerisk.trace import INPUT_ASSUMED, Verdict, verdict_line
+from tracerisk.trace import Verdict, verdict_line
 from tracerisk.trace_json import plain_data
 
 
@@ -42,19 +41,6 @@ def verdict_details(verdict: Verdict | None) -> list[str]:
     lines += [f"accepted: {each}: {each.accepted}" for each in verdict.reasons if each.accepted]
     lines += [f"accepted, and did not occur: {each}" for each in verdict.unused_acceptances]
     return lines
-
-
-def draft_line(verdict: Verdict | None, controller: Path) -> tuple[str, ...]:
-    """Return what to do about values that the run was given and no file holds; nothing else."""
-    reasons = () if verdict is None else verdict.reasons
-    drafted = [each for each in reasons if each.code == INPUT_ASSUMED and each.location is None]
-    if not drafted:
-        return ()
-    values = "value is" if len(drafted) == 1 else "values are"
-    return (
-        f"{len(drafted)} {values} drafted, for it showed no risk without, and nobody has confirmed "
-        f"them: `tracerisk scenario {controller} --write` writes them down",
-    )
 
 
 def verdict_json(verdict: Verdict | None) -> dict[str, Any]:

@@ -129,7 +129,7 @@ def test_the_users_own_parameters_go_before_those_of_the_launch_file(ros1, capfd
 
 
 def test_without_the_launch_file_it_is_as_if_there_were_none(ros1):
-    outcome, found = trace(ros1, "scripts/turn.py", "--no-launch", "--no-draft")
+    outcome, found = trace(ros1, "scripts/turn.py", "--no-launch")
     assert outcome.code == 4
     assert "KeyError: '~angle'" in found.end.message
     assert found.inputs == ()

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings
-from tracerisk.errors import Location
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.scenarios.rounds import ScenarioDraft, draft_scenario
 from tracerisk.pipeline.workspace.controller import Controller
@@ -20,8 +19,6 @@ if TYPE_CHECKING:
     from tracerisk.hardware.model import Hardware
     from tracerisk.pipeline.run.controller_run import Progress
 
-_DRAFT = "scenario.yaml"
-_ASSUMED = " of the scenario is assumed"
 _CONFIRM = "; delete its mark to confirm it"
 
 
@@ -37,8 +34,7 @@ def trace_drafting(
 
     Only a run that shows no risk, for want of input or of one robot among several, is done again
     so. Then the trace is that of the drafted scenario: each value of it is a reason of the verdict,
-    for nobody has confirmed it. Where no draft makes it show risk without a fault, the first
-    run's outcome stands.
+    for nobody has confirmed it. Where no draft makes it show risk, all is as without.
     Raises what `trace_attempts` raises.
     """
 
@@ -52,12 +48,12 @@ def trace_drafting(
         draft = draft_scenario(
             controller, settings, base, hardware_of=hardware_of, progress=progress
         )
-        if draft.trace is None or not _is_of_use(draft):
+        if draft.trace is None or not _shows_risk(draft.trace) or not _gives_something(draft):
             return None
         if keep is None:
             return _as_drafted(draft.trace)
         with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
-            path = Path(folder, _DRAFT)
+            path = Path(folder, "scenario.yaml")
             path.write_text(draft.text, encoding="utf-8", newline="")
             robot = settings.robot or (None if draft.robot is None else draft.robot.name)
             return _as_drafted(run(replace(settings, scenario=str(path), robot=robot), keep))
@@ -88,32 +84,19 @@ def _lacks_input(trace: Trace) -> bool:
     return trace.end.cause != "raised" or bool(trace.end.scenario)
 
 
-def _is_of_use(draft: ScenarioDraft) -> bool:
-    """Tell whether something was drafted, and whether the run with it went well.
-
-    A fault that comes after a drafted value says nothing of the controller's own mission.
-    """
-    trace = draft.trace
-    has_values = bool(draft.given or draft.robot is not None or draft.arguments is not None)
-    is_well = trace is not None and trace.verdict is not None and trace.verdict.kind == "partial"
-    return has_values and is_well and trace is not None and _shows_risk(trace)
+def _gives_something(draft: ScenarioDraft) -> bool:
+    return bool(draft.given or draft.robot is not None or draft.arguments is not None)
 
 
 def _as_drafted(trace: Trace) -> Trace:
-    """Return the trace without places in a scenario that is no file of the user's."""
+    """Return the trace without the places in a scenario that nobody has."""
+    if trace.verdict is None:
+        return trace
 
-    def place(location: Location | None) -> Location | None:
-        is_drafted = location is not None and Path(location.file).name == _DRAFT
-        return None if is_drafted else location
+    def without_place(reason: Reason) -> Reason:
+        if reason.code != INPUT_ASSUMED or not reason.words.endswith(_CONFIRM):
+            return reason
+        return replace(reason, location=None, words=reason.words.removesuffix(_CONFIRM))
 
-    def told(reason: Reason) -> Reason:
-        words = reason.words
-        if reason.code == INPUT_ASSUMED and words.endswith(_CONFIRM):
-            words = words.removesuffix(_CONFIRM).replace(_ASSUMED, " is drafted", 1)
-        return replace(reason, location=place(reason.location), words=words)
-
-    verdict = trace.verdict
-    if verdict is not None:
-        verdict = replace(verdict, reasons=tuple(map(told, verdict.reasons)))
-    findings = tuple(replace(each, location=place(each.location)) for each in trace.findings)
-    return replace(trace, findings=findings, verdict=verdict)
+    reasons = tuple(map(without_place, trace.verdict.reasons))
+    return replace(trace, verdict=replace(trace.verdict, reasons=reasons))
