@@ -328,8 +328,6 @@ def verdict_line(verdict: Verdict | None) -> str:
     return f"{verdict.kind}: {told[0]}{more}; {covered}"
 
 
-INPUT_ASSUMED = "input-assumed"
-"""The code of a reason: what the controller was given is assumed, and nobody confirmed it."""
 NEVER_RAN = "never-ran"
 """The code of a function that can command hardware and did not run."""
 MISSED_CALL = "missed-call"

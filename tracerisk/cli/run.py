@@ -32,7 +32,6 @@ from tracerisk.cli.shared.output import (
 from tracerisk.cli.shared.report_input import RunShown, report_html
 from tracerisk.cli.shared.run_report import (
     blocks_line,
-    draft_line,
     failure_of,
     finding_exit,
     finding_lines,
@@ -253,8 +252,7 @@ def _notes(options: argparse.Namespace, done: _Assessed) -> list[str]:
         keeps_files=options.check or options.diff,
         is_changed=done.annotated.is_changed,
     )
-    drafted = draft_line(done.trace, done.controller)
-    return [headline(done.trace), *drafted, *object_lines(done.trace), blocks]
+    return [headline(done.trace), *object_lines(done.trace), blocks]
 
 
 @contextlib.contextmanager

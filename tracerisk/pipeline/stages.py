@@ -185,14 +185,12 @@ def trace_controller(
     A run that ends badly gives a trace too, as far as it came: see `Trace.end`.
     `keep` is a folder in which the recording stays.
     What is assumed of its robot and its launch file is tried again where the run shows that it
-    does not fit: see `Trace.assumptions`. Where it shows no risk for want of input, what it lacked
-    is drafted and it is run again, unless the settings say not to; each value so drafted is a
-    reason of its verdict.
+    does not fit: see `Trace.assumptions`.
     Raises SourceError, RobotError, HardwareError before anything runs.
     """
-    from tracerisk.pipeline.scenarios.drafted_run import trace_drafting
+    from tracerisk.pipeline.run.attempts import trace_attempts
 
-    return trace_drafting(
+    return trace_attempts(
         controller, settings, hardware_of=load_hardware, keep=keep, progress=progress
     )
 

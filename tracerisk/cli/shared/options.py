@@ -77,13 +77,6 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         help="start no other node of its workspace that provides what it waits for",
     )
     group.add_argument(
-        "--no-draft",
-        dest="draft",
-        action="store_const",
-        const=False,
-        help="give it no assumed values where it shows no risk for want of input",
-    )
-    group.add_argument(
         "--duration",
         dest="duration_s",
         metavar="S",
@@ -239,7 +232,6 @@ def run_settings(options: argparse.Namespace) -> dict[str, Any]:
         "scenario",
         "launch",
         "companions",
-        "draft",
         "hardware",
         "active",
         "fail_on",

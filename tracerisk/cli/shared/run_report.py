@@ -11,8 +11,7 @@ from tracerisk.adder.figures.computed import ComputedBlocks
 from tracerisk.cli.shared.output import note, scenario_advice, write_file
 from tracerisk.config import FailOn
 from tracerisk.errors import ExitCode
-from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.trace import INPUT_ASSUMED, NOTES, Element, Finding, QualifiedName, Trace
+from tracerisk.trace import NOTES, Element, Finding, QualifiedName, Trace
 from tracerisk.trace_log import write_log
 
 _AT_GOAL_M = 0.003
@@ -126,19 +125,6 @@ def _by_kind(
         shown = _TOGETHER.get(kind or "", name)
         found[shown] = max(found.get(shown, 0.0), seconds)
     return [(name, seconds) for name, seconds in found.items() if seconds >= _SHOWN_S]
-
-
-def draft_line(trace: Trace, controller: Controller) -> tuple[str, ...]:
-    """Return what to do about values that the run was given and no file holds; nothing else."""
-    reasons = () if trace.verdict is None else trace.verdict.reasons
-    drafted = [each for each in reasons if each.code == INPUT_ASSUMED and each.location is None]
-    if not drafted:
-        return ()
-    values = "value is" if len(drafted) == 1 else "values are"
-    return (
-        f"{len(drafted)} {values} drafted, for it showed no risk without, and nobody has confirmed "
-        f"them: `tracerisk scenario {controller.path} --write` writes them down",
-    )
 
 
 def print_failure(trace: Trace) -> int:

@@ -217,9 +217,7 @@ def _run_child(
         stderr=subprocess.STDOUT,
     )
     assert child.stdout is not None
-    # What asks for drafts is run again and again: the same lines each time say nothing more.
-    shown = not request.drafts_all
-    passing = PassingOn(child.stdout, is_drawn=progress is not None, is_shown=shown)
+    passing = PassingOn(child.stdout, is_drawn=progress is not None)
     passing.start()
     try:
         start.handed_over()

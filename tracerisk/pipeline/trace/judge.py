@@ -13,7 +13,6 @@ from tracerisk.instrument.recording import is_near
 from tracerisk.pipeline.trace.gripper_faults import gripper_faults
 from tracerisk.pipeline.trace.recorded_run import IssuedCommand, MissedCommand, RecordedRun
 from tracerisk.trace import (
-    INPUT_ASSUMED,
     MISSED_CALL,
     NEVER_RAN,
     UNUSED_INPUT,
@@ -56,7 +55,7 @@ CODES: dict[str, VerdictKind] = {
     "access-denied": "partial",
     "companion-failed": "partial",
     "robot-assumed": "partial",
-    INPUT_ASSUMED: "partial",
+    "input-assumed": "partial",
     "duration-cut": "partial",
     "run-deadlock": "stuck",
     "run-no-motion": "stuck",
@@ -350,7 +349,7 @@ def _of_assumptions(run: RecordedRun) -> Iterator[Reason]:
     for name, words in run.assumed:
         yield _reason("robot-assumed", words, object_name=name)
     for name, words, place in run.unconfirmed:
-        yield _reason(INPUT_ASSUMED, words, object_name=name, location=place)
+        yield _reason("input-assumed", words, object_name=name, location=place)
 
 
 def _of_coverage(coverage: Coverage) -> Iterator[Reason]:
