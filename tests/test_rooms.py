@@ -37,7 +37,7 @@ RANK = {room: rank for rank, room in enumerate(ROOMS)} | dict.fromkeys(BELOW, le
 SUB_ROOMS = {
     "adder": ("annotate", "figures", "sources", "merge", "lock", "blocks"),
     "pipeline": (
-        *("scenarios", "results", "review", "check", "stages", "freshness", "run", "trace"),
+        *("results", "review", "check", "stages", "scenarios", "freshness", "run", "trace"),
         *("history", "robot", "launch", "launch_files", "workspace"),
     ),
     "ros": (

@@ -58,7 +58,7 @@ class Settings:
     `drivers` files that describe drivers.
     `launch` is the launch file that starts the controller, `True` for that of its workspace,
     `False` for none. `companions`: whether nodes of its workspace are started beside it that
-    provide what it waits for.
+    provide what it waits for. `draft`: whether what it asks for in vain is drafted.
     `args` are the controller's arguments, `answers` what its questions get, in turn.
     `states` and `helpers` override, by qualified name, which functions are relevant.
     `max_risk` is the greatest failure probability of a mission that `check` lets pass;
@@ -86,6 +86,7 @@ class Settings:
     drivers: tuple[str, ...] = ()
     launch: str | bool = True
     companions: bool = True
+    draft: bool = True
     states: tuple[str, ...] = ()
     helpers: tuple[str, ...] = ()
     args: tuple[str, ...] = ()
@@ -339,7 +340,7 @@ class _Reader:
             return float(value)
         if key == "accept":
             return read_acceptances(value, lambda message: self.fail(key, message))
-        if key in ("require_reason", "companions"):
+        if key in ("require_reason", "companions", "draft"):
             if not isinstance(value, bool):
                 self.fail(key, f"expected true or false, found {value!r}")
             return value

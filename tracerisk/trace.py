@@ -18,6 +18,9 @@ QualifiedName = NewType("QualifiedName", str)
 ElementKind = Literal["joint", "gripper", "sensor", "contact", "component"]
 SensorKind = Literal["encoder", "torque", "wrench", "camera"]
 
+DRAFTED = "drafted:"
+"""What the assumption of a run begins with whose scenario tracerisk has drafted."""
+
 WEAR_EXPONENTS: tuple[float, ...] = (1.0, 2.0, 3.0, 10.0 / 3.0, 4.0, 6.0, 9.0)
 """The exponents k for which a run measures how load ages a drive, see `Exposure.wear`."""
 VisitOutcome = Literal["succeeded", "aborted", "preempted", "unfinished"]
@@ -416,6 +419,12 @@ class Trace:
     inputs: tuple[str, ...] = ()
     cycle: Cycle | None = None
     verdict: Verdict | None = None
+
+    @property
+    def drafted(self) -> str:
+        """In words that a drafted scenario gave it values; empty where none did."""
+        told = (each for each in self.assumptions if each.startswith(DRAFTED))
+        return next(told, "").removeprefix(DRAFTED).strip()
 
     @property
     def is_usable(self) -> bool:

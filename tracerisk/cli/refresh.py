@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_diffs, print_json, progress_bar
+from tracerisk.cli.shared.run_report import note_draft
 from tracerisk.cli.shared.without_controllers import note_without_controllers
 from tracerisk.cli.verdict import verdict_exit, verdict_json
 from tracerisk.config import controller_root
@@ -71,6 +72,8 @@ def run(options: argparse.Namespace) -> int:
                 **verdict_json(done.verdict),
             }
         )
+        if done.annotated is not None:
+            note_draft(done.annotated.trace, quiet=options.quiet)
         state = "changed" if done.is_changed else "unchanged"
         note(f"{path}: {verdict_line(done.verdict)}", quiet=options.quiet)
         note(f"{path}: {state} ({done.reason})", quiet=options.quiet)

@@ -36,6 +36,7 @@ from tracerisk.cli.shared.run_report import (
     finding_exit,
     finding_lines,
     headline,
+    note_draft,
     object_lines,
     print_failure,
     write_outputs,
@@ -202,6 +203,7 @@ def _told(options: argparse.Namespace, done: _Assessed) -> int:
     from tracerisk.prm.formats.assessment_json import assessment_to_json
 
     trace, annotated, assessment = done.trace, done.annotated, done.assessment
+    note_draft(trace, quiet=options.quiet)
     code = max(
         verdict_exit(trace.verdict),
         risk_exit(assessment, options.max_risk),

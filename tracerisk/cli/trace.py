@@ -18,6 +18,7 @@ from tracerisk.cli.shared.run_report import (
     failure_of,
     finding_lines,
     headline,
+    note_draft,
     object_lines,
     print_failure,
     trace_lines,
@@ -50,6 +51,7 @@ def run(options: argparse.Namespace) -> int:
         )
     if options.output is not None:
         write_file(options.output, trace_json.dumps(trace))
+    note_draft(trace, quiet=options.quiet)
     code = 0 if trace.is_usable else print_failure(trace)
     code = code or int(verdict_exit(trace.verdict))
     if options.log is not None:

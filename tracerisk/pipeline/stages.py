@@ -185,12 +185,13 @@ def trace_controller(
     A run that ends badly gives a trace too, as far as it came: see `Trace.end`.
     `keep` is a folder in which the recording stays.
     What is assumed of its robot and its launch file is tried again where the run shows that it
-    does not fit: see `Trace.assumptions`.
+    does not fit: see `Trace.assumptions`. What it asks its world for in vain is drafted where it
+    would show no risk without, and the settings do not say otherwise: see `Trace.drafted`.
     Raises SourceError, RobotError, HardwareError before anything runs.
     """
-    from tracerisk.pipeline.run.attempts import trace_attempts
+    from tracerisk.pipeline.scenarios.drafted_run import trace_with_draft
 
-    return trace_attempts(
+    return trace_with_draft(
         controller, settings, hardware_of=load_hardware, keep=keep, progress=progress
     )
 

@@ -77,6 +77,13 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         help="start no other node of its workspace that provides what it waits for",
     )
     group.add_argument(
+        "--no-draft",
+        dest="draft",
+        action="store_const",
+        const=False,
+        help="draft nothing of what it waits for in vain; such a run ends without a trace",
+    )
+    group.add_argument(
         "--duration",
         dest="duration_s",
         metavar="S",
@@ -232,6 +239,7 @@ def run_settings(options: argparse.Namespace) -> dict[str, Any]:
         "scenario",
         "launch",
         "companions",
+        "draft",
         "hardware",
         "active",
         "fail_on",

@@ -19,6 +19,12 @@ _SHOWN_S = 0.005  # less is printed as 0.00
 _TOGETHER = {"encoder": "encoders", "torque": "torque sensors"}
 
 
+def note_draft(trace: Trace, *, quiet: bool) -> None:
+    """Say on standard error that nobody has confirmed what a run depended on."""
+    if trace.drafted:
+        note(f"tracerisk: drafted: {trace.drafted}", quiet=quiet)
+
+
 def headline(trace: Trace) -> str:
     """Return one line: which controller, on what, how long, and how the run ended."""
     seconds = "" if trace.end.simulated_s is None else f", {trace.end.simulated_s:.1f} s simulated"

@@ -15,7 +15,7 @@ from tracerisk.pipeline.robot.choice import choose_launched_robot
 from tracerisk.pipeline.run.companions import find_companions
 from tracerisk.pipeline.run.controller_run import ControllerRun, Progress, run_controller
 from tracerisk.pipeline.run.scenario_settings import with_scenario
-from tracerisk.pipeline.trace.run_files import Companion
+from tracerisk.pipeline.trace.run_files import Companion, DraftsNoted
 from tracerisk.pipeline.trace.sensors import elements_of
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.trace import EndCause, Trace
@@ -39,6 +39,7 @@ def trace_attempts(
     keep: Path | None = None,
     progress: Progress | None = None,
     on_run: Callable[[ControllerRun], None] | None = None,
+    drafts: DraftsNoted = "never",
 ) -> Trace:
     """Return what the run showed whose launch file and robot fit the controller.
 
@@ -50,7 +51,7 @@ def trace_attempts(
     done again with these beside it.
     Simulated time and the number of runs bound the attempts. A run that a limit of the machine
     ended is the last: nothing is concluded from it.
-    `on_run` is told of each run, with what a scenario could say for its needs.
+    `on_run` is told of each run, `drafts` says when with what a scenario could say for its needs.
     """
     settings = with_scenario(settings)
     simulated_s = 0.0
@@ -70,7 +71,7 @@ def trace_attempts(
             companions,
             keep,
             progress,
-            drafts_all=on_run is not None,
+            drafts=drafts,
         )
         simulated_s += done.trace.end.simulated_s or 0.0
         if on_run is not None:
@@ -159,7 +160,7 @@ def _with_robot(
     keep: Path | None,
     progress: Progress | None,
     *,
-    drafts_all: bool,
+    drafts: DraftsNoted,
 ) -> ControllerRun:
     """Run the controller on the robot of its names, then on that of the names its run shows."""
     asked: tuple[str, ...] = ()
@@ -175,7 +176,7 @@ def _with_robot(
             companions=companions,
             keep=keep,
             progress=progress,
-            drafts_all=drafts_all,
+            drafts=drafts,
         )
         if _is_cut_short(done.trace):
             break

@@ -204,7 +204,7 @@ def _run_recorded(
         scenario_world.unused,
         values,
         in_source=lambda: asked_in_file(script, 2 if is_ros2 else 1),
-        drafts_all=request.drafts_all,
+        drafts=request.drafts,
     )
     stall = StallWatch(scheduler, watch, needs, lambda: schedule.is_pending)
     world.time_passed = [watch.time_passed, stall.time_passed]

@@ -44,6 +44,7 @@ from tracerisk.pipeline.trace.run_files import (
     STACKS,
     STARTED,
     Companion,
+    DraftsNoted,
     RunRequest,
     WallTime,
 )
@@ -89,12 +90,12 @@ def run_controller(
     companions: tuple[Companion, ...] = (),
     keep: Path | None = None,
     progress: Progress | None = None,
-    drafts_all: bool = False,
+    drafts: DraftsNoted = "never",
 ) -> ControllerRun:
     """Run the controller on the twin of `robot`, and return what the run showed.
 
-    `choice` is what a launch file gives it, `companions` are started beside it. `drafts_all` asks
-    for the drafts.
+    `choice` is what a launch file gives it, `companions` are started beside it. `drafts` says
+    when what a scenario could say is noted.
     Where `progress` is told, what they print goes through `sys.stderr`, of which that may have
     taken hold, and else to the standard error of this process.
     Raises SourceError, RobotError or another error of the input when nothing could run.
@@ -126,7 +127,7 @@ def run_controller(
             duration_s=settings.run_duration_s,
             memory_limit_mb=settings.memory_limit_mb,
             seed=settings.seed,
-            drafts_all=drafts_all,
+            drafts=drafts,
             packages={name: str(each) for name, each in workspace.packages.items()},
         )
         if is_contained(settings.limits.sandbox):
@@ -154,8 +155,8 @@ def run_controller(
         ]
         told = recording.note(NEEDS) or {"needs": ()}
         needs = tuple(Need(kind, name, type_name) for kind, name, type_name in told["needs"])
-        drafts = tuple(drafts_of((recording.note(DRAFTS) or {"drafts": ()})["drafts"]))
-        return ControllerRun(trace, tuple(dict.fromkeys(asked)), needs, drafts)
+        drafted = tuple(drafts_of((recording.note(DRAFTS) or {"drafts": ()})["drafts"]))
+        return ControllerRun(trace, tuple(dict.fromkeys(asked)), needs, drafted)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import Location
-from tracerisk.pipeline.trace.run_files import DRAFTS, UNMET
+from tracerisk.pipeline.trace.run_files import DRAFTS, UNMET, DraftsNoted
 from tracerisk.ros.controller.needs import Missed, Need, NeedKind
 from tracerisk.ros.drafts.draft import drafts
 from tracerisk.ros.drafts.usable_values import UsableValues
@@ -48,7 +48,7 @@ class UnmetNeeds:
     """The needs of one run; `has_commanded` tells whether anything was commanded.
 
     `in_source` is what the source asks for, whether or not the run came so far.
-    With `drafts_all` the end notes what a scenario could say for every need, however it came.
+    `drafts` says when the end notes what a scenario could say for every need, however it came.
 
     `unused` tells what of the scenario nobody made use of, which becomes a finding at the end.
 
@@ -66,11 +66,11 @@ class UnmetNeeds:
         values: UsableValues,
         *,
         in_source: Callable[[], Iterable[Missed]] = tuple,
-        drafts_all: bool = False,
+        drafts: DraftsNoted = "never",
     ) -> None:
         self._in_source = in_source
         self._values = values
-        self._drafts_all = drafts_all
+        self._drafts = drafts
         self._unused = unused
         self._runtime = runtime
         self._interfaces = interfaces
@@ -102,10 +102,11 @@ class UnmetNeeds:
         for told, place in self._unused():
             here = replace(place, file=Path(place.file).name)
             self._runtime.recorder.finding("unused", f"in the scenario, but {told}", here)
-        if self._drafts_all:
+        shows_risk = cause in GOOD_ENDS and self._has_commanded()
+        if self._drafts == "always" or (self._drafts == "without_risk" and not shows_risk):
             self._note_drafts()
         plain = JudgedEnd(cause, message, location)
-        if cause in GOOD_ENDS and self._has_commanded():
+        if shows_risk:
             self._note_unmet()
             if cause in _LISTENING:
                 self._tell_unpublished()

@@ -7,10 +7,11 @@ it is left out.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings
 from tracerisk.errors import ScenarioError, TraceRiskError
@@ -18,14 +19,14 @@ from tracerisk.pipeline.launch.program import program_of
 from tracerisk.pipeline.robot.guess import RobotGuess, guessed_robot
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.run.controller_run import ControllerRun
+from tracerisk.pipeline.scenarios.entries import Attempt, Entries, EntryKey, merged
 from tracerisk.pipeline.scenarios.text import with_entries
 from tracerisk.pipeline.scenarios.written_values import WrittenValues
 from tracerisk.pipeline.workspace.asked_in_source import CommandLine, command_lines
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
 from tracerisk.ros.drafts.draft import Draft
-from tracerisk.ros.scenario.lines import entry_lines, word_lines
-from tracerisk.ros.scenario.marks import MARK
+from tracerisk.ros.scenario.lines import entry_lines
 from tracerisk.ros.scenario.scenario import Scenario, read_scenario
 from tracerisk.source.ros_version import ros_version
 from tracerisk.trace import Trace
@@ -35,6 +36,10 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.run.controller_run import Progress
 
 _MOST_RUNS = 12
+_MOST_DURATIONS = 4  # simulated time of all runs, in that which one may take
+_LEAST_WALL_S = 1.0  # what a last run may take, however little is left
+DRAFT_NAME = "drafted.scenario.yaml"
+"""The name of the file, gone after the run, that a run with a draft is given."""
 _ASKED_AGAIN = 3  # rounds of answers for a question that comes again
 _PUBLISHERS = ("joint_state_publisher_gui", "joint_state_publisher", "joint_state_slider")
 _MOST_PLACES = 2  # other poses for what a motion did not reach
@@ -42,7 +47,6 @@ _UNREACHED = frozenset(
     {"planning-failed", "ik-failed", "path-cut", "command-aborted", "command-rejected"}
 )
 _CONTENT = {"topic": "message", "call": "request", "goal": "goal"}
-_Key = tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,52 +66,6 @@ class ScenarioDraft:
     error: TraceRiskError | None = None
 
 
-@dataclass(slots=True)
-class _Entries:
-    """What a scenario holds beside its base; `repeats` are how often answers are given anew."""
-
-    drafts: dict[_Key, Draft] = field(default_factory=dict)
-    repeats: dict[_Key, int] = field(default_factory=dict)
-    robot: RobotGuess | None = None
-    arguments: CommandLine | None = None
-
-    def copy(self) -> _Entries:
-        return _Entries(dict(self.drafts), dict(self.repeats), self.robot, self.arguments)
-
-    @property
-    def sections(self) -> Mapping[str, list[str]]:
-        sections: dict[str, list[str]] = {}
-        if self.robot is not None:
-            sections["robot"] = [f"{self.robot.name}  {MARK}: {self.robot.told}"]
-        if self.arguments is not None:
-            sections["arguments"] = word_lines(self.arguments.words, self.arguments.told)
-        for key, draft in self.drafts.items():
-            for _ in range(self.repeats.get(key, 1)):
-                sections.setdefault(draft.section, []).extend(entry_lines(draft))
-        return sections
-
-
-@dataclass(frozen=True, slots=True)
-class _Attempt:
-    entries: _Entries
-    trace: Trace | None = None
-    wanted: tuple[Draft, ...] = ()
-    error: TraceRiskError | None = None
-
-    @property
-    def is_traced(self) -> bool:
-        return self.trace is not None and self.trace.is_usable and bool(self.trace.functions)
-
-    @property
-    def score(self) -> tuple[bool, bool, int]:
-        """Rank runs: one that shows risk, one that did not go wrong, one that shows most."""
-        trace = self.trace
-        if trace is None or not self.is_traced:
-            return False, False, 0
-        is_well = trace.verdict is not None and trace.verdict.kind != "faulted"
-        return True, is_well, len(trace.functions)
-
-
 def draft_scenario(
     controller: Controller,
     settings: Settings,
@@ -121,11 +79,16 @@ def draft_scenario(
     Raises ScenarioError where the base is malformed. What else keeps the controller from running
     is in the result.
     """
-    rounds = _Rounds(controller, settings, base, hardware_of, progress)
+    rounds = Rounds(controller, settings, base, hardware_of, progress)
     return rounds.result()
 
 
-class _Rounds:
+class Rounds:
+    """The runs of a search for a scenario; `best` is what it has come to so far.
+
+    All of them together have the wall time that the settings give to a run.
+    """
+
     def __init__(
         self,
         controller: Controller,
@@ -136,7 +99,7 @@ class _Rounds:
     ) -> None:
         self._controller = controller
         self._settings = settings
-        self._base = base
+        self.base = base
         self._known = Scenario() if base is None else read_scenario(base)
         self._hardware_of = hardware_of
         self._progress = progress
@@ -145,65 +108,76 @@ class _Rounds:
         program = program_of(script, root, find_workspace(root))
         ros = ros_version(script, root)
         self._written = WrittenValues(project_top(controller.root), program, ros)
-        self._usable: dict[_Key, Draft] = {}
-        self._cannot: dict[_Key, Draft] = {}
+        self._usable: dict[EntryKey, Draft] = {}
+        self._cannot: dict[EntryKey, Draft] = {}
         self._places = 0
-        self._best = _Attempt(_Entries())
-        self._singles: list[_Entries] = []
+        self._began = time.monotonic()
+        self._simulated_s = 0.0
+        self._read: dict[str, str] = {}
+        self.best = Attempt(Entries())
+        self.is_cut_short = False
+        self._singles: list[Entries] = []
         self._lines: list[CommandLine] | None = None
 
     def result(self) -> ScenarioDraft:
         """Run until nothing is lacking, or nothing helps."""
-        entries = _Entries()
-        seen: set[str] = set()
-        for _ in range(_MOST_RUNS):
-            attempt = self._run(entries)
-            seen.add(self._text(entries))
-            following = (each for each in self._next(attempt) if self._text(each) not in seen)
-            more = next(following, None)
-            if more is None:
-                break
-            entries = more
-        return self._draft(self._best)
+        self.go_on(self._run(Entries()))
+        return self._draft(self.best)
 
-    def _next(self, attempt: _Attempt) -> Iterator[_Entries]:
+    def go_on(self, attempt: Attempt) -> None:
+        """Run again after a first run, until nothing is lacking, or nothing helps.
+
+        The number of runs and their simulated time bound it.
+        """
+        seen = {self.text(attempt.entries)}
+        most_s = _MOST_DURATIONS * self._settings.run_duration_s
+        for number in range(1, _MOST_RUNS + 1):
+            following = (each for each in self._next(attempt) if self.text(each) not in seen)
+            more = next(following, None)
+            if more is None or number == _MOST_RUNS or self._simulated_s >= most_s:
+                break
+            attempt = self._run(more)
+            seen.add(self.text(more))
+
+    def _next(self, attempt: Attempt) -> Iterator[Entries]:
         """Yield what may be tried after a run, the likeliest first."""
         if attempt.trace is not None and attempt.trace.end.cause in OF_THE_MACHINE:
             # Nothing is concluded from it, and no other run begins.
-            if not self._best.is_traced:
-                self._best = attempt
+            self.is_cut_short = True
+            if not self.best.is_traced:
+                self.best = attempt
             return
         mended = self._mended(attempt)
         if mended is not None:
             yield mended
             return
-        if attempt.score >= self._best.score:
-            self._best = attempt
+        if attempt.score >= self.best.score:
+            self.best = attempt
             wanted = self._with_wanted(attempt)
             if wanted is not None:
                 yield wanted
-        elif self._best.is_traced and not self._singles:
+        elif self.best.is_traced and not self._singles:
             # Of what was given together, what does no harm alone.
-            self._singles = self._one_by_one(self._best.entries, attempt.entries)
+            self._singles = self._one_by_one(self.best.entries, attempt.entries)
         while self._singles:
-            yield self._on_top(self._best.entries, self._singles.pop(0))
-        elsewhere = self._elsewhere(self._best)
+            yield self._on_top(self.best.entries, self._singles.pop(0))
+        elsewhere = self._elsewhere(self.best)
         if elsewhere is not None:
             yield elsewhere
-        if not self._best.is_traced and self._may_need_arguments(attempt):
+        if not self.best.is_traced and self._may_need_arguments(attempt):
             if self._lines is None:
                 self._lines = list(command_lines(self._controller, self._written.arguments))
             while self._lines:
-                entries = self._best.entries.copy()
+                entries = self.best.entries.copy()
                 entries.arguments = self._lines.pop(0)
                 yield entries
 
-    def _draft(self, best: _Attempt) -> ScenarioDraft:
+    def _draft(self, best: Attempt) -> ScenarioDraft:
         entries = best.entries
         given = tuple(entries.drafts.values())
         missing = tuple(self._cannot.values())
         return ScenarioDraft(
-            self._text(entries),
+            self.text(entries),
             given,
             missing,
             entries.robot,
@@ -212,35 +186,55 @@ class _Rounds:
             best.error,
         )
 
-    def _text(self, entries: _Entries) -> str:
+    def text(self, entries: Entries) -> str:
+        """Return the scenario: the base with these entries."""
         remarks = [f"# {each.need.told}: {each.words}" for each in self._cannot.values()]
-        if not remarks and not entries.sections and self._base is None:
+        if not remarks and not entries.sections and self.base is None:
             remarks = ["# The controller asks its world for nothing that is not there."]
-        return with_entries(self._base, entries.sections, remarks)
+        return with_entries(self.base, entries.sections, remarks)
 
-    def _run(self, entries: _Entries) -> _Attempt:
+    def _run(self, entries: Entries) -> Attempt:
         runs: list[ControllerRun] = []
+        try:
+            trace = self.trace(entries, on_run=runs.append)
+        except TraceRiskError as error:
+            return Attempt(entries, error=error)
+        return self.attempt(entries, trace, runs)
+
+    def trace(
+        self,
+        entries: Entries,
+        *,
+        keep: Path | None = None,
+        on_run: Callable[[ControllerRun], None] | None = None,
+    ) -> Trace:
+        """Run the controller with these entries; raise what keeps it from running."""
+        wall_s = self._settings.wall_limit_s - (time.monotonic() - self._began)
         with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
             # Files that the base names stand in its own folder.
-            path = Path(folder, "scenario.yaml")
-            path.write_text(self._text(entries), encoding="utf-8", newline="")
+            path = Path(folder, DRAFT_NAME)
+            path.write_text(self.text(entries), encoding="utf-8", newline="")
             settings = replace(
                 self._settings,
                 scenario=str(path),
                 robot=self._settings.robot
                 or self._known.robot
                 or (None if entries.robot is None else entries.robot.name),
+                wall_limit_s=max(wall_s, _LEAST_WALL_S),
             )
-            try:
-                trace = trace_attempts(
-                    self._controller,
-                    settings,
-                    hardware_of=self._hardware_of,
-                    progress=self._progress,
-                    on_run=runs.append,
-                )
-            except TraceRiskError as error:
-                return _Attempt(entries, error=error)
+            return trace_attempts(
+                self._controller,
+                settings,
+                hardware_of=self._hardware_of,
+                keep=keep,
+                progress=self._progress,
+                on_run=on_run,
+                drafts="always",
+            )
+
+    def attempt(self, entries: Entries, trace: Trace, runs: Sequence[ControllerRun]) -> Attempt:
+        """Return what runs with these entries came to, of which `trace` is the one that counts."""
+        self._simulated_s += sum(run.trace.end.simulated_s or 0.0 for run in runs)
         told = next((run for run in runs if run.trace is trace), runs[-1])
         if not trace.is_usable:
             # What nodes of the workspace give beside the controller needs no scenario, unless it
@@ -248,16 +242,16 @@ class _Rounds:
             had = entries.drafts.keys() | self._cannot.keys()
             beside = next((run for run in reversed(runs) if _is_accompanied(run)), told)
             told = beside if any((e.section, e.key) not in had for e in beside.drafts) else told
-        return _Attempt(entries, trace, told.drafts)
+        return Attempt(entries, trace, told.drafts)
 
-    def _mended(self, attempt: _Attempt) -> _Entries | None:
+    def _mended(self, attempt: Attempt) -> Entries | None:
         """Return the entries without what kept the controller from being run; None for nothing."""
         error, entries = attempt.error, attempt.entries.copy()
         if entries.robot is None and (guess := guessed_robot(error)) is not None:
             entries.robot = guess
             return entries
         if isinstance(error, ScenarioError) and error.location is not None:
-            key = self._entry_at(entries, error.location.line or 0)
+            key = self.entry_at(entries, error.location.line or 0)
             if key is None:
                 return None
             if key in self._usable and entries.drafts[key] != self._usable[key]:
@@ -269,10 +263,10 @@ class _Rounds:
             return entries
         return None
 
-    def _entry_at(self, entries: _Entries, line: int) -> _Key | None:
+    def entry_at(self, entries: Entries, line: int) -> EntryKey | None:
         """Return the entry that stands at a line of the scenario."""
-        lines = self._text(entries).splitlines()[:line]
-        last: _Key | None = None
+        lines = self.text(entries).splitlines()[:line]
+        last: EntryKey | None = None
         for number in range(len(lines), 0, -1):
             for key, draft in entries.drafts.items():
                 if lines[number - 1].strip() == entry_lines(draft)[0].strip():
@@ -282,7 +276,7 @@ class _Rounds:
                 break
         return last
 
-    def _with_wanted(self, attempt: _Attempt) -> _Entries | None:
+    def _with_wanted(self, attempt: Attempt) -> Entries | None:
         """Return the entries with what the run lacked; None where there is nothing new."""
         entries = attempt.entries.copy()
         is_new = False
@@ -337,28 +331,34 @@ class _Rounds:
                 value = {key: each for key, each in value.items() if key != "header"}
                 if not value or content not in draft.value:
                     return self._as_published(draft)
-                value = _merged(draft.value[content], value)
+                value = merged(draft.value[content], value)
             value = {**draft.value, content: value}
             value.pop("messages", None)
             if "rate" in value and "messages" in draft.value:
                 for key in ("rate", "count", "at"):
                     value.pop(key, None)
-        return replace(draft, value=value, words=f"as in {written.place}")
+        words = f"as in {written.place}"
+        self._read[words] = written.place
+        return replace(draft, value=value, words=words)
 
     def _as_published(self, draft: Draft) -> Draft:
         if draft.need.type_name != "sensor_msgs/JointState":
             return draft
         place = self._written.started_with(draft.need.name, _PUBLISHERS)
-        return draft if place is None else replace(draft, words=f"{draft.words}; as {place} would")
+        if place is None:
+            return draft
+        words = f"{draft.words}; as {place} would"
+        self._read[words] = place.rpartition(" in ")[2]
+        return replace(draft, words=words)
 
-    def _one_by_one(self, best: _Entries, tried: _Entries) -> list[_Entries]:
+    def _one_by_one(self, best: Entries, tried: Entries) -> list[Entries]:
         """Return each of what was tried beyond the best, alone."""
         more = [key for key in tried.drafts if key not in best.drafts]
         if len(more) < 2:
             return []
-        return [_Entries({key: tried.drafts[key]}) for key in more]
+        return [Entries({key: tried.drafts[key]}) for key in more]
 
-    def _elsewhere(self, best: _Attempt) -> _Entries | None:
+    def _elsewhere(self, best: Attempt) -> Entries | None:
         """Return the entries with other poses, where a motion to those of the best run failed."""
         verdict = None if best.trace is None else best.trace.verdict
         if verdict is None or not any(each.code in _UNREACHED for each in verdict.reasons):
@@ -376,22 +376,24 @@ class _Rounds:
         self._places += 1
         return entries
 
-    def _on_top(self, best: _Entries, single: _Entries) -> _Entries:
+    def _on_top(self, best: Entries, single: Entries) -> Entries:
         entries = best.copy()
         entries.drafts.update(single.drafts)
         return entries
 
-    def _may_need_arguments(self, attempt: _Attempt) -> bool:
+    def read_for(self, entries: Entries) -> tuple[Path, ...]:
+        """Return the files of the repository in which values of these entries are written."""
+        told = [draft.words for draft in entries.drafts.values()]
+        places = [self._read[words] for words in told if words in self._read]
+        if entries.arguments is not None:
+            written = {f"as in {place}": place for _, place in self._written.arguments}
+            places += [written[each] for each in (entries.arguments.told,) if each in written]
+        top = project_top(self._controller.root)
+        return tuple(dict.fromkeys(top / place.rpartition(":")[0] for place in places))
+
+    def _may_need_arguments(self, attempt: Attempt) -> bool:
         has_some = bool(self._settings.args or self._known.arguments)
         return not has_some and attempt.error is None
-
-
-def _merged(fields: Any, over: Any) -> Any:
-    """Return fields with others put over them, down into nested ones."""
-    if not isinstance(fields, dict) or not isinstance(over, dict):
-        return over
-    more = {key: _merged(fields.get(key), each) for key, each in over.items()}
-    return {**fields, **more}
 
 
 def _is_accompanied(run: ControllerRun) -> bool:

@@ -7,7 +7,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from tracerisk.pipeline.launch_files.records import LaunchSetup
 
@@ -46,6 +46,8 @@ NEEDS = "needs"
 """The note of what a run lacked: `needs`, the kind, name and type of each."""
 DRAFTS = "drafts"
 """The note of what a scenario could say for each need: `drafts`."""
+DraftsNoted = Literal["never", "without_risk", "always"]
+"""When that is noted; "without_risk": where the run ended badly or commanded nothing."""
 COMPANION = "companion"
 """The note of a companion that `ended` before its time: how it is `told`, and how it ended."""
 _WALL_TIME = "wall_time.json"
@@ -95,7 +97,7 @@ class RunRequest:
     it; `launch_notes` are the lines that tell of `launch`.
     `reads_around` says that other launch files of the workspace may give parameters too.
     `companions` are started beside the controller. `drivers` are files that describe drivers.
-    `drafts_all`: what a scenario could say for every need is noted. `states` are the steps that
+    `drafts`: when what a scenario could say for every need is noted. `states` are the steps that
     settings name. `written` is the folder into which goes what the controller writes, `None`
     where it writes as it likes; `readable` and `writable` are what it may reach then.
     """
@@ -118,7 +120,7 @@ class RunRequest:
     duration_s: float
     memory_limit_mb: int
     seed: int
-    drafts_all: bool = False
+    drafts: DraftsNoted = "never"
     written: str | None = None
     readable: tuple[str, ...] = ()
     writable: tuple[str, ...] = ()

@@ -1,0 +1,187 @@
+"""A run that shows no risk for want of something goes on with values that nobody has confirmed."""
+
+from __future__ import annotations
+
+import pytest
+
+HEAD = """\
+import sys
+import actionlib, moveit_commander, rospy
+from control_msgs.msg import FollowJointTrajectoryAction
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+from std_msgs.msg import String
+from std_srvs.srv import Trigger, TriggerResponse
+
+rospy.init_node("picker")
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+arm.set_max_velocity_scaling_factor(1.0)
+arm.set_max_acceleration_scaling_factor(1.0)
+
+
+def turn(angle):
+    joints = arm.get_current_joint_values()
+    joints[0] += angle
+    arm.go(joints, wait=True)
+
+
+"""
+MESSAGE = HEAD + "turn(0.1 if rospy.wait_for_message('/part', String) else 0.2)\n"
+SERVED = (
+    HEAD + "def answer(request):\n    turn(0.2)\n    return TriggerResponse(True, '')\n\n\n"
+    "rospy.Service('/pick', Trigger, answer)\nrospy.spin()\n"
+)
+GOAL = (
+    HEAD + "client = actionlib.SimpleActionClient('/base', MoveBaseAction)\n"
+    "client.wait_for_server()\nclient.send_goal_and_wait(MoveBaseGoal())\nturn(0.1)\n"
+)
+ANSWER = HEAD + "while input('Side? ') != 'left':\n    pass\nturn(0.1)\n"
+ARGUMENT = HEAD + "if sys.argv[1] == 'left':\n    turn(0.1)\n"
+ROBOT = """\
+import rclpy
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+NAMES = ['shoulder_pan_joint', 'shoulder_lift_joint', 'elbow_joint', 'wrist_1_joint',
+         'wrist_2_joint', 'wrist_3_joint']
+rclpy.init()
+node = rclpy.create_node('n')
+pub = node.create_publisher(JointTrajectory, '/arm_controller/joint_trajectory', 1)
+
+
+def move():
+    point = JointTrajectoryPoint(positions=[0.1] * 6)
+    point.time_from_start.sec = 1
+    pub.publish(JointTrajectory(joint_names=NAMES, points=[point]))
+
+
+move()
+rclpy.spin_once(node, timeout_sec=3.0)
+"""
+
+
+def reasons(outcome) -> list[tuple[str, str, str]]:
+    found = outcome.json["verdict"]["reasons"]
+    return [(each["code"], each["function"], each["object"]) for each in found]
+
+
+@pytest.mark.parametrize(
+    ("source", "name", "line", "code_without"),
+    [
+        (MESSAGE, "/part", 20, 4),
+        (SERVED, "/pick", 25, 4),
+        (GOAL, "/base", 21, 4),
+        (ANSWER, "answers[1]", 20, 4),
+        (ARGUMENT, "arguments[1]", None, 4),
+        (ROBOT, "robot", None, 2),
+    ],
+    ids=["message", "served", "goal", "answer", "argument", "robot"],
+)
+def test_a_run_drafts_what_it_lacks(example, source, name, line, code_without):
+    example.write("c.py", source)
+    without = example.run("run", "c.py", "--no-draft")
+    assert without.code == code_without
+    assert "drafted" not in without.err
+    assert example.files() == {"c.py": source.encode()}
+    ran = example.run("run", "c.py", "--json")
+    assert ran.code == 0, ran.err
+    assert "tracerisk: drafted: 1 value that" in ran.err
+    assert "nobody has confirmed" in ran.err
+    assert "`tracerisk scenario c.py --write`" in ran.err
+    assert ran.json["verdict"]["kind"] == "partial"
+    (reason,) = (r for r in ran.json["verdict"]["reasons"] if r["code"] == "input-assumed")
+    assert reason["object"] == name
+    assert "nobody has confirmed it" in reason["words"]
+    place = reason["location"]
+    blocks = example.read("c.py").decode().splitlines()
+    assert (place is None) == (line is None)
+    if place is not None:
+        assert place["file"] == "c.py"
+        assert blocks[place["line"] - 1] == source.splitlines()[line - 1]
+    # What is written is the same in a second run, and by a refresh without a kept trace.
+    written = example.files()
+    assert set(written) == {"c.py", "tracerisk.lock"}
+    assert example.run("run", "c.py").code == 0
+    assert example.files() == written
+    # A file with the same values gives the same reasons.
+    assert example.run("scenario", "c.py", "--write").code == 0
+    given = example.run("run", "c.py", "--json", "--check", "--scenario", "c.scenario.yaml")
+    assert reasons(given) == reasons(ran)
+
+
+def test_check_and_refresh_take_it_for_fresh(example):
+    example.write("c.py", MESSAGE)
+    assert example.run("run", "c.py").code == 0
+    written = example.files()
+    checked = example.run("check", "c.py", "--json")
+    assert checked.code == 1
+    (controller,) = checked.json["controllers"]
+    assert [each["kind"] for each in controller["findings"]] == ["partial"]
+    refreshed = example.run("refresh", "c.py", "--json")
+    assert refreshed.json["controllers"][0]["how"] == "fresh"
+    fresh = example.run("refresh", "c.py", "--fresh", "--json")
+    assert fresh.json["controllers"][0]["how"] == "simulated"
+    assert example.files() == written
+    again = example.run("refresh", "c.py", "--json")
+    assert again.json["controllers"][0]["verdict"]["kind"] == "partial"
+
+
+def test_it_is_switched_off_by_a_setting(example):
+    example.write("c.py", MESSAGE)
+    example.write("pyproject.toml", "[tool.tracerisk]\ndraft = false\n")
+    ran = example.run("run", "c.py", "--json")
+    assert ran.code == 4
+    assert ran.json["verdict"]["kind"] == "stuck"
+    assert "drafted" not in ran.err
+
+
+def test_a_failure_that_no_draft_mends_stands(example):
+    example.write(
+        "c.py", HEAD + "rospy.wait_for_message('/part', String)\nraise KeyError('home')\n"
+    )
+    plain = example.run("run", "c.py", "--no-draft")
+    ran = example.run("run", "c.py")
+    assert ran.code == plain.code == 4
+    assert plain.err.startswith("tracerisk: c.py:20: MainThread waits for messages on /part")
+    assert plain.err in ran.err
+    assert "drafted" not in ran.err
+
+
+def test_what_a_scenario_gives_stays_and_is_told_at_its_own_line(example):
+    example.write(
+        "c.py", HEAD + "rospy.wait_for_message('/a', String)\n" + MESSAGE.removeprefix(HEAD)
+    )
+    example.write(
+        "cell.yaml",
+        "publish:\n  - {topic: /a, type: std_msgs/String}  # assumed\n"
+        "  - {topic: /unused, type: std_msgs/String}\n",
+    )
+    ran = example.run("run", "c.py", "--json", "--check", "--scenario", "cell.yaml")
+    assert "tracerisk: drafted: 1 value that" in ran.err
+    found = {each["object"]: each for each in ran.json["verdict"]["reasons"]}
+    at = found["/a"]["location"]
+    assert (at["file"], at["line"]) == ("cell.yaml", 2)
+    assert "delete its mark" in found["/a"]["words"]
+    assert found["/part"]["location"]["file"] == "c.py"
+    (unused,) = (e for e in ran.json["verdict"]["reasons"] if e["code"] == "unused-input")
+    assert (unused["location"]["file"], unused["location"]["line"]) == ("cell.yaml", 3)
+    assert "drafted.scenario" not in ran.out
+
+
+def test_a_file_in_which_a_value_is_written_is_an_input(example):
+    example.write("c.py", MESSAGE)
+    example.write("package.xml", "<package><name>cell</name></package>\n")
+    example.write("README.md", "Run `rostopic pub /part std_msgs/String \"data: 'left'\"`.\n")
+    ran = example.run("run", "c.py", "--json")
+    (reason,) = (r for r in ran.json["verdict"]["reasons"] if r["code"] == "input-assumed")
+    assert "as in README.md:1" in reason["words"]
+    example.write("README.md", "Run `rostopic pub /part std_msgs/String \"data: 'right'\"`.\n")
+    assert "README.md has changed" in example.run("check", "c.py").out
+
+
+def test_what_runs_well_is_as_without(example, quick):
+    example.write("c.py", quick())
+    assert example.run("run", "c.py", "--json").code == 0
+    files = example.files()
+    assert b"draft" not in files["tracerisk.lock"]
+    assert example.run("trace", "c.py", "--json", "--no-draft").out == (
+        example.run("trace", "c.py", "--json").out
+    )

@@ -1,0 +1,203 @@
+"""Run a controller; where it shows no risk for want of what a draft can give, run it with that.
+
+Nobody has confirmed such a draft: each of its values is a reason of the verdict.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from difflib import SequenceMatcher
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.config import Settings
+from tracerisk.errors import Location, TraceRiskError
+from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
+from tracerisk.pipeline.run.controller_run import ControllerRun
+from tracerisk.pipeline.scenarios.entries import Attempt, Entries
+from tracerisk.pipeline.scenarios.rounds import DRAFT_NAME, Rounds
+from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.trace import DRAFTED, Reason, Trace
+from tracerisk.twin.robots.detect import SeveralRobotsError
+
+if TYPE_CHECKING:
+    from tracerisk.hardware.model import Hardware
+    from tracerisk.pipeline.run.controller_run import Progress
+
+_CONFIRMED = "of the scenario is assumed"
+_TO_CONFIRM = "; delete its mark to confirm it"
+# Risk blocks move the lines of a source, and what is told must not change with them.
+_LINE_OF_SOURCE = re.compile(r"(\.py):\d+\b")
+_OF_ARGUMENTS = re.compile(r"arg")
+
+
+def trace_with_draft(
+    controller: Controller,
+    settings: Settings,
+    *,
+    hardware_of: Callable[[Settings, str], Hardware],
+    keep: Path | None = None,
+    progress: Progress | None = None,
+) -> Trace:
+    """Return what the run of a controller showed, with a drafted scenario if it needs one.
+
+    A run that shows risk is returned as it is. Else, and if the settings say so, values are
+    drafted as `tracerisk scenario` does; where no draft helps, or a limit of the machine ends a
+    run, the first run's outcome stands.
+    """
+    began = time.monotonic()
+    runs: list[ControllerRun] = []
+
+    def plain() -> Trace:
+        return trace_attempts(
+            controller,
+            settings,
+            hardware_of=hardware_of,
+            keep=keep,
+            progress=progress,
+            on_run=runs.append,
+            drafts="without_risk" if settings.draft else "never",
+        )
+
+    def rounds() -> Rounds:
+        left_s = settings.wall_limit_s - (time.monotonic() - began)
+        base = None if settings.scenario is None else Path(settings.scenario)
+        within = replace(settings, wall_limit_s=left_s)
+        return Rounds(controller, within, base, hardware_of, progress)
+
+    try:
+        trace = plain()
+    except SeveralRobotsError as error:
+        first = Attempt(Entries(), error=error)
+        found = _found(controller, rounds(), first, keep) if settings.draft else None
+        if found is None:
+            raise
+        return found
+    if not settings.draft or not _may_need_draft(controller, settings, trace, runs):
+        return trace
+    search = rounds()
+    found = _found(controller, search, search.attempt(Entries(), trace, runs), keep)
+    return trace if found is None else found
+
+
+def _may_need_draft(
+    controller: Controller, settings: Settings, trace: Trace, runs: list[ControllerRun]
+) -> bool:
+    """Tell whether a run showed no risk for want of what a draft can give."""
+    if (trace.is_usable and trace.functions) or trace.end.cause in OF_THE_MACHINE:
+        return False
+    if trace.end.cause == "not_importable":
+        return False
+    if any(run.needs and any(each.value is not None for each in run.drafts) for run in runs):
+        return True
+    if settings.args:
+        return False
+    # Arguments are nothing that it asks its world for: how it ended tells that they lack.
+    if trace.end.cause != "raised":
+        return True
+    place = trace.end.location
+    if place is None or place.line is None or not place.file.endswith(".py"):
+        return False
+    try:
+        lines = controller.source_of(place.file).decode(errors="replace").splitlines()
+    except TraceRiskError:
+        return False
+    return any(_OF_ARGUMENTS.search(line) for line in lines[place.line - 1 : place.line])
+
+
+def _found(controller: Controller, search: Rounds, first: Attempt, keep: Path | None) -> (
+    Trace | None
+):  # fmt: skip
+    """Return the run with the best draft; None where no draft makes it show risk."""
+    search.go_on(first)
+    best = search.best
+    if search.is_cut_short or not best.is_traced or best.trace is None:
+        return None
+    trace = best.trace
+    if keep is not None:
+        # What is kept is the recording of the run that is told.
+        trace = search.trace(best.entries, keep=keep)
+    return _told(controller, search, best.entries, trace)
+
+
+def _told(controller: Controller, search: Rounds, entries: Entries, trace: Trace) -> Trace:
+    """Return a run on a draft, which is no file, with the places that ask for its values."""
+    assert trace.verdict is not None
+    places = _Places(controller, search, entries)
+    reasons = tuple(map(places.of_reason, trace.verdict.reasons))
+    findings = tuple(
+        replace(each, location=places.of(each.location, is_shown=True)) for each in trace.findings
+    )
+    values = "1 value" if places.drafted == 1 else f"{places.drafted} values"
+    line = (
+        f"{DRAFTED} {values} that the controller asks its world for, and nobody has confirmed; "
+        f"`tracerisk scenario {controller.path.name} --write` writes a scenario with them to "
+        "confirm"
+    )
+    root = controller.root.resolve()
+    read = {_from(root, file) for file in search.read_for(entries)}
+    return replace(
+        trace,
+        verdict=replace(trace.verdict, reasons=reasons),
+        findings=findings,
+        assumptions=(line, *trace.assumptions),
+        inputs=tuple(sorted({*trace.inputs, *read})),
+    )
+
+
+class _Places:
+    """Where the lines of a draft are from; `drafted` counts the values of which was told."""
+
+    def __init__(self, controller: Controller, search: Rounds, entries: Entries) -> None:
+        self._root = controller.root.resolve()
+        self._search = search
+        self._entries = entries
+        self._base = search.base
+        self._of_base = _lines_of_base(self._base, search.text(entries))
+        self.drafted = 0
+
+    def of(self, place: Location | None, *, is_shown: bool = False) -> Location | None:
+        """Return a place in the draft as that in the base, or as that which asks for the value.
+
+        `is_shown`: the base is told by its name alone, as findings do.
+        """
+        if place is None or Path(place.file).name != DRAFT_NAME or place.line is None:
+            return place
+        if self._base is not None and place.line in self._of_base:
+            name = self._base.name if is_shown else _from(self._root, self._base)
+            return Location(name, self._of_base[place.line])
+        key = self._search.entry_at(self._entries, place.line)
+        return None if key is None else self._entries.drafts[key].location
+
+    def of_reason(self, reason: Reason) -> Reason:
+        place = reason.location
+        if place is None or Path(place.file).name != DRAFT_NAME:
+            return reason
+        is_unused = reason.code != "input-assumed"
+        # No line of the source asks for the robot and the arguments.
+        is_asked = not reason.object.startswith(("robot", "arguments[")) or is_unused
+        at = self.of(place, is_shown=is_unused)
+        moved = replace(reason, location=at if is_asked or place.line in self._of_base else None)
+        if is_unused or place.line in self._of_base:
+            return moved
+        self.drafted += 1
+        told = reason.words.removesuffix(_TO_CONFIRM).replace(_CONFIRMED, "is drafted", 1)
+        told = _LINE_OF_SOURCE.sub(r"\1", told)
+        return replace(moved, words=f"{told}; nobody has confirmed it")
+
+
+def _lines_of_base(base: Path | None, text: str) -> Mapping[int, int]:
+    """Return the lines of a draft that are those of its base, each with its line there."""
+    if base is None:
+        return {}
+    before = base.read_text(encoding="utf-8-sig").splitlines()
+    blocks = SequenceMatcher(None, text.splitlines(), before, autojunk=False).get_matching_blocks()
+    return {each.a + i + 1: each.b + i + 1 for each in blocks for i in range(each.size)}
+
+
+def _from(root: Path, path: Path) -> str:
+    return Path(os.path.relpath(path.resolve(), root)).as_posix()

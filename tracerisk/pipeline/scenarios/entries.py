@@ -1,0 +1,77 @@
+"""What a scenario holds beside its base, and what a run with it came to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from tracerisk.errors import TraceRiskError
+from tracerisk.pipeline.robot.guess import RobotGuess
+from tracerisk.pipeline.workspace.asked_in_source import CommandLine
+from tracerisk.ros.drafts.draft import Draft
+from tracerisk.ros.scenario.lines import entry_lines, word_lines
+from tracerisk.ros.scenario.marks import MARK
+from tracerisk.trace import Trace
+
+EntryKey = tuple[str, str]
+"""The section and the key of an entry."""
+
+
+@dataclass(slots=True)
+class Entries:
+    """What a scenario holds beside its base; `repeats` are how often answers are given anew."""
+
+    drafts: dict[EntryKey, Draft] = field(default_factory=dict)
+    repeats: dict[EntryKey, int] = field(default_factory=dict)
+    robot: RobotGuess | None = None
+    arguments: CommandLine | None = None
+
+    def copy(self) -> Entries:
+        """Return entries that can be changed apart from these."""
+        return Entries(dict(self.drafts), dict(self.repeats), self.robot, self.arguments)
+
+    @property
+    def sections(self) -> Mapping[str, list[str]]:
+        """The lines of each section of the scenario."""
+        sections: dict[str, list[str]] = {}
+        if self.robot is not None:
+            sections["robot"] = [f"{self.robot.name}  {MARK}: {self.robot.told}"]
+        if self.arguments is not None:
+            sections["arguments"] = word_lines(self.arguments.words, self.arguments.told)
+        for key, draft in self.drafts.items():
+            for _ in range(self.repeats.get(key, 1)):
+                sections.setdefault(draft.section, []).extend(entry_lines(draft))
+        return sections
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """A run with some entries: what it showed, what it `wanted`, what kept it from running."""
+
+    entries: Entries
+    trace: Trace | None = None
+    wanted: tuple[Draft, ...] = ()
+    error: TraceRiskError | None = None
+
+    @property
+    def is_traced(self) -> bool:
+        """Whether the run shows risk."""
+        return self.trace is not None and self.trace.is_usable and bool(self.trace.functions)
+
+    @property
+    def score(self) -> tuple[bool, bool, int]:
+        """Rank runs: one that shows risk, one that did not go wrong, one that shows most."""
+        trace = self.trace
+        if trace is None or not self.is_traced:
+            return False, False, 0
+        is_well = trace.verdict is not None and trace.verdict.kind != "faulted"
+        return True, is_well, len(trace.functions)
+
+
+def merged(fields: Any, over: Any) -> Any:
+    """Return fields with others put over them, down into nested ones."""
+    if not isinstance(fields, dict) or not isinstance(over, dict):
+        return over
+    more = {key: merged(fields.get(key), each) for key, each in over.items()}
+    return {**fields, **more}
