@@ -211,7 +211,7 @@ def test_one_of_several_robots_that_fit(example):
         "    pub.publish(JointTrajectory(joint_names=NAMES, points=[point]))\n"
         "move()\nrclpy.spin_once(node, timeout_sec=3.0)\n",
     )
-    assert example.run("run", "c.py", "--check").code == 2
+    assert example.run("run", "c.py", "--check", "--no-draft").code == 2
     outcome = example.run("scenario", "c.py", "--write", "--json")
     assert outcome.code == 0, outcome.err
     robot = outcome.json["robot"]
@@ -261,6 +261,38 @@ def test_a_limit_of_the_machine_ends_the_search(example):
     assert outcome.code == 4
     assert outcome.json["end"]["cause"] == "wall_limit"
     assert [each["name"] for each in outcome.json["given"]] == ["/a"]
+
+
+def test_a_search_that_takes_too_long_gives_the_best_so_far(example):
+    example.write("c.py", ALL)
+    # Less than a run takes, and the first of them has a second at least.
+    outcome = example.run("scenario", "c.py", "--write", "--search-limit", "0.01")
+    assert outcome.code == 4
+    assert "tracerisk: the search was ended after 0.01 s (--search-limit)" in outcome.err
+    text = example.read("c.scenario.yaml")
+    assert text == b"" or b"# " in text
+
+
+def test_an_interrupt_gives_the_best_so_far(example, monkeypatch):
+    from tracerisk import pipeline
+    from tracerisk.config import Settings
+    from tracerisk.pipeline.scenarios import rounds
+
+    controller = pipeline.load_controller(example.write("c.py", ALL))
+    runs = []
+
+    def interrupted(*given, **options):
+        runs.append(given[1].scenario)
+        if len(runs) == 2:
+            raise KeyboardInterrupt
+        return rounds_trace(*given, **options)
+
+    rounds_trace = rounds.trace_attempts
+    monkeypatch.setattr(rounds, "trace_attempts", interrupted)
+    found = rounds.draft_scenario(controller, Settings(), None, hardware_of=pipeline.load_hardware)
+    assert found.cut == "the search was interrupted"
+    assert [draft.key for draft in found.given][:1] == ["~angle"]
+    assert "~angle: 0.1  # assumed" in found.text
 
 
 def test_the_source_alone_is_listed_without_a_run(example):

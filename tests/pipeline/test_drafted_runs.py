@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+
 import pytest
 
 HEAD = """\
@@ -34,7 +36,7 @@ GOAL = (
     HEAD + "client = actionlib.SimpleActionClient('/base', MoveBaseAction)\n"
     "client.wait_for_server()\nclient.send_goal_and_wait(MoveBaseGoal())\nturn(0.1)\n"
 )
-ANSWER = HEAD + "while input('Side? ') != 'left':\n    pass\nturn(0.1)\n"
+ANSWER = HEAD + "if input('Side? ') == 'left':\n    turn(0.1)\n"
 ARGUMENT = HEAD + "if sys.argv[1] == 'left':\n    turn(0.1)\n"
 ROBOT = """\
 import rclpy
@@ -113,10 +115,10 @@ def test_check_and_refresh_take_it_for_fresh(example):
     written = example.files()
     checked = example.run("check", "c.py", "--json")
     assert checked.code == 1
-    (controller,) = checked.json["controllers"]
-    assert [each["kind"] for each in controller["findings"]] == ["partial"]
+    assert [each["kind"] for each in checked.json["findings"]] == ["partial"]
     refreshed = example.run("refresh", "c.py", "--json")
     assert refreshed.json["controllers"][0]["how"] == "fresh"
+    shutil.rmtree(example.folder / ".tracerisk_cache")
     fresh = example.run("refresh", "c.py", "--fresh", "--json")
     assert fresh.json["controllers"][0]["how"] == "simulated"
     assert example.files() == written
@@ -140,7 +142,7 @@ def test_a_failure_that_no_draft_mends_stands(example):
     plain = example.run("run", "c.py", "--no-draft")
     ran = example.run("run", "c.py")
     assert ran.code == plain.code == 4
-    assert plain.err.startswith("tracerisk: c.py:20: MainThread waits for messages on /part")
+    assert plain.err.startswith("tracerisk: c.py:20: MainThread waits for a message on /part")
     assert plain.err in ran.err
     assert "drafted" not in ran.err
 

@@ -14,10 +14,11 @@ from tracerisk.errors import ControllerFailedError, ExitCode, InputError, Locati
 
 if TYPE_CHECKING:
     from tracerisk.pipeline import Controller
-    from tracerisk.pipeline.scenarios.rounds import ScenarioDraft
+    from tracerisk.pipeline.scenarios.entries import ScenarioDraft
     from tracerisk.ros.controller.needs import Missed, Need
 
 _LINES = 3
+_SEARCH_S = 100.0
 _ENDING = ".scenario.yaml"
 
 
@@ -33,6 +34,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--no-run", dest="is_run", action="store_false", help="list what the source asks for alone"
+    )
+    parser.add_argument(
+        "--search-limit",
+        dest="search_limit_s",
+        metavar="S",
+        type=shared.positive,
+        default=_SEARCH_S,
+        help=f"wall time after which the search ends with the best so far ({_SEARCH_S:g} s)",
     )
     shared.add_run_options(parser)
     shared.add_json(parser)
@@ -122,7 +131,12 @@ def _drafted(
 
     with progress_bar(quiet=options.quiet) as progress:
         draft = draft_scenario(
-            controller, settings, base, hardware_of=pipeline.load_hardware, progress=progress
+            controller,
+            settings,
+            base,
+            hardware_of=pipeline.load_hardware,
+            progress=progress,
+            wall_s=options.search_limit_s,
         )
     found = (*draft.given, *draft.missing)
     asked = tuple(
@@ -153,6 +167,8 @@ def _plain(name: str) -> str:
 def _print_draft(
     options: argparse.Namespace, output: Path, draft: ScenarioDraft, asked: tuple[Missed, ...]
 ) -> None:
+    if draft.cut:
+        note(f"tracerisk: {draft.cut}: this is the best scenario so far")
     rows = [(each.need.told, each.location, each.words) for each in draft.given]
     if draft.robot is not None:
         rows.insert(0, (f"robot {draft.robot.name}", None, draft.robot.told))
@@ -216,6 +232,7 @@ def _print_json(
         arguments=None if draft.arguments is None else list(draft.arguments.words),
         given=[drafted(each) for each in draft.given],
         missing=[drafted(each) for each in draft.missing],
+        cut=draft.cut or None,
         source=[_data(each.need, each.location) for each in asked],
         written=str(output) if options.write else None,
         scenario=draft.text,

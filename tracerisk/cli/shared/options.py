@@ -87,28 +87,28 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         "--duration",
         dest="duration_s",
         metavar="S",
-        type=_positive,
+        type=positive,
         help="simulated time after which the run is over (300 s)",
     )
     group.add_argument(
         "--cpu-limit",
         dest="cpu_limit_s",
         metavar="S",
-        type=_positive,
+        type=positive,
         help="processor time after which the controller is stopped (120 s)",
     )
     group.add_argument(
         "--wall-limit",
         dest="wall_limit_s",
         metavar="S",
-        type=_positive,
+        type=positive,
         help="wall time after which it is stopped (1800 s)",
     )
     group.add_argument(
         "--stall-limit",
         dest="stall_limit_s",
         metavar="S",
-        type=_positive,
+        type=positive,
         help="time it computes or sleeps without simulated progress, and that of each process "
         "that reads a launch, xacro or model file (30 s)",
     )
@@ -204,7 +204,7 @@ def add_mission_time(parser: argparse.ArgumentParser) -> None:
         "--mission-time",
         dest="mission_time_h",
         metavar="H",
-        type=_positive,
+        type=positive,
         help="of a tree or a ctmc: how long it is in use, in hours",
     )
 
@@ -318,7 +318,8 @@ def percentage(text: str) -> float:
     return value
 
 
-def _positive(text: str) -> float:
+def positive(text: str) -> float:
+    """Read a number above 0 of the command line."""
     value = _number(text)
     if not 0.0 < value < 1e9:
         raise argparse.ArgumentTypeError(f"{text} is not a number above 0 and below 1e9")

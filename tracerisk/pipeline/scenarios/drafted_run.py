@@ -135,7 +135,7 @@ def _told(controller: Controller, search: Rounds, entries: Entries, trace: Trace
     values = "1 value" if places.drafted == 1 else f"{places.drafted} values"
     line = (
         f"{DRAFTED} {values} that the controller asks its world for, and nobody has confirmed; "
-        f"`tracerisk scenario {controller.path.name} --write` writes a scenario with them to "
+        f"`tracerisk scenario {controller.file} --write` writes a scenario with them to "
         "confirm"
     )
     root = controller.root.resolve()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,6 +12,7 @@ from tracerisk.pipeline.workspace.asked_in_source import CommandLine
 from tracerisk.ros.drafts.draft import Draft
 from tracerisk.ros.scenario.lines import entry_lines, word_lines
 from tracerisk.ros.scenario.marks import MARK
+from tracerisk.ros.scenario.scenario import Scenario
 from tracerisk.trace import Trace
 
 EntryKey = tuple[str, str]
@@ -67,6 +68,41 @@ class Attempt:
             return False, False, 0
         is_well = trace.verdict is not None and trace.verdict.kind != "faulted"
         return True, is_well, len(trace.functions)
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioDraft:
+    """A scenario that a controller runs with, as far as one was found.
+
+    `given` are its new entries, `missing` what no scenario can give. `trace` is the run with it,
+    `error` what kept it from running. `cut` says what ended the search before its time.
+    """
+
+    text: str
+    given: tuple[Draft, ...]
+    missing: tuple[Draft, ...]
+    cut: str = ""
+    robot: RobotGuess | None = None
+    arguments: CommandLine | None = None
+    trace: Trace | None = None
+    error: TraceRiskError | None = None
+
+
+def is_given(known: Scenario, draft: Draft) -> bool:
+    """Tell whether a scenario gives it already, though nobody has made use of it yet."""
+    names: Mapping[str, Iterable[str]] = {
+        "publish": (each.topic for each in known.published),
+        "services": (each.name for each in known.services),
+        "actions": (each.name for each in known.actions),
+        "frames": (each.frame for each in known.frames),
+        "calls": (
+            str(each.get(key))
+            for each in known.calls
+            for key in ("service", "action")
+            if key in each
+        ),
+    }
+    return draft.need.name.strip("/") in {each.strip("/") for each in names.get(draft.section, ())}
 
 
 def merged(fields: Any, over: Any) -> Any:

@@ -8,18 +8,25 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings
 from tracerisk.errors import ScenarioError, TraceRiskError
 from tracerisk.pipeline.launch.program import program_of
-from tracerisk.pipeline.robot.guess import RobotGuess, guessed_robot
+from tracerisk.pipeline.robot.guess import guessed_robot
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.run.controller_run import ControllerRun
-from tracerisk.pipeline.scenarios.entries import Attempt, Entries, EntryKey, merged
+from tracerisk.pipeline.scenarios.entries import (
+    Attempt,
+    Entries,
+    EntryKey,
+    ScenarioDraft,
+    is_given,
+    merged,
+)
 from tracerisk.pipeline.scenarios.text import with_entries
 from tracerisk.pipeline.scenarios.written_values import WrittenValues
 from tracerisk.pipeline.workspace.asked_in_source import CommandLine, command_lines
@@ -49,23 +56,6 @@ _UNREACHED = frozenset(
 _CONTENT = {"topic": "message", "call": "request", "goal": "goal"}
 
 
-@dataclass(frozen=True, slots=True)
-class ScenarioDraft:
-    """A scenario that a controller runs with, as far as one was found.
-
-    `given` are its new entries, `missing` what no scenario can give. `trace` is the run with it,
-    `error` what kept it from running.
-    """
-
-    text: str
-    given: tuple[Draft, ...]
-    missing: tuple[Draft, ...]
-    robot: RobotGuess | None = None
-    arguments: CommandLine | None = None
-    trace: Trace | None = None
-    error: TraceRiskError | None = None
-
-
 def draft_scenario(
     controller: Controller,
     settings: Settings,
@@ -73,13 +63,15 @@ def draft_scenario(
     *,
     hardware_of: Callable[[Settings, str], Hardware],
     progress: Progress | None = None,
+    wall_s: float | None = None,
 ) -> ScenarioDraft:
     """Return a scenario with which the controller runs: `base`, and what that does not give.
 
+    The search ends after `wall_s` of wall time [s], and by an interrupt, with the best so far.
     Raises ScenarioError where the base is malformed. What else keeps the controller from running
     is in the result.
     """
-    rounds = Rounds(controller, settings, base, hardware_of, progress)
+    rounds = Rounds(controller, settings, base, hardware_of, progress, wall_s)
     return rounds.result()
 
 
@@ -96,6 +88,7 @@ class Rounds:
         base: Path | None,
         hardware_of: Callable[[Settings, str], Hardware],
         progress: Progress | None,
+        wall_s: float | None = None,
     ) -> None:
         self._controller = controller
         self._settings = settings
@@ -116,13 +109,30 @@ class Rounds:
         self._read: dict[str, str] = {}
         self.best = Attempt(Entries())
         self.is_cut_short = False
+        self._wall_s = wall_s
+        self._running = Entries()
+        self._cut = ""
         self._singles: list[Entries] = []
         self._lines: list[CommandLine] | None = None
 
     def result(self) -> ScenarioDraft:
         """Run until nothing is lacking, or nothing helps."""
-        self.go_on(self._run(Entries()))
+        try:
+            self.go_on(self._run(Entries()))
+        except KeyboardInterrupt:
+            self._end_early("the search was interrupted")
         return self._draft(self.best)
+
+    def _is_over(self) -> bool:
+        """Tell whether the search, and no run of it, has taken its time."""
+        return self._wall_s is not None and time.monotonic() - self._began >= self._wall_s
+
+    def _end_early(self, told: str = "") -> None:
+        self._cut = told or f"the search was ended after {self._wall_s:g} s (--search-limit)"
+        self.is_cut_short = True
+        if not self.best.is_traced:
+            # What was found for the last run, though nobody knows yet how that ends.
+            self.best = replace(self.best, entries=self._running)
 
     def go_on(self, attempt: Attempt) -> None:
         """Run again after a first run, until nothing is lacking, or nothing helps.
@@ -136,6 +146,10 @@ class Rounds:
             more = next(following, None)
             if more is None or number == _MOST_RUNS or self._simulated_s >= most_s:
                 break
+            self._running = more
+            if self._is_over():
+                self._end_early()
+                break
             attempt = self._run(more)
             seen.add(self.text(more))
 
@@ -144,7 +158,9 @@ class Rounds:
         if attempt.trace is not None and attempt.trace.end.cause in OF_THE_MACHINE:
             # Nothing is concluded from it, and no other run begins.
             self.is_cut_short = True
-            if not self.best.is_traced:
+            if self._is_over():
+                self._end_early()
+            elif not self.best.is_traced:
                 self.best = attempt
             return
         mended = self._mended(attempt)
@@ -180,6 +196,7 @@ class Rounds:
             self.text(entries),
             given,
             missing,
+            self._cut,
             entries.robot,
             entries.arguments,
             best.trace,
@@ -209,7 +226,8 @@ class Rounds:
         on_run: Callable[[ControllerRun], None] | None = None,
     ) -> Trace:
         """Run the controller with these entries; raise what keeps it from running."""
-        wall_s = self._settings.wall_limit_s - (time.monotonic() - self._began)
+        most_s = min(self._settings.wall_limit_s, self._wall_s or self._settings.wall_limit_s)
+        wall_s = most_s - (time.monotonic() - self._began)
         with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
             # Files that the base names stand in its own folder.
             path = Path(folder, DRAFT_NAME)
@@ -287,7 +305,7 @@ class Rounds:
                     entries.repeats[key] = entries.repeats.get(key, 1) + 1
                     is_new |= entries.repeats[key] <= _ASKED_AGAIN
                 continue
-            if key in self._cannot or self._is_known(draft):
+            if key in self._cannot or is_given(self._known, draft):
                 continue
             if draft.value is None:
                 self._cannot[key] = draft
@@ -296,25 +314,6 @@ class Rounds:
             entries.drafts[key] = self._from_repository(draft)
             is_new = True
         return entries if is_new else None
-
-    def _is_known(self, draft: Draft) -> bool:
-        """Tell whether the base gives it already, though nobody has made use of it yet."""
-        known = self._known
-        names: Mapping[str, Iterable[str]] = {
-            "publish": (each.topic for each in known.published),
-            "services": (each.name for each in known.services),
-            "actions": (each.name for each in known.actions),
-            "frames": (each.frame for each in known.frames),
-            "calls": (
-                str(each.get(key))
-                for each in known.calls
-                for key in ("service", "action")
-                if key in each
-            ),
-        }
-        return draft.need.name.strip("/") in {
-            each.strip("/") for each in names.get(draft.section, ())
-        }
 
     def _from_repository(self, draft: Draft) -> Draft:
         """Return the draft with the value that the repository writes, if it does."""
