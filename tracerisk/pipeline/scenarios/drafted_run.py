@@ -18,8 +18,6 @@ from tracerisk.config import Settings
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.run.controller_run import ControllerRun
-from tracerisk.pipeline.scenarios.entries import Attempt, Entries
-from tracerisk.pipeline.scenarios.rounds import DRAFT_NAME, Rounds
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.trace import DRAFTED, Reason, Trace
 from tracerisk.twin.robots.detect import SeveralRobotsError
@@ -27,6 +25,8 @@ from tracerisk.twin.robots.detect import SeveralRobotsError
 if TYPE_CHECKING:
     from tracerisk.hardware.model import Hardware
     from tracerisk.pipeline.run.controller_run import Progress
+    from tracerisk.pipeline.scenarios.entries import Attempt, Entries
+    from tracerisk.pipeline.scenarios.rounds import Rounds
 
 _CONFIRMED = "of the scenario is assumed"
 _TO_CONFIRM = "; delete its mark to confirm it"
@@ -64,6 +64,9 @@ def trace_with_draft(
         )
 
     def rounds() -> Rounds:
+        # Most runs need none of it.
+        from tracerisk.pipeline.scenarios.rounds import Rounds
+
         left_s = settings.wall_limit_s - (time.monotonic() - began)
         base = None if settings.scenario is None else Path(settings.scenario)
         within = replace(settings, wall_limit_s=left_s)
@@ -72,15 +75,17 @@ def trace_with_draft(
     try:
         trace = plain()
     except SeveralRobotsError as error:
-        first = Attempt(Entries(), error=error)
-        found = _found(controller, rounds(), first, keep) if settings.draft else None
+        found = None
+        if settings.draft:
+            search = rounds()
+            found = _found(controller, search, replace(search.best, error=error), keep)
         if found is None:
             raise
         return found
     if not settings.draft or not _may_need_draft(controller, settings, trace, runs):
         return trace
     search = rounds()
-    found = _found(controller, search, search.attempt(Entries(), trace, runs), keep)
+    found = _found(controller, search, search.attempt(search.best.entries, trace, runs), keep)
     return trace if found is None else found
 
 
@@ -157,6 +162,7 @@ class _Places:
         self._search = search
         self._entries = entries
         self._base = search.base
+        self._name = search.draft_name
         self._of_base = _lines_of_base(self._base, search.text(entries))
         self.drafted = 0
 
@@ -165,7 +171,7 @@ class _Places:
 
         `is_shown`: the base is told by its name alone, as findings do.
         """
-        if place is None or Path(place.file).name != DRAFT_NAME or place.line is None:
+        if place is None or Path(place.file).name != self._name or place.line is None:
             return place
         if self._base is not None and place.line in self._of_base:
             name = self._base.name if is_shown else _from(self._root, self._base)
@@ -175,7 +181,7 @@ class _Places:
 
     def of_reason(self, reason: Reason) -> Reason:
         place = reason.location
-        if place is None or Path(place.file).name != DRAFT_NAME:
+        if place is None or Path(place.file).name != self._name:
             return reason
         is_unused = reason.code != "input-assumed"
         # No line of the source asks for the robot and the arguments.

@@ -45,8 +45,6 @@ if TYPE_CHECKING:
 _MOST_RUNS = 12
 _MOST_DURATIONS = 4  # simulated time of all runs, in that which one may take
 _LEAST_WALL_S = 1.0  # what a last run may take, however little is left
-DRAFT_NAME = "drafted.scenario.yaml"
-"""The name of the file, gone after the run, that a run with a draft is given."""
 _ASKED_AGAIN = 3  # rounds of answers for a question that comes again
 _PUBLISHERS = ("joint_state_publisher_gui", "joint_state_publisher", "joint_state_slider")
 _MOST_PLACES = 2  # other poses for what a motion did not reach
@@ -80,6 +78,8 @@ class Rounds:
 
     All of them together have the wall time that the settings give to a run.
     """
+
+    draft_name = "drafted.scenario.yaml"  # gone after each run
 
     def __init__(
         self,
@@ -230,7 +230,7 @@ class Rounds:
         wall_s = most_s - (time.monotonic() - self._began)
         with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
             # Files that the base names stand in its own folder.
-            path = Path(folder, DRAFT_NAME)
+            path = Path(folder, self.draft_name)
             path.write_text(self.text(entries), encoding="utf-8", newline="")
             settings = replace(
                 self._settings,
