@@ -179,6 +179,20 @@ def test_a_file_in_which_a_value_is_written_is_an_input(example):
     assert "README.md has changed" in example.run("check", "c.py").out
 
 
+def test_a_fault_that_comes_after_drafted_values_is_not_told_in_place_of_the_first(example):
+    waits = "rospy.wait_for_message('/object', PoseStamped)\n"
+    source = (
+        "import moveit_commander, rospy\nfrom geometry_msgs.msg import PoseStamped\n"
+        "rospy.init_node('n')\narm = moveit_commander.MoveGroupCommander('panda_arm')\n"
+        f"print('begun')\n{waits}arm.go([0.1] * 7, wait=True)\nraise RuntimeError('no cell')\n"
+    )
+    example.write("c.py", source)
+    ran, plain = (example.run("run", "c.py", *more) for more in ((), ("--no-draft",)))
+    assert (ran.code, ran.err) == (plain.code, plain.err)
+    assert ran.err.count("begun") == 1
+    assert "waits for a message on /object" in plain.err
+
+
 def test_what_runs_well_is_as_without(example, quick):
     example.write("c.py", quick())
     assert example.run("run", "c.py", "--json").code == 0

@@ -16,13 +16,14 @@ class PassingOn(threading.Thread):
     """Prints what a controller prints, at once, or line by line where progress is drawn.
 
     `is_drawn`: what draws the progress has taken hold of `sys.stderr`. A pipe either way, so that
-    a controller sees no terminal, whoever started it.
+    a controller sees no terminal, whoever started it. `is_shown`: else it is only read.
     """
 
-    def __init__(self, output: IO[bytes], *, is_drawn: bool) -> None:
+    def __init__(self, output: IO[bytes], *, is_drawn: bool, is_shown: bool = True) -> None:
         super().__init__(daemon=True)
         self._output = output
         self._is_drawn = is_drawn
+        self._is_shown = is_shown
         self._end = b""
 
     @property
@@ -37,6 +38,8 @@ class PassingOn(threading.Thread):
         with self._output:
             for part in self._parts():
                 self._end = (self._end + part)[-_END_OF_OUTPUT:]
+                if not self._is_shown:
+                    continue
                 if self._is_drawn:
                     # Looked up each time: what draws the progress takes its place while it draws.
                     sys.stderr.write(part.decode("utf-8", "replace"))

@@ -218,7 +218,9 @@ def _run_child(
         stderr=subprocess.STDOUT,
     )
     assert child.stdout is not None
-    passing = PassingOn(child.stdout, is_drawn=progress is not None)
+    # A controller that is run again and again for its drafts prints the same each time.
+    shown = request.drafts != "always"
+    passing = PassingOn(child.stdout, is_drawn=progress is not None, is_shown=shown)
     passing.start()
     try:
         start.handed_over()

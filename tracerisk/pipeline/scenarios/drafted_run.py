@@ -122,6 +122,9 @@ def _found(controller: Controller, search: Rounds, first: Attempt, keep: Path | 
     best = search.best
     if search.is_cut_short or not best.is_traced or best.trace is None:
         return None
+    if best.trace.verdict is None or best.trace.verdict.kind != "partial":
+        # A fault that comes after a drafted value says nothing of the controller's own mission.
+        return None
     trace = best.trace
     if keep is not None:
         # What is kept is the recording of the run that is told.
