@@ -107,7 +107,7 @@ def test_a_sudden_death_leaves_the_trace_and_the_place_of_the_last_command(name,
     source = quick(*statements)
     example.write("controller.py", source)
     before = example.files()
-    outcome = example.run("run", "controller.py")
+    outcome = example.run("run", "controller.py", "--no-draft")
     assert outcome.code == 4
     place = f"controller.py:{line_of(source, 'arm.go(joints')}"
     assert f"tracerisk: {place}: the controller's process" in outcome.err
@@ -140,7 +140,7 @@ def test_a_loop_in_which_nothing_was_ever_commanded_is_a_failure(name, example, 
     source = quick().replace("    act(arm)\n", f"    {LOOPS[name]}\n")
     example.write("controller.py", source)
     before = example.files()
-    outcome = example.run("run", "controller.py", "--duration", "3")
+    outcome = example.run("run", "controller.py", "--duration", "3", "--no-draft")
     assert outcome.code == 4
     place = f"controller.py:{line_of(source, 'while not rospy')}"
     assert f"tracerisk: {place}: nothing was commanded, and the 3 s of simulated" in outcome.err
@@ -300,7 +300,7 @@ def test_what_is_no_controller_is_refused_before_anything_runs(name, example):
 
 def test_an_empty_file_commands_nothing(example):
     example.write("controller.py", "")
-    outcome = example.run("run", "controller.py", "--robot", "panda")
+    outcome = example.run("run", "controller.py", "--robot", "panda", "--no-draft")
     assert outcome.code == 4
     assert "controller.py:1: the controller ended, and it commanded no hardware" in outcome.err
 
@@ -372,7 +372,7 @@ def test_a_broken_module_beside_the_controller_is_told_by_its_own_line(example, 
 def test_an_unknown_group_is_told_with_those_that_are_there(example, quick):
     source = quick().replace('"panda_arm"', '"panda_leg"')
     example.write("controller.py", source)
-    outcome = example.run("run", "controller.py", "--robot", "panda")
+    outcome = example.run("run", "controller.py", "--robot", "panda", "--no-draft")
     assert outcome.code == 4
     place = f"controller.py:{line_of(source, 'panda_leg')}"
     assert f"tracerisk: {place}: the controller raised" in outcome.err
@@ -451,7 +451,7 @@ def test_answers_are_given_in_turn_and_then_enter(example, quick):
 def test_an_empty_file_commands_nothing_and_is_left_alone(example):
     example.write("controller.py", "")
     before = example.files()
-    outcome = example.run("run", "controller.py")
+    outcome = example.run("run", "controller.py", "--no-draft")
     assert outcome.code == 4
     assert "controller.py:1: " in outcome.err
     assert "commanded no hardware" in outcome.err

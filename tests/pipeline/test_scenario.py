@@ -198,7 +198,7 @@ def test_the_documents_example_runs_to_its_end(example):
 
 def test_the_documents_message_is_what_a_run_without_a_scenario_says(example):
     example.write("pick.py", block("python"))
-    outcome = example.run("run", "pick.py")
+    outcome = example.run("run", "pick.py", "--no-draft")
     assert outcome.code == 4
     message, advice = outcome.err.splitlines()[0], outcome.err[outcome.err.index("These lines") :]
     assert f"{message}\n...\n{advice.rstrip()}\n```" in DOCS.read_text()
@@ -231,7 +231,7 @@ POLL = "while listener.angle is None:\n    rospy.sleep(0.1)\nlistener.turn()\n"
 
 def test_a_topic_on_which_nobody_publishes_is_told_when_a_node_only_spins(example):
     example.write("c.py", LISTENER + "rospy.spin()\n")
-    outcome = example.run("run", "c.py", "--json")
+    outcome = example.run("run", "c.py", "--json", "--no-draft")
     assert outcome.code == 4
     error = outcome.json["error"]
     assert error["message"].startswith(
@@ -256,7 +256,7 @@ def test_what_is_lacking_is_told_when_the_controller_takes_down_its_node_at_its_
         "finally:\n    node.destroy_subscription(parts)\n    node.destroy_node()\n"
         "    rclpy.shutdown()\n",
     )
-    outcome = example.run("trace", "listen.py", "--robot", "panda")
+    outcome = example.run("trace", "listen.py", "--robot", "panda", "--no-draft")
     assert outcome.code == 4
     assert "nothing provides messages on /part (std_msgs/String), asked for at" in outcome.err
     assert "- topic: /part" in outcome.err
@@ -264,7 +264,7 @@ def test_what_is_lacking_is_told_when_the_controller_takes_down_its_node_at_its_
 
 def test_a_loop_that_only_waits_stops_after_a_minute(example):
     example.write("c.py", LISTENER + POLL)
-    outcome = example.run("run", "c.py", "--json")
+    outcome = example.run("run", "c.py", "--json", "--no-draft")
     assert outcome.code == 4
     data = outcome.json
     assert data["error"]["message"].startswith("MainThread has only waited for 60 s")
@@ -350,7 +350,7 @@ def test_a_long_sleep_is_no_loop_that_only_waits(example):
 
 def test_a_question_that_is_asked_again_and_again_ends_the_run(example, quick):
     example.write("c.py", quick() + 'while not input("Which arm? ").istitle(): pass\n')
-    outcome = example.run("run", "c.py", "--json", "--robot", "panda")
+    outcome = example.run("run", "c.py", "--json", "--robot", "panda", "--no-draft")
     assert outcome.code == 4
     error = outcome.json["error"]
     assert "the answer to 'Which arm?' was asked for 200 times" in error["message"]
@@ -421,7 +421,7 @@ def test_a_loop_that_waits_for_a_parameter_is_told_of_it(example):
         "import rospy\nrospy.init_node('n')\n"
         "while not rospy.has_param('/calibrated'):\n    rospy.sleep(0.5)\n",
     )
-    error = example.run("run", "c.py", "--json", "--robot", "panda").json["error"]
+    error = example.run("run", "c.py", "--json", "--robot", "panda", "--no-draft").json["error"]
     assert "nothing provides parameter /calibrated, asked for at c.py:3" in error["message"]
     assert error["scenario"] == "parameters:\n  /calibrated: 1  # assumed: a guess\n"
 
@@ -436,7 +436,7 @@ def test_parameters_come_from_the_settings_and_the_command_line(example):
     example.write("ros2.yaml", "/**:\n  ros__parameters:\n    angle: 0.1\n")
     example.write("pyproject.toml", '[tool.tracerisk]\nparams = ["armed.yaml"]\n')
     given = ("--params", "armed.yaml", "--params", "ros2.yaml")
-    assert "~angle" in example.run("trace", "c.py").err
+    assert "~angle" in example.run("trace", "c.py", "--no-draft").err
     outcome = example.run("trace", "c.py", "--json", *given)
     assert outcome.code == 0, outcome.err
     assert len(outcome.json["trace"]["visits"]) == 1
@@ -482,7 +482,7 @@ def test_a_controller_that_waits_to_be_called_is_told_how(example):
         "    def on_call(self, _):\n        self.turn()\n        return TriggerResponse(True, '')\n\nlistener = ",
     )
     example.write("c.py", "from std_srvs.srv import Trigger, TriggerResponse\n" + source + body)
-    outcome = example.run("run", "c.py", "--json")
+    outcome = example.run("run", "c.py", "--json", "--no-draft")
     assert outcome.code == 4
     error = outcome.json["error"]
     assert "nothing provides calls of service /turn (std_srvs/Trigger)" in error["message"]
