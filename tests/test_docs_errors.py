@@ -268,7 +268,7 @@ def test_a_run_that_fails_is_told_so(code, call, tmp_path, quick):
         quick(act.removeprefix("ACT ")) if inside else quick().replace("act(arm)\n\n", f"{act}\n\n")
     )
     put({"cell.py": source})
-    exit_code, out = call(f"run cell.py {options}")
+    exit_code, out = call(f"run cell.py --no-draft {options}")
     bad_input = code == "run-not-importable"
     is_faulted = code in ("run-raised", "run-exited")
     bad = ExitCode.WOULD_CHANGE if is_faulted else ExitCode.CONTROLLER_FAILED

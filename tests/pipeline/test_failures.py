@@ -71,7 +71,7 @@ def test_a_wait_that_nothing_can_end_is_stuck_and_writes_nothing(example, quick)
     source = quick('rospy.wait_for_service("/nobody")')
     path = example.write("controller.py", source)
     before = example.files()
-    outcome = example.run("run", path.name)
+    outcome = example.run("run", path.name, "--no-draft")
     assert outcome.code == 4
     (told,) = (line for line in outcome.err.splitlines() if line.startswith("tracerisk: "))
     assert told.startswith(f"tracerisk: controller.py:{line_of(source, 'wait_for_service')}: ")

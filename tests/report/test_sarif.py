@@ -5,7 +5,7 @@ import os
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tracerisk.errors import Location
@@ -77,6 +77,7 @@ def test_the_fingerprint_follows_names_and_never_the_line():
     assert len({other.fingerprint for other in others}) == len(others)
 
 
+@example([Alert("stale-block", "0", "0", 8, column, "f", "m") for column in (None, 1)])
 @given(st.lists(alerts, max_size=6))
 def test_the_order_of_what_is_found_changes_no_byte(found):
     text = render_sarif(found, version="1")

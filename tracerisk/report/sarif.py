@@ -209,7 +209,10 @@ def render_sarif(alerts: Sequence[Alert], *, version: str) -> str:
     """Return the alerts as a SARIF log of one run, sorted by place; `version` is the tool's."""
     ordered = sorted(
         set(alerts),
-        key=lambda each: (each.file, each.line or 0, _RULES[each.rule], each.fingerprint),
+        key=lambda each: (
+            *(each.file, each.line or 0, _RULES[each.rule], each.fingerprint),
+            *(each.column or 0, each.message, each.line is None, each.column is None),
+        ),
     )
     log = {
         "$schema": SCHEMA,
