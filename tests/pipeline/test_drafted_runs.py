@@ -68,14 +68,13 @@ def reasons(outcome) -> list[tuple[str, str, str]]:
 @pytest.mark.parametrize(
     ("source", "name", "line", "code_without"),
     [
-        (MESSAGE, "/part", 20, 4),
-        (SERVED, "/pick", 25, 4),
-        (GOAL, "/base", 21, 4),
-        (ANSWER, "answers[1]", 20, 4),
-        (ARGUMENT, "arguments[1]", None, 4),
-        (ROBOT, "robot", None, 2),
+        pytest.param(MESSAGE, "/part", 20, 4, id="message"),
+        pytest.param(SERVED, "/pick", 25, 4, id="served", marks=pytest.mark.slow),
+        pytest.param(GOAL, "/base", 21, 4, id="goal", marks=pytest.mark.slow),
+        pytest.param(ANSWER, "answers[1]", 20, 4, id="answer", marks=pytest.mark.slow),
+        pytest.param(ARGUMENT, "arguments[1]", None, 4, id="argument", marks=pytest.mark.slow),
+        pytest.param(ROBOT, "robot", None, 2, id="robot", marks=pytest.mark.slow),
     ],
-    ids=["message", "served", "goal", "answer", "argument", "robot"],
 )
 def test_a_run_drafts_what_it_lacks(example, source, name, line, code_without):
     example.write("c.py", source)

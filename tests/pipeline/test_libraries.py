@@ -122,6 +122,7 @@ def test_steps_have_one_name_whether_a_library_is_installed_vendored_or_shared(
     assert all(mission == missions[0] for mission in missions)
 
 
+@pytest.mark.slow
 def test_a_second_program_makes_a_module_a_library_and_its_blocks_stale(example):
     write_project(example)
     example.write("arm_library/__init__.py", "")

@@ -124,7 +124,10 @@ IDLE = "rate = rospy.Rate(10)\nwhile not rospy.is_shutdown():\n    rate.sleep()\
             "rospy.Subscriber('/joint_states', rospy.AnyMsg, lambda m: None)\nrospy.spin()\n",
             marks=pytest.mark.slow,
         ),
-        "rospy.Timer(rospy.Duration(1.0), lambda e: None)\nrospy.spin()\n",
+        pytest.param(
+            "rospy.Timer(rospy.Duration(1.0), lambda e: None)\nrospy.spin()\n",
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_idling_after_the_work_is_no_risk(run, end):

@@ -426,6 +426,7 @@ def test_a_loop_that_waits_for_a_parameter_is_told_of_it(example):
     assert error["scenario"] == "parameters:\n  /calibrated: 1  # assumed: a guess\n"
 
 
+@pytest.mark.slow
 def test_parameters_come_from_the_settings_and_the_command_line(example):
     example.write(
         "c.py",

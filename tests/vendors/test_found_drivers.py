@@ -53,6 +53,7 @@ def test_a_file_beside_the_controller_with_its_messages_in_it(cell):
     assert_runs(cell.run("trace", "cell.py"))
 
 
+@pytest.mark.slow
 def test_an_option_or_a_setting_names_a_file_of_any_name(cell):
     cell.write("elsewhere/arm.yaml", DRIVER + WITHIN)
     assert cell.run("trace", "cell.py").code == 2
