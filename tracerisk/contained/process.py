@@ -18,10 +18,11 @@ import sysconfig
 import tempfile
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
+from tracerisk.contained.fork_server import forked
 from tracerisk.contained.kernel import support
 from tracerisk.errors import SandboxError
 from tracerisk.limits import Sandbox, is_secret
@@ -50,6 +51,14 @@ _SOURCE_ENDINGS = (".py", ".yaml", ".yml", ".json", ".toml", ".urdf", ".xacro", 
 _OF_LIBRARIES = ("BLIS_", "LC_", "MKL_", "NUMEXPR_", "NVPL_", "OMP_", "OPENBLAS_")
 _OF_HOST = ("ROS_", "AMENT_", "COLCON_", "RMW_")
 _INSTALLED = ("site-packages", "dist-packages")
+
+
+OF_FORKED = {
+    "stdin": subprocess.DEVNULL,
+    "stdout": subprocess.PIPE,
+    "stderr": subprocess.STDOUT,
+}
+"""What `subprocess.Popen` is given for a process that a server may fork."""
 
 
 class SandboxWarning(UserWarning):
@@ -109,12 +118,15 @@ def start(
     environment: Mapping[str, str],
     options: Sequence[str] = (),
     pass_fds: Sequence[int] = (),
+    own: Mapping[str, str] | None = None,
     **more: Any,
 ) -> subprocess.Popen[bytes]:
     """Start Python, isolated, with a module of ours; what it leaves running ends with it.
 
     `sandbox` is `None` for a module that runs nothing of a stranger's. `reads` and `writes` are
     what it may reach besides Python and the system. `more` is that of `subprocess.Popen`.
+    A module that is started again and again gives the variables that differ each time as `own`:
+    then a server may fork it, where `more` is `OF_FORKED`.
     Raises SandboxError where a sandbox is required that does not work here.
     """
     paths = _import_paths()
@@ -127,20 +139,39 @@ def start(
     if sandbox is not None and is_contained(sandbox):
         _compile_own()
         given = [*reads, *map(Path, sandbox.readable)]
-        own = [_PACKAGE, *_interpreter(), *(Path(each) for each in paths)]
-        kept = [each for folder in (*own, *given) for each in _within(folder)]
+        ours = [_PACKAGE, *_interpreter(), *(Path(each) for each in paths)]
+        kept = [each for folder in (*ours, *given) for each in _within(folder)]
         plan |= {
             "readable": [*_SYSTEM, *(path for path, is_whole in kept if is_whole)],
             "listable": [path for path, is_whole in kept if not is_whole],
             "writable": [str(each) for each in writes],
         }
+    begin = partial(_popen, module, options)
+    common = {**_without_python(environment), **(own or {}), "PYTHONHASHSEED": "0"}
+    if own is not None and more == OF_FORKED:
+        found = forked(
+            arguments, plan=plan, environment=common, own=own, pass_fds=pass_fds, start=begin
+        )
+        if found is not None:
+            return found
+    return begin(plan, *arguments, environment=common, pass_fds=pass_fds, **more)
+
+
+def _popen(
+    module: str,
+    options: Sequence[str],
+    plan: Mapping[str, Any],
+    *arguments: str,
+    environment: Mapping[str, str],
+    pass_fds: Sequence[int],
+    **more: Any,
+) -> subprocess.Popen[bytes]:
     with tempfile.TemporaryFile() as stream:
         stream.write(json.dumps(plan).encode())
         stream.seek(0)
-        flags = ("-s", *options)
         return subprocess.Popen(
-            [sys.executable, *flags, str(_START), str(stream.fileno()), module, *arguments],
-            env={**_without_python(environment), "PYTHONHASHSEED": "0"},
+            [sys.executable, "-s", *options, str(_START), str(stream.fileno()), module, *arguments],
+            env=dict(environment),
             pass_fds=(stream.fileno(), *pass_fds),
             start_new_session=True,
             **more,

@@ -33,6 +33,11 @@ def main() -> None:
     sys.argv = sys.argv[2:]
     _import_own(plan["package"])
     sys.path += [folder for folder in plan["paths"] if folder not in sys.path]
+    if "requests" in plan:
+        from tracerisk.contained.fork_server import serve
+
+        # What follows is done by each process that it forks.
+        plan = serve(module, plan)
     if sys.platform == "linux":
         _stay_behind(plan)
         if plan["readable"] is not None:

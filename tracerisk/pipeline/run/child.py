@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import faulthandler
+import gc
 import os
 import resource
 import signal
@@ -87,6 +88,8 @@ def main() -> int:
     """Run the request named on the command line; the exit code says how the run ended."""
     request = RunRequest.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
     _apply_limits(request)
+    # What is imported by now stays: to look through it for garbage takes longer than many a run.
+    gc.freeze()
     folder = Path(request.folder)
     with (folder / STACKS).open("w") as stacks:
         # The parent asks where an endless loop stands before it ends the process.

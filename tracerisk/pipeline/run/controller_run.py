@@ -17,6 +17,7 @@ from tracerisk import dependencies, errors
 from tracerisk.config import Settings
 from tracerisk.contained.limited_process import POLL_S, OwnTime, StartMark
 from tracerisk.contained.process import (
+    OF_FORKED,
     end,
     is_contained,
     passed_environment,
@@ -190,17 +191,12 @@ def _run_child(
     request_path = folder / "request.json"
     request_path.write_text(request.dumps(), encoding="utf-8")
     sandbox = settings.limits.sandbox
-    environment = {
-        **passed_environment(sandbox),
-        "MUJOCO_GL": "disable",
-        # The host's time zone must not show in what a controller sees.
-        "TZ": "UTC",
-    }
+    start = StartMark()
+    own = start.environment(Limit("cpu_limit_s", settings.cpu_limit_s))
     if request.written is not None:
         temporary = Path(request.written, "tmp")
         temporary.mkdir()
-        environment["TMPDIR"] = str(temporary)
-    start = StartMark()
+        own["TMPDIR"] = str(temporary)
     child = start_process(
         "tracerisk.pipeline.run.child",
         str(request_path),
@@ -208,14 +204,15 @@ def _run_child(
         reads=map(Path, request.readable),
         writes=map(Path, request.writable),
         environment={
-            **environment,
-            **start.environment(Limit("cpu_limit_s", settings.cpu_limit_s)),
+            **passed_environment(sandbox),
+            "MUJOCO_GL": "disable",
+            # The host's time zone must not show in what a controller sees.
+            "TZ": "UTC",
         },
         options=("-u",),
         pass_fds=(start.descriptor,),
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
+        own=own,
+        **OF_FORKED,
     )
     assert child.stdout is not None
     # A controller that is run again and again for its drafts prints the same each time.

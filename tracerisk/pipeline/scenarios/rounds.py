@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings
+from tracerisk.contained.fork_server import several_come
 from tracerisk.errors import ScenarioError, TraceRiskError
 from tracerisk.pipeline.launch.program import program_of
 from tracerisk.pipeline.robot.guess import guessed_robot
@@ -69,6 +70,7 @@ def draft_scenario(
     Raises ScenarioError where the base is malformed. What else keeps the controller from running
     is in the result.
     """
+    several_come()
     rounds = Rounds(controller, settings, base, hardware_of, progress, wall_s)
     return rounds.result()
 
