@@ -8,11 +8,15 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+from tests.commands import Commands
+from tracerisk.contained.fork_server import several_come
 
 # What fails a test is what it finds, not how busy the machine is.
 settings.register_profile(
@@ -68,6 +72,17 @@ class Outcome:
         return json.loads(self.out)
 
 
+@lru_cache(maxsize=1)
+def _commands() -> Commands:
+    return Commands(quick_controller())
+
+
+@pytest.fixture(scope="session", autouse=True)
+def one_server_of_runs() -> None:
+    """Have the runs that tests make in this process forked by one server."""
+    several_come()
+
+
 class Example:
     """Files in a folder of their own, and the command run on them as a user would."""
 
@@ -97,11 +112,19 @@ class Example:
         environment: dict[str, str] | None = None,
         python: str | Path = sys.executable,
     ) -> Outcome:
+        environment = {**os.environ, **(environment or {})}
+        if (
+            python == sys.executable
+            and sys.platform == "linux"
+            and _commands().can_run(environment)
+        ):
+            code, out, err = _commands().run(self.folder, arguments, environment)
+            return Outcome(code, out.decode(), err.decode())
         done = subprocess.run(
             [python, "-m", "tracerisk", *arguments],
             cwd=self.folder,
             capture_output=True,
-            env={**os.environ, **(environment or {})},
+            env=environment,
             timeout=300,
             check=False,
         )

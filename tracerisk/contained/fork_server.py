@@ -100,6 +100,7 @@ class _Server:
         import socket
 
         self.key = key
+        self._starter = os.getpid()
         self._requests, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with theirs:
             # Its output is as that of a run, which Python looks at when it starts.
@@ -114,8 +115,8 @@ class _Server:
 
     @property
     def is_alive(self) -> bool:
-        # Where a process that forked this one has started it, its end shows at the next request.
-        return self._process.poll() is None
+        # Only who started it can ask; to another its end shows at the next request.
+        return self._starter != os.getpid() or self._process.poll() is None
 
     def fork(
         self,
@@ -158,8 +159,9 @@ class _Server:
     def close(self) -> None:
         """Let the server end, once its runs have ended."""
         self._requests.close()
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self._process.wait(_LEAVING_S)
+        if self._starter == os.getpid():
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._process.wait(_LEAVING_S)
         if self._process.stdout is not None:
             self._process.stdout.close()
 
