@@ -102,7 +102,7 @@ def at_terminal(
     return Shown(code, found[ours].decode(), bytes(found[piped]))
 
 
-ROUNDS = 3
+ROUNDS = 20
 TALKING = ('print("one tube")', 'print("half a ", end=""); print("tube")')
 
 
@@ -110,7 +110,7 @@ TALKING = ('print("one tube")', 'print("half a ", end=""); print("tube")')
 def talking(example, quick):
     """A controller that prints while it moves, for some seconds of simulated time."""
     source = quick(*TALKING).replace(
-        "    act(arm)\n", "    for _ in range(3): home(arm); act(arm)\n"
+        "    act(arm)\n", f"    for _ in range({ROUNDS}): home(arm); act(arm)\n"
     )
     example.write("controller.py", source)
     return example
@@ -174,7 +174,7 @@ def test_quiet_prints_what_is_asked_for_and_nothing_else(talking):
 
 def test_ctrl_c_leaves_the_terminal_clean(talking):
     # It is still running when the key is pressed, however fast the machine.
-    longer = talking.read("controller.py").replace(b"range(3)", b"range(300)")
+    longer = talking.read("controller.py").decode().replace(f"range({ROUNDS})", "range(300)")
     talking.write("controller.py", longer)
     before = talking.files()
     shown = at_terminal(talking, "run", "controller.py", interrupt_at="simulating")
