@@ -19,6 +19,7 @@ import tempfile
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache, partial
+from importlib.util import cache_from_source
 from pathlib import Path
 from typing import Any
 
@@ -283,8 +284,20 @@ def _home_on_record() -> str:
 @lru_cache(maxsize=1)
 def _compile_own() -> None:
     """Have our modules compiled: a contained process cannot keep what it compiles."""
-    if not any(each.endswith("-packages") for each in _PACKAGE.parts):
-        import compileall
+    if any(each.endswith("-packages") for each in _PACKAGE.parts):
+        return
+    with contextlib.suppress(OSError):
+        for folder, folders, names in os.walk(_PACKAGE):
+            folders[:] = [each for each in folders if each != "__pycache__"]
+            sources = [Path(folder, each) for each in names if each.endswith(".py")]
+            if sources and not _is_compiled(sources):
+                import compileall
 
-        with contextlib.suppress(OSError):
-            compileall.compile_dir(str(_PACKAGE), quiet=2)
+                compileall.compile_dir(folder, maxlevels=0, quiet=2)
+
+
+def _is_compiled(sources: Sequence[Path]) -> bool:
+    """Tell whether the modules of one folder were compiled after the last was written."""
+    written = max(each.stat().st_mtime for each in sources)
+    compiled = Path(cache_from_source(str(sources[0])))
+    return compiled.exists() and compiled.parent.stat().st_mtime >= written
