@@ -4,7 +4,8 @@ source "${0%/*}/shared.sh"
 fetch_base
 limits=()
 [ -z "${MAX_INCREASE:-}" ] || limits+=("--max-increase=$MAX_INCREASE")
-[ -z "${MAX_RISK:-}" ] || limits+=("--max-risk=$MAX_RISK")
+most=${MAX_FAILURE_PROBABILITY:-${MAX_RISK:-}}
+[ -z "$most" ] || limits+=("--max-failure-probability=$most")
 [ "${NO_NEW_ACCEPTS:-}" != true ] || limits+=(--no-new-accepts)
 [ -z "${SILENT_BELOW:-}" ] || limits+=("--silent-below=$SILENT_BELOW")
 head=HEAD

@@ -23,7 +23,7 @@ def test_an_entry_names_code_function_object_and_words(tmp_path):
 @pytest.mark.parametrize(
     ("entry", "message"),
     [
-        ('"never-ran"', "entry 1 is no table; expected code, function, object and words"),
+        ('"never-ran"', "entry 1 is not a table; expected code, function, object and words"),
         ('{code = "never-run", words = "x"}', "'never-run' cannot be accepted; did you mean"),
         ('{code = "run-deadlock", words = "x"}', "'run-deadlock' cannot be accepted"),
         ('{code = "never-ran", function = "f"}', "words are missing; say why never-ran"),

@@ -150,13 +150,13 @@ def test_a_controller_has_settings_of_its_own(tmp_path):
     (tmp_path / "src").mkdir()
     (tmp_path / "src/pick.py").write_text("")
     (tmp_path / "pyproject.toml").write_text(
-        '[tool.tracerisk]\nrobot = "panda"\nmax_risk = 1e-4\n\n'
+        '[tool.tracerisk]\nrobot = "panda"\nmax_failure_probability = 1e-4\n\n'
         '[tool.tracerisk.controllers."src/pick.py"]\nrobot = "ur5e"\nargs = ["--left"]\n'
     )
     shared = read_settings(tmp_path)
-    assert (shared.robot, shared.args, shared.max_risk) == ("panda", (), 1e-4)
+    assert (shared.robot, shared.args, shared.max_failure_probability) == ("panda", (), 1e-4)
     own = read_settings(tmp_path, "src/pick.py")
-    assert (own.robot, own.args, own.max_risk) == ("ur5e", ("--left",), 1e-4)
+    assert (own.robot, own.args, own.max_failure_probability) == ("ur5e", ("--left",), 1e-4)
     assert read_settings(tmp_path, "src/other.py") == shared
 
 
@@ -178,7 +178,7 @@ def test_tools_that_are_no_table_settle_nothing(tmp_path):
         ('[tool.tracerisk.controllers."a.py"]\nrobo = "x"\n', 2, "unknown setting; did you mean"),
         ('[tool.tracerisk.controllers."b.py"]\nseed = 1\n', 1, "there is no controller b.py"),
         ("[tool.tracerisk]\ncontrollers = 3\n", 2, "expected tables"),
-        ("[tool.tracerisk]\nmax_risk = 2\n", 2, "a probability from 0 to 1"),
+        ("[tool.tracerisk]\nmax_failure_probability = 2\n", 2, "a probability from 0 to 1"),
         ("[tool.tracerisk]\nrequire_reason = 1\n", 2, "expected true or false"),
         ('[tool.tracerisk]\nargs = "x"\n', 2, "expected a list of strings"),
     ],

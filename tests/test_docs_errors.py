@@ -106,7 +106,7 @@ CHECKS: dict[str, tuple[tuple[str, str], str]] = {
     "undecided": (MIXED, ""),
     "missing": (("", ""), ""),
     "orphaned": (("def home(", "def go_home("), ""),
-    "over_threshold": (("", ""), "max_risk = 1e-9"),
+    "over_threshold": (("", ""), "max_failure_probability = 1e-9"),
     "unjustified": (PINNED, "require_reason = true"),
     "unknown": (("", ""), ""),
     "gone": (("", ""), ""),

@@ -41,5 +41,9 @@ def test_the_example_is_read(tmp_path):
     (tmp_path / "src").mkdir()
     (tmp_path / "src/pick.py").touch()
     settings = read_settings(tmp_path, "src/pick.py")
-    assert (settings.robot, settings.args, settings.max_risk) == ("ur5e", ("--left",), 1e-5)
+    assert (settings.robot, settings.args, settings.max_failure_probability) == (
+        "ur5e",
+        ("--left",),
+        1e-5,
+    )
     assert read_settings(tmp_path).args == ()

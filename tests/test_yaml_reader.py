@@ -1,4 +1,4 @@
-"""YAML files with the place of each key: what is read, and what is no YAML."""
+"""YAML files with the place of each key: what is read, and what is not YAML."""
 
 from __future__ import annotations
 

@@ -64,7 +64,7 @@ def read_acceptances(value: Any, fail: Callable[[str], NoReturn]) -> tuple[Accep
 
 def _acceptance(entry: Any, number: int, fail: Callable[[str], NoReturn]) -> Acceptance:
     if not isinstance(entry, Mapping):
-        fail(f"entry {number} is no table; expected code, function, object and words")
+        fail(f"entry {number} is not a table; expected code, function, object and words")
     for key in entry:
         if key not in _KEYS:
             fail(f"entry {number}: unknown key '{key}'; {one_of(_KEYS, str(key))}")

@@ -38,6 +38,7 @@ SANDBOX_SETTINGS = ("sandbox", "readable", "writable", "env")
 
 _TABLE = ("tool", "tracerisk")
 _CONTROLLERS = "controllers"
+_ALIASES = {"max_risk": "max_failure_probability"}  # older names
 _ROOT_MARKS = ("package.xml", "pyproject.toml", "setup.py", ".git")
 _BLOCK_BEGINS = "# /// script"
 _BLOCK_ENDS = "# ///"
@@ -61,7 +62,7 @@ class Settings:
     provide what it waits for. `draft`: whether what it asks for in vain is drafted.
     `args` are the controller's arguments, `answers` what its questions get, in turn.
     `states` and `helpers` override, by qualified name, which functions are relevant.
-    `max_risk` is the greatest failure probability of a mission that `check` lets pass;
+    `max_failure_probability` is the greatest of a mission that `check` lets pass;
     `require_reason` makes a value set by hand without a reason an error there.
     `fail_on` says which findings make `run` exit 1.
     `accept` are the reasons of a verdict that the user accepts; `min_coverage` is the least
@@ -91,7 +92,7 @@ class Settings:
     helpers: tuple[str, ...] = ()
     args: tuple[str, ...] = ()
     answers: tuple[str, ...] = ()
-    max_risk: float | None = None
+    max_failure_probability: float | None = None
     require_reason: bool = False
     fail_on: FailOn | None = None
     accept: tuple[Acceptance, ...] = ()
@@ -272,7 +273,7 @@ class _Reader:
         """Return the settings of a controller that are given here, by name."""
         table = self._table
         if not isinstance(table, dict):
-            raise SettingsError("[tool.tracerisk] is no table", Location(str(self._path)))
+            raise SettingsError("[tool.tracerisk] is not a table", Location(str(self._path)))
         if self._is_own and _CONTROLLERS in table:
             self.fail(_CONTROLLERS, "a controller holds settings of itself alone")
         shared = {key: value for key, value in table.items() if key != _CONTROLLERS}
@@ -283,7 +284,7 @@ class _Reader:
         for name, own in tables.items():
             place = (*_TABLE, _CONTROLLERS, name)
             if not isinstance(own, dict):
-                self.fail(_CONTROLLERS, f"{name} is no table of settings")
+                self.fail(_CONTROLLERS, f"{name} is not a table of settings")
             if not _is_file(self._folder / name):
                 raise SettingsError(
                     f"{_CONTROLLERS}: there is no controller {name} below this file's folder",
@@ -305,7 +306,9 @@ class _Reader:
             for name in values:
                 if name != _CONTROLLERS:
                     line = self._line(name, place)
-                    found[name] = SettingOrigin(Location(str(self._path), line), is_own)
+                    found[_ALIASES.get(name, name)] = SettingOrigin(
+                        Location(str(self._path), line), is_own
+                    )
         return found
 
     def _placed(self, key: str, value: Any) -> Any:
@@ -323,19 +326,23 @@ class _Reader:
         self._place = place
         names = [field.name for field in fields(Settings)]
         for key in table:
-            if key not in names:
+            if _ALIASES.get(key) in table:
+                self.fail(
+                    key, f"is the older name of {_ALIASES[key]}, which is given too; keep one"
+                )
+            if _ALIASES.get(key, key) not in names:
                 allowed = names if place != _TABLE or self._is_own else [*names, _CONTROLLERS]
                 self.fail(key, f"unknown setting; {one_of(allowed, key)}")
-        return {key: self._value(key, value) for key, value in table.items()}
+        return {_ALIASES.get(key, key): self._value(key, value) for key, value in table.items()}
 
     def _value(self, key: str, value: Any) -> Any:
         if key in ("args", "answers"):
             if not isinstance(value, list) or not all(isinstance(each, str) for each in value):
                 self.fail(key, "expected a list of strings")
             return tuple(value)
-        if key in ("max_risk", "min_coverage"):
+        if key in (*_ALIASES, "max_failure_probability", "min_coverage"):
             if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= 1:
-                what = "probability" if key == "max_risk" else "fraction"
+                what = "fraction" if key == "min_coverage" else "probability"
                 self.fail(key, f"expected a {what} from 0 to 1, found {value!r}")
             return float(value)
         if key == "accept":

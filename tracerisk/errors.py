@@ -1,7 +1,7 @@
 """The errors that tracerisk raises on purpose.
 
 Every message says where, what was found, what is allowed and what to do.
-Anything else that escapes is a fault of tracerisk itself (exit code 5).
+Anything else that escapes is a internal error (exit code 5).
 """
 
 from __future__ import annotations

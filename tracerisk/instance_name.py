@@ -45,7 +45,7 @@ def label_of(name: str) -> str | None:
 
 
 def is_name_at(name: str, function: str) -> bool:
-    """Tell whether a block of this name may stand in a function: its own, or an instance's."""
+    """Return whether a block of this name may stand in a function: its own, or an instance's."""
     found = _INSTANCE.fullmatch(name)
     if found is None:
         return name == function

@@ -48,7 +48,7 @@ def dumps(trace: Trace) -> str:
 def loads(text: str, file: str) -> Trace:
     """Read a trace from JSON text; `file` is its name in messages.
 
-    Raises LogError with line and column where the text is no JSON, and with the path of the
+    Raises LogError with line and column where the text is not JSON, and with the path of the
     element where a key is missing, unknown or of the wrong type.
     """
     try:
@@ -157,4 +157,4 @@ def _read_plain(kind: type, value: Any, path: str) -> Any:
 
 
 def _no_constant(name: str) -> None:
-    raise ValueError(f"{name} is no number")
+    raise ValueError(f"{name} is not a number")

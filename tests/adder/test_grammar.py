@@ -270,7 +270,7 @@ BAD_BLOCKS = {
     "two components": (
         f"RiskAnnotation\n{FUNCTION}{COMPONENT}{COMPONENT}",
         12,
-        "component m stands twice in this block, first at line 6",
+        "duplicate component m in this block, first at line 6",
     ),
     "missing brace": (
         "RiskAnnotation\n@Function {\n  name = f\n  callSequence = 1",
@@ -296,7 +296,7 @@ BAD_BLOCKS = {
     "two names": (
         "RiskAnnotation\n@Function {\n  name = f\n  name = g",
         4,
-        "name stands twice, first at line 3",
+        "duplicate name, first at line 3",
     ),
     "pinned name": ("RiskAnnotation\n@Function {\n  name := f", 3, "a name cannot be set by hand"),
     "no name": ("RiskAnnotation\n@Function {\n}", 2, "has no `name = ` line"),
@@ -325,7 +325,7 @@ BAD_BLOCKS = {
         8,
         "probability = 1e3 is not allowed; allowed: a probability from 0 to 1",
     ),
-    "probability that is no number": (
+    "probability that is not a number": (
         f"RiskAnnotation\n{FUNCTION}{COMPONENT.replace('1e-8', 'nan')}",
         8,
         "probability = nan is not allowed",

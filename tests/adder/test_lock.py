@@ -161,7 +161,7 @@ BAD_LOCKS = {
     ),
     "a key twice": (
         GOOD.replace('"fingerprint": "abc"', '"fingerprint": "abc", "fingerprint": "d"'),
-        ": fingerprint stands twice in one object",
+        ": duplicate fingerprint in one object",
     ),
     "no number": (changed(trace={"a": float("nan")}), ": holds a number that is not finite: NaN"),
     "no fingerprint": (changed(fingerprint=3), ": c.py: fingerprint is missing or no text"),

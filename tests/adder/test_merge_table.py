@@ -381,7 +381,7 @@ def test_a_next_set_by_hand_leads_to_a_block(edits: str) -> None:
     with pytest.raises(BlockError) as caught:
         annotate(source, computed(), lock_after(computed()), edits)
     assert str(caught.value) == (
-        "c.py:16: next of `place` leads to 'inti', which is no function with a risk block; "
+        "c.py:16: next of `place` leads to 'inti', not a function with a risk block; "
         "did you mean 'init'? allowed: done, init, place"
     )
 

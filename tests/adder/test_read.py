@@ -80,7 +80,7 @@ def test_a_block_is_read_in_the_encoding_of_the_file() -> None:
 
 
 def test_a_file_without_blocks_is_not_even_parsed() -> None:
-    assert read_blocks(b"this is no Python", "c.py") == ()
+    assert read_blocks(b"this is not Python", "c.py") == ()
 
 
 REFUSED = {

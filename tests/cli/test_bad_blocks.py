@@ -44,7 +44,7 @@ BAD = {
         "name = home\n",
         "name = home\n    # |   name = place\n",
         5,
-        "name stands twice, first at line 4; delete one",
+        "duplicate name, first at line 4; delete one",
     ),
     "no name": ("    # |   name = home\n", "", 3, "this `@Function` has no `name = ` line"),
     "a probability above 1": (
@@ -87,20 +87,20 @@ BAD = {
         MOTOR,
         MOTOR * 2,
         14,
-        "component motor stands twice in this block, first",
+        "duplicate component motor in this block, first",
     ),
     "a next to no function": (
         NEXT,
         "next = plaec 1\n",
         6,
-        "leads to 'plaec', which",
+        "leads to 'plaec', ",
         "did you mean 'place'? allowed: done, home, place",
     ),
     "a next set by hand to no function": (
         NEXT,
         "next := plaec 1  ! the plan\n",
         6,
-        "leads to 'plaec', which",
+        "leads to 'plaec', ",
         "did you mean 'place'? allowed: done, home, place",
     ),
     "a next that does not sum to one": (

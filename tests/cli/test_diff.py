@@ -73,8 +73,12 @@ def test_the_markdown_has_its_tag(changed):
     [
         (["--max-increase", "0.6"], 0, ""),
         (["--max-increase", "0.5"], 1, "mission failure rises by 58.5 %, over --max-increase 0.5"),
-        (["--max-risk", "1e-5"], 0, ""),
-        (["--max-risk", "5e-6"], 1, "mission failure 5.419e-06 is over --max-risk 5e-06"),
+        (["--max-failure-probability", "1e-5"], 0, ""),
+        (
+            ["--max-failure-probability", "5e-6"],
+            1,
+            "mission failure 5.419e-06 is over --max-failure-probability 5e-06",
+        ),
     ],
 )
 def test_limits_make_the_exit_code(changed, options, code, told):
@@ -89,7 +93,7 @@ def test_limits_make_the_exit_code(changed, options, code, told):
 def test_a_rise_within_the_noise_exceeds_no_increase(changed, steps):
     changed.write("pick.py", steps(gripper="= 2.001e-07"))
     assert changed.run("diff", "--max-increase", "0").code == 0
-    assert changed.run("diff", "--max-increase", "0", "--max-risk", "1e-9").code == 1
+    assert changed.run("diff", "--max-increase", "0", "--max-failure-probability", "1e-9").code == 1
 
 
 def test_what_is_not_utf_8_is_told_all_the_same(changed, steps):
@@ -112,7 +116,7 @@ def test_what_is_not_utf_8_is_told_all_the_same(changed, steps):
 def test_errors_exit_with_2_and_tell_the_version(changed, steps, tmp_path):
     outcome = changed.run("diff", "nope")
     assert (outcome.code, outcome.out) == (2, "")
-    assert "'nope' is no revision here" in outcome.err
+    assert "'nope' is not a revision here" in outcome.err
     changed.write("pick.py", steps().replace("quantity = 7", "quantity = 0"))
     outcome = changed.run("diff", "--format", "json")
     assert outcome.code == 2
@@ -126,8 +130,8 @@ def test_errors_exit_with_2_and_tell_the_version(changed, steps, tmp_path):
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (["--max-increase", "-1"], "'-1' is no share from 0 up, such as 0.1 for 10 %"),
-        (["--max-increase", "x"], "'x' is no share from 0 up"),
+        (["--max-increase", "-1"], "'-1' is not a share from 0 up, such as 0.1 for 10 %"),
+        (["--max-increase", "x"], "'x' is not a share from 0 up"),
         (["--format", "html"], "invalid choice: 'html'"),
         (["--textconv", "pick.py", "HEAD"], "--textconv takes one file and no revision"),
         (["--textconv", "gone.py"], "gone.py: cannot be read"),

@@ -9,7 +9,7 @@ from tracerisk.config import Settings
 TABLES = """\
 [tool.tracerisk]
 seed = 3
-max_risk = 1e-6
+max_failure_probability = 1e-6
 helpers = ["go", "grip"]
 
 [tool.tracerisk.controllers."src/left.py"]
@@ -55,7 +55,7 @@ def test_the_settings_stand_one_a_line(example, quick):
     shown = lines[start + 1 : start + 1 + len(dataclasses.fields(Settings))]
     assert all(line.startswith("  ") for line in shown)
     assert "  seed = 5  (pyproject.toml:7, the controller's own table)" in shown
-    assert "  max_risk = 1e-06  (pyproject.toml:3, all controllers)" in shown
+    assert "  max_failure_probability = 1e-06  (pyproject.toml:3, all controllers)" in shown
     assert "  helpers = go, grip  (pyproject.toml:4, all controllers)" in shown
     assert "  launch = true  (default)" in shown
     assert "  scenario = none  (default)" in shown

@@ -101,7 +101,7 @@ def test_yaml_is_written_anew_and_says_the_same(cell):
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (("cell.yaml", "-o", "cell.txt"), "ends in '.txt', which is no format; allowed: .sysml"),
+        (("cell.yaml", "-o", "cell.txt"), "ends in '.txt', which is not a format; allowed: .sysml"),
         (("cell", "-o", "a.yaml"), "cell: its name has no ending"),
         (("cell.yaml", "-o", "./cell.yaml"), "whose comments would be lost"),
         (("gone.yaml", "-o", "a.yaml"), "gone.yaml: cannot be read"),
@@ -118,7 +118,7 @@ def test_what_cannot_be_converted_is_told(cell, arguments, told):
 def uncommented(text: str) -> str:
     """The text with each of its examples in place."""
     text = re.sub(
-        r"^    # with how sure it is: (\w+): (.*)$", r"    # sure \1: \2", text, flags=re.MULTILINE
+        r"^    # with its uncertainty: (\w+): (.*)$", r"    # sure \1: \2", text, flags=re.MULTILINE
     )
     found = []
     for line in text.splitlines():

@@ -15,7 +15,7 @@ FAULTS = {
     ),
     "a probability above 1": ("9.5e-08", "1.5", 4, "1.5"),
     "a probability below 0": ("9.5e-08", "-0.5", 4, "-0.5"),
-    "a probability that is no number": ("9.5e-08", "many", 4, "many"),
+    "a probability that is not a number": ("9.5e-08", "many", 4, "many"),
     "an unknown basis": ("per: minute", "per: fortnight", 4, "allowed: "),
     "a joint that the robot lacks": (
         '"*"',

@@ -1,4 +1,4 @@
-"""How a run tells how sure its figure is."""
+"""How a run reports the uncertainty of its figure."""
 
 from __future__ import annotations
 

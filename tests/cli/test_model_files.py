@@ -254,7 +254,9 @@ def test_an_event_tree_has_sequences_and_outcomes(call):
     assert found == {"calm": 0.999, "fire": 0.001}
     assert tree["outcomes"] == {"calm": 0.999, "fire": 0.001}
     assert ["fire", "fire", "1.000000e-03", "1.000000e-03"] in cells(call("solve", "tree.xml").out)
-    assert call("solve", "tree.xml", "--figure", "fire", "--max-risk", "1e-4").code == 1
+    assert (
+        call("solve", "tree.xml", "--figure", "fire", "--max-failure-probability", "1e-4").code == 1
+    )
 
 
 def test_a_dynamic_tree_is_solved(call):
@@ -270,10 +272,10 @@ def test_a_dynamic_tree_is_solved(call):
 
 
 def test_a_limit_is_held_against_tops(call):
-    outcome = call("solve", "cooling.xml", "--max-risk", "0.01")
+    outcome = call("solve", "cooling.xml", "--max-failure-probability", "0.01")
     assert outcome.code == 1
-    assert "none 0.01099 is over --max-risk 0.01" in outcome.err
-    assert call("solve", "cooling.xml", "--max-risk", "0.02").code == 0
+    assert "none 0.01099 is over --max-failure-probability 0.01" in outcome.err
+    assert call("solve", "cooling.xml", "--max-failure-probability", "0.02").code == 0
 
 
 def test_a_doubled_argument_is_told(call):
@@ -311,7 +313,9 @@ def test_tops_are_solved_in_each_phase_of_an_alignment(call):
     (top,) = repair["tops"]
     assert top["probability"] == pytest.approx(1.0, rel=1e-15)
     assert top["complement"] == 0.0
-    outcome = call("solve", "phases.xml", "--mission-time", "20", "--max-risk", "0.9")
+    outcome = call(
+        "solve", "phases.xml", "--mission-time", "20", "--max-failure-probability", "0.9"
+    )
     assert outcome.code == 1
     assert "none (year, repair) 1 is over" in outcome.err
 
@@ -364,7 +368,10 @@ def test_a_chain_without_an_end_has_its_long_run(call):
         (["chain.prism", "--importance"], "--importance goes with models of components"),
         (["chain.prism", "--uncertainty"], "--uncertainty needs distributions"),
         (["chain.prism", "--mission-time", "3"], "--mission-time goes with a ctmc"),
-        (["chain.prism", "--max-risk", "0"], "say with --figure which is a risk; allowed: done"),
+        (
+            ["chain.prism", "--max-failure-probability", "0"],
+            "say with --figure which is a risk; allowed: done",
+        ),
         (["chain.prism", "--figure", "fail"], "no figure of 'chain.prism'; did you mean 'failed'?"),
         (["chain.prism", "--set", "q=3"], "no constant 'q'"),
         (["repair.tra", "--set", "p=3"], "which a .tra file has none of"),
@@ -375,11 +382,11 @@ def test_a_chain_without_an_end_has_its_long_run(call):
         ),
         (["pumps.dft"], "depend on the mission time"),
         (["pumps.dft", "--set", "c=1"], "there is no event 'c'; allowed: a, b, valve"),
-        (["pumps.dft", "--set", "valve=2"], "event 'valve': 2.0 is no probability"),
+        (["pumps.dft", "--set", "valve=2"], "event 'valve': 2.0 is not a probability"),
         (["pumps.dft", "--set", "a=-1"], "event 'a': the rate -1.0 is below zero"),
         (["pumps.dft", "pumps.dft"], "2 files; a model of the format galileo is one file"),
         (["cooling.xml", "--set", "x=1"], "no parameter, event or house event 'x'"),
-        (["cooling.xml", "--set", "valve=2"], "event 'valve': 2.0 is no probability"),
+        (["cooling.xml", "--set", "valve=2"], "event 'valve': 2.0 is not a probability"),
         (["cooling.xml", "--uncertainty"], "nothing below 'none' is uncertain"),
         (["cooling.xml", "--error-factor", "3"], "--error-factor goes with models of functions"),
         (["cooling.xml", "--pairs"], "--pairs goes with models of functions"),

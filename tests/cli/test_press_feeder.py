@@ -173,7 +173,7 @@ def test_a_repaired_run_passes_subject_to_the_greatest_risk(ran, repository):
     outcome = cell.run("diff", "--max-increase", "0.1")
     assert outcome.code == 0, outcome.err
     assert "repaired: tf look-up of frame 'part' failed" in " ".join(outcome.out.split())
-    assert cell.run("diff", "--max-risk", "1e-12").code == 1
+    assert cell.run("diff", "--max-failure-probability", "1e-12").code == 1
 
 
 def test_a_change_that_drops_the_lock_does_not_pass(ran, repository):

@@ -64,10 +64,10 @@ def test_a_controller_that_fails_has_no_pictures(example, quick, monkeypatch, ca
         (["controller.py", "--png", "out", "--trace", "trace.json"], "give --recording DIR"),
         (["controller.py", "--png", "out", "--recording", "."], "holds no recording of a run"),
         (["other.py", "--png", "out", "--recording", "recording"], "has no trace to which"),
-        (["place.cpp", "--png", "out"], "is no Python controller that can be run"),
+        (["place.cpp", "--png", "out"], "is not Python controller that can be run"),
         (
             ["controller.py", "--png", "controller.py/out", "--recording", "recording"],
-            "controller.py: is no folder; name another one for the pictures",
+            "controller.py: is not a folder; name another one for the pictures",
         ),
     ],
 )

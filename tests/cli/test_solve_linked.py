@@ -137,8 +137,8 @@ def test_uncertainty_takes_the_distributions_of_the_model_and_of_the_call(solve)
 
 
 def test_the_limit_is_held_against_the_figure(solve):
-    assert solve("--max-risk", "0.5").code == 0
-    outcome = solve("--max-risk", "0.1")
+    assert solve("--max-failure-probability", "0.5").code == 0
+    outcome = solve("--max-failure-probability", "0.1")
     assert outcome.code == 1
     assert "tracerisk: failure 0.1" in outcome.err
 

@@ -159,7 +159,7 @@ def test_a_terminal_that_cannot_draw_gets_no_bar(talking):
 
 
 def test_quiet_prints_what_is_asked_for_and_nothing_else(talking):
-    options = ("--quiet", "--explain", "act", "--max-risk", "0")
+    options = ("--quiet", "--explain", "act", "--max-failure-probability", "0")
     shown = at_terminal(talking, "run", "controller.py", *options, out_is_terminal=False)
     derived = shown.out.decode()
     assert shown.code == 1
@@ -167,7 +167,7 @@ def test_quiet_prints_what_is_asked_for_and_nothing_else(talking):
     assert "Functions" not in derived
     told = [line for line in shown.lines if line and "tube" not in line]
     assert len(told) == 1
-    assert told[0].endswith("is over --max-risk 0")
+    assert told[0].endswith("is over --max-failure-probability 0")
     # Solving is asked for to see the figures.
     assert "Functions" in talking.run("solve", "controller.py", "--quiet").out
 

@@ -274,17 +274,19 @@ def test_a_risk_over_the_limit_is_exit_1(annotated):
     risk = annotated.run("solve", "model.json", "--json").json["assessment"]["mission"][
         "failure_probability"
     ]
-    over = annotated.run("solve", "model.json", "--max-risk", str(risk / 2), "--json")
+    over = annotated.run(
+        "solve", "model.json", "--max-failure-probability", str(risk / 2), "--json"
+    )
     assert over.code == over.json["exit_code"] == 1
-    assert "is over --max-risk" in over.err
-    assert annotated.run("solve", "model.json", "--max-risk", repr(risk)).code == 0
+    assert "is over --max-failure-probability" in over.err
+    assert annotated.run("solve", "model.json", "--max-failure-probability", repr(risk)).code == 0
 
 
 @pytest.mark.parametrize("limit", ["nan", "-1", "2", "x"])
 def test_a_limit_that_is_no_probability_is_a_usage_error(limit, annotated):
-    outcome = annotated.run("solve", "model.json", f"--max-risk={limit}")
+    outcome = annotated.run("solve", "model.json", f"--max-failure-probability={limit}")
     assert outcome.code == 2
-    assert "--max-risk" in outcome.err
+    assert "--max-failure-probability" in outcome.err
 
 
 # trace, doctor
@@ -308,7 +310,9 @@ def test_a_recording_is_kept_in_a_folder_only(example, quick):
     example.write("controller.py", quick())
     outcome = example.run("trace", "controller.py", "--keep", "controller.py")
     assert outcome.code == 2
-    assert "controller.py: is no folder that a recording can be kept in: File exists" in outcome.err
+    assert (
+        "controller.py: is not a folder that a recording can be kept in: File exists" in outcome.err
+    )
 
 
 def test_doctor_tells_what_a_controller_gets(annotated):

@@ -89,8 +89,13 @@ def test_a_figure_is_set_in_a_model_and_in_blocks_alike(model, file):
 
 
 def test_the_risk_limit_is_held_against_what_was_set(model):
-    assert model.run("solve", "model.json", "--max-risk", "1e-5").code == 0
-    assert model.run("solve", "model.json", "--max-risk", "1e-5", "--set", "gripper=1e-4").code == 1
+    assert model.run("solve", "model.json", "--max-failure-probability", "1e-5").code == 0
+    assert (
+        model.run(
+            "solve", "model.json", "--max-failure-probability", "1e-5", "--set", "gripper=1e-4"
+        ).code
+        == 1
+    )
 
 
 def test_a_sweep_lists_the_mission_along_a_range(model, file):
@@ -170,14 +175,14 @@ def test_what_was_not_asked_for_is_not_in_the_json(model):
             ["--set", "griper=1"],
             "no parameter 'griper' in 'controller.py'; did you mean 'gripper'?",
         ),
-        (["--set", "gripper=2"], "--set gripper=2: 2 is no probability; allowed: 0 to 1"),
+        (["--set", "gripper=2"], "--set gripper=2: 2 is not a probability; allowed: 0 to 1"),
         (["--set", "gripper=x"], "--set gripper=x: 'x' is not a number"),
         (["--set", "gripper"], "--set gripper: expected NAME=P, such as gripper=1e-6"),
         (["--set", "gripper=0", "--set", "gripper=1"], "--set names 'gripper' twice; set it once"),
         (["--sweep", "gripper=1e-6"], "--sweep gripper=1e-6: expected NAME=LOW:HIGH[:N]"),
         (["--sweep", "gripper=0:1"], "give 0 < LOW < HIGH, the steps are logarithmic"),
         (["--sweep", "gripper=.1:.01"], "give 0 < LOW < HIGH"),
-        (["--sweep", "gripper=.1:2"], "2 is no probability; allowed: 0 to 1"),
+        (["--sweep", "gripper=.1:2"], "2 is not a probability; allowed: 0 to 1"),
         (["--sweep", "gripper=.1:.2:1"], "'1' points; allowed: 2 to 10000"),
         (["--sweep", "gripper=.1:.2:many"], "'many' points; allowed: 2 to 10000"),
         (

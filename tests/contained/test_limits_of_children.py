@@ -10,7 +10,7 @@ import pytest
 
 from tracerisk.config import Settings
 from tracerisk.errors import LimitError, LogError
-from tracerisk.pipeline.history import one_writer
+from tracerisk.pipeline.history import file_lock
 from tracerisk.pipeline.run import controller_run, run_folders
 from tracerisk.pipeline.stages import trace_controller
 from tracerisk.pipeline.workspace.controller import load_controller
@@ -138,16 +138,16 @@ def test_what_it_was_given_is_not_for_a_controller_to_say(attacked):
 def test_a_folder_that_another_process_keeps_locked_is_waited_for_with_a_limit(
     tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(one_writer, "LONGEST_WAIT_S", 0.2)
+    monkeypatch.setattr(file_lock, "LONGEST_WAIT_S", 0.2)
     other = os.open(tmp_path, os.O_RDONLY)
     fcntl.flock(other, fcntl.LOCK_EX)
     with (
         pytest.raises(LimitError, match="has kept this folder locked"),
-        one_writer.one_writer(tmp_path),
+        file_lock.file_lock(tmp_path),
     ):
         pass
     os.close(other)
-    with one_writer.one_writer(tmp_path):
+    with file_lock.file_lock(tmp_path):
         pass
 
 

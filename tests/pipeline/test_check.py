@@ -132,14 +132,19 @@ def test_a_reason_may_be_demanded_and_a_threshold_set(project):
     text = project.read("c.py").decode()
     value = re.search(r"probability = (\S+)", text)[1]
     change(project, "c.py", f"probability = {value}", "probability := 0.5")
-    change(project, "pyproject.toml", "seed = 0", "require_reason = true\nmax_risk = 0.1")
+    change(
+        project,
+        "pyproject.toml",
+        "seed = 0",
+        "require_reason = true\nmax_failure_probability = 0.1",
+    )
     code, kinds, message = check(project)
     assert (code, [kind for kind, _, _ in kinds]) == (1, ["unjustified"])
     assert "is set by hand without a reason" in message
     change(project, "c.py", "probability := 0.5", "probability := 0.5  ! ; FMEA-112")
     code, kinds, message = check(project)
     assert (code, [kind for kind, _, _ in kinds]) == (1, ["over_threshold"])
-    assert "above the max_risk of 0.1" in message
+    assert "above the max_failure_probability of 0.1" in message
 
 
 def test_a_block_that_is_gone_is_missing_and_comes_back(project):
@@ -150,7 +155,7 @@ def test_a_block_that_is_gone_is_missing_and_comes_back(project):
     assert (code, kinds) == (1, [("missing", "c.py", line_of(project, "def reach():"))])
     outcome = project.run("refresh")
     assert outcome.code == 0, outcome.err
-    assert "values made anew of the kept trace" in outcome.err
+    assert "values recomputed from the cached trace" in outcome.err
     assert project.read("c.py").decode() == text
 
 
@@ -221,7 +226,7 @@ def test_other_hardware_data_change_values_without_a_run(project):
     assert "arm.yaml has changed" in message
     outcome = project.run("refresh")
     assert outcome.code == 0, outcome.err
-    assert "values made anew of the kept trace" in outcome.err
+    assert "values recomputed from the cached trace" in outcome.err
     assert check(project)[:2] == (0, [])
 
 

@@ -280,4 +280,4 @@ def test_a_text_file_is_not_run(project):
     project.write("note.txt", "raise SystemExit('ran')\n")
     outcome = project.run("run", "note.txt")
     assert outcome.code == 2
-    assert "note.txt: is no Python program by its name" in outcome.err
+    assert "note.txt: is not a Python program by its name" in outcome.err

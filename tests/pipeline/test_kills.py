@@ -144,7 +144,7 @@ def test_two_refreshes_at_once_leave_what_one_would(project) -> None:
 def test_a_check_between_the_writes_of_a_refresh_waits_and_takes_nothing_for_an_edit(
     project,
 ) -> None:
-    from tracerisk.pipeline.history.one_writer import one_writer
+    from tracerisk.pipeline.history.file_lock import one_writer
 
     old = Path("c00.py").read_text()
     set_figure("1e-09")
@@ -161,7 +161,7 @@ def test_a_check_between_the_writes_of_a_refresh_waits_and_takes_nothing_for_an_
 
 
 def test_a_refresh_waits_for_one_that_writes(project) -> None:
-    from tracerisk.pipeline.history.one_writer import one_writer
+    from tracerisk.pipeline.history.file_lock import one_writer
 
     set_figure("1e-09")
     before = sources()

@@ -142,7 +142,7 @@ def test_a_second_program_makes_a_module_a_library_and_its_blocks_stale(example)
     assert example.run("check", "scripts/program.py").code == 0
     (example.folder / "scripts/other.py").unlink()
     stale = example.run("check", "scripts/program.py")
-    assert "arm_library/arm.py is no library code any more" in stale.out + stale.err
+    assert "arm_library/arm.py is not a library code any more" in stale.out + stale.err
     risks = [
         outcome.json["assessment"]["mission"]["failure_probability"] for outcome in (before, after)
     ]

@@ -202,7 +202,7 @@ def test_a_changed_hardware_description_leads_to_every_controller_that_uses_it(f
     repository.git("add", "--all")
     first = repository.hooks()
     assert first.code == 1
-    assert first.out.count("changed (values made anew of the kept trace)") == 3
+    assert first.out.count("changed (values recomputed from the cached trace)") == 3
     for name, old in before.items():
         assert digests(example.read(name)) != digests(old)
         assert undigested(example.read(name)) == undigested(old.replace(b"9.5e-08", b"8e-08"))
@@ -273,8 +273,8 @@ def test_settings_lead_to_all_controllers(folder):
     repository = Repository(example.folder, "tracerisk-check")
     annotate(example, "cell.py")
     repository.commit()
-    example.write("pyproject.toml", "[tool.tracerisk]\nmax_risk = 1e-9\n")
+    example.write("pyproject.toml", "[tool.tracerisk]\nmax_failure_probability = 1e-9\n")
     repository.git("add", "--all")
     done = repository.hooks()
     assert done.code == 1
-    assert "above the max_risk of 1e-09" in done.out
+    assert "above the max_failure_probability of 1e-09" in done.out

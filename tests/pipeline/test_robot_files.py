@@ -199,9 +199,9 @@ def test_a_xacro_finds_its_packages_and_an_srdf_beside_names_its_groups(example)
         ("arm.urdf", urdf(type="hinge"), "arm.urdf:5: <joint>: unknown joint type 'hinge'; allowed: continuous"),
         ("arm.urdf", urdf(lower="nan"), "arm.urdf:6: <limit>: attribute 'lower' is 'nan'"),
         ("arm.urdf", urdf(parent="floor"), "arm.urdf:5: <parent>: there is no link 'floor'"),
-        ("arm.urdf", urdf(parent="arm"), "arm.urdf: is no tree"),
+        ("arm.urdf", urdf(parent="arm"), "arm.urdf: is not a tree"),
         ("arm.urdf", urdf(more='<link name="b"/><joint name="x" type="fixed"><parent link="b"/><child link="arm"/></joint>'), "hangs on 'turn' and on 'x'"),
-        ("arm.urdf", urdf(more='<link name="alone"/>'), "arm.urdf: is no tree: 2 links hang on nothing (base, alone)"),
+        ("arm.urdf", urdf(more='<link name="alone"/>'), "arm.urdf: is not a tree: 2 links hang on nothing (base, alone)"),
         ("arm.urdf", urdf(mesh="../../a.stl"), "arm.urdf:4: <mesh>: '../../a.stl' lies outside"),
         ("arm.urdf", urdf(mesh="file:///etc/a.stl"), "arm.urdf:4: <mesh>: 'file:///etc/a.stl' lies outside"),
         ("arm.urdf", urdf(mesh="http://there/a.stl"), "arm.urdf:4: <mesh>: 'http://there/a.stl' is not read"),
@@ -226,7 +226,7 @@ def test_a_huge_file_is_not_read(example, monkeypatch, capsys):
 
 def test_what_is_no_file_is_not_read(example, monkeypatch, capsys):
     (example.folder / "folder.xml").mkdir()
-    assert "folder.xml: is no file" in refused(example, monkeypatch, capsys, "folder.xml")
+    assert "folder.xml: is not a file" in refused(example, monkeypatch, capsys, "folder.xml")
     assert "null" in refused(example, monkeypatch, capsys, "/dev/null")
 
 

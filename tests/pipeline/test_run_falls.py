@@ -9,9 +9,9 @@ import pytest
 
 from tracerisk.pipeline.trace.falls import falls
 from tracerisk.twin.recording.contact_log import ROW, ContactLog, LoggedBody
+from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.samples import POSE_EVERY, SampleHeader, Samples
-from tracerisk.twin.recording.touches import Hold
 from tracerisk.twin.robots.robot import load_robot
 
 N = 10

@@ -312,7 +312,7 @@ def test_without_pyagrum_the_extra_to_install_is_named(monkeypatch):
         (
             {"c": {"x": 1.0}, "d": Given("c", {"z": {"y": 1.0}})},
             {},
-            "condition 'd': a row for z, which is no state of c; allowed: x",
+            "condition 'd': a row for z, which is not a state of c; allowed: x",
         ),
         (
             {"c": {"x": 0.5, "w": 0.5}, "d": Given("c", {"x": {"y": 1.0}})},
@@ -361,7 +361,7 @@ def test_evidence_of_unknown_names_is_refused(evidence, message):
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"aa": 0.5}, "value of 'aa', which is no parameter; did you mean 'a'"),
+        ({"aa": 0.5}, "value of 'aa', which is not a parameter; did you mean 'a'"),
         ({"a": 0.5}, "value of 'a', which the network gives; leave it out"),
     ],
 )

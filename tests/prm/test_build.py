@@ -247,7 +247,7 @@ def test_bad_components_are_refused_at_their_place(block, component):
         with pytest.raises(BlockError, match=f"arm.py:12: function 'move': {message}"):
             build_model([block("move", 1, (bad,))], name="m")
     twice = (component("motor", 0.5), replace(component("motor", 0.1), location=place))
-    with pytest.raises(BlockError, match=r"arm.py:12: .* component 'motor' stands twice"):
+    with pytest.raises(BlockError, match=r"arm.py:12: .* duplicate component 'motor'"):
         build_model([block("move", 1, twice)], name="m")
 
 

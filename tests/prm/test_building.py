@@ -87,11 +87,11 @@ def test_a_tree_may_be_one_event():
 @pytest.mark.parametrize(
     ("gates", "events", "message"),
     [
-        ({"top": "or"}, None, "gate 'top': 'or' is no formula; give its kind and inputs"),
-        ({"top": ()}, None, r"gate 'top': \(\) is no formula"),
-        ({"top": 5}, None, "gate 'top': 5 is no formula"),
-        ({"top": {"or": ["a", "b"]}}, None, r"gate 'top': \{.*\} is no formula"),
-        ({"top": ("or", None, "a")}, None, r"gate 'top\.1': None is no formula"),
+        ({"top": "or"}, None, "gate 'top': 'or' is not a formula; give its kind and inputs"),
+        ({"top": ()}, None, r"gate 'top': \(\) is not a formula"),
+        ({"top": 5}, None, "gate 'top': 5 is not a formula"),
+        ({"top": {"or": ["a", "b"]}}, None, r"gate 'top': \{.*\} is not a formula"),
+        ({"top": ("or", None, "a")}, None, r"gate 'top\.1': None is not a formula"),
         (
             {"top": ("or", 0.5, "a")},
             None,
@@ -101,9 +101,9 @@ def test_a_tree_may_be_one_event():
         (
             {"top": ("or", "a", "b")},
             {"a": "0.1", "b": 0.1},
-            "event 'a': '0.1' is no figure; give a probability, a failure model or None",
+            "event 'a': '0.1' is not a figure; give a probability, failure model or None",
         ),
-        ({"top": ("ore", "a")}, None, "gate 'top': 'ore' is no kind of gate; did you mean 'or'"),
+        ({"top": ("ore", "a")}, None, "gate 'top': 'ore' is not a kind of gate; did you mean 'or'"),
         (
             {"top": ("atleast", "a", "b")},
             None,
@@ -114,7 +114,7 @@ def test_a_tree_may_be_one_event():
         (
             {"top": ("or", ("and", "a", "b")), "top.1": ("or", "c")},
             None,
-            r"gate 'top\.1' stands twice; rename it",
+            r"duplicate gate 'top\.1'; rename it",
         ),
         ({"top": ("or", "a")}, {"a": 1.5}, "event 'a': p "),
         (
@@ -122,7 +122,7 @@ def test_a_tree_may_be_one_event():
             {"a": BasicEvent("b")},
             "event 'a' is given as 'b'; give it one name",
         ),
-        ({"top": ("or", "a", "bb")}, {"a": 0.5}, "gate 'top': input 'bb' is no gate or event"),
+        ({"top": ("or", "a", "bb")}, {"a": 0.5}, "gate 'top': input 'bb' is not a gate or event"),
     ],
 )
 def test_what_makes_no_tree_is_refused_with_its_element(gates, events, message):
@@ -210,7 +210,7 @@ def test_missions_of_many_figures_are_solved_at_once_as_each_alone():
         [model.solve().mission.failure_probability], rel=1e-14
     )
     with pytest.raises(
-        ModelError, match="value of 'moter', which is no parameter; did you mean 'motor'"
+        ModelError, match="value of 'moter', which is not a parameter; did you mean 'motor'"
     ):
         model.failure_probabilities({"moter": 0.5})
     with pytest.raises(ModelError, match="parameter 'motor': a probability is outside"):
@@ -224,7 +224,7 @@ def test_missions_of_many_figures_are_solved_at_once_as_each_alone():
         (
             {"pick": PICK},
             {"following": {"pik": "done"}},
-            "next of 'pik', which is no state; did you",
+            "next of 'pik', which is not a state; did you",
         ),
         (
             {"pick": PICK},
@@ -241,11 +241,11 @@ def test_missions_of_many_figures_are_solved_at_once_as_each_alone():
             {"following": {"pick": {"done": 0.5}}},
             "state 'pick': next sums to 1/2; it must sum to 1",
         ),
-        ({"pick": PICK}, {"visit_h": {"place": 1.0}}, "visit_h of 'place', which is no state"),
+        ({"pick": PICK}, {"visit_h": {"place": 1.0}}, "visit_h of 'place', which is not a state"),
         (
             {"pick": PICK},
             {"values": {"gripr": 1.0}},
-            "value of 'gripr', which is no parameter; did",
+            "value of 'gripr', which is not a parameter; did",
         ),
         ({"place": PLACE}, {}, "state 'place': no probability for arm; give each one"),
         (

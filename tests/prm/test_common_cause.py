@@ -168,7 +168,7 @@ def test_two_groups_of_one_parameter_keep_their_own_factors():
     ("arguments", "message"),
     [
         ((("a",), BETA, (0.1,)), "'g': 1 members; it needs at least 2"),
-        ((("a", "a"), BETA, (0.1,)), "'g': a member stands twice"),
+        ((("a", "a"), BETA, (0.1,)), "'g': duplicate member"),
         ((("a", "b"), BETA, (0.1, 0.2)), "2 factors of beta-factor for 2 members; allowed: 1"),
         ((("a", "b"), MGL, (0.1, 0.2)), "2 factors of MGL for 2 members; allowed: 1"),
         ((("a", "b"), ALPHA, ()), "0 factors of alpha-factor for 2 members; allowed: 1 to 2"),
@@ -192,7 +192,7 @@ def test_a_group_that_needs_too_many_events_is_refused():
 @pytest.mark.parametrize(
     ("groups", "message"),
     [
-        ([("g", ("a", "x"))], "group 'g': member 'x' is no basic event; allowed: a, b, c"),
+        ([("g", ("a", "x"))], "group 'g': member 'x' is not a basic event; allowed: a, b, c"),
         ([("g", ("a", "b")), ("h", ("b", "c"))], "'h': member 'b' is one of group 'g' too"),
         ([("g", ("a", "c"))], "members 'a' and 'c' have the parameters 'unit' and 'c'"),
     ],

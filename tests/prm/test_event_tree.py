@@ -313,7 +313,7 @@ def test_a_path_that_collects_nothing_is_always_taken():
     ("rows", "message"),
     [
         ({}, "event tree 't': no sequence; state one for each path"),
-        ({"S": {"h": "success"}}, "sequence 'S': 'h' is no functional event; allowed: f, g"),
+        ({"S": {"h": "success"}}, "sequence 'S': 'h' is not a functional event; allowed: f, g"),
         (
             {"S": {"f": "sucess"}},
             "sequence 'S': 'f' has no state 'sucess'; did you mean 'success'?",
@@ -340,7 +340,7 @@ def test_states_that_do_not_sum_to_one_are_refused():
 
 
 def test_an_end_state_of_no_sequence_is_refused():
-    with pytest.raises(ModelError, match="end state of 'S9', which is no sequence; allowed: S1"):
+    with pytest.raises(ModelError, match="end state of 'S9', which is not a sequence; allowed: S1"):
         EventTree.of("t", {}, {"S1": {}}, end_states={"S9": "safe"})
 
 
@@ -349,15 +349,15 @@ def test_an_end_state_of_no_sequence_is_refused():
     [
         (
             lambda: event_tree(Branch(End("X"))),
-            "a path ends in 'X', which is no sequence; allowed: S, T",
+            "a path ends in 'X', which is not a sequence; allowed: S, T",
         ),
         (
             lambda: event_tree(Branch(Resume("X"))),
-            "goes on as 'X', which is no branch; allowed: none",
+            "goes on as 'X', which is not a branch; allowed: none",
         ),
         (
             lambda: event_tree(Branch(fork("h", a=End("S")))),
-            "a fork over 'h', which is no functional",
+            "a fork over 'h', which is not a functional",
         ),
         (lambda: event_tree(Branch(Fork("f", ()))), "fork over 'f': a path is missing"),
         (
@@ -372,7 +372,7 @@ def test_an_end_state_of_no_sequence_is_refused():
             lambda: event_tree(Branch(End("S")), branches=(Branch(Resume("x"), (), "x"),)),
             "the branch 'x' resumes itself",
         ),
-        (lambda: event_tree(Branch(End("S")), sequences=("S", "S")), "sequence 'S' stands twice"),
+        (lambda: event_tree(Branch(End("S")), sequences=("S", "S")), "duplicate sequence 'S'"),
         (lambda: event_tree(Branch(End("S")), functions=("f", "")), "needs printable characters"),
         (
             lambda: InitiatingEvent("i", 1.5),
@@ -397,11 +397,11 @@ PUMP = gate_of("pump", OR, "p")
     [
         (
             event_tree(Branch(End("S"), (Condition("pumps"),))),
-            "sequence 'S': 'pumps' is no gate or event of the fault trees; did you mean 'pump'?",
+            "sequence 'S': 'pumps' is not a gate or event of the fault trees; did you mean 'pump'?",
         ),
         (
             event_tree(Branch(End("S"), (SetHouse("h", True), Condition("pump")))),
-            "sequence 'S': 'h' is set and is no house event; allowed: none",
+            "sequence 'S': 'h' is set and is not a house event; allowed: none",
         ),
         (event_tree(Branch(End("S"), (Weight(1.5),))), "probability 1.5 is outside \\[0, 1\\]"),
         (
@@ -433,7 +433,7 @@ def test_an_event_tree_without_solution_is_refused_with_its_element(tree, messag
 
 
 def test_an_unknown_sequence_is_refused_with_those_there_are():
-    with pytest.raises(ModelError, match="'S9' is no sequence; allowed: S1, S2, S3"):
+    with pytest.raises(ModelError, match="'S9' is not a sequence; allowed: S1, S2, S3"):
         LEAK.solve([DETECTION, VALVES], VALUES)["S9"]
 
 
@@ -453,7 +453,7 @@ def test_an_outcome_is_a_fault_tree_with_importances():
         (LEAK, "event tree 'leak': no path ends in 'S'; allowed: release, safe"),
         (
             event_tree(Branch(End("S"), (Weight(0.5),))),
-            "sequence 'S': a path has a probability of its own, which is no event",
+            "sequence 'S': a path has a probability of its own, which is not an event",
         ),
         (
             event_tree(Branch(End("S"))),
@@ -537,7 +537,7 @@ def test_fault_trees_that_mean_two_things_by_a_name_are_refused(trees, message):
 def test_a_value_of_no_parameter_is_refused():
     with pytest.raises(
         ModelError,
-        match="event tree 'leak': value of 'senser', which is no parameter of the fault trees; "
+        match="event tree 'leak': value of 'senser', not a parameter of the fault trees; "
         "did you mean 'sensor'",
     ):
         LEAK.solve([DETECTION, VALVES], {**VALUES, "senser": 0.5})

@@ -168,8 +168,13 @@ def test_an_event_twice_under_one_gate_counts_once():
     ("top", "gates", "events", "message"),
     [
         ("top", [("top", OR, ("a", "b"))], ["a", "a", "b"], "'a' names two gates or events"),
-        ("tip", [("top", OR, ("a",))], ["a"], "the top 'tip' is no gate or event; allowed: a, top"),
-        ("top", [("top", OR, ("b",))], ["a"], "gate 'top': input 'b' is no gate or event"),
+        (
+            "tip",
+            [("top", OR, ("a",))],
+            ["a"],
+            "top 'tip' is not a gate or event; allowed: a, top",
+        ),
+        ("top", [("top", OR, ("b",))], ["a"], "gate 'top': input 'b' is not a gate or event"),
         ("top", [("top", AND, ())], [], "gate 'top': and needs at least one input"),
         (
             "top",

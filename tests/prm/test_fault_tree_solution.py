@@ -164,7 +164,7 @@ def test_a_model_without_mission_time_is_refused():
 
 def test_values_of_unknown_parameters_are_refused():
     with pytest.raises(
-        ModelError, match="value of 'singel', which is no parameter; did you mean 'single'"
+        ModelError, match="value of 'singel', which is not a parameter; did you mean 'single'"
     ):
         PAIR.solve({"singel": 0.5})
 

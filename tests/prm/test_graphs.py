@@ -63,5 +63,5 @@ def test_without_networkx_the_extra_to_install_is_named(monkeypatch):
 
 def test_what_is_no_graph_is_refused():
     pytest.importorskip("networkx", reason="networkx is not installed")
-    with pytest.raises(TypeError, match="str is no graph"):
+    with pytest.raises(TypeError, match="str is not a graph"):
         graph_of("text")

@@ -145,7 +145,7 @@ def test_phases_that_are_not_there_are_told():
 @pytest.mark.parametrize(
     ("parts", "message"),
     [
-        ({"gates": (TOP,)}, "gate 'top': input 'a' is no gate or event; allowed: top"),
+        ({"gates": (TOP,)}, "gate 'top': input 'a' is not a gate or event; allowed: top"),
         (
             {"gates": (TOP,), "events": (A, B, EventDefinition("top"))},
             "'top' names a basic event and a gate; rename one",
@@ -174,7 +174,7 @@ def test_phases_that_are_not_there_are_told():
         ),
         (
             {"groups": (GROUP,), "events": (A,)},
-            "common cause group 'pumps': member 'b' is no basic event; allowed: a",
+            "common cause group 'pumps': member 'b' is not a basic event; allowed: a",
         ),
         (
             {
@@ -194,7 +194,7 @@ def test_phases_that_are_not_there_are_told():
         ),
         (
             {"alignments": (Alignment("y", (Phase("p", 1.0, (("h", True),)),)),)},
-            "alignment 'y': phase 'p' sets 'h', which is no house event; allowed: none",
+            "alignment 'y': phase 'p' sets 'h', which is not a house event; allowed: none",
         ),
     ],
     ids=lambda part: part[:40] if isinstance(part, str) else "",

@@ -140,9 +140,13 @@ def test_a_sparse_chain_of_a_thousand_states_is_solved():
 @pytest.mark.parametrize(
     ("rows", "absorbing", "message"),
     [
-        ({"a": {"done": 1.0}}, ("done", "done"), "state 'done' stands twice"),
-        ({"a": {"dome": 1.0}}, ("done",), "state 'a': 'dome' is no state .* did you mean 'done'"),
-        ({"a": {"a": -0.5, "done": 1.5}}, ("done",), "state 'a': -0.5 to 'a' is no probability"),
+        ({"a": {"done": 1.0}}, ("done", "done"), "duplicate state 'done'"),
+        (
+            {"a": {"dome": 1.0}},
+            ("done",),
+            "state 'a': 'dome' is not a state .* did you mean 'done'",
+        ),
+        ({"a": {"a": -0.5, "done": 1.5}}, ("done",), "state 'a': -0.5 to 'a' is not a probability"),
         ({"a": {"done": float("nan")}}, ("done",), "state 'a': nan to 'done'"),
         ({"a": {"done": 0.9}}, ("done",), "state 'a': its transitions sum to 0.9; they must"),
         (
@@ -159,9 +163,9 @@ def test_a_malformed_chain_is_refused_with_its_state(rows, absorbing, message):
 
 def test_an_entry_that_is_no_transient_state_is_refused():
     chain = MarkovChain({"start": {"done": 1.0}}, ("done",))
-    with pytest.raises(ModelError, match=r"the entry 'stat' .* did you mean 'start'"):
+    with pytest.raises(ModelError, match=r"entry 'stat' .* did you mean 'start'"):
         chain.solve("stat")
-    with pytest.raises(ModelError, match="'start' is no absorbing state; allowed: done"):
+    with pytest.raises(ModelError, match="'start' is not an absorbing state; allowed: done"):
         chain.solve("start").absorption_from_each(["start"])
 
 

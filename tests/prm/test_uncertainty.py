@@ -24,9 +24,9 @@ from tracerisk.prm import (
     solve,
 )
 from tracerisk.prm.numbers.distributions import Beta, Gamma, Lognormal, Normal, Uniform
-from tracerisk.prm.questions.input_shares import first_order_shares
 from tracerisk.prm.questions.sampled_chain import absorption_samples
 from tracerisk.prm.questions.sampled_mission import failure_samples
+from tracerisk.prm.questions.sobol import first_order_shares
 from tracerisk.prm.questions.uncertainty import latin_hypercube, propagate
 from tracerisk.prm.questions.what_if import with_values
 

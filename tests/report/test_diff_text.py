@@ -111,7 +111,7 @@ def test_the_first_sentence_of_several_controllers_tells_of_the_greatest(differe
 def test_noise_is_counted_and_not_listed(difference, review_of):
     diff = difference(one_step("motor = 1e-7"), one_step("motor = 1.005e-7"))
     text = render_diff(review_of(diff))
-    assert "1 value changes by less than 1 %: told as unchanged" in text
+    assert "1 value changes by less than 1 %: reported as unchanged" in text
     assert "What changed" not in text
 
 

@@ -70,9 +70,9 @@ def test_table_with_exposures_still_fits_and_shows_the_seconds(assessment):
 
 
 def test_the_missions_figure_stands_first_and_what_it_is_right_below(assessment):
-    lines = render_assessment(assessment, width=100).splitlines()
+    lines = render_assessment(assessment, width=120).splitlines()
     assert lines[0] == (
-        "A mission of racks fails through hardware with probability 2.50e-08, 24 % of it through "
+        "Probability that a hardware failure ends a mission of racks: 2.50e-08, 24 % of it through "
         "component_f."
     )
     assert lines[1] == FIGURE_STATEMENT
@@ -189,8 +189,10 @@ def test_at_most_five_components_are_shown_the_greatest_first(assessment):
 
 
 def test_the_three_mission_figures_stand_side_by_side(assessment):
-    line = next(line for line in render_assessment(assessment).splitlines() if "chain" in line)
-    assert line == ("By the chain 2.50e-08; 1 cycle, fixed 2.50e-08; visits as they ran 2.50e-08:")
+    line = next(
+        line for line in render_assessment(assessment).splitlines() if "fixed cycle" in line
+    )
+    assert line == ("Geometric cycles 2.50e-08; 1 fixed cycle 2.50e-08; as executed 2.50e-08: they")
 
 
 def test_findings_and_assumptions_of_caller_and_model_are_all_shown(assessment):

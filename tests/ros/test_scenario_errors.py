@@ -62,7 +62,7 @@ BODY = "objects:\n  - name: cube\n    box: [0.1, 0.1, 0.1]\n"
         ("services: 3\n", "s.yaml:1:1: services: expected a list, found the number 3"),
         (
             "services:\n  - {name: /a}\n  - {name: /a}\n",
-            "s.yaml:3:6: services[1].name: '/a' stands twice in services",
+            "s.yaml:3:6: services[1].name: duplicate '/a' in services",
         ),
         (
             "services:\n  - {name: /a, type: std_srvs/Triger}\n",

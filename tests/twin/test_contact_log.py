@@ -104,5 +104,5 @@ def test_contacts_of_unknown_bodies_are_told(tmp_path: Path):
 
 def test_a_list_of_bodies_that_is_no_json_is_told(tmp_path: Path):
     (tmp_path / "contact_bodies.jsonl").write_bytes(b"what\n")
-    with pytest.raises(LogError, match=r"contact_bodies.jsonl.*is no list of bodies"):
+    with pytest.raises(LogError, match=r"contact_bodies.jsonl.*is not a list of bodies"):
         read_contacts(tmp_path, 10)

@@ -12,8 +12,8 @@ from tracerisk.twin.physics.motion import JointTrajectory, Pose
 from tracerisk.twin.physics.scene import Scene, load_scene
 from tracerisk.twin.physics.scene_body import SceneBody
 from tracerisk.twin.recording.contact_log import ContactLog, LoggedBody, read_contacts
+from tracerisk.twin.recording.contact_pairs import PairTouches, pair_touches
 from tracerisk.twin.recording.samples import SampleWriter, read_samples
-from tracerisk.twin.recording.touches import PairTouches, pair_touches
 from tracerisk.twin.robots.robot import Robot, load_robot
 from tracerisk.twin.simulation.twin import Twin
 

@@ -17,6 +17,7 @@ from tracerisk.twin.recording.contact_log import (
     LoggedBody,
     Weld,
 )
+from tracerisk.twin.recording.contact_pairs import Hold, hand_links, moved_by, pair_touches
 from tracerisk.twin.recording.contacts import (
     GENTLE_N,
     RunContacts,
@@ -25,7 +26,6 @@ from tracerisk.twin.recording.contacts import (
     visit_contacts,
     visit_payloads,
 )
-from tracerisk.twin.recording.touches import Hold, hand_links, moved_by, pair_touches
 from tracerisk.twin.robots.robot import Robot, load_robot
 
 N = 4000

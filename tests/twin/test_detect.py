@@ -6,8 +6,8 @@ from tracerisk.errors import RobotError
 from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.robots.detect import NoRobotNamedError, SeveralRobotsError, detect_robot
 from tracerisk.twin.robots.index import shipped_names
-from tracerisk.twin.robots.mentions import Hint, decide, mentioned
 from tracerisk.twin.robots.robot import load_robot
+from tracerisk.twin.robots.robot_names import Hint, decide, mentioned
 
 UR_JOINTS = ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint"]
 SIX = [f"joint{i}" for i in range(1, 7)]

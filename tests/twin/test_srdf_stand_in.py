@@ -10,8 +10,8 @@ from tracerisk.ros.robot.grippers import gripper_of
 from tracerisk.twin.physics.motion import Pose
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.generic import NamesAsked
+from tracerisk.twin.robots.names_in_source import Spoken
 from tracerisk.twin.robots.robot import Robot
-from tracerisk.twin.robots.spoken_names import Spoken
 from tracerisk.twin.simulation.twin import Twin
 from tracerisk.twin.urdf.srdf import read_srdf
 from tracerisk.twin.workspace.srdf_stand_in import spoken_srdf, srdf_stand_in

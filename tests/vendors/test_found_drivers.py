@@ -125,7 +125,7 @@ WRONG = {
     ),
     "a text for a number": (
         ("}\n", "}\n  at: {type: arm_msgs/Look, response: {q: lost}}\n"),
-        "arm.driver.yaml:4:40: services.at.response.q: 'lost' is no number, and 'q' is float64",
+        "arm.driver.yaml:4:40: services.at.response.q: 'lost' is not a number, and 'q' is float64",
     ),
     "a type that is not there": (
         ("arm_msgs/Go", "arm_msgs/Gone"),
@@ -170,7 +170,7 @@ def test_a_mistake_is_told_with_its_place(cell, case):
         ("driver: arm\n", "it serves nothing; describe some"),
         ("- a\n", "expected a mapping at the top, found a list"),
         ("driver: [\n", "is not valid YAML"),
-        ("driver: arm\nservices: {go: {type: a}}\n", "'a' is no type"),
+        ("driver: arm\nservices: {go: {type: a}}\n", "'a' is not a type"),
         ("driver: arm\nservices: {go: {type: Go}}\n", "'Go' has no package"),
         ("driver: arm\nstate: {joints: 1}\nservices: {}\n", "is a name that answers have already"),
         ("driver: arm\nunits: {angle: grad}\nparameters: {}\n", "'grad' is not known"),
@@ -192,7 +192,7 @@ def test_a_mistake_is_told_with_its_place(cell, case):
             "driver: arm\nservices: {go: {type: a/Go, set: {mode: x}}}\n",
             "is not in 'state'",
         ),
-        ("driver: arm\ndefinitions: {a: b}\nparameters: {}\n", "is no interface"),
+        ("driver: arm\ndefinitions: {a: b}\nparameters: {}\n", "is not an interface"),
     ],
 )
 def test_what_is_no_description_is_told(tmp_path, text, told):

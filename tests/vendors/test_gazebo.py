@@ -45,8 +45,8 @@ def test_links_of_urdf_that_are_fixed_make_one_body():
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("<sdf", "the model is no XML: "),
-        ("<!DOCTYPE a [<!ENTITY b 'c'>]><sdf/>", "the model is no XML: "),
+        ("<sdf", "the model is not XML: "),
+        ("<!DOCTYPE a [<!ENTITY b 'c'>]><sdf/>", "the model is not XML: "),
         ("<light/>", "<light> is neither an SDF model nor a URDF robot"),
         (CUBE.replace("box", "mesh"), "a collision shape is <mesh>; tracerisk spawns bodies of "),
         (CUBE.replace("</link>", "</link><joint/>"), "the model has joints or includes"),

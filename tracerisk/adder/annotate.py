@@ -16,13 +16,13 @@ from tracerisk.adder.lock.digest import with_digest
 from tracerisk.adder.lock.lock import ControllerLock, Lock, WrittenBlock, written_block
 from tracerisk.adder.merge.authors import Evidence
 from tracerisk.adder.merge.bases import SourceEvidence, bases_of, merge_with_bases
-from tracerisk.adder.merge.merge import MergePolicy, PersonEdit, edits_error, in_the_way
-from tracerisk.adder.merge.person_words import (
+from tracerisk.adder.merge.hand_edits import (
     check_targets,
     give_way,
     is_next_by_hand,
     ranks_by_hand,
 )
+from tracerisk.adder.merge.merge import MergePolicy, PersonEdit, edits_error, in_the_way
 from tracerisk.adder.sources.insert import insert_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
@@ -215,7 +215,7 @@ def _by_function(merged: Mapping[str, _MergedSource]) -> dict[FunctionRef, RiskB
 def _with_free_ranks(
     sources: Sequence[SourceBlocks], found: Mapping[FunctionRef, RiskBlock] | None = None
 ) -> list[SourceBlocks]:
-    """Let the computed ranks give way to those that a person set in the blocks `found`.
+    """Replace computed ranks by those that a person set in the blocks `found`.
 
     Those are what the sources hold where nothing else is given.
     """

@@ -14,13 +14,13 @@ from typing import Any, NoReturn
 
 VERBS = {
     "run": "run a controller on the twin, annotate it, solve its risk model",
-    "trace": "run a controller and tell which hardware each function used",
+    "trace": "run a controller and print which hardware each function used",
     "scenario": "list a controller's needs; write a scenario that meets them",
-    "check": "tell, without a simulation, whether blocks can be trusted",
+    "check": "check, without a simulation, whether blocks can be trusted",
     "refresh": "bring blocks up to date, simulating only what is stale",
     "annotate": "write risk blocks into a controller from a trace or a log",
     "strip": "remove the risk blocks from sources, every other byte kept",
-    "diff": "tell what a change between git versions does to the risk",
+    "diff": "print what a change between git versions does to the risk",
     "report": "write an HTML report of annotated sources that needs no network",
     "overrides": "list what was set by hand in blocks, why, and how it drifted",
     "hardware": "convert, show or start a hardware description; print its schema",
@@ -31,7 +31,7 @@ VERBS = {
     "robots": "list the robots that are shipped, or show what one of them has",
     "drivers": "list drivers, check the description of one, print its schema",
     "lock-merge": "merge tracerisk.lock for git; --install sets git up for it",
-    "doctor": "tell whether everything that tracerisk needs works here",
+    "doctor": "check that everything that tracerisk needs works here",
     "completion": "print the script by which a shell completes this command",
 }
 
@@ -58,9 +58,9 @@ exit codes:
   0    fine
   1    would change, stale, or over a limit
   2    usage or bad input
-  3    a person's edit in the way
+  3    conflicting manual edit
   4    the controller failed
-  5    a fault of tracerisk
+  5    internal error
   130  interrupted
 """
 

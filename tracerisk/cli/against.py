@@ -18,12 +18,12 @@ def add_against(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--against",
         metavar="REV",
-        help="tell in the report the difference to this revision, as git reads it",
+        help="show the difference to this git revision in the report",
     )
 
 
 def check_against(options: argparse.Namespace) -> None:
-    """Say before a run what would keep its report from telling the difference.
+    """Raise before a run what would keep its report from showing the difference.
 
     Raises InputError where the option has nothing to go with, or git does not know the revision.
     """

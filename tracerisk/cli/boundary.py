@@ -15,7 +15,7 @@ from tracerisk.cli.shared.output import note, print_json, scenario_advice
 from tracerisk.errors import ExitCode, TraceRiskError
 
 _format = warnings.formatwarning
-_FAULT_ADVICE = "this is a fault of tracerisk; please report it with the lines above"
+_FAULT_ADVICE = "this is an internal error of tracerisk; please report it with the lines above"
 
 
 def guarded(options: argparse.Namespace) -> int:

@@ -25,7 +25,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "files",
         metavar="FILE",
         nargs="*",
-        help="a controller, or what one depends on; else all of the lock in this folder",
+        help="controller, or a file that one uses (default: every controller in tracerisk.lock)",
     )
     parser.add_argument(
         "--min-coverage",

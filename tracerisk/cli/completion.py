@@ -18,7 +18,7 @@ install it once, then open a new shell:
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    parser.add_argument("shell", choices=SHELLS, help="the shell that is to complete")
+    parser.add_argument("shell", choices=SHELLS, help="shell to complete in")
     parser.epilog = _HOW
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
 

@@ -33,7 +33,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--to",
         choices=[each.value for each in _WRITTEN],
-        help="the format; else told by the name of the output (.json is openpra)",
+        help="output format (default: by the ending of the output; .json is openpra)",
     )
     parser.add_argument(
         "--set",
@@ -41,7 +41,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="NAME=V",
         action="append",
         default=[],
-        help="a constant of a PRISM file; may be given again",
+        help="a constant of a PRISM file; repeatable",
     )
     parser.add_argument("--top", metavar="NAME", help="the top to write, where a file holds one")
     shared.add_mission_time(parser)

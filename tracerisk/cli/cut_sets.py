@@ -30,7 +30,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "files", metavar="FILE", nargs="+", help="a model: Open-PSA, OpenPRA, Galileo or JSON"
     )
-    parser.add_argument("--top", metavar="NAME", help="the top or function; else the only one")
+    parser.add_argument(
+        "--top", metavar="NAME", help="top event or function (default: the only one)"
+    )
     parser.add_argument(
         "--max-order", metavar="K", type=shared.count, help="leave out those of more than K events"
     )

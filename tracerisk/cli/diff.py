@@ -38,7 +38,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="exit 1 if a mission's failure probability rises by more than R of it: 0.1 is 10 %%",
     )
     parser.add_argument(
-        "--max-risk",
+        "--max-failure-probability",
+        "--max-risk",  # its older name
         metavar="P",
         type=shared.probability,
         help="exit 1 if a mission's failure probability is above P after the change",
@@ -77,7 +78,7 @@ def run(options: argparse.Namespace) -> int:
         for each in found.controllers
         for line in (
             *_new_accepts(each, options),
-            *_exceeded(each, options.max_increase, options.max_risk),
+            *_exceeded(each, options.max_increase, options.max_failure_probability),
         )
     ]
     code = ExitCode.WOULD_CHANGE if exceeded else ExitCode.FINE
@@ -153,7 +154,7 @@ def _bad_run(diff: RiskDiff) -> str | None:
     return None
 
 
-def _exceeded(diff: RiskDiff, max_increase: float | None, max_risk: float | None) -> list[str]:
+def _exceeded(diff: RiskDiff, max_increase: float | None, limit: float | None) -> list[str]:
     """Return which limits a controller exceeds; a rise within the noise is none.
 
     A newer run that went wrong fails the limit on the increase; a base that went wrong is no
@@ -183,8 +184,10 @@ def _exceeded(diff: RiskDiff, max_increase: float | None, max_risk: float | None
                 f"{diff.name}: mission failure {'is more' if unknown else 'rises'} by {rise}, "
                 f"over --max-increase {max_increase:g}"
             )
-    if max_risk is not None and risk > max_risk:
-        found.append(f"{diff.name}: mission failure {risk:.4g} is over --max-risk {max_risk:g}")
+    if limit is not None and risk > limit:
+        found.append(
+            f"{diff.name}: mission failure {risk:.4g} is over --max-failure-probability {limit:g}"
+        )
     return found
 
 
@@ -194,5 +197,5 @@ def _increase(text: str) -> float:
     except ValueError:
         value = -1.0
     if not 0.0 <= value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is no share from 0 up, such as 0.1 for 10 %")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a share from 0 up, such as 0.1 for 10 %")
     return value

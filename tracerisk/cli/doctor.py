@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
     parser.add_argument(
-        "controller", metavar="FILE", nargs="?", help="a controller, to tell its robot and settings"
+        "controller", metavar="FILE", nargs="?", help="controller whose robot and settings to show"
     )
-    parser.add_argument("--robot", metavar="NAME|FILE", help="the arm; else as a run takes it")
+    parser.add_argument("--robot", metavar="NAME|FILE", help="robot (default: as a run infers it)")
     shared.add_sandbox(parser)
     shared.add_json(parser)
 
@@ -107,7 +107,7 @@ def _robots() -> str:
 
 
 def _sandbox() -> str:
-    """Say which parts of the sandbox work here."""
+    """Return which parts of the sandbox work here."""
     from tracerisk.contained.kernel import support
 
     here = support()

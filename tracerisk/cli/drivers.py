@@ -29,7 +29,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
             action.add_argument("files", metavar="FILE", nargs="+", help="the description, YAML")
         if name == "schema":
             action.add_argument(
-                "-o", "--output", metavar="FILE", help="the file to write; else it is printed"
+                "-o", "--output", metavar="FILE", help="output file (default: standard output)"
             )
         shared.add_json(action)
 

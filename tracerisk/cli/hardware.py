@@ -70,10 +70,12 @@ def _convert(options: argparse.Namespace) -> int:
 
 def _add_show(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "file", metavar="FILE", nargs="?", help="the description; else that of the robot"
+        "file", metavar="FILE", nargs="?", help="hardware description (default: that of the robot)"
     )
     parser.add_argument(
-        "--robot", metavar="NAME|FILE", help="the arm; tells how many of each there are"
+        "--robot",
+        metavar="NAME|FILE",
+        help="robot, which says how many of each component there are",
     )
     shared.add_json(parser)
 
@@ -104,10 +106,12 @@ def _show(options: argparse.Namespace) -> int:
 def _add_init(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--robot", metavar="NAME|FILE", required=True, help="the arm")
     parser.add_argument(
-        "-o", "--output", metavar="FILE", help="the file to write; else it is printed"
+        "-o", "--output", metavar="FILE", help="output file (default: standard output)"
     )
     parser.add_argument(
-        "--format", choices=("yaml", "sysml"), help="else told by the name of the output, or YAML"
+        "--format",
+        choices=("yaml", "sysml"),
+        help="output format (default: by the ending of the output, or YAML)",
     )
     shared.add_json(parser)
 
@@ -143,7 +147,7 @@ def _init(options: argparse.Namespace) -> int:
 
 def _add_schema(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "-o", "--output", metavar="FILE", help="the file to write; else it is printed"
+        "-o", "--output", metavar="FILE", help="output file (default: standard output)"
     )
     shared.add_json(parser)
 

@@ -1,4 +1,4 @@
-"""The error factors of a hardware description, for the verbs that ask how sure a figure is."""
+"""The error factors of a hardware description, for the verbs that compute uncertainty."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ def add_hardware_spread(group: argparse._ActionsContainer) -> None:
 
 
 def add_run_uncertainty(parser: argparse.ArgumentParser) -> None:
-    """Add the options with which a run tells how sure its figure is."""
-    group = parser.add_argument_group("how sure")
+    """Add the options with which a run reports the uncertainty of its figure."""
+    group = parser.add_argument_group("uncertainty")
     group.add_argument(
         "--uncertainty",
         action="store_true",
@@ -104,7 +104,7 @@ def uncertainty_of_run(
 
 
 def tell(spreads: HardwareSpreads | None, options: argparse.Namespace) -> None:
-    """Tell what a reader must know of the spreads."""
+    """Print what a reader must know of the spreads."""
     for text in () if spreads is None else spreads.notes:
         note(f"assumed: {text}", quiet=options.quiet)
 
@@ -146,7 +146,7 @@ def _kept_instances(
     files: Sequence[str], hardware: Hardware
 ) -> Sequence[ComponentInstances] | None:
     from tracerisk.adder.figures.computed import compute_blocks
-    from tracerisk.pipeline.check.kept_run import kept_run
+    from tracerisk.pipeline.check.cached_run import kept_run
 
     for file in files:
         kept = kept_run(file)

@@ -39,7 +39,7 @@ def solve_linked(model: LinkedModel, options: argparse.Namespace) -> int:
     ranked = importances(changed, figure) if options.importance else ()
     spread = _spread(changed, figure, options)
     risk = solution.figure(figure).p
-    code = _risk_exit(figure, risk, options.max_risk)
+    code = _risk_exit(figure, risk, options.max_failure_probability)
     if options.json:
         data: dict[str, Any] = {"model": model.name, "figures": solution.figures}
         data |= {"parameters": solution.parameters, "figure": figure}
@@ -102,10 +102,10 @@ def _spread(model: LinkedModel, figure: str, options: argparse.Namespace) -> Unc
     )
 
 
-def _risk_exit(figure: str, risk: float, max_risk: float | None) -> ExitCode:
-    if max_risk is None or risk <= max_risk:
+def _risk_exit(figure: str, risk: float, limit: float | None) -> ExitCode:
+    if limit is None or risk <= limit:
         return ExitCode.FINE
-    note(f"tracerisk: {figure} {risk:.4g} is over --max-risk {max_risk:g}")
+    note(f"tracerisk: {figure} {risk:.4g} is over --max-failure-probability {limit:g}")
     return ExitCode.WOULD_CHANGE
 
 

@@ -133,7 +133,7 @@ class LogicFile:
         return found
 
     def spread(self, figure: str | None, samples: int, seed: int) -> Uncertainty:
-        """Return how sure a top is: the one that is asked for, or the only one."""
+        """Return the uncertainty of a top: the one that is asked for, or the only one."""
         from tracerisk.prm.logic.what_if import propagate
 
         names = self.model.tops if figure is None else self._gate(figure)
@@ -174,7 +174,7 @@ class DynamicFile:
         for name, value in values.items():
             event = self._event(name)
             if isinstance(event.model, Constant | PerDemand) and not 0.0 <= value <= 1.0:
-                raise InputError(f"event '{name}': {value!r} is no probability; give 0 to 1")
+                raise InputError(f"event '{name}': {value!r} is not a probability; give 0 to 1")
             if value < 0.0:
                 raise InputError(f"event '{name}': the rate {value!r} is below zero")
         events = tuple(

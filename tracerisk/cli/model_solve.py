@@ -55,7 +55,7 @@ class Solvable(Protocol):
         ...
 
     def spread(self, figure: str | None, samples: int, seed: int) -> Uncertainty:
-        """Return how sure a figure is."""
+        """Return the uncertainty of a figure."""
         ...
 
 
@@ -155,15 +155,18 @@ def _solvable(files: Sequence[str], kind: ModelFormat, options: argparse.Namespa
 
 
 def _risk_exit(solved: Solved, options: argparse.Namespace) -> ExitCode:
-    limit = options.max_risk
+    limit = options.max_failure_probability
     if limit is None:
         return ExitCode.FINE
     names = tuple(solved.figures) if options.figure is not None else solved.risks
     if names is None:
-        raise InputError(f"--max-risk: say with --figure which is a risk; {one_of(solved.figures)}")
+        raise InputError(
+            "--max-failure-probability: say with --figure which is a risk; "
+            f"{one_of(solved.figures)}"
+        )
     over = [(name, solved.figures[name]) for name in names if solved.figures[name] > limit]
     for name, value in over:
-        note(f"tracerisk: {name} {value:.4g} is over --max-risk {limit:g}")
+        note(f"tracerisk: {name} {value:.4g} is over --max-failure-probability {limit:g}")
     return ExitCode.WOULD_CHANGE if over else ExitCode.FINE
 
 

@@ -29,7 +29,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "files",
         metavar="FILE",
         nargs="*",
-        help="an annotated source; else all of the lock in this folder",
+        help="annotated source (default: every controller in tracerisk.lock)",
     )
     parser.add_argument(
         "--max-drift",

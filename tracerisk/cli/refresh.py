@@ -26,7 +26,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "files",
         metavar="FILE",
         nargs="*",
-        help="a controller, or what one depends on; else all of the lock in this folder",
+        help="controller, or a file that one uses (default: every controller in tracerisk.lock)",
     )
     shared.add_write_options(parser)
     shared.add_edit_options(parser)

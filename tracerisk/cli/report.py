@@ -21,7 +21,7 @@ from tracerisk.errors import ExitCode, InputError, SourceError
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings
-    from tracerisk.pipeline.check.kept_run import KeptRun
+    from tracerisk.pipeline.check.cached_run import KeptRun
     from tracerisk.trace import Trace
 
 _HOW = "`tracerisk run` or `refresh` brings it up to date, `--trace` names another."
@@ -38,7 +38,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", metavar="OUT.html", help="the page to write")
     add_against(parser)
     parser.add_argument(
-        "--trace", metavar="FILE", help="the trace of a run as JSON; else the kept one, if fresh"
+        "--trace", metavar="FILE", help="trace of a run as JSON (default: the cached one, if fresh)"
     )
     add_picture_options(parser)
     shared.add_hardware_options(parser)
@@ -97,7 +97,7 @@ def _write_page(
 def _kept(file: str) -> KeptRun | None:
     """Return what is kept of the run behind a source; `None` for one that is not Python."""
     from tracerisk.adder.sources.published import is_c_like
-    from tracerisk.pipeline.check.kept_run import kept_run
+    from tracerisk.pipeline.check.cached_run import kept_run
 
     try:
         return None if is_c_like(file) else kept_run(file)

@@ -73,7 +73,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--report", metavar="OUT.html", help="write a report as one HTML page")
     add_against(parser)
     parser.add_argument(
-        "--max-risk",
+        "--max-failure-probability",
+        "--max-risk",  # its older name
         metavar="P",
         type=shared.probability,
         help="exit 1 if the mission's failure probability is above P",
@@ -179,7 +180,7 @@ def _untold(_phase: str, _simulated_s: float) -> None:
 
 
 def _failed(options: argparse.Namespace, trace: Trace) -> int:
-    """Tell of a run that ended badly; return the exit code."""
+    """Print how a run ended that ended badly; return the exit code."""
     from tracerisk import trace_json
 
     if options.trace is not None:
@@ -197,7 +198,7 @@ def _failed(options: argparse.Namespace, trace: Trace) -> int:
 
 
 def _told(options: argparse.Namespace, done: _Assessed) -> int:
-    """Tell of a run that ended well, most important first; return the exit code."""
+    """Print the results of a run, most important first; return the exit code."""
     from tracerisk import trace_json
     from tracerisk.prm.formats import model_json
     from tracerisk.prm.formats.assessment_json import assessment_to_json
@@ -206,7 +207,7 @@ def _told(options: argparse.Namespace, done: _Assessed) -> int:
     note_draft(trace, quiet=options.quiet)
     code = max(
         verdict_exit(trace.verdict),
-        risk_exit(assessment, options.max_risk),
+        risk_exit(assessment, options.max_failure_probability),
         finding_exit(trace, done.settings.fail_on),
     )
     if options.check and annotated.is_changed:

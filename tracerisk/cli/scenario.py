@@ -50,7 +50,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     from tracerisk import pipeline
-    from tracerisk.pipeline.workspace.asked_in_source import asked_in_source
+    from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
 
     controller = pipeline.load_controller(options.controller)
     settings = pipeline.load_settings(controller, shared.run_settings(options))
@@ -127,7 +127,7 @@ def _drafted(
 ) -> tuple[ScenarioDraft, tuple[Missed, ...]]:
     from tracerisk import pipeline
     from tracerisk.pipeline.scenarios.rounds import draft_scenario
-    from tracerisk.pipeline.workspace.asked_in_source import asked_in_source
+    from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
 
     with progress_bar(quiet=options.quiet) as progress:
         draft = draft_scenario(
@@ -148,7 +148,7 @@ def _drafted(
 
 
 def _is_same(asked: Missed, need: Need, place: Location | None) -> bool:
-    """Tell whether what a source asks for is what a run has asked for, by name or place."""
+    """Return whether what a source asks for is what a run has asked for, by name or place."""
     if asked.need.kind != need.kind:
         return False
     if not asked.need.name.startswith("("):

@@ -27,7 +27,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     shared.add_profile(parser)
     shared.add_mission_time(parser)
     parser.add_argument(
-        "--max-risk",
+        "--max-failure-probability",
+        "--max-risk",  # its older name
         metavar="P",
         type=shared.probability,
         help="exit 1 if the failure probability, or a figure of a model file, is above P",
@@ -68,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
     spreads = spreads_of_files(options.files, model, options)
     uncertainty = asked.uncertainty_of(model, options, spreads)
     pairs = asked.pairs_of(model, options)
-    code = risk_exit(assessment, options.max_risk)
+    code = risk_exit(assessment, options.max_failure_probability)
     verdicts = sources_verdict(options.files)
     if options.json:
         print_json(

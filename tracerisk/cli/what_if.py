@@ -1,4 +1,4 @@
-"""The options of `solve` that ask what if, how sure, and what matters."""
+"""The options of `solve` that ask what if, what matters, and for uncertainty."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ POINTS = 9
 
 def add_what_if(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    group = parser.add_argument_group("what if, and how sure")
+    group = parser.add_argument_group("what if, and uncertainty")
     group.add_argument(
         "--set",
         dest="set_values",
         metavar="NAME=P",
         action="append",
         default=[],
-        help="solve with a component's figure set, as gripper=1e-6; may be given again",
+        help="solve with a component's figure set, as gripper=1e-6; repeatable",
     )
     group.add_argument(
         "--sweep",

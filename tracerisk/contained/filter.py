@@ -194,7 +194,7 @@ def _instructions(rule: Rule, number: int) -> Sequence[tuple[int, int, int, int]
     answer = _ALLOW if rule.answer is None else _ERRNO | rule.answer
     # Each test takes three instructions; one that fails goes on behind the answer.
     left = 3 * len(tests) + 1
-    # What was loaded for a test is no number of a call any more.
+    # What was loaded for a test is not a number of a call any more.
     after = 1 if tests else 0
     lines = [(_EQUAL, 0, left + after, number)]
     for at, mask, value in tests:

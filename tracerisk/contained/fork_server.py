@@ -157,7 +157,7 @@ class _Server:
             return process
 
     def close(self) -> None:
-        """Let the server end, once its runs have ended."""
+        """End the server, once its runs have ended."""
         self._requests.close()
         if self._starter == os.getpid():
             with contextlib.suppress(subprocess.TimeoutExpired):
@@ -185,7 +185,7 @@ _KEPT = _Kept()
 
 
 def several_come() -> None:
-    """Have a server started with the first process, for there will be more."""
+    """Start a server with the first process, for there will be more."""
     _KEPT.is_wanted = True
 
 

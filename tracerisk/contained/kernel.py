@@ -55,7 +55,7 @@ def support() -> Support:
 
 
 def die_with_parent(signal_number: int) -> None:
-    """Have this process get a signal when its parent ends."""
+    """Send this process a signal when its parent ends."""
     _called(_libc().prctl(_SET_DEATH_SIGNAL, signal_number, 0, 0, 0))
 
 
@@ -65,7 +65,7 @@ def adopt_orphans() -> None:
 
 
 def keep_signals_in(version: int) -> bool:
-    """Let this process and its descendants signal only each other; False where that cannot be."""
+    """Restrict signals of this process and its descendants to each other; False if not possible."""
     if version < _SIGNALS_SINCE:
         return False
     _restrict(_ruleset(0, 0, _SCOPE_SIGNALS))

@@ -79,7 +79,7 @@ class StartMark:
 
 
 def mark_start() -> None:
-    """Say to the parent that the work begins; limits count from here. Once, in the child."""
+    """Signal the parent that the work begins; limits count from here. Once, in the child."""
     descriptor, _, cpu_s = os.environ.pop(_MARK, "").partition(":")
     if not cpu_s:
         return
@@ -141,7 +141,7 @@ def _cpu_s(pid: int) -> float | None:
 
 
 def _is_asleep(pid: int) -> bool:
-    """Tell whether every thread of a process sleeps: none computes, waits to, or is stopped."""
+    """Return whether every thread of a process sleeps: none computes, waits to, or is stopped."""
     if sys.platform != "linux":
         return True
     states = set()

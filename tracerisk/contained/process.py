@@ -204,7 +204,7 @@ def read_regular(path: Path, most: int) -> bytes:
     with os.fdopen(descriptor, "rb") as stream:
         found = os.fstat(descriptor)
         if not stat.S_ISREG(found.st_mode):
-            raise OSError(errno.EINVAL, "is no regular file")
+            raise OSError(errno.EINVAL, "is not a regular file")
         if found.st_size > most:
             raise OSError(errno.EFBIG, f"has {found.st_size} bytes; at most {most} are read")
         return stream.read(most)
@@ -262,7 +262,7 @@ def _within(place: Path) -> list[tuple[str, bool]]:
     if any(path in home.parents for home in homes):
         return []
     if path in homes:
-        # The folder of everything is no folder of sources, though sources may lie in it.
+        # The folder of everything is not a folder of sources, though sources may lie in it.
         parts = [each for each in inside if each.is_file() and each.suffix in _SOURCE_ENDINGS]
     elif any(is_secret(each.name) for each in inside):
         parts = [each for each in inside if not is_secret(each.name)]
@@ -283,7 +283,7 @@ def _home_on_record() -> str:
 
 @lru_cache(maxsize=1)
 def _compile_own() -> None:
-    """Have our modules compiled: a contained process cannot keep what it compiles."""
+    """Compile our modules: a contained process cannot keep what it compiles."""
     if any(each.endswith("-packages") for each in _PACKAGE.parts):
         return
     with contextlib.suppress(OSError):
@@ -297,7 +297,7 @@ def _compile_own() -> None:
 
 
 def _is_compiled(sources: Sequence[Path]) -> bool:
-    """Tell whether the modules of one folder were compiled after the last was written."""
+    """Return whether the modules of one folder were compiled after the last was written."""
     written = max(each.stat().st_mtime for each in sources)
     compiled = Path(cache_from_source(str(sources[0])))
     return compiled.exists() and compiled.parent.stat().st_mtime >= written

@@ -18,7 +18,7 @@ def format_of_name(name: str) -> HardwareFormat:
     suffix = PurePath(name).suffix.lower()
     if suffix not in _SUFFIXES:
         found = f"its name ends in '{suffix}'" if suffix else "its name has no ending"
-        raise HardwareError(f"{found}, which is no format; {one_of(_SUFFIXES)}", Location(name))
+        raise HardwareError(f"{found}, which is not a format; {one_of(_SUFFIXES)}", Location(name))
     return _SUFFIXES[suffix]
 
 

@@ -26,7 +26,7 @@ def shipped_names() -> tuple[str, ...]:
 
 
 def is_shipped(robot: str) -> bool:
-    """Say whether a description of its own is shipped for a robot."""
+    """Return whether a description of its own is shipped for a robot."""
     return robot != GENERIC and (_FOLDER / f"{robot}.yaml").is_file()
 
 

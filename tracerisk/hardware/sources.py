@@ -25,7 +25,7 @@ def assumed_sources(hardware: Hardware) -> dict[str, str]:
 
 
 def is_assumed(source: str) -> bool:
-    """Say whether a source is none: it begins with `assumed`."""
+    """Return whether a source is none: it begins with `assumed`."""
     return source.lstrip().lower().startswith("assumed")
 
 

@@ -210,12 +210,12 @@ def _joint_groups(
 
 
 def _examples(component: Component) -> Iterator[str]:
-    """Yield what a component may hold beside, each a line that is right once it is no comment."""
+    """Yield what a component may hold beside, each a line that is right once it is uncommented."""
     data = component_data(component)
     for key in ("probability", "failure_rate"):
         figure = data.get(key)
         if isinstance(figure, dict) and "error_factor" not in figure:
-            yield "with how sure it is: " + key_line(key, {**figure, "error_factor": 3})
+            yield "with its uncertainty: " + key_line(key, {**figure, "error_factor": 3})
             break
     if component.redundancy and not component.redundancy.common_cause:
         yield "common_cause: {beta: 0.1}"

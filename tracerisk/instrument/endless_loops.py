@@ -65,7 +65,7 @@ def _is_future_import(node: ast.stmt) -> bool:
 
 
 def _holds(test: ast.expr) -> bool:
-    """Tell whether a condition holds until the program is shut down."""
+    """Return whether a condition holds until the program is shut down."""
     if isinstance(test, ast.Constant):
         return bool(test.value)
     if isinstance(test, ast.BoolOp):
@@ -87,7 +87,7 @@ def _last_name(node: ast.expr | None) -> str:
 
 
 def _leaves(body: Iterable[ast.AST], *, inner: bool) -> bool:
-    """Tell whether something in a loop's body leaves the loop; `inner`: within another loop."""
+    """Return whether something in a loop's body leaves the loop; `inner`: within another loop."""
     return any(_leaves_by(node, inner=inner) for node in body)
 
 
@@ -108,7 +108,7 @@ def _leaves_by(node: ast.AST, *, inner: bool) -> bool:
 
 
 def _is_over(test: ast.expr) -> bool:
-    """Tell whether a condition holds only when the program is shut down."""
+    """Return whether a condition holds only when the program is shut down."""
     if isinstance(test, ast.UnaryOp) and isinstance(test.op, ast.Not):
         return _is_call_of(test.operand, ("ok",))
     return _is_call_of(test, ("is_shutdown", "is_shutdown_requested"))

@@ -1,4 +1,4 @@
-"""Tell the functions that are steps of the task from those that only help: DESIGN, section 3.
+"""Separate functions that are steps of the task from helpers.
 
 Only the stacks of the commands that ran are looked at. Over these stacks
 

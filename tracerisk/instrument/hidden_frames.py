@@ -31,14 +31,14 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def hide(function: F) -> F:
-    """Let a function's frames pass for the import system's."""
+    """Mark a function's frames as those of the import system."""
     assert isinstance(function, FunctionType)
     function.__code__ = function.__code__.replace(co_filename=HIDDEN_FILENAME)
     return function
 
 
 def is_hidden(filename: str) -> bool:
-    """Tell whether a code's file name is one of tracerisk's own."""
+    """Return whether a code's file name is one of tracerisk's own."""
     return filename == HIDDEN_FILENAME or filename.startswith(_PACKAGE)
 
 

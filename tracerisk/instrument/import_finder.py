@@ -102,7 +102,7 @@ class ControllerFinder(MetaPathFinder):
         return name not in self._shared and name not in sys.stdlib_module_names
 
     def is_own(self, file: Path) -> bool:
-        """Tell whether a file is the controller's own source."""
+        """Return whether a file is the controller's own source."""
         resolved = file.resolve()
         if not resolved.is_relative_to(self._root):
             return False
@@ -113,7 +113,7 @@ class ControllerFinder(MetaPathFinder):
 
 @contextlib.contextmanager
 def controller_imports(finder: ControllerFinder) -> Iterator[None]:
-    """Let the controller's imports go through `finder` until closed; its modules go with it."""
+    """Route the controller's imports through `finder` until closed; its modules go with it."""
     before = set(sys.modules)
     sys.meta_path.insert(0, finder)
     try:

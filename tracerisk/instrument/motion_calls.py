@@ -22,8 +22,8 @@ _COMMON = frozenset({"publish", "call", "call_async", "send_request"})
 def calls_at(source: bytes, sites: Collection[Site]) -> frozenset[str]:
     """Return the names of the calls at some places of a source, as a call graph tells them.
 
-    Each is told as it is written (`self.pub.publish`), and by its last name too where that is
-    not one that other calls have as well. A call of what is no plain name is left out.
+    Each is listed as it is written (`self.pub.publish`), and by its last name too where that is
+    not one that other calls have as well. A call of what is not a plain name is left out.
     """
     wanted = set(sites)
     names: set[str] = set()

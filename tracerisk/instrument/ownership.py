@@ -1,4 +1,4 @@
-"""Say which function owns each command, and to which visit each moment of the run belongs."""
+"""Assign each command to a function, and each moment of the run to a visit."""
 
 from __future__ import annotations
 
@@ -219,7 +219,7 @@ def _visits(
 
 
 def _still_live(visit: _OpenVisit, command: Command, last_on_element: dict[str, int]) -> bool:
-    """Tell whether a command of the visit was live until `command` was issued.
+    """Return whether a command of the visit was live until `command` was issued.
 
     One that `command` itself supersedes was.
     """
@@ -253,7 +253,7 @@ def _functions(visits: Iterable[OwnedVisit]) -> tuple[TracedFunction, ...]:
 def _concurrent_owners(
     live: Sequence[LiveCommand], visits: Sequence[OwnedVisit]
 ) -> tuple[Finding, ...]:
-    """Tell each pair of owners that had live commands at the same time, once."""
+    """Return each pair of owners that had live commands at the same time, once."""
     findings: list[Finding] = []
     told: set[frozenset[FunctionRef]] = set()
     open_commands: list[LiveCommand] = []

@@ -329,7 +329,7 @@ class _Reader:
 
     def read(self, event: dict[str, Any]) -> None:
         if type(event["ns"]) is not int or not 0 <= event["ns"] < 2**63:
-            raise ValueError("its time is no whole number of nanoseconds")
+            raise ValueError("its time is not a whole number of nanoseconds")
         self.handlers[event["event"]](event)
         self.last_ns = max(self.last_ns, event["ns"])
 
@@ -347,7 +347,7 @@ class _Reader:
     def _function(self, event: dict[str, Any]) -> None:
         ref = FunctionRef(_text(event["file"]), QualifiedName(_text(event["name"])))
         if type(event["line"]) is not int:
-            raise ValueError("its line is no whole number")
+            raise ValueError("its line is not a whole number")
         self.functions.append(FunctionSite(ref, event["line"]))
 
     def _ran(self, event: dict[str, Any]) -> None:
@@ -420,5 +420,5 @@ def _location(data: Sequence[Any] | None) -> Location | None:
     if data is not None:
         file, *numbers = data
         if not isinstance(file, str) or any(type(n) not in (int, type(None)) for n in numbers):
-            raise ValueError("its place is no file with a line")
+            raise ValueError("its place is not a file with a line")
     return None if data is None else Location(*data)

@@ -156,7 +156,7 @@ class Tracer:
 
     @hide
     def looped(self, file: str, line: int) -> None:
-        """Tell that an iteration of an endless loop begins; what instrumented loops call."""
+        """Record that an iteration of an endless loop begins; instrumented loops call this."""
         if self.on_iteration is not None:
             self.on_iteration(file, line)
 

@@ -28,7 +28,7 @@ from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.freshness.freshness import run_inputs
 from tracerisk.pipeline.freshness.known_controllers import with_moved
 from tracerisk.pipeline.freshness.known_functions import check_named_functions, check_steps
-from tracerisk.pipeline.history.one_writer import one_writer
+from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.trace.summary import trace_summary
 from tracerisk.pipeline.workspace.controller import Controller, lines_since, load_controller
 from tracerisk.trace import FunctionRef, QualifiedName, Trace
@@ -211,7 +211,7 @@ def annotate(
     `given` are those of the settings that came from the command line: a refresh uses them again.
     Raises EditInTheWayError when a person edited a computed value and the policy says to stop,
     HardwareError when the description does not fit, SettingsError when `states` or `helpers` name
-    what is no function, BlockError or UnsafeRewriteError when the source cannot be annotated, or
+    what is not a function, BlockError or UnsafeRewriteError when the source cannot be annotated, or
     holds a redundancy set by hand over units that differ.
     """
     from tracerisk.adder.annotate import annotate_sources

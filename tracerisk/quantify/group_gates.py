@@ -25,12 +25,12 @@ SURE = Decimal(5000)
 
 
 def needs_all(redundancy: Redundancy, quantity: int) -> bool:
-    """Say whether a group fails with any of its units."""
+    """Return whether a group fails with any of its units."""
     return not redundancy.is_redundant or redundancy.required >= quantity
 
 
 def stays_hidden(redundancy: Redundancy, quantity: int) -> bool:
-    """Say whether the first failures of a group stay hidden until the mission ends."""
+    """Return whether the first failures of a group stay hidden until the mission ends."""
     return (
         not needs_all(redundancy, quantity)
         and not redundancy.has_spares

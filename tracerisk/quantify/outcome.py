@@ -54,7 +54,7 @@ SURELY = Outcome(ONE, ZERO)
 
 
 def with_digits(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Have a function compute with 40 digits, whatever its caller's context."""
+    """Make a function compute with 40 digits, whatever its caller's context."""
 
     @functools.wraps(function)
     def precise(*args: _P.args, **kwargs: _P.kwargs) -> _R:
@@ -96,7 +96,7 @@ def fewer_than(threshold: int, units: Sequence[Outcome]) -> list[Decimal]:
 
 
 def _count(counts: list[Decimal], unit: Outcome) -> None:
-    """Let one more unit in."""
+    """Add one more unit."""
     for failed in range(len(counts) - 1, 0, -1):
         counts[failed] = counts[failed] * unit.q + counts[failed - 1] * unit.p
     counts[0] *= unit.q

@@ -164,7 +164,7 @@ def _failed_by_the_end(chain: _Chain, start: Sequence[tuple[int, Decimal]]) -> O
 
 
 def _fails(chain: _Chain, now: Sequence[Decimal]) -> bool:
-    """Say whether the failed group can be reached: a unit may be one that never fails."""
+    """Return whether the failed group can be reached: a unit may be one that never fails."""
     seen = {state for state, share in enumerate(now) if share}
     ahead = list(seen)
     while ahead:

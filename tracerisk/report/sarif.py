@@ -102,7 +102,7 @@ RULES: tuple[Rule, ...] = (
         "OverThreshold",
         "error",
         "The mission fails more often than is allowed.",
-        "The failure probability of the mission is above `max_risk`. The table of "
+        "The failure probability of the mission is above `max_failure_probability`. The table of "
         "`tracerisk solve` tells which components it comes from.",
     ),
     Rule(

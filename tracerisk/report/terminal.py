@@ -90,7 +90,7 @@ def mission_sentence(assessment: Assessment) -> str:
     if risk == 0.0:
         return f"No hardware failure that is modelled can end a mission of {assessment.model}."
     told = (
-        f"A mission of {assessment.model} fails through hardware with probability "
+        f"Probability that a hardware failure ends a mission of {assessment.model}: "
         f"{_probability(risk)}"
     )
     if not assessment.components:
@@ -102,9 +102,9 @@ def mission_sentence(assessment: Assessment) -> str:
 def _readings(assessment: Assessment) -> str:
     mission = assessment.mission
     figures = {
-        "by the chain": mission.failure_probability,
-        f"{counted(mission.expected_cycles, 'cycle')}, fixed": mission.fixed_cycles,
-        "visits as they ran": mission.visits_as_run,
+        "geometric cycles": mission.failure_probability,
+        counted(mission.expected_cycles, "fixed cycle"): mission.fixed_cycles,
+        "as executed": mission.visits_as_run,
     }
     spread = max(figures.values()) - min(figures.values())
     relative = spread / mission.failure_probability if mission.failure_probability > 0.0 else 0.0

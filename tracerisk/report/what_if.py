@@ -124,7 +124,7 @@ def render_uncertainty(
 
 def _sweep(swept: Sweep) -> Table:
     table = table_of(f"Sweep of {swept.name} ({swept.before:.4g} in the model)")
-    for heading in (swept.name, "by the chain", "fixed cycles", "visits as they ran"):
+    for heading in (swept.name, "geometric cycles", "fixed cycles", "as executed"):
         table.add_column(heading, justify="right", overflow="fold")
     for point in swept.points:
         mission = point.mission

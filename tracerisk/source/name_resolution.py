@@ -42,7 +42,7 @@ class Scope:
         return self.qualified + dot
 
     def binds(self, name: str) -> bool:
-        """Tell whether a name is bound here, even to something unknown."""
+        """Return whether a name is bound here, even to something unknown."""
         tables = (self.functions, self.classes, self.imported, self.assigned, self.annotated)
         return any(name in table for table in tables)
 

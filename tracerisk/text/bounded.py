@@ -42,7 +42,7 @@ def loads_json(
 ) -> Any:
     """Return what a JSON text states.
 
-    Raises ValueError (JSONDecodeError, with the place, where the text is no JSON) for numbers that
+    Raises ValueError (JSONDecodeError, with the place, where the text is not JSON) for numbers that
     are too long or not finite, and for a text that nests too deeply.
     """
     try:

@@ -331,7 +331,7 @@ def _is_map(value: Any) -> bool:
 
 
 def _check_keys(node: Any, file: str, error: type[InputError], seen: set[int]) -> None:
-    """Raise at a key that is no string; what stands behind several anchors is looked at once."""
+    """Raise at a key that is not a string; what stands behind several anchors is looked at once."""
     if id(node) in seen:
         return
     if _is_map(node):

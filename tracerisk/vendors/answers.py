@@ -129,7 +129,7 @@ class Answers:
         return list(value) if isinstance(value, tuple) else value
 
     def asks_sensors(self, outputs: Mapping[str, Output] | None) -> bool:
-        """Tell whether outputs hold what encoders measure."""
+        """Return whether outputs hold what encoders measure."""
         return any(each.reference in _OF_JOINTS for each in (outputs or {}).values())
 
     def note_reading(self, outputs: Mapping[str, Output] | None, result: Result) -> None:

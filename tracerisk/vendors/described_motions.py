@@ -386,7 +386,7 @@ class DescribedMotions:
 
 
 def _differ(one: Sequence[float], other: Sequence[float]) -> bool:
-    """Tell whether two postures are apart; of other lengths they are, for a check to report."""
+    """Return whether two postures are apart; of other lengths they are, for a check to report."""
     if len(one) != len(other):
         return True
     return any(abs(a - b) > _SAME for a, b in zip(one, other, strict=True))

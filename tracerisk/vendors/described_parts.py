@@ -86,7 +86,7 @@ def case_of(interface: Interface, request: Request) -> Case:
 
 
 def is_named(described: str, name: str) -> bool:
-    """Tell whether a full name is that of the description, in any namespace."""
+    """Return whether a full name is that of the description, in any namespace."""
     return described == "*" or f"/{name.strip('/')}".endswith(f"/{described.strip('/')}")
 
 

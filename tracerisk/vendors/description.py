@@ -220,5 +220,5 @@ class Driver:
 
 
 def is_share(unit: str) -> bool:
-    """Tell whether a unit is a share of what the robot is rated for."""
+    """Return whether a unit is a share of what the robot is rated for."""
     return unit in ("fraction", "percent")

@@ -259,7 +259,7 @@ def _full(entry: YamlMap, name: str, packages: tuple[str, ...]) -> tuple[str, ..
     if len(parts) == 3 and parts[1] in ("msg", "srv", "action"):
         name = f"{parts[0]}/{parts[2]}"
     if not _TYPE.fullmatch(name):
-        entry.fail("type", f"'{name}' is no type; write 'package/Name'")
+        entry.fail("type", f"'{name}' is not a type; write 'package/Name'")
     if "/" in name:
         return (name,)
     if not packages:
@@ -337,5 +337,5 @@ def _definitions(top: YamlMap) -> dict[str, str]:
         return {}
     for name in given:
         if not _DEFINITION.fullmatch(name):
-            given.fail(name, "is no interface; write 'package/srv/Name' (or msg, action)")
+            given.fail(name, "is not an interface; write 'package/srv/Name' (or msg, action)")
     return {name: given.string(name) for name in given}

@@ -111,12 +111,12 @@ def numbers_in(value: Any) -> list[float] | None:
 
 
 def is_message(value: Any) -> bool:
-    """Tell whether a value is a message of either ROS."""
+    """Return whether a value is a message of either ROS."""
     return hasattr(value, "_ros_fields") or hasattr(value, "_slot_types")
 
 
 def is_of_ros(message: Any) -> bool:
-    """Tell whether a message is one of ROS's own packages, whose numbers are in SI units."""
+    """Return whether a message is one of ROS's own packages, whose numbers are in SI units."""
     return is_message(message) and _OF_ROS.match(type_of(type(message))) is not None
 
 
@@ -216,7 +216,7 @@ def _scalar(
 
 def _number(field: MessageField, value: Any) -> float:
     if isinstance(value, str) or not _is_number(value):
-        raise FieldError(f"'{value}' is no number, and '{field.name}' is {field.base}")
+        raise FieldError(f"'{value}' is not a number, and '{field.name}' is {field.base}")
     return float(value)
 
 
@@ -281,5 +281,5 @@ def _is_number(value: Any) -> bool:
 
 
 def holds_numbers(field: MessageField) -> bool:
-    """Tell whether a field is a number or a list of numbers."""
+    """Return whether a field is a number or a list of numbers."""
     return field.message is None and (field.base in FLOATS or field.base in INTEGER_BITS)

@@ -33,7 +33,7 @@ class Request:
         self._conventions = conventions
 
     def meets(self, case: Case) -> bool:
-        """Tell whether the message holds what a case is for."""
+        """Return whether the message holds what a case is for."""
         return all(self.of(one) in map(_text, one.values) for one in case.when)
 
     def of(self, condition: Condition) -> str:

@@ -109,7 +109,7 @@ class ValueReader:
             return Output(name, place, constant=value[1:], map=map_)
         match = _REFERENCE.fullmatch(value)
         if match is None:
-            entry.fail(key, f"'{value}' is no reference; write $NAME, $NAME[0] or $NAME[0:3]")
+            entry.fail(key, f"'{value}' is not a reference; write $NAME, $NAME[0] or $NAME[0:3]")
         reference = match["name"]
         allowed = (*REFERENCES, *self._known)
         if reference.startswith("request."):
@@ -133,7 +133,7 @@ class ValueReader:
 def check_path(entry: YamlMap, key: str, path: str) -> None:
     """Raise at a key whose path is none."""
     if not PATH.fullmatch(path):
-        entry.fail(key, f"'{path}' is no field; write names with dots: 'target.pose', 'points[].x'")
+        entry.fail(key, f"'{path}' is not a field; join names by dots: 'target.pose', 'points[].x'")
 
 
 def plain_value(entry: YamlMap, key: str) -> Any:  # noqa: RET503 - `fail` raises
@@ -145,7 +145,7 @@ def plain_value(entry: YamlMap, key: str) -> Any:  # noqa: RET503 - `fail` raise
         return value
     if isinstance(value, int | float):
         if isinstance(value, int):
-            # Its limits: what no message can hold is no number of a description.
+            # Its limits: what no message can hold is not a number of a description.
             entry.number(key, minimum=-(2.0**63), maximum=2.0**64)
         else:
             entry.number(key)

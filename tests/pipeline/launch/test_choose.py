@@ -267,7 +267,10 @@ def test_a_launch_file_that_is_named_is_taken(workspace, given):
             "is a launch file of ROS 2, but the controller is of ROS 1; name one of ROS 1, or none "
             "with --no-launch",
         ),
-        ("<robot/>", "is no launch file; allowed: one of XML, YAML or Python, of ROS 1 or ROS 2"),
+        (
+            "<robot/>",
+            "is not a launch file; allowed: one of XML, YAML or Python, of ROS 1 or ROS 2",
+        ),
         (
             NODE1.replace("pick.py", "place.py").format("p", ""),
             "does not start arm_task/pick.py; it starts: arm_task/place.py",

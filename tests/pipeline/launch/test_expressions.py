@@ -30,7 +30,7 @@ def test_simple_expressions_have_their_value(text, value):
     [
         ("__import__('os')", "nothing is called '__import__'"),
         ("open('a')", "nothing is called 'open'"),
-        ("(1).__class__", "is no simple expression"),
+        ("(1).__class__", "is not a simple expression"),
         ("'a'.format(1)", "is not called here"),
         ("9 ** 99999", "too large"),
         ("((9 ** 999) ** 999) ** 999", "too large"),
@@ -39,7 +39,7 @@ def test_simple_expressions_have_their_value(text, value):
         ("1 / 0", "cannot be evaluated"),
         ("math.tau_half", "cannot be evaluated"),
         ("1 +", "cannot be evaluated"),
-        ("[i for i in 'ab']", "is no simple expression"),
+        ("[i for i in 'ab']", "is not a simple expression"),
         ("a" * 20000, "more than"),
     ],
 )

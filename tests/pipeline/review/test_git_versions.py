@@ -253,16 +253,19 @@ def test_nothing_is_written(committed, two_steps):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["nope"], "'nope' is no revision here, and no file; allowed: what `git rev-parse` knows"),
-        (["main..nope"], "'nope' is no revision here"),
-        (["main...nope"], "'nope' is no revision here"),
+        (
+            ["nope"],
+            "'nope' is not a revision here, and no file; allowed: what `git rev-parse` knows",
+        ),
+        (["main..nope"], "'nope' is not a revision here"),
+        (["main...nope"], "'nope' is not a revision here"),
         (["main", "nope.py"], "nope.py: there is no such file in main nor in working tree"),
         (["main..main", "nope.py"], "nope.py: there is no such file in main nor in main"),
         (["../x.py"], "../x.py: is outside the repository"),
         (["./x.py"], "./x.py: there is no such file in HEAD nor in working tree; name a tracked"),
         (["main", "../x.py"], "../x.py: is outside the repository"),
-        (["deadbeef"], "'deadbeef' is no revision"),
-        (["two\nlines"], "is no revision"),
+        (["deadbeef"], "'deadbeef' is not a revision"),
+        (["two\nlines"], "is not a revision"),
     ],
 )
 def test_what_git_does_not_know_is_an_error(committed, words, message):

@@ -69,10 +69,13 @@ def test_a_tree_is_built_of_formulas():
 @pytest.mark.parametrize(
     ("formula", "message"),
     [
-        ("a", "'top': 'a' is no formula; give its kind and inputs"),
-        (("spair", "a"), "'top': 'spair' is no kind of gate; did you mean 'spare'? allowed: and"),
+        ("a", "'top': 'a' is not a formula; give its kind and inputs"),
+        (
+            ("spair", "a"),
+            "'top': 'spair' is not a kind of gate; did you mean 'spare'? allowed: and",
+        ),
         (("atleast", "a"), "'top': atleast needs a number before its inputs"),
-        (("or", "a", 1), "'top': ['a', 1] holds what is no name of an input"),
+        (("or", "a", 1), "'top': ['a', 1] holds what is not a name of an input"),
         (("fdep",), "'top': fdep needs a trigger and its dependents"),
     ],
 )

@@ -426,7 +426,7 @@ def with_ties(*ties):
             lambda: DynamicGate("g", SPARE, ()),
             "gate 'g': spare needs at least one input",
         ),
-        (lambda: DynamicGate("g", PAND, ("a", "a")), "gate 'g': an input stands twice"),
+        (lambda: DynamicGate("g", PAND, ("a", "a")), "gate 'g': duplicate input"),
         (
             lambda: DynamicGate("g", PAND, ("a",), switch=0.1),
             "gate 'g': switch is for spare gates only",
@@ -442,7 +442,7 @@ def with_ties(*ties):
         (with_ties(Dependency("top", "a", ("b",))), "'top' names two gates, events or ties"),
         (
             with_ties(Dependency("d", "c", ("b",))),
-            "'d': input 'c' is no gate or event; allowed: a, b, top",
+            "'d': input 'c' is not a gate or event; allowed: a, b, top",
         ),
         (with_ties(Dependency("d", "a", ("top",))), "dependency 'd': dependent 'top' is a gate"),
         (
@@ -453,7 +453,7 @@ def with_ties(*ties):
             lambda: tree([Gate("top", OR, ("g",)), Gate("g", OR, ("top",))], []),
             "gate 'top' stands above itself; break the cycle",
         ),
-        (lambda: tree([], [event("a", 1.0)]), "the top 'top' is no gate or event; allowed: a"),
+        (lambda: tree([], [event("a", 1.0)]), "top 'top' is not a gate or event; allowed: a"),
     ],
 )
 def test_trees_that_do_not_hold_together_are_refused(make, message):
@@ -477,7 +477,7 @@ def test_trees_that_do_not_hold_together_are_refused(make, message):
         (
             [Gate("top", OR, ("g", "b")), DynamicGate("g", SPARE, ("a", "b"))],
             [event("a", 1.0), event("b", 1.0)],
-            "'b' is a spare of 'g' and an input of 'top', which is no spare gate",
+            "'b' is a spare of 'g' and an input of 'top', which is not a spare gate",
         ),
         (
             [

@@ -332,11 +332,11 @@ def test_what_has_no_value_is_told(expression, message):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Number(math.nan), "nan is no number of a model; give a finite one"),
+        (lambda: Number(math.nan), "nan is not a number of a model; give a finite one"),
         (lambda: Sum(()), "a sum needs at least one term"),
         (
             lambda: Call("sqr", numbers(1.0)),
-            "'sqr' is no function; did you mean 'sqrt'? allowed: abs, ",
+            "'sqr' is not a function; did you mean 'sqrt'? allowed: abs, ",
         ),
         (lambda: Call("pow", numbers(1.0)), "pow has 1 terms; allowed: 2"),
         (lambda: Call("min", ()), "min has 0 terms; allowed: 1 or more"),

@@ -231,7 +231,7 @@ def test_names_that_are_no_identifiers_get_labels_of_their_own():
 def test_labels_that_cannot_be_written_are_refused(labels, message):
     with pytest.raises(ModelError, match=message):
         explicit_chain(CHAIN, "b", labels)
-    with pytest.raises(ModelError, match="the entry 'c' is no state"):
+    with pytest.raises(ModelError, match="the entry 'c' is not a state"):
         explicit_chain(CHAIN, "c")
     with pytest.raises(ModelError, match="no label 'win'; did you mean 'won'"):
         explicit_chain(CHAIN, "b").labelled("win")
@@ -241,15 +241,15 @@ def test_labels_that_cannot_be_written_are_refused(labels, message):
     ("text", "message"),
     [
         ("", "m.tra:1:1: the file is empty; it begins with dtmc, ctmc"),
-        ("mdp\n", "m.tra:1:1: 'mdp' is no kind of chain that is read; allowed: ctmc, dtmc"),
+        ("mdp\n", "m.tra:1:1: 'mdp' is not a kind of chain that is read; allowed: ctmc, dtmc"),
         ("dtmc\n", "m.tra:1: the file holds no transition"),
         ("dtmc\n0 1\n", "m.tra:2:1: 2 words; a transition is a state, the next state and a number"),
-        ("dtmc\n0 x 1\n", "m.tra:2:3: 'x' is no whole number of 0 or more"),
-        ("dtmc\n0 -1 1\n", "m.tra:2:3: '-1' is no whole number"),
-        ("dtmc\n0  1 0.5x\n", "m.tra:2:6: '0.5x' is no probability or rate"),
-        ("dtmc\n0 1 -0.5\n", "m.tra:2:5: '-0.5' is no probability or rate; give a number of 0"),
-        ("dtmc\n0 1 nan\n", "m.tra:2:5: 'nan' is no probability or rate"),
-        ("dtmc\n0 1 0.5\n\n0 1 0.5\n", "m.tra:4:1: the transition from 0 to 1 stands twice"),
+        ("dtmc\n0 x 1\n", "m.tra:2:3: 'x' is not a whole number of 0 or more"),
+        ("dtmc\n0 -1 1\n", "m.tra:2:3: '-1' is not a whole number"),
+        ("dtmc\n0  1 0.5x\n", "m.tra:2:6: '0.5x' is not a probability or rate"),
+        ("dtmc\n0 1 -0.5\n", "m.tra:2:5: '-0.5' is not a probability or rate; give a number of 0"),
+        ("dtmc\n0 1 nan\n", "m.tra:2:5: 'nan' is not a probability or rate"),
+        ("dtmc\n0 1 0.5\n\n0 1 0.5\n", "m.tra:4:1: duplicate transition from 0 to 1"),
         ("dtmc\n1 1 1\n0 1 0.9\n", "m.tra:3: the probabilities from state 0 sum to 0.9"),
         ("dtmc\n1 1 1\n00 1 0.9\n", "m.tra:3: the probabilities from state 0 sum to 0.9"),
         (
@@ -257,7 +257,7 @@ def test_labels_that_cannot_be_written_are_refused(labels, message):
             "m.tra:3: 3 transitions are announced and 2 are there; the file is",
         ),
         ("2 2\n0 2 1\n1 1 1\n", "m.tra:2:1: state 2, but the file has 2 states"),
-        ("2 x\n0 1 1\n", "m.tra:1:3: 'x' is no whole number"),
+        ("2 x\n0 1 1\n", "m.tra:1:3: 'x' is not a whole number"),
     ],
 )
 def test_garbled_transitions_are_refused_with_their_position(text, message):
@@ -281,10 +281,10 @@ def test_garbled_transitions_are_refused_with_their_position(text, message):
             "#DECLARATION\ninit\n#END\n9 init\n",
             "m.lab:4:1: state 9, but the chain has states 0 to 3",
         ),
-        ("#DECLARATION\ninit\n#END\ninit 0\n", "m.lab:4:1: 'init' is no whole number"),
+        ("#DECLARATION\ninit\n#END\ninit 0\n", "m.lab:4:1: 'init' is not a whole number"),
         ("#DECLARATION\na\n#END\n0 a\n", "m.lab:1: no state has the label 'init'; label one"),
         ("#DECLARATION\ninit\n#END\n0 init\n1 init\n", "m.lab:1: 2 states have the label 'init'"),
-        ('0="init" 1=x\n0: 0\n', "m.lab:1:10: '1=x' is no declaration such as 0=\"init\""),
+        ('0="init" 1=x\n0: 0\n', "m.lab:1:10: '1=x' is not a declaration such as 0=\"init\""),
         ('0="init" 0="x"\n0: 0\n', 'm.lab:1:10: 0="x" is declared twice'),
         ('0="init"\n0 0\n', "m.lab:2:1: '0' where a state and a colon are expected"),
         ('0="init"\n0: 1\n', "m.lab:2:4: label 1 is not declared; declared: 0"),

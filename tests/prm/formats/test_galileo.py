@@ -248,7 +248,7 @@ EVENTS = '"A" lambda=1;\n"B" lambda=1;\n'
         ),
         (
             'toplevel "T"; "T" xor "A";',
-            "f:1:19: 'xor' is no kind of gate; did you mean 'or'? allowed:",
+            "f:1:19: 'xor' is not a kind of gate; did you mean 'or'? allowed:",
         ),
         ('"T" 2of3 "A" "B";', "f:1:5: gate 'T' is 2of3 and has 2 inputs"),
         ('"T" or "A" dorm=1;', "f:1:12: gate 'T' takes no attributes"),
@@ -266,7 +266,7 @@ EVENTS = '"A" lambda=1;\n"B" lambda=1;\n'
             "f:1:5: event 'A': attribute 'cov' is not supported; allowed: dorm,",
         ),
         ('"A" lambda=1 lambda=2;', "f:1:14: event 'A': lambda is given twice"),
-        ('"A" lambda=x;', "f:1:12: 'x' is no number"),
+        ('"A" lambda=x;', "f:1:12: 'x' is not a number"),
         ('"A" lambda=-1;', "f:1:1: rate is -1.0 1/h; allowed: 0 or more"),
         (
             '"A" dorm=1;',
@@ -276,7 +276,7 @@ EVENTS = '"A" lambda=1;\n"B" lambda=1;\n'
         ('"A" lambda=1 phases=1.5;', "f:1:21: event 'A': phases=1.5; allowed: whole numbers"),
         ('"A" rate=0 shape=1;', "f:1:10: event 'A': rate=0; allowed: above 0"),
         ('"A" lambda=1 repl=2;', "f:1:19: event 'A': repl=2; allowed: 1"),
-        ('toplevel "X";\n' + EVENTS, "f:1:10: the top 'X' is no gate or event; allowed: A, B"),
+        ('toplevel "X";\n' + EVENTS, "f:1:10: top 'X' is not a gate or event; allowed: A, B"),
         (
             'toplevel "T";\n"T" or "C";\n' + EVENTS,
             "f:2:1: 'T' has the input 'C', which is not defined",

@@ -292,7 +292,12 @@ CASES = [
         "modelData[0].distribution: unknown distribution 'triangle'; allowed: beta, gamma, ",
         True,
     ),
-    ((*TREE, "topEvent"), "tip", "faultTrees[0]: fault tree 't': the top 'tip' is no gate", False),
+    (
+        (*TREE, "topEvent"),
+        "tip",
+        "faultTrees[0]: fault tree 't': top 'tip' is not a gate",
+        False,
+    ),
     (
         (*TREE, "gates", 0, "type"),
         "nor2",
@@ -332,7 +337,12 @@ CASES = [
     ),
     (("faultTrees", 0, "name"), "", "fault tree '': a name needs printable characters", True),
     ((*CHAIN, "time"), "slow", "markovChains[0].time: is 'slow'; allowed: continuous, dis", True),
-    ((*CHAIN, "initialState"), "x", "markovChains[0]: Markov chain 'c': entry 'x' is no st", False),
+    (
+        (*CHAIN, "initialState"),
+        "x",
+        "markovChains[0]: Markov chain 'c': entry 'x' is not a st",
+        False,
+    ),
     (
         (*STEP, "rate"),
         1.0,
@@ -367,13 +377,13 @@ CASES = [
     (
         (*CHAIN, "transitions", 1, "target"),
         "bad",
-        "markovChains[0]: Markov chain 'c', transition 's' to 'bad': stands twice",
+        "markovChains[0]: Markov chain 'c', transition 's' to 'bad': duplicate transition",
         False,
     ),
     (
         ("figures", 0, "value"),
         {"absorption": {"markovChain": "c", "states": ["worse"]}},
-        "figures[0]: figure 'f': Markov chain 'c': 'worse' is no absorbing state; allowed: bad, ",
+        "figures[0]: figure 'f': Markov chain 'c': 'worse' is not an absorbing state; allowed: bad, ",
         False,
     ),
     (
@@ -420,8 +430,8 @@ def test_a_small_model_is_solved():
     [
         (json.dumps(SMALL)[:200], "is not valid JSON: .*; is the file whole?"),
         ("", "is not valid JSON: Expecting value; is the file whole?"),
-        ('{"a": 1, "a": 2}', "cannot be read: the key 'a' stands twice in one object; remove one"),
-        ('{"a": NaN}', "cannot be read: NaN is no number of a model; give a finite one"),
+        ('{"a": 1, "a": 2}', "cannot be read: duplicate key 'a' in one object; remove one"),
+        ('{"a": NaN}', "cannot be read: NaN is not a number of a model; give a finite one"),
         ("[" * 100_000, "cannot be read: a number or nesting too large"),
         ("[]", "the document: expected an object, found a list"),
         (

@@ -403,7 +403,7 @@ BAD += [
         ),
         (
             {"model": "MGL", "factors": PARTS["factors"] * 2},
-            "m.xml:4:48: the level 2 stands twice; give each once",
+            "m.xml:4:48: duplicate level 2; give each once",
         ),
         ({"members": '<gate name="a"/>'}, "m.xml:2:10: <gate> does not belong here"),
         (
@@ -422,7 +422,7 @@ BAD += [
         ({"tree": "D"}, "m.xml:1:11: event tree 'D' is not defined; allowed: E"),
         (
             {"path": '<sequence name="R"/>'},
-            "m.xml:2:1: event tree 'E': a path ends in 'R', which is no sequence; allowed: S",
+            "m.xml:2:1: event tree 'E': a path ends in 'R', which is not a sequence; allowed: S",
         ),
         (
             {"path": ""},

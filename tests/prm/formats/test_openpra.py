@@ -218,7 +218,7 @@ def leaf(name="a", p=0.5):
 BAD = [
     ("", "m.json: is empty; it should be a JSON file"),
     ('{"model": {', "m.json:1:12: is not valid JSON"),
-    ('{"model": {"name": "a", "name": "b"}}', "the key 'name' stands twice in one object"),
+    ('{"model": {"name": "a", "name": "b"}}', "duplicate key 'name' in one object"),
     ("[1]", "m.json:1:1: the document: expected an object, found a list"),
     ({"model": {}, "version": 2}, "unknown key 'version'; allowed: model, settings"),
     (
@@ -227,7 +227,10 @@ BAD = [
     ),
     ({"model": {"faultTrees": {}}}, "model.faultTrees: expected a list, found an object"),
     (request({"name": "T"}), "model.faultTrees[0]: 'top' is missing"),
-    (request(leaf("b")), "faultTrees[0].top.event: 'b' is no event or fault tree; allowed: T, a"),
+    (
+        request(leaf("b")),
+        "faultTrees[0].top.event: 'b' is not an event or fault tree; allowed: T, a",
+    ),
     (request(leaf(p=1.5)), "basicEvents[0].p: probability 1.5 is outside [0, 1]"),
     (request(leaf(p="0.5")), "basicEvents[0].p: expected a number, found the string '0.5'"),
     (request(leaf(), leaf()), "faultTrees[1].name: 'T' names two fault trees; rename one"),
@@ -276,7 +279,7 @@ BAD = [
     ),
     (
         request(leaf(), ccfGroups=[GROUP]),
-        "model.ccfGroups[0].members[1]: member 'b' is no basic event; allowed: a",
+        "model.ccfGroups[0].members[1]: member 'b' is not a basic event; allowed: a",
     ),
     (
         request(PUMPS, ccfGroups=[GROUP | {"model": "gamma"}]),
@@ -313,7 +316,7 @@ BAD = [
     ),
     (
         request(PUMPS, VALVES, eventTrees=[EVENT_TREE | {"functionalEvents": [{"name": "Pumps"}]}]),
-        "functionalStates[1]: 'Valves' is no functional event; allowed: Pumps",
+        "functionalStates[1]: 'Valves' is not a functional event; allowed: Pumps",
     ),
     (
         request(PUMPS, VALVES, eventTrees=[EVENT_TREE | {"sequences": []}]),

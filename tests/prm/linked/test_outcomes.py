@@ -126,6 +126,6 @@ def test_an_event_of_the_network_must_be_a_parameter():
         {"heat": {"hot": 0.25, "cool": 0.75}}, {"moter": Given("heat", {"hot": 0.4, "cool": 0.1})}
     )
     with pytest.raises(
-        ModelError, match=r"event 'moter' is no parameter of 'm'; did you mean 'motor'\?"
+        ModelError, match=r"event 'moter' is not a parameter of 'm'; did you mean 'motor'\?"
     ):
         over_conditions(heat_model(), network, "failure")

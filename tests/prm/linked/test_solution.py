@@ -373,7 +373,7 @@ STEPS = (Transition("s", "bad", Reference("x")), Transition("s", "done"))
                 chains=(LinkedChain("c", "s", STEPS),),
                 figures=(Figure("f", Absorption("c", ("s",))),),
             ),
-            "figure 'f': Markov chain 'c': 's' is no absorbing state; allowed: bad, done",
+            "figure 'f': Markov chain 'c': 's' is not an absorbing state; allowed: bad, done",
         ),
         (
             lambda: one_state(MissionTime(), ("x", 0.5)),
@@ -381,14 +381,14 @@ STEPS = (Transition("s", "bad", Reference("x")), Transition("s", "done"))
         ),
         (
             lambda: LinkedModel("m", (ModelParameter("x", Number(1.0)),) * 2),
-            "parameter 'x' stands twice; rename one",
+            "duplicate parameter 'x'; rename one",
         ),
         (lambda: LinkedModel("m", mission_time_h=0.0), "mission time 0.0: give a finite number"),
         (
             lambda: LinkedChain("c", "s", (STEPS[0], STEPS[0])),
-            "Markov chain 'c', transition 's' to 'bad': stands twice; add the two up",
+            "Markov chain 'c', transition 's' to 'bad': duplicate transition; add the two up",
         ),
-        (lambda: LinkedChain("c", "t", STEPS), "entry 't' is no state; allowed: bad, done, s"),
+        (lambda: LinkedChain("c", "t", STEPS), "entry 't' is not a state; allowed: bad, done, s"),
         (
             lambda: LinkedChain("c", "s", (Transition("s", "a", share=Fraction(1, 2)),)),
             "Markov chain 'c', state 's': the shares of its remainder sum to 1/2; they must sum to 1",

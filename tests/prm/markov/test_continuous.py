@@ -146,16 +146,16 @@ def test_states_that_are_left_for_good_have_no_share():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: ContinuousChain({"a": {"b": 1.0}}), "state 'a': 'b' is no state of the chain"),
-        (lambda: ContinuousChain({"a": {"a": -1.0}}), "state 'a': -1.0 to 'a' is no rate"),
+        (lambda: ContinuousChain({"a": {"b": 1.0}}), "state 'a': 'b' is not a state of the chain"),
+        (lambda: ContinuousChain({"a": {"a": -1.0}}), "state 'a': -1.0 to 'a' is not a rate"),
         (lambda: ContinuousChain({"a": {"e": math.inf}}, ("e",)), "state 'a': inf to 'e'"),
-        (lambda: ContinuousChain({"a": {}}, ("a",)), "state 'a' stands twice"),
-        (lambda: PAIR.solve("none"), "the entry 'none' is no transient state"),
+        (lambda: ContinuousChain({"a": {}}, ("a",)), "duplicate state 'a'"),
+        (lambda: PAIR.solve("none"), "entry 'none' is not a transient state"),
         (lambda: REPAIRED.solve("both"), "the chain never ends once in both, one, none"),
         (lambda: REPAIRED.embedded(), "the chain never ends once in both, one, none"),
         (lambda: PAIR.transient("both", -1.0), "time -1.0: give a time of 0 or more"),
         (lambda: PAIR.transient("both", math.nan), "time nan: give a time"),
-        (lambda: REPAIRED.availability(["all"]), "'all' is no state of the chain; .*both"),
+        (lambda: REPAIRED.availability(["all"]), "'all' is not a state of the chain; .*both"),
         (
             lambda: ContinuousChain({"s": {"a": 1.0, "b": 1.0}}, ("a", "b")).steady_state(),
             "the long run depends on the start: once in '[ab]' or in '[ab]'",

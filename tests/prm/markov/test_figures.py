@@ -142,14 +142,17 @@ def test_an_absorbing_state_keeps_what_it_has():
     [
         (lambda s: s.expected_time({"a": 1.0}), "no duration for b; give each state one"),
         (lambda s: s.expected_time({"a": 1.0, "c": 1.0}), "duration of 'c': no such state; .*a, b"),
-        (lambda s: s.expected_time({"a": -1.0, "b": 1.0}), "duration of 'a': -1.0 is no time"),
-        (lambda s: s.expected_time({"a": math.nan, "b": 1.0}), "duration of 'a': nan is no time"),
+        (lambda s: s.expected_time({"a": -1.0, "b": 1.0}), "duration of 'a': -1.0 is not a time"),
+        (
+            lambda s: s.expected_time({"a": math.nan, "b": 1.0}),
+            "duration of 'a': nan is not a time",
+        ),
         (lambda s: s.per_time(["lost"], {"a": 0.0, "b": 0.0}), "the chain ends at once"),
-        (lambda s: s.cycles(["a"]), "'a' is no absorbing state; allowed: lost, won"),
+        (lambda s: s.cycles(["a"]), "'a' is not an absorbing state; allowed: lost, won"),
         (lambda s: s.expected_time_given([], {"a": 1.0, "b": 1.0}), "no target is never reached"),
         (lambda s: s.cycles(["won"]).begun(0), "cycle 0: cycles count from 1"),
         (lambda s: PLAY.transient("a", -1), "-1 steps: a chain takes none or more"),
-        (lambda s: PLAY.transient("won", 1), "the entry 'won' is no transient state"),
+        (lambda s: PLAY.transient("won", 1), "entry 'won' is not a transient state"),
     ],
 )
 def test_figures_that_make_no_sense_are_refused(ask, message):

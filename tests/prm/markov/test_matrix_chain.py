@@ -272,11 +272,11 @@ GOOD = np.array([[0.5, 0.5], [0.0, 1.0]])
         (np.ones((2, 3)), {}, r"a matrix of shape \(2, 3\); a chain has a row and a column"),
         (np.array([["a"]]), {}, "a matrix of <U1; give floating-point numbers"),
         ([[0.5, 0.4], [0.0, 1.0]], {}, "state 0: its transitions sum to 0.9; they must sum to 1"),
-        ([[1.5, -0.5], [0.0, 1.0]], {}, "state 0: -0.5 to 1 is no probability"),
-        ([[math.nan, 0.5], [0.0, 1.0]], {}, "state 0: nan to 0 is no probability"),
-        (GOOD, {"names": ["a", "a"]}, "state 'a' stands twice in the chain"),
+        ([[1.5, -0.5], [0.0, 1.0]], {}, "state 0: -0.5 to 1 is not a probability"),
+        ([[math.nan, 0.5], [0.0, 1.0]], {}, "state 0: nan to 0 is not a probability"),
+        (GOOD, {"names": ["a", "a"]}, "duplicate state 'a' in the chain"),
         (GOOD, {"names": ["a"]}, "1 names for 2 states"),
-        (GOOD, {"absorbing": [2]}, "absorbing: 2 is no state; the states are 0 to 1"),
+        (GOOD, {"absorbing": [2]}, "absorbing: 2 is not a state; the states are 0 to 1"),
         (GOOD, {"absorbing": [True]}, r"absorbing: shape \(1,\); it marks each of 2 states"),
         (GOOD, {"absorbing": [0, 1]}, "state 0 is to be absorbing but leads to others"),
         (
@@ -298,19 +298,21 @@ def test_a_malformed_matrix_is_refused_with_its_state(matrix, options, message):
 
 def test_states_that_are_not_there_are_refused():
     chain = MarkovChain.from_matrix(GOOD, names=["go", "end"])
-    with pytest.raises(ModelError, match="'ende' is no state of the chain; did you mean 'end'"):
+    with pytest.raises(ModelError, match="'ende' is not a state of the chain; did you mean 'end'"):
         chain.solve("ende")
-    with pytest.raises(ModelError, match="5 is no state of the chain; its states are 0 to 1"):
+    with pytest.raises(ModelError, match="5 is not a state of the chain; its states are 0 to 1"):
         chain.solve(5)
-    with pytest.raises(ModelError, match="the entry 'end' is no transient state"):
+    with pytest.raises(ModelError, match="entry 'end' is not a transient state"):
         chain.solve(1)
-    with pytest.raises(ModelError, match="'go' is no absorbing state"):
+    with pytest.raises(ModelError, match="'go' is not an absorbing state"):
         chain.solve(0).absorption_from_each([0])
-    with pytest.raises(ModelError, match="'x' is no state of the chain; the states have no names"):
+    with pytest.raises(
+        ModelError, match="'x' is not a state of the chain; the states have no names"
+    ):
         MarkovChain.from_matrix(GOOD).solve("x")
     with pytest.raises(ModelError, match="-1 steps: a chain takes none or more"):
         chain.transient_distribution(0, -1)
-    with pytest.raises(ModelError, match=r"duration of state 0: -1.0 is no time"):
+    with pytest.raises(ModelError, match=r"duration of state 0: -1.0 is not a time"):
         chain.solve(0).expected_time(-1.0)
     with pytest.raises(ModelError, match="the chain ends at once: no visit has a duration"):
         chain.solve(0).per_time([1], 0.0)

@@ -47,7 +47,7 @@ def test_the_one_sentence_is_the_heading_of_the_page(document, arm):
     assert arm.solve().mission.failure_probability == pytest.approx(7.1e-6, rel=1e-4)
     figure = "7.10\xa0\N{MULTIPLICATION SIGN}\xa010⁻⁶"
     assert heading.text_content() == (
-        f"A mission of arm.py fails through hardware with probability {figure}, one in 141,000."
+        f"Probability that a hardware failure ends a mission of arm.py: {figure}, one in 141,000."
     )
     assert "not harm" in document.text_content()
 

@@ -76,7 +76,7 @@ lasted = (rospy.Time.now() - now).to_sec()
 assert 0.99 < lasted < 1.05, lasted
 try:
     buffer.lookup_transform("world", "panda_hand", latest, 1.0)
-    raise SystemExit("a number is no Duration")
+    raise SystemExit("a number is not a Duration")
 except TypeError as error:
     assert "Duration of rospy" in str(error)
 """)

@@ -82,7 +82,7 @@ def parse_block(lines: Sequence[BlockLine], file: str) -> RiskBlock:
 
     Raises:
         BlockError: if a line is unknown or malformed, a brace or a value is missing, or a name
-            stands twice; with the file and the line.
+            is given twice; with the file and the line.
     """
     return _Parser(file).block(lines)
 
@@ -120,7 +120,7 @@ class _Parser:
             if component.name in seen:
                 raise self._error(
                     line,
-                    f"component {component.name} stands twice in this block, first at line "
+                    f"duplicate component {component.name} in this block, first at line "
                     f"{seen[component.name]}; delete one",
                 )
             seen[component.name] = line
@@ -211,7 +211,7 @@ class _Parser:
             for earlier in section.assignments:
                 if earlier.key == key:
                     raise self._error(
-                        line, f"{key} stands twice, first at line {earlier.line}; delete one"
+                        line, f"duplicate {key}, first at line {earlier.line}; delete one"
                     )
         pinned = match["operator"] == ":="
         value, mark, comment = match["rest"].partition("!")

@@ -47,7 +47,7 @@ def read_probability(text: str) -> float:
     """Return the probability that `text` states.
 
     Raises:
-        ValueError: if `text` is no decimal number, or lies outside [0, 1].
+        ValueError: if `text` is not a decimal number, or lies outside [0, 1].
     """
     value = float(text) if _DECIMAL.fullmatch(text) else -1.0
     if not 0.0 <= value <= 1.0:

@@ -13,7 +13,7 @@ ALIKE = 0.01
 
 
 def are_alike(probabilities: Iterable[float]) -> bool:
-    """Say whether units fail alike, within noise."""
+    """Return whether units fail alike, within noise."""
     values = list(probabilities)
     return not values or max(values) <= (1.0 + ALIKE) * min(values)
 

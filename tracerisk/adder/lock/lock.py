@@ -262,7 +262,7 @@ def read_lock(path: Path) -> Lock:
     """Return the lock at `path`; an empty one where there is no such file.
 
     Raises:
-        LockError: if the file is no lock, or was cut short.
+        LockError: if the file is not a lock, or was cut short.
     """
     try:
         data = path.read_bytes()
@@ -373,7 +373,7 @@ class _Reader:
             names = [name for name, _ in pairs]
             twice = sorted({name for name in names if names.count(name) > 1})
             raise self._error(
-                f"{', '.join(twice)} stands twice in one object, as after a careless merge; "
+                f"duplicate {', '.join(twice)} in one object, as after a careless merge; "
                 "restore it from version control"
             )
         return found
@@ -387,7 +387,7 @@ class _Reader:
         previous = entry.get("previous")
         others = entry.get("others", [])
         if not isinstance(others, list):
-            raise self._error(f"{path}: others is no JSON list; restore the file")
+            raise self._error(f"{path}: others is not JSON list; restore the file")
         digest = entry.get("digest")
         try:
             _check_relative(path)

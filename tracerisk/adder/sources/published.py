@@ -51,7 +51,7 @@ _BEGINS = re.compile(rf"\s*(?:{HEADER}(?:[ \t]+{DIGEST})?|@(?:Function|Component
 
 
 def is_c_like(file: str) -> bool:
-    """Tell by its ending whether a file's comments are those of C, C++ and Java."""
+    """Return whether a file's ending says that its comments are those of C, C++ and Java."""
     return PurePath(file).suffix.lower() in C_SUFFIXES
 
 

@@ -98,7 +98,7 @@ class _Run:
 def read_blocks(source: bytes, file: str) -> tuple[PlacedBlock, ...]:
     """Return the risk blocks of a Python source in the order of the file.
 
-    Block text inside strings is no block.
+    Block text inside strings is not a block.
 
     Raises:
         BlockError: if a block is malformed, misplaced or under another function than its

@@ -58,7 +58,7 @@ def atomic_write(path: Path, data: bytes, expected: bytes | None = None) -> None
 
     The new content is on the disk before it takes the name; a symbolic link stays and the
     file it leads to is replaced. A file with further hard links is written in place, for another
-    one of its name would part it from them: that alone is no single step.
+    one of its name would part it from them: that alone is not a single step.
     What the file holds is compared with `expected` last of all.
 
     Raises:

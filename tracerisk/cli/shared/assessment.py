@@ -39,10 +39,10 @@ def print_assessment(
     )
 
 
-def risk_exit(assessment: Assessment, max_risk: float | None) -> ExitCode:
+def risk_exit(assessment: Assessment, limit: float | None) -> ExitCode:
     """Return 1 where the mission's failure probability is over the limit that was given."""
     risk = assessment.mission.failure_probability
-    if max_risk is None or risk <= max_risk:
+    if limit is None or risk <= limit:
         return ExitCode.FINE
-    note(f"tracerisk: mission failure {risk:.4g} is over --max-risk {max_risk:g}")
+    note(f"tracerisk: mission failure {risk:.4g} is over --max-failure-probability {limit:g}")
     return ExitCode.WOULD_CHANGE

@@ -1,4 +1,4 @@
-"""Tell the format of a model file: by what it holds, else by how its name ends."""
+"""Detect the format of a model file: by its content, else by the end of its name."""
 
 from __future__ import annotations
 

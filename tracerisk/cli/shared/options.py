@@ -21,9 +21,7 @@ ProfileText = dict[str, dict[str, str]]
 def add_json(parser: argparse.ArgumentParser) -> None:
     """Add `--json` and `--quiet`."""
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
-    parser.add_argument(
-        "-q", "--quiet", action="store_true", help="print nothing but what is asked for"
-    )
+    parser.add_argument("-q", "--quiet", action="store_true", help="suppress notes and progress")
 
 
 def add_sarif(parser: argparse.ArgumentParser) -> None:
@@ -40,48 +38,58 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         "argv", metavar="ARG", nargs="*", help="arguments for the controller, after --"
     )
     group = parser.add_argument_group("the run")
-    group.add_argument("--robot", metavar="NAME|FILE", help="the arm; else told by its names")
-    group.add_argument("--scene", metavar="NAME|FILE", help="the scene; else the robot's default")
     group.add_argument(
-        "--scenario", metavar="FILE", help="what the controller's world gives it: docs/scenario.md"
+        "--robot",
+        metavar="NAME|FILE",
+        help="robot to simulate (default: inferred from joint and group names)",
+    )
+    group.add_argument(
+        "--scene", metavar="NAME|FILE", help="scene to simulate (default: that of the robot)"
+    )
+    group.add_argument(
+        "--scenario",
+        metavar="FILE",
+        help="scenario: messages, services and objects around the controller (docs/scenario.md)",
     )
     group.add_argument(
         "--params",
         metavar="FILE",
         action="append",
-        help="parameters as YAML, of ROS 1 or ROS 2; may be given again",
+        help="parameters as YAML, of ROS 1 or ROS 2; repeatable",
     )
     group.add_argument(
         "--driver",
         dest="drivers",
         metavar="FILE",
         action="append",
-        help="a description of what the robot's driver serves; may be given again",
+        help="a description of what the robot's driver serves; repeatable",
     )
     launch = group.add_mutually_exclusive_group()
     launch.add_argument(
-        "--launch", metavar="FILE", help="the launch file that starts it; else looked for"
+        "--launch",
+        metavar="FILE",
+        help="launch file that starts the controller (default: searched for)",
     )
     launch.add_argument(
         "--no-launch",
         dest="launch",
         action="store_const",
         const=False,
-        help="give it nothing from a launch file",
+        help="ignore launch files",
     )
     group.add_argument(
         "--no-companions",
         dest="companions",
         action="store_const",
         const=False,
-        help="start no other node of its workspace that provides what it waits for",
+        help="do not start workspace nodes that the controller depends on",
     )
     group.add_argument(
         "--no-draft",
         dest="draft",
         action="store_const",
         const=False,
-        help="draft nothing of what it waits for in vain; such a run ends without a trace",
+        help="do not assume missing inputs; a run that needs one ends without a trace",
     )
     group.add_argument(
         "--duration",
@@ -124,7 +132,7 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         dest="mission_cycles",
         metavar="N",
         type=_cycles,
-        help="cycles of a mission whose loop has no end of its own (10)",
+        help="cycles per mission assumed for a controller that loops forever (10)",
     )
     add_sandbox(group)
     group.add_argument("--seed", metavar="N", type=count, help="seed of all that is random (0)")
@@ -159,7 +167,7 @@ def add_hardware_options(parser: argparse.ArgumentParser) -> None:
     """Add what turns use into probabilities."""
     group = parser.add_argument_group("the hardware")
     group.add_argument(
-        "--hardware", metavar="FILE", help="the hardware description; else that of the robot"
+        "--hardware", metavar="FILE", help="hardware description (default: that of the robot)"
     )
     group.add_argument(
         "--active",
@@ -222,12 +230,18 @@ def add_write_options(parser: argparse.ArgumentParser) -> None:
 
 def add_edit_options(parser: argparse.ArgumentParser) -> None:
     """Add what becomes of a person's edits."""
-    group = parser.add_argument_group("values that a person edited")
+    group = parser.add_argument_group("values edited by hand")
     choice = group.add_mutually_exclusive_group()
-    choice.add_argument("--accept-edits", action="store_true", help="keep them, as := values")
-    choice.add_argument("--discard-edits", action="store_true", help="write the computed values")
+    choice.add_argument(
+        "--accept-edits", action="store_true", help="keep values edited by hand, as := values"
+    )
+    choice.add_argument(
+        "--discard-edits",
+        action="store_true",
+        help="overwrite values edited by hand with computed ones",
+    )
     group.add_argument(
-        "--fresh", action="store_true", help="write every computed value, within the noise too"
+        "--fresh", action="store_true", help="also rewrite values that changed by less than 1 %%"
     )
 
 
@@ -306,7 +320,7 @@ def probability(text: str) -> float:
     """Read a probability of the command line."""
     value = _number(text)
     if not 0.0 <= value <= 1.0:
-        raise argparse.ArgumentTypeError(f"{text} is no probability; allowed: 0 to 1")
+        raise argparse.ArgumentTypeError(f"{text} is not a probability; allowed: 0 to 1")
     return value
 
 

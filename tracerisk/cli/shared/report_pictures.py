@@ -13,7 +13,7 @@ from tracerisk.errors import ExitCode, InputError, Location
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings
-    from tracerisk.pipeline.check.kept_run import KeptRun
+    from tracerisk.pipeline.check.cached_run import KeptRun
     from tracerisk.trace import Trace
 
 
@@ -45,7 +45,7 @@ def _check_folder(folder: Path) -> None:
     """Raise InputError, before anything runs, where a folder could not be made or written."""
     there = next(each for each in (folder, *folder.absolute().parents) if each.exists())
     if not there.is_dir() or not os.access(there, os.W_OK):
-        what = "is no folder" if not there.is_dir() else "cannot be written"
+        what = "is not a folder" if not there.is_dir() else "cannot be written"
         raise InputError(f"{what}; name another one for the pictures", Location(str(there)))
 
 
@@ -70,7 +70,7 @@ def write_report_pictures(
         recorded = kept_recording(options.recording)
     elif kept is None:
         raise InputError(
-            "is no Python controller that can be run for its pictures; give the --recording and "
+            "is not Python controller that can be run for its pictures; give the --recording and "
             "the --trace of a run",
             Location(options.files[0]),
         )

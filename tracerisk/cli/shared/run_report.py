@@ -20,7 +20,7 @@ _TOGETHER = {"encoder": "encoders", "torque": "torque sensors"}
 
 
 def note_draft(trace: Trace, *, quiet: bool) -> None:
-    """Say on standard error that nobody has confirmed what a run depended on."""
+    """Warn on standard error that nobody has confirmed what a run depended on."""
     if trace.drafted:
         note(f"tracerisk: drafted: {trace.drafted}", quiet=quiet)
 
@@ -134,7 +134,7 @@ def _by_kind(
 
 
 def print_failure(trace: Trace) -> int:
-    """Tell how a run ended badly and what it had shown so far; return the exit code."""
+    """Return how a run ended badly and what it had shown so far; return the exit code."""
     place = "" if trace.end.location is None else f"{trace.end.location}: "
     note(f"tracerisk: {place}{trace.end.message} [{trace.end.code}]")
     if trace.verdict is not None:

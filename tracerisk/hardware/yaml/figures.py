@@ -110,7 +110,7 @@ def _weibull(figure: YamlMap) -> FailureFigure:
 
 
 def _uncertainty(figure: YamlMap) -> dict[str, Any]:
-    """Return the fields of a figure that tell how sure it is, and whose."""
+    """Return the fields of a figure of its uncertainty, and of its source."""
     factor = figure.number("error_factor", minimum=1.0) if "error_factor" in figure else None
     meaning = word_of(figure, "value_is", _MEANINGS) if "value_is" in figure else "median"
     if "value_is" in figure and factor is None:

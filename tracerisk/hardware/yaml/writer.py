@@ -11,7 +11,7 @@ from tracerisk.hardware.model import Component, Hardware
 
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_./\-]*|10/3")
 _WORDS_OF_YAML = frozenset({"true", "false", "null", "yes", "no", "on", "off", "y", "n"})
-"""What is no string where it stands without quotes, in one version of YAML or the other."""
+"""What is not a string where it stands without quotes, in one version of YAML or the other."""
 _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t"}
 
 

@@ -44,8 +44,8 @@ from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons, val
 from tracerisk.pipeline.freshness.known_controllers import is_gone, lock_of, moved_from, with_moved
 from tracerisk.pipeline.freshness.known_functions import check_named_functions, check_steps
 from tracerisk.pipeline.freshness.who_wrote import evidence_for
+from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.history.many_at_once import shared_out
-from tracerisk.pipeline.history.one_writer import one_writer
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.trace import FunctionRef, QualifiedName, Verdict
@@ -108,8 +108,10 @@ def _check_once(path: Path | str, limits: CoverageLimits) -> Checked:
         findings.append(CheckFinding("gone", message, place))
     is_whole = all(each.kind not in ("missing", "orphaned") for each in findings)
     if is_whole:
-        is_limited = settings.max_risk is not None and not findings
-        findings += _of_model(controller, entry, sources, settings.max_risk if is_limited else None)
+        is_limited = settings.max_failure_probability is not None and not findings
+        findings += _of_model(
+            controller, entry, sources, settings.max_failure_probability if is_limited else None
+        )
     if settings.fail_on in ("finding", "unexpected_contact"):
         findings += contact_findings(controller, entry)
     verdict = _verdict(entry, sources)
@@ -417,7 +419,7 @@ def _of_model(
     controller: Controller,
     entry: ControllerLock,
     sources: Sequence[_Source],
-    max_risk: float | None,
+    max_failure_probability: float | None,
 ) -> Iterable[CheckFinding]:
     """Yield why the blocks make no model that can be solved, or one above the limit.
 
@@ -427,7 +429,7 @@ def _of_model(
     placed = {
         FunctionRef(each.file, one.function): one.block for each in sources for one in each.placed
     }
-    if not placed or (max_risk is None and _are_as_written(entry, placed)):
+    if not placed or (max_failure_probability is None and _are_as_written(entry, placed)):
         return
     from tracerisk.pipeline.stages import solve
     from tracerisk.prm.hybrid.build import build_model
@@ -440,11 +442,14 @@ def _of_model(
     except (BlockError, ModelError) as error:
         yield CheckFinding("unsolvable", error.message, error.location or place)
         return
-    if max_risk is not None and mission.failure_probability > max_risk:
+    if (
+        max_failure_probability is not None
+        and mission.failure_probability > max_failure_probability
+    ):
         yield CheckFinding(
             "over_threshold",
             f"the mission fails with probability {mission.failure_probability:.4g}, above the "
-            f"max_risk of {max_risk:g}",
+            f"max_failure_probability of {max_failure_probability:g}",
             place,
         )
 

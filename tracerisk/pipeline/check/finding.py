@@ -29,13 +29,13 @@ FindingKind = Literal[
 ]
 """Why blocks are not to be trusted: what they depend on has changed; a person changed a value
 that is the tool's; nobody can tell who changed one; a block is gone; its function is gone or
-renamed; the mission's failure probability is above `max_risk`; a value is set by hand without a
-reason; a redundancy is set by hand over units that differed in the last run; the lock knows
-nothing; the lock knows a controller that is gone or renamed; the blocks make no model that has a
-solution; in the last run something touched that should not, and `fail_on` says that this is to
-fail; the last run went wrong, did not come to an end, or rests on needs that nothing met or on
-assumptions that nobody accepted;
-of the functions that can command hardware too few ran."""
+renamed; a mission's failure probability is above `max_failure_probability`; a value is set by
+hand without a reason; a redundancy is set by hand over units that differed in the last run; the
+lock knows nothing; the lock knows a controller that is gone or renamed; the blocks make no model
+that has a solution; in the last run something touched that should not, and `fail_on` says that
+this is to fail; the last run went wrong, did not come to an end, or rests on needs that nothing
+met or on assumptions that nobody accepted; of the functions that can command hardware too few
+ran."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,7 +33,7 @@ _MENDED = frozenset(
 )
 
 How = Literal["fresh", "recomputed", "simulated"]
-"""Nothing was to do; values were made anew of a kept trace; the controller was run."""
+"""Nothing was to do; values were recomputed from a cached trace; the controller was run."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +107,7 @@ def refresh_controller(
         policy=policy,
         given=given,
     )
-    told = "; ".join(reasons) or "values made anew of the kept trace"
+    told = "; ".join(reasons) or "values recomputed from the cached trace"
     return Refreshed(how, told, annotated, trace.verdict)
 
 

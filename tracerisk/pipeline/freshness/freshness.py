@@ -31,7 +31,7 @@ _LIBRARIES = "libraries"
 _LIMITS = frozenset(
     {
         *("cpu_limit_s", "wall_limit_s", "stall_limit_s", "memory_limit_mb"),
-        *("max_risk", "require_reason", "fail_on", "min_coverage", "sandbox"),
+        *("max_failure_probability", "require_reason", "fail_on", "min_coverage", "sandbox"),
     }
 )
 _OF_VALUES = frozenset({"hardware", "active"})
@@ -226,7 +226,7 @@ def _library_reasons(recorded: RunInputs, now: Collection[str]) -> Iterable[str]
         if file in now:
             yield f"{file} is library code now: its functions are no steps any more"
         elif file in recorded.sources:
-            yield f"{file} is no library code any more: its functions may be steps"
+            yield f"{file} is not a library code any more: its functions may be steps"
 
 
 def _code_now(controller: Controller, file: str) -> str:

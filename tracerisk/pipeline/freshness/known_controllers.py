@@ -15,7 +15,7 @@ from tracerisk.adder.sources.write import FileWrite, write_all
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.freshness.freshness import RunInputs
-from tracerisk.pipeline.history.one_writer import one_writer
+from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.workspace.controller import Controller
 
 T = TypeVar("T")

@@ -10,7 +10,7 @@ from pathlib import Path
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.values import DONE
 from tracerisk.adder.lock.lock import Written
-from tracerisk.adder.merge.person_words import check_targets, is_next_by_hand
+from tracerisk.adder.merge.hand_edits import check_targets, is_next_by_hand
 from tracerisk.adder.sources.definitions import MODULE, definitions, parse_python
 from tracerisk.config import Settings, setting_origins
 from tracerisk.errors import SettingsError, TraceRiskError, one_of
@@ -27,7 +27,7 @@ def check_named_functions(
     *,
     files: Sequence[str] = (),
 ) -> None:
-    """Refuse a name in `states` or `helpers` that is no function of the controller.
+    """Refuse a name in `states` or `helpers` that is not a function of the controller.
 
     What a controller imports is known from its `trace`, or is `files`; without either, and for
     settings that all controllers of the root share, a function of any source below the root will

@@ -44,7 +44,7 @@ def evidence_for(
 
 
 def _is_as_locked(controller: Controller, entry: ControllerLock | None, file: str) -> bool:
-    """Tell whether every block of a file was last written as the lock says.
+    """Return whether every block of a file was last written as the lock says.
 
     Where one was written otherwise, another branch has come into the file. So it has where more
     than one rank is another: a function that is new on a branch moves all that come after it.

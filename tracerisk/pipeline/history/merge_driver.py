@@ -1,4 +1,4 @@
-"""Have git merge `tracerisk.lock` controller by controller, and not line by line.
+"""Merge `tracerisk.lock` for git controller by controller, and not line by line.
 
 The attribute is committed with the repository; the driver is a matter of each clone. Where it is
 not set up, or tracerisk is not at hand, git merges the lines, as it would without either.

@@ -124,7 +124,7 @@ class Repository:
         )
 
     def file(self, commit: str, path: str) -> bytes | None:
-        """Return the content of a file in a commit or tree; `None` where it is no file there."""
+        """Return the content of a file in a commit or tree; `None` where it is not a file there."""
         return self.blob(f"{commit}:{path}")
 
     def blob(self, name: str) -> bytes | None:

@@ -70,7 +70,7 @@ class ParametersAround:
             try:
                 value = with_angles(yaml_value(read_text(path)))
             except (OSError, ParameterTextError, TraceRiskError):
-                # It may be of anything: what is no file of parameters gives none.
+                # It may be of anything: what is not a file of parameters gives none.
                 continue
             if isinstance(value, dict) and "ros__parameters" not in str(value):
                 yield _tree({f"/{key}": each for key, each in value.items()}), (path,)

@@ -11,9 +11,9 @@ from typing import Any, Literal
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, one_of
 from tracerisk.limits import Limits
-from tracerisk.pipeline.launch.asked import Asked, asked_by
 from tracerisk.pipeline.launch.find import LaunchFile, find_launch_files, ros_of
 from tracerisk.pipeline.launch.parameter_files import setup_of_parameter_file
+from tracerisk.pipeline.launch.parameter_reads import Asked, asked_by
 from tracerisk.pipeline.launch.program import Program, program_of, shown
 from tracerisk.pipeline.launch_files.parameter_text import ParameterTextError, read_text
 from tracerisk.pipeline.launch_files.process import read_launch
@@ -94,7 +94,7 @@ class _Candidate:
         return tuple(each for each in self.parameters if each.name.startswith(owner))
 
     def _is_for(self, parameter: LaunchParameter) -> bool:
-        """Tell whether a parameter is the node's, which may be any whose name is not known."""
+        """Return whether a parameter is the node's, which may be any whose name is not known."""
         whom = parameter.node
         if whom in (None, EVERY_NODE) or not self.nodes:
             return True
@@ -112,7 +112,7 @@ class _Candidate:
         )
 
     def same_as(self, other: _Candidate, asked: Asked) -> bool:
-        """Tell whether the node is given the same by another file."""
+        """Return whether the node is given the same by another file."""
         return self._given(asked) == other._given(asked)
 
     def _given(self, asked: Asked) -> tuple[Any, ...]:
@@ -184,7 +184,7 @@ def _named(
         raise InputError(f"the launch file {error}", place) from error
     if ros is None:
         raise InputError(
-            "is no launch file; allowed: one of XML, YAML or Python, of ROS 1 or ROS 2", place
+            "is not a launch file; allowed: one of XML, YAML or Python, of ROS 1 or ROS 2", place
         )
     if ros != wanted_ros:
         raise InputError(
@@ -287,7 +287,7 @@ def _setup(
 
 
 def _is_ours(variable: str) -> bool:
-    """Tell whether a variable of the environment is one on which the run itself stands."""
+    """Return whether a variable of the environment is one on which the run itself stands."""
     return variable.startswith(_NOT_SET)
 
 

@@ -83,7 +83,7 @@ def ros_of(path: Path, text: str) -> Literal[1, 2] | None:
 
 
 def is_test(path: Path, *tops: Path) -> bool:
-    """Tell whether a file is one of a test, wherever the workspace itself stands."""
+    """Return whether a file is one of a test, wherever the workspace itself stands."""
     within = next((path.relative_to(top) for top in tops if path.is_relative_to(top)), path)
     return bool(_TESTS.intersection(within.parts)) or path.name.startswith("test_")
 

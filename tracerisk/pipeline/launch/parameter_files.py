@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
-from tracerisk.pipeline.launch.asked import Asked
+from tracerisk.pipeline.launch.parameter_reads import Asked
 from tracerisk.pipeline.launch.program import Program, shown
 from tracerisk.pipeline.launch_files.parameter_text import (
     ParameterTextError,
@@ -111,5 +111,5 @@ def _parameters(path: Path) -> tuple[LaunchParameter, ...]:
         text = read_text(path) if path.stat().st_size <= _MOST_BYTES else ""
         return node_parameters(yaml_value(text)) if "ros__parameters" in text else ()
     except (OSError, ParameterTextError):
-        # It may be of anything: what is no file of parameters gives none.
+        # It may be of anything: what is not a file of parameters gives none.
         return ()

@@ -49,7 +49,7 @@ class Program:
         return path == Path(path.name) or os.path.realpath(path) == str(self.script)
 
     def is_named_in(self, text: str) -> bool:
-        """Tell whether a text names the program: with its package, or by its file's name."""
+        """Return whether a text names the program: with its package, or by its file's name."""
         file = self.script.name
         names = self.names if _is_word(self.package, text) else {file} if "." in file else ()
         return any(_is_word(name, text) for name in names)

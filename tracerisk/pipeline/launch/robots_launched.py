@@ -15,7 +15,7 @@ from tracerisk.pipeline.launch_files.records import RobotSource
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.workspace import find_workspace, named_packages
 from tracerisk.source.ros_version import ros_version
-from tracerisk.twin.robots.spoken_names import LaunchedBy, LaunchedDescription
+from tracerisk.twin.robots.names_in_source import LaunchedBy, LaunchedDescription
 from tracerisk.twin.workspace.description_files import distance
 
 _MOST_READ = {1: 40, 2: 4}  # launch files of ROS 2 cost a process each

@@ -115,8 +115,8 @@ def _serve(packages: dict[str, Path], read: list[Path], robots: list[Described])
 
     What they read goes to `read`, what of that describes a robot to `robots`.
     """
-    from tracerisk.pipeline.launch_files.absent import AbsentFinder
     from tracerisk.pipeline.launch_files.moveit_configs import moveit_configs_modules
+    from tracerisk.pipeline.launch_files.placeholders import AbsentFinder
 
     home = f"{__package__}.stand_ins"
     for top in _STAND_INS:
@@ -141,7 +141,7 @@ def _serve(packages: dict[str, Path], read: list[Path], robots: list[Described])
 
 def _xacro(robots: list[Described]) -> ModuleType:
     """Return a module whose documents are absent; what it is called with goes to `robots`."""
-    from tracerisk.pipeline.launch_files.absent import Absent, AbsentModule
+    from tracerisk.pipeline.launch_files.placeholders import Absent, AbsentModule
 
     class Document(Absent):
         def __init__(self, path: str) -> None:
@@ -174,7 +174,7 @@ def _xacro(robots: list[Described]) -> ModuleType:
 
 
 def _ament_index(packages: dict[str, Path]) -> ModuleType:
-    from tracerisk.pipeline.launch_files.absent import ABSENT_FOLDER
+    from tracerisk.pipeline.launch_files.placeholders import ABSENT_FOLDER
 
     module = ModuleType("ament_index_python.packages")
 

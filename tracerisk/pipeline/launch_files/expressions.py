@@ -102,7 +102,7 @@ class _Evaluation:
                 return getattr(math, node.attr)
             case ast.Call():
                 return self._call(node)
-        raise ValueError(f"'{ast.unparse(node)}' is no simple expression")
+        raise ValueError(f"'{ast.unparse(node)}' is not a simple expression")
 
     def _name(self, name: str) -> Any:
         if name in self._names:

@@ -7,7 +7,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from tracerisk.pipeline.launch_files.absent import ABSENT_FOLDER, Absent, AbsentModule
+from tracerisk.pipeline.launch_files.placeholders import ABSENT_FOLDER, Absent, AbsentModule
 from tracerisk.pipeline.launch_files.robot_sources import is_robot_file
 from tracerisk.ros.moveit.configs import ConfigsBuilder, MoveItConfigs
 

@@ -20,7 +20,7 @@ _ANGLE = re.compile(r"(deg|rad)\(([^()]*)\)")
 
 
 class ParameterTextError(ValueError):
-    """A text is no YAML, or no file of parameters."""
+    """A text is not YAML, or no file of parameters."""
 
 
 def yaml_value(text: str) -> Any:
@@ -76,7 +76,7 @@ def node_parameters(content: Any) -> tuple[LaunchParameter, ...]:
     if content is None:
         return ()
     if not isinstance(content, dict):
-        raise ParameterTextError("is no file of parameters: it holds no mapping")
+        raise ParameterTextError("is not a file of parameters: it holds no mapping")
     return tuple(_walk(content, ""))
 
 
@@ -105,7 +105,7 @@ def flat(tree: Any, prefix: str = "", mark: str = ".") -> Iterator[tuple[str, An
 
 
 def is_storable(value: Any) -> bool:
-    """Tell whether a value is one that a parameter can have."""
+    """Return whether a value is one that a parameter can have."""
     if isinstance(value, list | tuple):
         return all(is_storable(each) for each in value)
     return isinstance(value, bool | int | float | str)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tracerisk.pipeline.launch_files.absent import ABSENT_FOLDER
+from tracerisk.pipeline.launch_files.placeholders import ABSENT_FOLDER
 
 _ENDINGS = (".xacro", ".urdf", ".srdf")
 _GIVES = ":="
@@ -77,7 +77,7 @@ def _text(value: str | float | Path) -> str:
 
 
 def is_robot_file(path: str | Path) -> bool:
-    """Tell whether a file may describe a robot, by its name."""
+    """Return whether a file may describe a robot, by its name."""
     return str(path).endswith(_ENDINGS)
 
 

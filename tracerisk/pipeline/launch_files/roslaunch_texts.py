@@ -173,12 +173,12 @@ def typed(text: str, kind: str) -> Any:
             return float(plain)
         if kind in ("bool", "boolean"):
             if plain.lower() not in _TRUE | _FALSE:
-                raise RoslaunchError(f"'{text}' is no bool")
+                raise RoslaunchError(f"'{text}' is not a bool")
             return plain.lower() in _TRUE
         if kind == "yaml":
             return yaml_value(text)
     except ParameterTextError as error:
         raise RoslaunchError(str(error)) from error
     except ValueError as error:
-        raise RoslaunchError(f"'{text}' is no {kind}") from error
-    raise RoslaunchError(f"'{kind}' is no type of a parameter")
+        raise RoslaunchError(f"'{text}' is not a {kind}") from error
+    raise RoslaunchError(f"'{kind}' is not a type of a parameter")

@@ -287,7 +287,7 @@ class _Reader:
 
 
 def _is_storable(value: Any) -> bool:
-    """Tell whether the parameter server holds a value: no `None`, no integer over 32 bits."""
+    """Return whether the parameter server holds a value: no `None`, no integer over 32 bits."""
     if isinstance(value, dict):
         return all(isinstance(key, str) and _is_storable(each) for key, each in value.items())
     if isinstance(value, list):

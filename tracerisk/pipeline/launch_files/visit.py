@@ -8,8 +8,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from tracerisk.pipeline.launch_files.absent import AbsentError
 from tracerisk.pipeline.launch_files.parameter_text import read_text
+from tracerisk.pipeline.launch_files.placeholders import AbsentError
 from tracerisk.pipeline.launch_files.robot_sources import source_of_file
 from tracerisk.pipeline.launch_files.stand_ins.launch.actions import IncludeLaunchDescription
 from tracerisk.pipeline.launch_files.stand_ins.launch.launch_context import LaunchContext, Reading

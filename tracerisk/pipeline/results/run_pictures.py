@@ -80,7 +80,7 @@ def write_pictures(
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        told = f"is no folder for pictures: {error.strerror}"
+        told = f"is not a folder for pictures: {error.strerror}"
         raise InputError(told, Location(folder)) from error
     for name, data in files.items():
         atomic_write(Path(folder) / name, data)

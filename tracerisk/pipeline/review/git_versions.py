@@ -29,7 +29,7 @@ class GitVersion:
     def file(self, path: str) -> bytes | None:
         """Return the content of a file, by its path from the top; `None` where it has none.
 
-        A symbolic link of the working tree is no file of its own.
+        A symbolic link of the working tree is not a file of its own.
         Raises InputError when it cannot be read.
         """
         if self.commit is not None:
@@ -132,7 +132,7 @@ def _version(repository: Repository, revision: str) -> GitVersion:
         name = "HEAD, which has no commit yet"
         return GitVersion(repository, name, "HEAD:", repository.empty_tree())
     raise InputError(
-        f"'{revision}' is no revision here, and no file{_shallow(repository)}; allowed: what "
+        f"'{revision}' is not a revision here, and no file{_shallow(repository)}; allowed: what "
         "`git rev-parse` knows, A..B, A...B, and files"
     )
 

@@ -11,7 +11,7 @@ from tracerisk.config import Settings, controller_root
 from tracerisk.errors import Location, RobotError
 from tracerisk.limits import Limits
 from tracerisk.pipeline.launch.choose import NOTHING_CHOSEN, LaunchChoice
-from tracerisk.pipeline.launch.spoken import with_parameters
+from tracerisk.pipeline.launch.launch_hints import with_parameters
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
 from tracerisk.pipeline.workspace.workspace import find_workspace

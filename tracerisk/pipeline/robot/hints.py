@@ -14,7 +14,7 @@ from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.own_modules import own_modules
 from tracerisk.pipeline.workspace.sibling_programs import sibling_programs
 from tracerisk.pipeline.workspace.workspace import PACKAGE_FILE, project_top
-from tracerisk.twin.robots.mentions import Hint
+from tracerisk.twin.robots.robot_names import Hint
 
 _KINDS = (
     ("the package's manifest", re.compile(r"package\.xml")),
@@ -105,7 +105,7 @@ def _project(controller: Controller) -> Iterator[Hint]:
 
 
 def _is_project(root: Path) -> bool:
-    """Say whether what stands in the root's folder belongs together; a script may lie about."""
+    """Return whether what stands in the root's folder belongs together; a script may lie about."""
     return project_top(root) != root.resolve() or any((root / mark).exists() for mark in _MARKS)
 
 

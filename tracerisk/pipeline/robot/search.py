@@ -17,9 +17,9 @@ from tracerisk.pipeline.workspace.workspace import find_workspace, named_package
 from tracerisk.twin.robots.detect import NoRobotNamedError, SeveralRobotsError, detect_robot
 from tracerisk.twin.robots.generic import NamesAsked, generic_arm, names_asked
 from tracerisk.twin.robots.index import shipped_names
-from tracerisk.twin.robots.mentions import mentioned
+from tracerisk.twin.robots.names_in_source import Spoken
 from tracerisk.twin.robots.robot import Robot
-from tracerisk.twin.robots.spoken_names import Spoken
+from tracerisk.twin.robots.robot_names import mentioned
 from tracerisk.twin.workspace.robot_of_workspace import (
     UnreadableRobotError,
     WorkspaceRobot,
@@ -187,7 +187,7 @@ class _Search:
         return self._shipped(replace(robot, chosen_by=told, assumes_names=True))
 
     def _names_another(self, robot: Robot) -> bool:
-        """Tell whether the controller itself names a robot, and not this one."""
+        """Return whether the controller itself names a robot, and not this one."""
         known = {each.name: each for each in shipped_names()}
         hint = next(robot_hints(self._controller))
         text = "\n".join(hint.texts.values())
@@ -196,7 +196,7 @@ class _Search:
         return bool(named) and not named & own
 
     def _may_be(self, robot: Robot) -> bool:
-        """Tell whether a robot of which only the name is named may be the one of the workspace.
+        """Return whether a robot of which only the name is named may be the one of the workspace.
 
         Where that cannot be read, it is another one unless the files of it bear the name too.
         """

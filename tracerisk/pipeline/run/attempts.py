@@ -115,7 +115,7 @@ def _shows_risk(trace: Trace) -> bool:
 
 
 def _is_cut_short(trace: Trace) -> bool:
-    """Tell whether the machine may have ended a run, by a limit or for want of memory."""
+    """Return whether the machine may have ended a run, by a limit or for want of memory."""
     return trace.end.cause in OF_THE_MACHINE
 
 

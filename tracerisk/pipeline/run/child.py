@@ -48,9 +48,9 @@ from tracerisk.pipeline.trace.run_files import (
     RunRequest,
     WallTime,
 )
-from tracerisk.pipeline.workspace.asked_in_source import asked_in_file
 from tracerisk.pipeline.workspace.entry_point import find_entry_point
 from tracerisk.pipeline.workspace.libraries import Libraries
+from tracerisk.pipeline.workspace.needs_in_source import asked_in_file
 from tracerisk.pipeline.workspace.workspace import Workspace
 from tracerisk.ros.controller.needs import asking_place
 from tracerisk.ros.drafts.draft import known_answers
@@ -308,7 +308,7 @@ def _found_elsewhere(
 
 @contextlib.contextmanager
 def _files(request: RunRequest, recorder: Recorder) -> Iterator[None]:
-    """Have a contained controller write beside the real files; tell once what it is refused."""
+    """Redirect writes of a contained controller; report once what it is refused."""
     if request.written is None:
         yield
         return

@@ -109,7 +109,7 @@ def _candidates(
 
 
 def _is_program(path: Path, source: bytes, tree: ast.Module) -> bool:
-    """Tell whether a file does something when it is run, and not only when it is imported."""
+    """Return whether a file does something when it is run, and not only when it is imported."""
     if find_entry_point(path, source, controller_root(path)) is not None:
         return True
     return any(

@@ -76,7 +76,7 @@ class ControllerEnd:
                 self._tell("ended", "the controller ended")
 
     def kill(self, over: RunOver) -> None:
-        """Tell how the run is over, and end a process that takes no notice of it."""
+        """Report how the run is over, and end a process that does not react."""
         self._over(over)
         os.kill(os.getpid(), signal.SIGKILL)
 
@@ -143,7 +143,7 @@ class ControllerEnd:
         _print_traceback(error)
 
     def _not_there(self, error: ModuleNotFoundError) -> str:
-        """Say which modules are not there; of a part of a package, what the error says."""
+        """Return which modules are not there; of a part of a package, what the error says."""
         name = error.name or ""
         plain = f"No module named '{name}'"
         if self._missing is None or not str(error).startswith(plain):
@@ -170,7 +170,7 @@ class ControllerEnd:
 
     @contextlib.contextmanager
     def _exit_watched(self) -> Iterator[None]:
-        """Let `os._exit` tell where it was called before it ends the process."""
+        """Make `os._exit` record where it was called before it ends the process."""
         real, owner = os._exit, os.getpid()
 
         def told(status: int) -> None:

@@ -356,7 +356,7 @@ def _recording(folder: Path, request: RunRequest) -> Recording:
     if request.written is not None and len(known) < len(files):
         strange = sorted(each for each in files if root / each not in known)
         raise errors.LogError(
-            f"speaks of {strange[0]}, which is no file of the workspace", Location(EVENTS)
+            f"speaks of {strange[0]}, which is not a file of the workspace", Location(EVENTS)
         )
     # What it was given is not for it to say.
     notes = tuple(note for note in found.notes if note.kind != LAUNCH)

@@ -30,7 +30,7 @@ class MissingModules:
     def told(self, failed: str) -> str:
         """Return what to say where the import of `failed` did: of all that would, with remedies.
 
-        Python 2 has one hint of its own, and so has a module of its own that is no Python 3:
+        Python 2 has one hint of its own, and so has a module of its own that is not Python 3:
         whoever installs the others gets no further.
         """
         files = self._files()

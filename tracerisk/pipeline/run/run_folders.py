@@ -25,7 +25,7 @@ def run_folders(keep: Path | None) -> Iterator[tuple[Path, Path]]:
         try:
             keep.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            told = f"is no folder that a recording can be kept in: {error.strerror}"
+            told = f"is not a folder that a recording can be kept in: {error.strerror}"
             raise errors.InputError(told, Location(str(keep))) from error
     top = Path(tempfile.mkdtemp(prefix="tracerisk-")).resolve()
     recording, written = top / "recording", top / "written"
@@ -69,7 +69,7 @@ def _remove(folder: Path) -> None:
 
 
 def check_left(folder: Path) -> None:
-    """Raise LogError at what is no regular file of a recording, LimitError at a too large one.
+    """Raise LogError at what is not a regular file of a recording, LimitError at a too large one.
 
     Of a folder that is gone there is nothing to say: its recording is empty.
     """
@@ -81,7 +81,7 @@ def check_left(folder: Path) -> None:
             continue  # read by the child alone
         if not stat.S_ISREG(status.st_mode):
             raise errors.LogError(
-                f"{each.name} of the recording is no regular file: the controller's process has "
+                f"{each.name} of the recording is not a regular file: the controller's process has "
                 "put it there",
             )
         if status.st_size > (MOST_ROWS if each.suffix == ".bin" else MOST_TEXT):

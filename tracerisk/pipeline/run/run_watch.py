@@ -201,7 +201,7 @@ class RunWatch:
         return next((each for each in self._scheduler.threads if each.is_main), None)
 
     def _main_leaves_it_to_callbacks(self) -> bool:
-        """Tell whether the main thread loops without an end, and has never commanded anything."""
+        """Return whether the main thread loops without an end, and has never commanded anything."""
         loop = self._innermost_of_main()
         if loop is None or loop.thread == get_ident():
             return False

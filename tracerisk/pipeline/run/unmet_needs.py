@@ -160,7 +160,7 @@ class UnmetNeeds:
         return tuple(found.values())
 
     def _is_given(self, need: Need) -> bool:
-        """Tell whether somebody gives what a source asks for, or it cannot be known yet."""
+        """Return whether somebody gives what a source asks for, or it cannot be known yet."""
         graph, actions = self._runtime.graph, self._runtime.client(Actions)
         if need.kind == "parameter":
             given = {_plain(each.name) for each in self._runtime.parameters}
@@ -213,7 +213,7 @@ class UnmetNeeds:
         return f"; nobody receives what it publishes on {', '.join(told)}" if told else ""
 
     def _tell_unpublished(self) -> None:
-        """Tell of topics on which nobody publishes: the run may have ended for want of them."""
+        """Report topics on which nobody publishes: the run may have ended because of them."""
         for each in self._runtime.graph.unpublished():
             self._runtime.recorder.finding(
                 "unprovided",

@@ -92,7 +92,7 @@ def trace_with_draft(
 def _may_need_draft(
     controller: Controller, settings: Settings, trace: Trace, runs: list[ControllerRun]
 ) -> bool:
-    """Tell whether a run showed no risk for want of what a draft can give."""
+    """Return whether a run showed no risk for want of what a draft can give."""
     if (trace.is_usable and trace.functions) or trace.end.cause in OF_THE_MACHINE:
         return False
     if trace.end.cause == "not_importable":
@@ -133,7 +133,7 @@ def _found(controller: Controller, search: Rounds, first: Attempt, keep: Path | 
 
 
 def _told(controller: Controller, search: Rounds, entries: Entries, trace: Trace) -> Trace:
-    """Return a run on a draft, which is no file, with the places that ask for its values."""
+    """Return a run on a draft, which is not a file, with the places that ask for its values."""
     assert trace.verdict is not None
     places = _Places(controller, search, entries)
     reasons = tuple(map(places.of_reason, trace.verdict.reasons))

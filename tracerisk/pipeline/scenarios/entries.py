@@ -8,7 +8,7 @@ from typing import Any
 
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.robot.guess import RobotGuess
-from tracerisk.pipeline.workspace.asked_in_source import CommandLine
+from tracerisk.pipeline.workspace.needs_in_source import CommandLine
 from tracerisk.ros.drafts.draft import Draft
 from tracerisk.ros.scenario.lines import entry_lines, word_lines
 from tracerisk.ros.scenario.marks import MARK
@@ -89,7 +89,7 @@ class ScenarioDraft:
 
 
 def is_given(known: Scenario, draft: Draft) -> bool:
-    """Tell whether a scenario gives it already, though nobody has made use of it yet."""
+    """Return whether a scenario gives it already, though nobody has made use of it yet."""
     names: Mapping[str, Iterable[str]] = {
         "publish": (each.topic for each in known.published),
         "services": (each.name for each in known.services),

@@ -30,8 +30,8 @@ from tracerisk.pipeline.scenarios.entries import (
 )
 from tracerisk.pipeline.scenarios.text import with_entries
 from tracerisk.pipeline.scenarios.written_values import WrittenValues
-from tracerisk.pipeline.workspace.asked_in_source import CommandLine, command_lines
 from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.pipeline.workspace.needs_in_source import CommandLine, command_lines
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
 from tracerisk.ros.drafts.draft import Draft
 from tracerisk.ros.scenario.lines import entry_lines
@@ -126,7 +126,7 @@ class Rounds:
         return self._draft(self.best)
 
     def _is_over(self) -> bool:
-        """Tell whether the search, and no run of it, has taken its time."""
+        """Return whether the search, and no run of it, has taken its time."""
         return self._wall_s is not None and time.monotonic() - self._began >= self._wall_s
 
     def _end_early(self, told: str = "") -> None:

@@ -304,7 +304,7 @@ def _is_named(written: str, full: str) -> bool:
 
 
 def _is_message(value: dict[Any, Any]) -> bool:
-    """Tell whether a mapping is one of fields: `1 2 3`, or words, are read as none."""
+    """Return whether a mapping is one of fields: `1 2 3`, or words, are read as none."""
     return all(isinstance(key, str) and re.fullmatch(r"[a-zA-Z]\w*", key) for key in value)
 
 

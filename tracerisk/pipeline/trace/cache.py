@@ -1,4 +1,4 @@
-"""Traces of the last runs, kept beside the lock so that values can be made anew without a run.
+"""Traces of the last runs, kept beside the lock so that values can be recomputed without a run.
 
 They are no part of the project: the folder tells git to leave it out, and may be deleted.
 """

@@ -16,6 +16,7 @@ from tracerisk.pipeline.trace.last_run import told_contact, unexpected_contacts
 from tracerisk.trace import Element, Exposure, Finding, Visit
 from tracerisk.twin.recording.activity import ElementActivity
 from tracerisk.twin.recording.contact_log import read_contacts
+from tracerisk.twin.recording.contact_pairs import moved_by
 from tracerisk.twin.recording.contacts import (
     RunContacts,
     contact_activity,
@@ -25,7 +26,6 @@ from tracerisk.twin.recording.contacts import (
 )
 from tracerisk.twin.recording.exposure import exposure
 from tracerisk.twin.recording.samples import Samples
-from tracerisk.twin.recording.touches import moved_by
 
 if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Robot

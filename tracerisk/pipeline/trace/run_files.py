@@ -158,7 +158,7 @@ class WallTime:
 
     @staticmethod
     def is_in(folder: Path) -> bool:
-        """Tell whether the times were written: the last act of a run that came to its end."""
+        """Return whether the times were written: the last act of a run that came to its end."""
         return (folder / _WALL_TIME).is_file()
 
     @classmethod

@@ -215,7 +215,7 @@ def _launched(recording: Recording) -> Mapping[str, Any]:
 
 
 def _started_by(recording: Recording) -> list[str]:
-    """Say what an installed controller would have that the bare script has not."""
+    """Return what an installed controller would have that the bare script has not."""
     lines = list(_launched(recording)["notes"])
     entry = recording.note(ENTRY)
     if entry is not None:

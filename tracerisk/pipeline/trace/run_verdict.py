@@ -27,9 +27,9 @@ from tracerisk.pipeline.trace.recorded_run import (
 )
 from tracerisk.pipeline.trace.run_files import GIVEN, UNMET
 from tracerisk.trace import Acceptance, Coverage, Finding, RunEnd, Verdict
+from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.samples import Samples
-from tracerisk.twin.recording.touches import Hold
 from tracerisk.twin.robots.assumed_gripper import NAME as ASSUMED_GRIPPER
 from tracerisk.twin.robots.assumed_gripper import has_assumed_gripper
 from tracerisk.twin.robots.generic import NAME as GENERIC

@@ -24,7 +24,7 @@ _MOST = 3
 
 
 def is_read(names: Iterable[str], type_name: str) -> bool:
-    """Tell whether an argument of these names, metavar included, is a file that is read."""
+    """Return whether an argument of these names, metavar included, is a file that is read."""
     plain = [each.strip("-") for each in names]
     if any(_WRITTEN.search(each) for each in plain):
         return False

@@ -34,7 +34,7 @@ class ConsoleScript:
 def console_scripts(folder: Path) -> Iterator[ConsoleScript]:
     """Yield what `setup.py`, `setup.cfg` and `pyproject.toml` in a folder install as commands.
 
-    What cannot be read, or is no list of commands, names none.
+    What cannot be read, or is not a list of commands, names none.
     """
     for file in ("setup.py", "setup.cfg"):
         for found in _ENTRY.finditer(read_or_nothing(folder / file)):

@@ -97,7 +97,7 @@ def load_controller(path: Path | str) -> Controller:
         ) from error
     if script.suffix not in (".py", ".pyw") and not _PYTHON_LINE.match(source):
         raise InputError(
-            "is no Python program by its name: a controller ends in .py, or begins with a line "
+            "is not a Python program by its name: a controller ends in .py, or begins with a line "
             "such as `#!/usr/bin/env python3`",
             Location(str(path)),
         )

@@ -60,7 +60,7 @@ class Libraries:
         self._named: dict[Path, list[tuple[int, list[str]]]] = {}
 
     def holds(self, file: Path) -> bool:
-        """Tell whether a file below the root is library code."""
+        """Return whether a file below the root is library code."""
         path = file.resolve()
         if path not in self._known:
             self._known[path] = self._is_library(path)

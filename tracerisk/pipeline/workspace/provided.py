@@ -59,7 +59,7 @@ class Provided:
     frames: frozenset[str]
 
     def meets(self, need: Need) -> bool:
-        """Tell whether it provides what is needed, under that name and of that type."""
+        """Return whether it provides what is needed, under that name and of that type."""
         if need.kind == "frame":
             return need.name.strip("/") in self.frames
         return any(
@@ -182,7 +182,7 @@ def _text(node: ast.expr | None, texts: dict[str, str], declared: dict[str, str]
 
 
 def _names(written: str, full: str) -> bool:
-    """Tell whether a name as written in a source may be the full name of what is needed."""
+    """Return whether a name as written in a source may be the full name of what is needed."""
     if written.startswith("/"):
         return written == full
     relative = written.lstrip("~").strip("/")

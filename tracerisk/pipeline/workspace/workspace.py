@@ -158,7 +158,7 @@ def project_top(root: Path) -> Path:
 
 
 def _is_marked(folder: Path) -> bool:
-    """Say whether a folder looks like the top of a repository or of a workspace."""
+    """Return whether a folder looks like the top of a repository or of a workspace."""
     try:
         with os.scandir(folder) as entries:
             names = {entry.name.lower() for entry in entries}

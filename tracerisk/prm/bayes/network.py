@@ -239,7 +239,7 @@ class BayesianNetwork(Displayed):
             if states not in needed:
                 allowed = one_of(", ".join(each) for each in needed)
                 raise ModelError(
-                    f"{where}: a row for {', '.join(states)}, which is no state of "
+                    f"{where}: a row for {', '.join(states)}, which is not a state of "
                     f"{', '.join(given.names)}; {allowed}"
                 )
         for states in sorted(needed - set(given.rows())):

@@ -62,7 +62,7 @@ class Diagram:
         return len(self.level)
 
     def happens_at(self, happened: Sequence[bool]) -> bool:
-        """Say whether the root happens when of the inputs, by level, just these have happened."""
+        """Return whether the root happens when just these inputs, by level, have happened."""
         edge = self.root
         while edge >> 1:
             node = edge >> 1

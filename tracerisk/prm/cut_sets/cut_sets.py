@@ -80,7 +80,7 @@ class CutSets:
         `values` gives each parameter the probability of one event; without it those of the
         lowest order come first, and `cut_off` is not used.
         Equally probable ones (to rounding) come in an order that is the same in every run.
-        Raises ModelError for a parameter without a value, or a cut-off that is no probability.
+        Raises ModelError for a parameter without a value, or a cut-off that is not a probability.
         """
         if values is None:
             # All of one weight: then the order decides.

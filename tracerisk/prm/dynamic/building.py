@@ -63,12 +63,12 @@ def _parts(name: str, formula: Formula) -> tuple[str, int | float | None, tuple[
     """Return the kind, the number and the inputs of a formula."""
     if isinstance(formula, str) or not formula or not isinstance(formula[0], str):
         raise ModelError(
-            f"'{name}': {formula!r} is no formula; give its kind and inputs, as in "
+            f"'{name}': {formula!r} is not a formula; give its kind and inputs, as in "
             "('spare', 'a', 'b')"
         )
     kind, rest = formula[0], list(formula[1:])
     if kind not in _KINDS:
-        raise ModelError(f"'{name}': '{kind}' is no kind of gate; {one_of(_KINDS, kind)}")
+        raise ModelError(f"'{name}': '{kind}' is not a kind of gate; {one_of(_KINDS, kind)}")
     number = None
     if kind in _NUMBERED:
         if not rest or isinstance(rest[0], str):
@@ -77,7 +77,7 @@ def _parts(name: str, formula: Formula) -> tuple[str, int | float | None, tuple[
         number = None if isinstance(first, str) else first
     inputs = [part for part in rest if isinstance(part, str)]
     if len(inputs) < len(rest):
-        raise ModelError(f"'{name}': {rest!r} holds what is no name of an input; give names")
+        raise ModelError(f"'{name}': {rest!r} holds what is not a name of an input; give names")
     return kind, number, tuple(inputs)
 
 

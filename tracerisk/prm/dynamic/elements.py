@@ -79,7 +79,7 @@ class DynamicGate:
         if not self.inputs:
             raise ModelError(f"gate '{self.name}': {self.kind.value} needs at least one input")
         if len(set(self.inputs)) < len(self.inputs):
-            raise ModelError(f"gate '{self.name}': an input stands twice; name each once")
+            raise ModelError(f"gate '{self.name}': duplicate input; name each once")
         check_share(f"gate '{self.name}': switch", self.switch)
         if self.switch and self.kind is not DynamicKind.SPARE:
             raise ModelError(f"gate '{self.name}': switch is for spare gates only; leave it out")

@@ -201,7 +201,7 @@ def _owners(
             other = next(gate for gate in parents[unit] if gate not in spare_gates)
             raise ModelError(
                 f"'{names[unit]}' is a spare of '{names[users[0]]}' and an input of "
-                f"'{names[other]}', which is no spare gate; give each its own"
+                f"'{names[other]}', which is not a spare gate; give each its own"
             )
         inside, stack = {unit}, [unit]
         while stack:

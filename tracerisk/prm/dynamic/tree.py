@@ -193,12 +193,13 @@ def _check_names(tree: DynamicTree) -> None:
             raise ModelError(f"{named.name!r} names a gate or event; it needs printable characters")
         seen.add(named.name)
     if tree.top not in elements:
-        raise ModelError(f"the top '{tree.top}' is no gate or event; {one_of(elements, tree.top)}")
+        raise ModelError(f"top '{tree.top}' is not a gate or event; {one_of(elements, tree.top)}")
     for user in (*tree.gates, *tree.ties):
         for name in user.inputs:
             if name not in elements:
                 raise ModelError(
-                    f"'{user.name}': input '{name}' is no gate or event; {one_of(elements, name)}"
+                    f"'{user.name}': input '{name}' is not a gate or event; "
+                    f"{one_of(elements, name)}"
                 )
         if isinstance(user, Gate):
             check_gate(user)

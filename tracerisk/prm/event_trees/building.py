@@ -44,7 +44,7 @@ def built_start(
         for function, state in row.items():
             if function not in states:
                 raise ModelError(
-                    f"{where}: sequence '{sequence}': '{function}' is no functional event; "
+                    f"{where}: sequence '{sequence}': '{function}' is not a functional event; "
                     f"{one_of(states, function)}"
                 )
             if state not in states[function]:

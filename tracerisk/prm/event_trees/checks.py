@@ -29,18 +29,18 @@ def _check_target(tree: EventTree, target: Target, sequences: set[str], branches
     match target:
         case End(sequence) if sequence not in sequences:
             raise ModelError(
-                f"{where}: a path ends in '{sequence}', which is no sequence; "
+                f"{where}: a path ends in '{sequence}', which is not a sequence; "
                 f"{one_of(sequences, sequence)}"
             )
         case Resume(branch) if branch not in branches:
             raise ModelError(
-                f"{where}: a path goes on as '{branch}', which is no branch; "
+                f"{where}: a path goes on as '{branch}', which is not a branch; "
                 f"{one_of(branches, branch)}"
             )
         case Fork(functional_event, paths):
             if functional_event not in tree.functional_events:
                 raise ModelError(
-                    f"{where}: a fork over '{functional_event}', which is no functional "
+                    f"{where}: a fork over '{functional_event}', which is not a functional "
                     f"event; {one_of(tree.functional_events, functional_event)}"
                 )
             fork = f"{where}: fork over '{functional_event}'"
@@ -94,7 +94,7 @@ def _check_once(tree: str, kind: str, names: Iterable[str]) -> None:
                 f"event tree '{tree}': {kind} {name!r}: a name needs printable characters"
             )
         if name in seen:
-            raise ModelError(f"event tree '{tree}': {kind} '{name}' stands twice; rename one")
+            raise ModelError(f"event tree '{tree}': duplicate {kind} '{name}'; rename one")
         seen.add(name)
 
 

@@ -203,7 +203,7 @@ class EventTree(Displayed):
         a mapping of several states to their probabilities.
         `sequences` gives each sequence the state at each functional event that its path forks
         over; `end_states` names the outcomes of those that share one.
-        Raises ModelError when a path is missing, or stands twice.
+        Raises ModelError when a path is missing or given twice.
         """
         from tracerisk.prm.event_trees.building import built_start
 
@@ -211,7 +211,7 @@ class EventTree(Displayed):
         for sequence in ends:
             if sequence not in sequences:
                 raise ModelError(
-                    f"event tree '{name}': end state of '{sequence}', which is no sequence; "
+                    f"event tree '{name}': end state of '{sequence}', which is not a sequence; "
                     f"{one_of(sequences, sequence)}"
                 )
         return cls(
@@ -255,7 +255,7 @@ class EventTree(Displayed):
         for parameter in values or {}:
             if parameter not in known:
                 raise ModelError(
-                    f"event tree '{self.name}': value of '{parameter}', which is no parameter of "
+                    f"event tree '{self.name}': value of '{parameter}', not a parameter of "
                     f"the fault trees; {one_of(known, parameter)}"
                 )
         given = {**forest.values_at(mission_time_h), **(values or {})}

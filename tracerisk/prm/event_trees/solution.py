@@ -90,7 +90,7 @@ class EventTreeSolution:
         found = [each.value for each in self.sequences if each.name == sequence]
         if not found:
             names = (each.name for each in self.sequences)
-            raise ModelError(f"'{sequence}' is no sequence; {one_of(names, sequence)}")
+            raise ModelError(f"'{sequence}' is not a sequence; {one_of(names, sequence)}")
         return math.fsum(found)
 
 
@@ -134,7 +134,7 @@ def outcome_tree(
         where = f"event tree '{path.event_tree}': sequence '{path.sequence}'"
         if path.weights:
             raise ModelError(
-                f"{where}: a path has a probability of its own, which is no event; "
+                f"{where}: a path has a probability of its own, which is not an event; "
                 "state a gate or event there"
             )
         if not path.occurrences:
@@ -147,12 +147,13 @@ def _check_names(path: CollectedPath, forest: Forest) -> None:
     for name, _, settings in path.occurrences:
         if name not in forest:
             raise ModelError(
-                f"{where}: '{name}' is no gate or event of the fault trees; {one_of(forest, name)}"
+                f"{where}: '{name}' is not a gate or event of the fault trees; "
+                f"{one_of(forest, name)}"
             )
         for house, _ in settings:
             if house not in forest.houses:
                 raise ModelError(
-                    f"{where}: '{house}' is set and is no house event; "
+                    f"{where}: '{house}' is set and is not a house event; "
                     f"{one_of(forest.houses, house)}"
                 )
 

@@ -126,7 +126,7 @@ class Call(Expression):
     def __post_init__(self) -> None:
         if self.function not in FUNCTIONS:
             raise ModelError(
-                f"'{self.function}' is no function; {one_of(FUNCTIONS, self.function)}"
+                f"'{self.function}' is not a function; {one_of(FUNCTIONS, self.function)}"
             )
         _, least, most = FUNCTIONS[self.function]
         count = len(self.terms)

@@ -46,7 +46,7 @@ def _diff_to_json(diff: RiskDiff) -> dict[str, Any]:
 
 
 def _readable(value: Any) -> Any:
-    """Replace what is no text: bytes that a source of another encoding holds in a reason."""
+    """Replace what is not text: bytes that a source of another encoding holds in a reason."""
     if isinstance(value, dict):
         return {key: _readable(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):

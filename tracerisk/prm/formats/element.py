@@ -16,7 +16,7 @@ Path = tuple[str | int, ...]
 def read_document(text: str, file: str) -> Element:
     """Return the top of a JSON document; `file` is its name in messages.
 
-    Raises ModelError, with line and column, when the text is no JSON, a key stands twice in one
+    Raises ModelError, with line and column, when the text is not JSON, a key is repeated in one
     object, or a number is not finite.
     """
     document = _Document(text, file)
@@ -201,10 +201,10 @@ def _without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for key, value in pairs:
         if key in found:
-            raise ModelError(f"the key '{key}' stands twice in one object; remove one")
+            raise ModelError(f"duplicate key '{key}' in one object; remove one")
         found[key] = value
     return found
 
 
 def _no_constant(text: str) -> NoReturn:
-    raise ModelError(f"{text} is no number of a model; give a finite one")
+    raise ModelError(f"{text} is not a number of a model; give a finite one")

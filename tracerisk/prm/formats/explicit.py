@@ -117,7 +117,7 @@ def _read_transitions(
         word = words[0][1].lower()
         if word not in ("dtmc", "ctmc"):
             raise ModelError(
-                f"'{words[0][1]}' is no kind of chain that is read; allowed: ctmc, dtmc",
+                f"'{words[0][1]}' is not a kind of chain that is read; allowed: ctmc, dtmc",
                 Location(file, first, words[0][0]),
             )
         stated = ChainKind(word)
@@ -146,7 +146,7 @@ def _read_transitions(
             )
         if (source, target) in entries:
             raise ModelError(
-                f"the transition from {source} to {target} stands twice; add the two up",
+                f"duplicate transition from {source} to {target}; add the two up",
                 Location(file, number, row[0][0]),
             )
         entries[source, target] = weight
@@ -182,7 +182,7 @@ def _transition(words: list[tuple[int, str]], file: str, line: int) -> tuple[int
         weight = math.nan
     if not 0.0 <= weight < math.inf:
         raise ModelError(
-            f"'{text}' is no probability or rate; give a number of 0 or more",
+            f"'{text}' is not a probability or rate; give a number of 0 or more",
             Location(file, line, column),
         )
     return _whole(words[0], file, line), _whole(words[1], file, line), weight
@@ -191,7 +191,9 @@ def _transition(words: list[tuple[int, str]], file: str, line: int) -> tuple[int
 def _whole(word: tuple[int, str], file: str, line: int) -> int:
     column, text = word
     if not text.isascii() or not text.isdigit():
-        raise ModelError(f"'{text}' is no whole number of 0 or more", Location(file, line, column))
+        raise ModelError(
+            f"'{text}' is not a whole number of 0 or more", Location(file, line, column)
+        )
     try:
         return whole_number(text)
     except ValueError as error:
@@ -265,7 +267,7 @@ def _prism_labels(
         match = _DECLARED.fullmatch(word)
         if match is None:
             raise ModelError(
-                f"'{word}' is no declaration such as 0=\"init\"", Location(file, first, column)
+                f"'{word}' is not a declaration such as 0=\"init\"", Location(file, first, column)
             )
         label = int(match[1])
         if label in declared or match[2] in declared.values():

@@ -107,7 +107,7 @@ def explicit_chain(
     names = (*given, *chain.absorbing)
     index = {name: number for number, name in enumerate(names)}
     if entry not in index:
-        raise ModelError(f"the entry '{entry}' is no state; {one_of(names, entry)}")
+        raise ModelError(f"the entry '{entry}' is not a state; {one_of(names, entry)}")
     rows: list[dict[int, float]] = [
         dict(sorted((index[target], weight) for target, weight in row.items() if weight > 0.0))
         for row in given.values()

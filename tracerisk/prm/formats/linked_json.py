@@ -90,7 +90,7 @@ def loads(text: str, file: str) -> LinkedModel:
     """Read a model from JSON text; `file` is its name in messages.
 
     Raises ModelError with the path, line and column of the element and what is allowed, when
-    the text is no JSON, is of another schema or version, lacks a key or has an unknown one, or
+    the text is not JSON, is of another schema or version, lacks a key or has an unknown one, or
     when the model does not hold together (see LinkedModel).
     """
     top = read_document(text, file)

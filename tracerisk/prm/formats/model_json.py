@@ -46,7 +46,7 @@ def loads(text: str, file: str) -> HybridModel:
     """Read a model from JSON text; `file` is its name in messages.
 
     Raises ModelError with the position (line and column, or the path of the element) and what
-    is allowed, when the text is no JSON, is of another schema or version, lacks a key or has an
+    is allowed, when the text is not JSON, is of another schema or version, lacks a key or has an
     unknown one, or when the model does not hold together (see HybridModel and FaultTree).
     """
     top = read_document(text, file)

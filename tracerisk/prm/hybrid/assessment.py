@@ -27,11 +27,10 @@ RENEWED_SPARES = (
 )
 HIDDEN_FAILURES = (
     "failed units of a redundant group stay hidden, and failed, until the mission ends; every "
-    "mission starts with whole groups"
+    "mission starts with all redundant units working"
 )
 GEOMETRIC_CYCLES = (
-    "by the chain, the number of cycles is geometric: it varies from mission to mission around "
-    "its mean"
+    "the number of cycles is geometric: it varies from mission to mission around its mean"
 )
 
 

@@ -228,7 +228,7 @@ def _check_components(block: RiskBlock) -> None:
     for entry in block.components:
         where = f"component '{entry.name}'"
         if entry.name in seen:
-            _fail(block, f"{where} stands twice; remove one", entry.location)
+            _fail(block, f"duplicate {where}; remove one", entry.location)
         seen.add(entry.name)
         if entry.omitted:
             continue

@@ -88,7 +88,7 @@ class HybridModel(DisplayedGraph):
         _check_names("parameter", [parameter.name for parameter in self.parameters])
         names = {state.name for state in self.states}
         if self.entry not in names:
-            raise ModelError(f"entry '{self.entry}' is no state; {one_of(names, self.entry)}")
+            raise ModelError(f"entry '{self.entry}' is not a state; {one_of(names, self.entry)}")
         for parameter in self.parameters:
             _check_probability(f"parameter '{parameter.name}': theta", parameter.theta)
         for state in self.states:
@@ -225,7 +225,7 @@ def _check_names(kind: str, names: Iterable[str], reserved: Sequence[str] = ()) 
         if not name or not name.isprintable():
             raise ModelError(f"{kind} {name!r}: a name needs printable characters")
         if name in seen:
-            raise ModelError(f"{kind} '{name}' stands twice; rename one")
+            raise ModelError(f"duplicate {kind} '{name}'; rename one")
         if name in reserved:
             raise ModelError(f"{kind} '{name}': this name is kept for the mission's good end")
         seen.add(name)
@@ -264,10 +264,10 @@ def _check_next(state: FunctionState, targets: set[str]) -> None:
     for step in state.next:
         if step.target not in targets:
             raise ModelError(
-                f"{where}: next '{step.target}' is no state; {one_of(targets, step.target)}"
+                f"{where}: next '{step.target}' is not a state; {one_of(targets, step.target)}"
             )
         if step.target in seen:
-            raise ModelError(f"{where}: next '{step.target}' stands twice; add the two up")
+            raise ModelError(f"{where}: duplicate next '{step.target}'; add the two up")
         if step.weight < 0:
             raise ModelError(f"{where}: next '{step.target}' is {step.weight}, below zero")
         seen.add(step.target)

@@ -85,11 +85,11 @@ def check_latent(trees: Mapping[str, FaultTree], latent: Iterable[str]) -> None:
     wanted = set(names)
     if len(wanted) < len(names):
         twice = sorted(name for name in wanted if names.count(name) > 1)
-        raise ModelError(f"latent: {', '.join(twice)} stands twice; remove one")
+        raise ModelError(f"latent: duplicate {', '.join(twice)}; remove one")
     known = {event.name for tree in trees.values() for event in tree.events}
     for name in names:
         if name not in known:
-            raise ModelError(f"latent: '{name}' is no basic event of a fault tree; remove it")
+            raise ModelError(f"latent: '{name}' is not a basic event of a fault tree; remove it")
     for state, tree in trees.items():
         try:
             latent_parts(tree, wanted)

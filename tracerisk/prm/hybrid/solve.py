@@ -17,12 +17,12 @@ from tracerisk.prm.hybrid.assessment import (
     bounded,
 )
 from tracerisk.prm.hybrid.component_tree import is_spare_group
+from tracerisk.prm.hybrid.contributions import mean_drops
 from tracerisk.prm.hybrid.hidden_chain import tree_probability
 from tracerisk.prm.hybrid.hidden_states import MOST_STATES
 from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel
 from tracerisk.prm.hybrid.importance import importances
 from tracerisk.prm.hybrid.mission import SolvedMission, mission_figures, solve_mission
-from tracerisk.prm.hybrid.visit_drops import mean_drops
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees.fault_tree import FaultTree
 

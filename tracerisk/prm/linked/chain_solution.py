@@ -61,13 +61,13 @@ class ChainToSolve:
             raise ModelError(f"{here}: a figure of no state; {one_of(allowed)}")
         for state in link.states:
             if state not in allowed:
-                kind = "absorbing state" if isinstance(link, Absorption) else "state"
-                raise ModelError(f"{here}: '{state}' is no {kind}; {one_of(allowed, state)}")
+                kind = "an absorbing state" if isinstance(link, Absorption) else "a state"
+                raise ModelError(f"{here}: '{state}' is not {kind}; {one_of(allowed, state)}")
 
     def solve(self, inputs: Sequence[Probability], mission_time_h: float) -> SolvedChain:
         """Return the chain solved.
 
-        Raises ModelError when a transition is no probability or rate, a row does not sum to
+        Raises ModelError when a transition is not a probability or rate, a row does not sum to
         one, or some state is never left for an absorbing one.
         """
         return SolvedChain(self, tuple(inputs), mission_time_h)

@@ -118,8 +118,8 @@ class Transition:
 class LinkedChain:
     """A Markov chain whose transitions are expressions; what no transition leaves is absorbing.
 
-    Raises ModelError, naming the state, when a transition stands twice, shares of the remainder
-    are negative or do not sum to one, the entry is no state, or a chain in continuous time has
+    Raises ModelError, naming the state, when a transition is a duplicate, shares of the remainder
+    are negative or do not sum to one, the entry is not a state, or a chain in continuous time has
     a remainder or a transition to its own source.
     """
 
@@ -135,7 +135,7 @@ class LinkedChain:
         for step in self.transitions:
             here = f"{where}, transition '{step.source}' to '{step.target}'"
             if (step.source, step.target) in seen:
-                raise ModelError(f"{here}: stands twice; add the two up")
+                raise ModelError(f"{here}: duplicate transition; add the two up")
             seen.add((step.source, step.target))
             if self.time == "continuous" and (step.value is None or step.source == step.target):
                 found = "the remainder" if step.value is None else "its own source"
@@ -154,7 +154,7 @@ class LinkedChain:
                 )
         if self.entry not in self.states:
             raise ModelError(
-                f"{where}: entry '{self.entry}' is no state; {one_of(self.states, self.entry)}"
+                f"{where}: entry '{self.entry}' is not a state; {one_of(self.states, self.entry)}"
             )
 
     @property
@@ -184,6 +184,6 @@ class Figure:
 
 
 def check_mission_time(mission_time_h: float | None) -> None:
-    """Raise ModelError when a mission time is no positive number of hours."""
+    """Raise ModelError when a mission time is not a positive number of hours."""
     if mission_time_h is not None and not 0.0 < mission_time_h < math.inf:
         raise ModelError(f"mission time {mission_time_h!r}: give a finite number of hours above 0")

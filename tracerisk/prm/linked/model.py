@@ -190,7 +190,7 @@ def _check_names(kind: str, names: Iterable[str]) -> None:
         if not name or not name.isprintable():
             raise ModelError(f"{kind} {name!r}: a name needs printable characters")
         if name in seen:
-            raise ModelError(f"{kind} '{name}' stands twice; rename one")
+            raise ModelError(f"duplicate {kind} '{name}'; rename one")
         seen.add(name)
 
 

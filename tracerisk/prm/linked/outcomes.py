@@ -87,14 +87,14 @@ def over_conditions(
     The network's events name parameters of the model, which have their figures in each state for
     the whole model at once: trees and chains that share a condition depend on each other by it.
     `evidence` gives known states of conditions.
-    Raises ModelError when an event of the network is no parameter, and as solving and
+    Raises ModelError when an event of the network is not a parameter, and as solving and
     `BayesianNetwork.cases` do.
     """
     names = [parameter.name for parameter in model.parameters]
     for name in network.events:
         if name not in names:
             raise ModelError(
-                f"the network's event '{name}' is no parameter of '{model.name}'; "
+                f"the network's event '{name}' is not a parameter of '{model.name}'; "
                 f"{one_of(names, name)}"
             )
     cases = network.cases(names, mission_time_h=model.mission_time_h, evidence=evidence)

@@ -39,7 +39,7 @@ def check_model(model: LogicModel) -> None:
                 raise ElementError(
                     "gate",
                     gate.name,
-                    f"gate '{gate.name}': input '{name}' is no gate or event; "
+                    f"gate '{gate.name}': input '{name}' is not a gate or event; "
                     f"{suggestion(named, name)}",
                 )
         try:
@@ -143,7 +143,7 @@ def _check_groups(model: LogicModel) -> None:
         for member in group.members:
             problem = ""
             if member not in events:
-                problem = f"member '{member}' is no basic event; {suggestion(events, member)}"
+                problem = f"member '{member}' is not a basic event; {suggestion(events, member)}"
             elif member in owners:
                 problem = f"member '{member}' is one of '{owners[member]}' too; take one out"
             if problem:
@@ -161,5 +161,5 @@ def _check_alignments(model: LogicModel) -> None:
                         "alignment",
                         alignment.name,
                         f"alignment '{alignment.name}': phase '{phase.name}' sets '{house}', "
-                        f"which is no house event; {suggestion(houses, house)}",
+                        f"which is not a house event; {suggestion(houses, house)}",
                     )

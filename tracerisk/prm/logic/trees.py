@@ -8,7 +8,7 @@ from functools import partial
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions import Evaluation, ExpressionModel, Reference
 from tracerisk.prm.logic.model import ALWAYS, NEVER, GroupDefinition, LogicModel
-from tracerisk.prm.numbers.collection import collection_paused
+from tracerisk.prm.numbers.gc_pause import collection_paused
 from tracerisk.prm.trees.common_cause import CommonCauseGroup, expand_common_cause
 from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, HouseEvent
 from tracerisk.prm.trees.forest import Forest

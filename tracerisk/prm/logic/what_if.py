@@ -1,4 +1,4 @@
-"""What if a figure of a logic model were another, and how sure its tops are."""
+"""What if a figure of a logic model were another, and the uncertainty of its tops."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def with_values(model: LogicModel, values: Mapping[str, float]) -> LogicModel:
     for event in model.events:
         value = found.pop(event.name, None)
         if value is not None and not 0.0 <= value <= 1.0:
-            raise ModelError(f"event '{event.name}': {value!r} is no probability; give 0 to 1")
+            raise ModelError(f"event '{event.name}': {value!r} is not a probability; give 0 to 1")
         events.append(event if value is None else replace(event, expression=Number(value)))
     houses = []
     for house in model.houses:
@@ -113,7 +113,7 @@ def propagate(
     """
     import numpy as np
 
-    from tracerisk.prm.questions.input_shares import first_order_shares
+    from tracerisk.prm.questions.sobol import first_order_shares
 
     if samples < 2:
         raise ModelError(f"{samples} samples; give at least 2")

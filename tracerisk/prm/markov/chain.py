@@ -75,7 +75,7 @@ class MarkovChain(DisplayedGraph):
         whatever the size of the numbers and however rarely the chain is absorbed.
         Chains of more than 500 states go through compiled code, and where elimination would
         fill in through certified iteration; see `MatrixChain`.
-        Raises ModelError when `entry` is no transient state, or when some state is left less
+        Raises ModelError when `entry` is not a transient state, or when some state is left less
         often than the smallest number of double precision; TooLargeError when an iteration
         cannot be certified.
         """
@@ -92,7 +92,7 @@ class MarkovChain(DisplayedGraph):
 
         Stepping, or repeated squaring where that is less work: sums of products of
         probabilities, nothing is subtracted.
-        Raises ModelError when `entry` is no transient state or `steps` is below zero.
+        Raises ModelError when `entry` is not a transient state or `steps` is below zero.
         """
         check_entry(entry, self.transitions)
         if steps < 0:
@@ -103,11 +103,11 @@ class MarkovChain(DisplayedGraph):
 def distinct_names(
     transitions: Mapping[str, Mapping[str, float]], absorbing: Sequence[str]
 ) -> set[str]:
-    """Return the names of all states; raise ModelError when one stands twice."""
+    """Return the names of all states; raise ModelError when one is a duplicate."""
     known: set[str] = set()
     for name in (*transitions, *absorbing):
         if name in known:
-            raise ModelError(f"state '{name}' stands twice in the chain; rename one")
+            raise ModelError(f"duplicate state '{name}' in the chain; rename one")
         known.add(name)
     return known
 
@@ -117,10 +117,10 @@ def check_targets(state: str, row: Mapping[str, float], known: set[str], kind: s
     for target, weight in row.items():
         if target not in known:
             raise ModelError(
-                f"state '{state}': '{target}' is no state of the chain; {one_of(known, target)}"
+                f"state '{state}': '{target}' is not a state of the chain; {one_of(known, target)}"
             )
         if not 0.0 <= weight < math.inf:
-            raise ModelError(f"state '{state}': {weight!r} to '{target}' is no {kind}")
+            raise ModelError(f"state '{state}': {weight!r} to '{target}' is not a {kind}")
 
 
 def check_absorbed(
@@ -148,9 +148,9 @@ def check_absorbed(
 
 
 def check_entry(entry: str, transitions: Mapping[str, Mapping[str, float]]) -> None:
-    """Raise ModelError when `entry` is no transient state."""
+    """Raise ModelError when `entry` is not a transient state."""
     if entry not in transitions:
-        raise ModelError(f"the entry '{entry}' is no transient state; {one_of(transitions, entry)}")
+        raise ModelError(f"entry '{entry}' is not a transient state; {one_of(transitions, entry)}")
 
 
 def split_rows(

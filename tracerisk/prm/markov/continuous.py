@@ -41,7 +41,7 @@ class ContinuousChain:
     def solve(self, entry: str) -> ContinuousSolution:
         """Solve the chain that starts in `entry` until it is absorbed, without a subtraction.
 
-        Raises ModelError when `entry` is no state with a row, when a state can never be
+        Raises ModelError when `entry` is not a state with a row, when a state can never be
         absorbed, or when one is left with less than the smallest number of double precision.
         """
         check_entry(entry, self.rates)
@@ -79,7 +79,7 @@ class ContinuousChain:
         Aktuarietidskrift 36 (1953): uniformisation, whose terms are all positive. The Poisson
         weights left out sum to less than 1e-250. For long times the distribution over a
         2^-k-th of the time is squared k times.
-        Raises ModelError when `entry` is no state or `time` is negative or not finite;
+        Raises ModelError when `entry` is not a state or `time` is negative or not finite;
         TooLargeError when the chain has more than 2,000 states and moves too often in the time.
         """
         if entry in self.absorbing:
@@ -150,7 +150,7 @@ class ContinuousChain:
         chosen = set(states)
         for state in sorted(chosen):
             if state not in names:
-                raise ModelError(f"'{state}' is no state of the chain; {one_of(names, state)}")
+                raise ModelError(f"'{state}' is not a state of the chain; {one_of(names, state)}")
         return chosen
 
     def _recurrent(self) -> list[str]:
@@ -198,7 +198,7 @@ class ContinuousSolution:
     def absorption_from_each(self, targets: Iterable[str]) -> dict[str, float]:
         """Return from each state the probability of ending in one of `targets`.
 
-        Raises ModelError when a target is no absorbing state.
+        Raises ModelError when a target is not an absorbing state.
         """
         return self._solution.absorption_from_each(targets)
 
@@ -209,7 +209,7 @@ class ContinuousSolution:
     def expected_time_given(self, targets: Iterable[str]) -> float:
         """Return the mean time until absorption, given that it ends in one of `targets`.
 
-        Raises ModelError when a target is no absorbing state, or none is ever reached.
+        Raises ModelError when a target is not an absorbing state, or none is ever reached.
         """
         chosen = list(targets)
         reached = self.absorption_from_each(chosen)
@@ -226,7 +226,7 @@ class ContinuousSolution:
     def per_time(self, targets: Iterable[str]) -> float:
         """Return how often chains end in one of `targets` per unit of time, run after run.
 
-        Raises ModelError when a target is no absorbing state.
+        Raises ModelError when a target is not an absorbing state.
         """
         entry = self._solution.entry
         return self.absorption_from_each(targets)[entry] / self.expected_time()

@@ -44,7 +44,7 @@ class ChainSolution:
     def absorption_from_each(self, targets: Iterable[str]) -> dict[str, float]:
         """Return from each transient state the probability of ending in one of `targets`.
 
-        Raises ModelError when a target is no absorbing state.
+        Raises ModelError when a target is not an absorbing state.
         """
         chosen = self._chosen(targets)
         reward = [
@@ -80,7 +80,7 @@ class ChainSolution:
 
         A visit of s is followed by such an end with the probability h_s of it from s, so the
         time is sum_s v_s h_s d_s / h_entry (own derivation, docs/theory.md#markov-chains).
-        Raises ModelError as `expected_time` does, for a target that is no absorbing state, and
+        Raises ModelError as `expected_time` does, for a target that is not an absorbing state, and
         when the targets are never reached.
         """
         times = self._durations(durations)
@@ -103,7 +103,7 @@ class ChainSolution:
         Failures per operating hour, with the failure states as targets and durations in hours:
         the probability of ending there over the mean time until the chain ends
         (renewal-reward theorem).
-        Raises ModelError as `expected_time` does, for a target that is no absorbing state, and
+        Raises ModelError as `expected_time` does, for a target that is not an absorbing state, and
         when the runs take no time.
         """
         length = self.expected_time(durations)
@@ -118,7 +118,7 @@ class ChainSolution:
 
         Cycles are alike and independent: with n the expected visits of the entry, a cycle ends
         in `targets` with 1/n of the probability that the chain does (own derivation).
-        Raises ModelError when a target is no absorbing state.
+        Raises ModelError when a target is not an absorbing state.
         """
         chosen = self._chosen(targets)
         stays = self._stay()
@@ -145,7 +145,7 @@ class ChainSolution:
         for target in targets:
             if target not in self.absorbing:
                 raise ModelError(
-                    f"'{target}' is no absorbing state; {one_of(self.absorbing, target)}"
+                    f"'{target}' is not an absorbing state; {one_of(self.absorbing, target)}"
                 )
             chosen.add(target)
         return chosen
@@ -157,7 +157,7 @@ class ChainSolution:
                     f"duration of '{state}': no such state; {one_of(self.transitions, state)}"
                 )
             if not 0.0 <= time < math.inf:
-                raise ModelError(f"duration of '{state}': {time!r} is no time; give 0 or more")
+                raise ModelError(f"duration of '{state}': {time!r} is not a time; give 0 or more")
         missing = [state for state in self.transitions if state not in durations]
         if missing:
             raise ModelError(f"no duration for {', '.join(missing)}; give each state one")

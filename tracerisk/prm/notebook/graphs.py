@@ -36,7 +36,7 @@ def graph_of(model: object) -> nx.DiGraph:
     elif isinstance(model, HybridModel):
         _add_hybrid(model, graph)
     else:
-        raise TypeError(f"{type(model).__name__} is no graph")
+        raise TypeError(f"{type(model).__name__} is not a graph")
     return graph
 
 

@@ -38,10 +38,10 @@ def check_mission_time(mission_time_h: float) -> None:
 
 
 def check_parameters(names: Iterable[str], known: Collection[str]) -> None:
-    """Raise ModelError when a value is given of what is no parameter."""
+    """Raise ModelError when a value is given of what is not a parameter."""
     for name in names:
         if name not in known:
-            raise ModelError(f"value of '{name}', which is no parameter; {one_of(known, name)}")
+            raise ModelError(f"value of '{name}', which is not a parameter; {one_of(known, name)}")
 
 
 def _in(unit: str) -> str:

@@ -73,7 +73,7 @@ class Table(Generic[Row]):
         import numpy as np
 
         if self.rows and name not in self.columns:
-            raise ModelError(f"'{name}' is no column; {one_of(self.columns, name)}")
+            raise ModelError(f"'{name}' is not a column; {one_of(self.columns, name)}")
         return np.array([getattr(row, name) for row in self.rows], dtype=np.float64)
 
     def to_dict(self) -> dict[str, list[Any]]:

@@ -61,7 +61,7 @@ def pair_importances(
     """Return the importance of each pair of the parameters `names`, of all where none are given.
 
     Pairs that share most of the risk come first.
-    Raises ModelError for a name that is no parameter, and as `solve` does.
+    Raises ModelError for a name that is not a parameter, and as `solve` does.
     """
     parameters = {parameter.name: parameter for parameter in model.parameters}
     for name in names or ():

@@ -170,7 +170,7 @@ def spread_of(
     """
     import numpy as np
 
-    from tracerisk.prm.questions.input_shares import first_order_shares
+    from tracerisk.prm.questions.sobol import first_order_shares
 
     if not inputs:
         raise ModelError(

@@ -100,7 +100,7 @@ def tolerated_failures(tree: FaultTree) -> dict[str, int]:
     """Return for each component how many of its units may fail before the top event happens.
 
     Where its units stand under several gates, it is the least. What hits all units at once, a
-    parameter of its own, is no unit.
+    parameter of its own, is not a unit.
     """
     above = {name: gate for gate in tree.gates for name in gate.inputs}
     least: dict[str, int] = {}

@@ -223,7 +223,7 @@ class RiskDiff:
     `changes` come by the size of their contribution; `interaction` is what the mission's figure
     changes by beyond the sum of contributions, noise included. `causes` put the changes together by
     component and kind of cause, the greatest contribution first.
-    `within_noise` counts the values that changed by less than 1 %: they are told as unchanged.
+    `within_noise` counts the values that changed by less than 1 %: they are reported as unchanged.
     `inputs` tells in words what the runs behind the blocks depended on that differs, `of_run`
     what the later run showed that the earlier one did not: contacts that were not to be expected,
     motions of which there is no risk data. `verdicts` are those of the two runs, `None` where the
@@ -315,7 +315,7 @@ class Review:
 
 
 NOISE = 0.01
-"""The relative change of a figure that is told as no change."""
+"""The relative change of a figure that counts as no change."""
 
 
 def is_noise(before: float, after: float) -> bool:

@@ -56,9 +56,7 @@ def _grow(name: str, formula: Formula, made: dict[str, Gate]) -> None:
     while waiting:
         name, formula = waiting.pop()
         if name in made:
-            raise ModelError(
-                f"gate '{name}' stands twice; rename it, or the gate of a formula in it"
-            )
+            raise ModelError(f"duplicate gate '{name}'; rename it, or the gate of a formula in it")
         kind, numbers, parts = _parted(name, formula)
         inputs: list[str] = []
         within: list[tuple[str, Formula]] = []
@@ -86,13 +84,13 @@ def _parted(
         or not isinstance(formula[0], str)
     ):
         raise ModelError(
-            f"gate '{name}': {formula!r} is no formula; give its kind and inputs, as in "
+            f"gate '{name}': {formula!r} is not a formula; give its kind and inputs, as in "
             "('or', 'a', 'b')"
         )
     kinds = {kind.value: kind for kind in GateKind}
     if formula[0] not in kinds:
         raise ModelError(
-            f"gate '{name}': '{formula[0]}' is no kind of gate; {one_of(kinds, formula[0])}"
+            f"gate '{name}': '{formula[0]}' is not a kind of gate; {one_of(kinds, formula[0])}"
         )
     kind = kinds[formula[0]]
     count = _NUMBERS.get(kind, 0)
@@ -125,7 +123,7 @@ def _event(name: str, figure: Figure | BasicEvent) -> BasicEvent:
     model: object = figure
     if model is not None and not hasattr(model, "probability"):
         raise ModelError(
-            f"event '{name}': {figure!r} is no figure; give a probability, a failure model or None"
+            f"event '{name}': {figure!r} is not a figure; give a probability, failure model or None"
         )
     return BasicEvent(name, model=figure)
 
@@ -155,11 +153,11 @@ def built_hybrid(
         following = dict(zip(names, [*names[1:], DONE], strict=True))
     for state in following:
         if state not in trees:
-            raise ModelError(f"next of '{state}', which is no state; {one_of(trees, state)}")
+            raise ModelError(f"next of '{state}', which is not a state; {one_of(trees, state)}")
     hours_of = visit_h if isinstance(visit_h, Mapping) else {}
     for state in hours_of:
         if state not in trees:
-            raise ModelError(f"visit_h of '{state}', which is no state; {one_of(trees, state)}")
+            raise ModelError(f"visit_h of '{state}', which is not a state; {one_of(trees, state)}")
     known = {parameter for tree in trees.values() for parameter in tree.parameters}
     check_parameters(values, known)
     states = []

@@ -74,7 +74,7 @@ class CommonCauseGroup:
         if len(self.members) < 2:
             raise ModelError(f"{where}: {len(self.members)} members; it needs at least 2")
         if len(set(self.members)) < len(self.members):
-            raise ModelError(f"{where}: a member stands twice; name each once")
+            raise ModelError(f"{where}: duplicate member; name each once")
         least, most = self._allowed_factors()
         if not least <= len(self.factors) <= most:
             allowed = str(least) if least == most else f"{least} to {most}"
@@ -213,7 +213,7 @@ def _like_members(
     for member in group.members:
         if member not in events:
             raise ModelError(
-                f"{where}: member '{member}' is no basic event; {one_of(events, member)}"
+                f"{where}: member '{member}' is not a basic event; {one_of(events, member)}"
             )
         if member in owners:
             raise ModelError(

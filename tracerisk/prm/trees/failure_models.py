@@ -24,7 +24,7 @@ from tracerisk.prm.numbers.quantities import (
     check_positive,
     check_share,
 )
-from tracerisk.prm.trees.periodic_test import PeriodicTest
+from tracerisk.prm.trees.tested_component import PeriodicTest
 
 __all__ = [
     "GLM",
@@ -193,7 +193,7 @@ class GLM:
     It is down at time t with lambda/(lambda+mu) (1 - exp(-(lambda+mu) t)) + gamma
     exp(-(lambda+mu) t); `failure_on_demand` is gamma, the rates lambda and mu are [1/h].
     Source: the Open-PSA built-in `GLM`; the form without differences is own derivation.
-    Raises ModelError when gamma is no probability or a rate negative.
+    Raises ModelError when gamma is not a probability or a rate negative.
     """
 
     failure_on_demand: float
@@ -226,7 +226,7 @@ class PerDemand:
     """A probability of failure per demand, for a number of independent demands in the mission.
 
     1 - (1 - p)^demands.
-    Raises ModelError when `p` is no probability or `demands` not a whole number from 0 on.
+    Raises ModelError when `p` is not a probability or `demands` not a whole number from 0 on.
     """
 
     needs_mission_time: ClassVar[bool] = False

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from tracerisk.errors import ModelError, TooLargeError, one_of
 from tracerisk.prm.notebook.display import DisplayedGraph
-from tracerisk.prm.numbers.collection import collection_paused
+from tracerisk.prm.numbers.gc_pause import collection_paused
 from tracerisk.prm.numbers.probability import Probability, pair_of, total, value_of
 from tracerisk.prm.trees.gates import Gate, GateKind, gate_probability, gate_shares
 from tracerisk.prm.trees.numbering import Numbering, numbered
@@ -105,7 +105,7 @@ class FaultTree(DisplayedGraph):
         A formula names the kind of a gate, its numbers if it has any, and its inputs, which may
         be formulas themselves.
         `events` gives each basic event a probability, a failure model, `None` or a `BasicEvent`;
-        without it, every input that is no gate or house event is one.
+        without it, every input that is not a gate or house event is one.
         Raises ModelError, naming the gate or event, when they make no tree.
         """
         from tracerisk.prm.trees.building import built_tree

@@ -149,7 +149,7 @@ class _Growth:
             self._events[name] = self._forest.events[name]
             return name
         if name not in self._forest.houses:
-            raise ModelError(f"'{name}' is no gate or event; {one_of(self._forest, name)}")
+            raise ModelError(f"'{name}' is not a gate or event; {one_of(self._forest, name)}")
         house = self._forest.houses[name]
         state = dict(settings).get(name, house.state)
         placed = name

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.numbers.collection import collection_paused
+from tracerisk.prm.numbers.gc_pause import collection_paused
 from tracerisk.prm.trees.gates import Gate, check_gate
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ def numbered(tree: FaultTree) -> Numbering:
         numbers = {name: number for number, name in enumerate(names)}
         _check_names(names, numbers)
         if tree.top not in numbers:
-            raise ModelError(f"the top '{tree.top}' is no gate or event; {one_of(numbers)}")
+            raise ModelError(f"top '{tree.top}' is not a gate or event; {one_of(numbers)}")
         below = [_inputs_of(gate, numbers) for gate in tree.gates]
         order = _upwards(tree, names, below, numbers[tree.top], len(leaves))
         # Gates in the order of the sweep get the numbers from the leaves on.
@@ -96,7 +96,7 @@ def _inputs_of(gate: Gate, numbers: Mapping[str, int]) -> tuple[int, ...]:
     except KeyError as error:
         name = error.args[0]
         raise ModelError(
-            f"gate '{gate.name}': input '{name}' is no gate or event; {one_of(numbers, name)}"
+            f"gate '{gate.name}': input '{name}' is not a gate or event; {one_of(numbers, name)}"
         ) from None
     check_gate(gate)
     return inputs

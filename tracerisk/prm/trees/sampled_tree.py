@@ -51,7 +51,7 @@ def samples_of(
 ) -> tuple[dict[str, NDArray[np.float64]], int]:
     """Return the samples of each parameter as arrays, and how many there are.
 
-    Raises ModelError when one is no probability, is no list of numbers, or has another length.
+    Raises ModelError when one is not a probability or a list of numbers, or has another length.
     """
     arrays: dict[str, NDArray[np.float64]] = {}
     for name, value in values.items():

@@ -116,7 +116,7 @@ def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
     for told in (*diff.of_run, *diff.inputs):
         yield f"- {_escaped(told)}"
     if diff.within_noise:
-        yield f"- values that changed by less than 1 %, told as unchanged: {diff.within_noise}"
+        yield f"- values that changed by less than 1 %, reported as unchanged: {diff.within_noise}"
     if diff.single_points or diff.pins or diff.of_run or diff.inputs or diff.within_noise:
         yield ""
 

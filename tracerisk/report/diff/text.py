@@ -81,7 +81,7 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
     yield from _list("What the runs behind the blocks depended on", diff.inputs, room)
     if diff.within_noise:
         values = "value changes" if diff.within_noise == 1 else "values change"
-        yield f"  {diff.within_noise} {values} by less than 1 %: told as unchanged"
+        yield f"  {diff.within_noise} {values} by less than 1 %: reported as unchanged"
         yield ""
 
 

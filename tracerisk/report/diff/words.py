@@ -91,7 +91,7 @@ def broken_and_repaired(diff: RiskDiff) -> list[tuple[str, list[str]]]:
 
 
 def _incomparable(diff: RiskDiff, verdicts: RunVerdicts) -> str:
-    """Say what became of a run that cannot be compared; of the risk it says nothing."""
+    """Return what became of a run that cannot be compared; of the risk it says nothing."""
     old = verdicts.before.kind if verdicts.before else "unknown"
     new = verdicts.after.kind if verdicts.after else "unknown"
     if verdicts.after is None and verdicts.in_after:
@@ -156,7 +156,7 @@ _LIKELY = 0.05
 
 
 def _per_cycle(diff: RiskDiff) -> str:
-    """Say why a mission's failure changes more, or less, than that of its first cycle."""
+    """Return why a mission's failure changes more, or less, than that of its first cycle."""
     if diff.before is None or diff.after is None:
         return ""
     figures = diff.before.failure_probability, diff.after.failure_probability

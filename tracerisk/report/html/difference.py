@@ -60,7 +60,7 @@ def _controller(review: Review, index: int, diff: RiskDiff) -> _Controller:
     lines += (*diff.of_run, *diff.inputs)
     if diff.within_noise:
         lines.append(
-            f"values that changed by less than 1 %, told as unchanged: {diff.within_noise}"
+            f"values that changed by less than 1 %, reported as unchanged: {diff.within_noise}"
         )
     shown = diff.name if diff.was is None else f"{diff.name} (was {diff.was})"
     return _Controller(shown, tuple(tables), tuple(lines))

@@ -46,7 +46,7 @@ def page(title: str, lead: Markup, sections: Sequence[Section]) -> str:
         style=Markup(style),
         policy=_policy(script, style),
     )
-    # A lone surrogate (of a file name that is not UTF-8) is no character of any encoding.
+    # A lone surrogate (of a file name that is not UTF-8) is not a character of any encoding.
     text = text.translate(_FORBIDDEN | _TURNING)
     return text.encode("utf-8", errors="replace").decode("utf-8")
 

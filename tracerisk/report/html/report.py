@@ -15,7 +15,7 @@ from tracerisk.report.html.notes import (
 )
 from tracerisk.report.html.page import page
 from tracerisk.report.html.report_input import ReportInput
-from tracerisk.report.html.run.touches import touches_section
+from tracerisk.report.html.run.contact_pairs import touches_section
 from tracerisk.report.html.sources import sources_section
 from tracerisk.report.html.summary import lead
 

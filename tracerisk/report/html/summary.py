@@ -33,7 +33,7 @@ def _sentence(report: ReportInput) -> str:
     risk = report.assessment.mission.failure_probability
     if risk == 0.0:
         return f"No hardware failure that is modelled can end a mission of {report.model.name}."
-    told = f"A mission of {report.model.name} fails through hardware with probability "
+    told = f"Probability that a hardware failure ends a mission of {report.model.name}: "
     often = figures.one_in(risk)
     return f"{told}{figures.powered(risk)}{f', {often}' if often else ''}."
 
@@ -92,17 +92,17 @@ def _readings(report: ReportInput) -> tuple[tuple[str, str, str], ...]:
     is_one = cycles == "1"
     return (
         (
-            "by the chain",
+            "geometric cycles",
             figures.probability(mission.failure_probability),
             "the number of cycles varies around its mean" if report.model.has_cycle else "exact",
         ),
         (
-            f"{cycles} cycle{'' if is_one else 's'}, fixed",
+            f"{cycles} fixed cycle{'' if is_one else 's'}",
             figures.probability(mission.fixed_cycles),
             f"each fails with {figures.probability(mission.cycle_failure_probability)}",
         ),
         (
-            "visits as they ran",
+            "as executed",
             figures.probability(mission.visits_as_run),
             "each function visited as often as it is expected to be",
         ),

@@ -1,4 +1,4 @@
-"""Have the pictures drawn in a process of its own, with whatever OpenGL needs no screen here.
+"""Draw the pictures in a process of its own, with whatever OpenGL needs no screen here.
 
 The twin's own process runs with MuJoCo's renderer off, and a driver that crashes must not take
 the command with it.

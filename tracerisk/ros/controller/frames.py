@@ -29,7 +29,7 @@ _WAITS = frozenset({"__enter__", "acquire", "wait", "wait_for"})
 
 @lru_cache(maxsize=4096)
 def is_library(file: str) -> bool:
-    """Tell whether a code object's file is tracerisk's, the standard library's or installed."""
+    """Return whether a code object's file is tracerisk's, the standard library's or installed."""
     return file.startswith(_LIBRARIES) or file.startswith("<")
 
 
@@ -74,7 +74,7 @@ def caller_beyond(files: tuple[str, ...]) -> FrameType | None:
 
 
 def is_quiet(frame: FrameType | None) -> bool:
-    """Tell whether the frame is a library's whose looks at the clock move nothing."""
+    """Return whether the frame is a library's whose looks at the clock move nothing."""
     if frame is None:
         return True
     name = str(frame.f_globals.get("__name__", ""))

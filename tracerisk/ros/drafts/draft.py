@@ -221,7 +221,7 @@ def _action(missed: Missed, interfaces: Any, values: UsableValues) -> _Made:
 
 
 def _moves_robot(need: Need, goal: Any) -> bool:
-    """Tell whether an action is one of the arm's or the gripper's driver."""
+    """Return whether an action is one of the arm's or the gripper's driver."""
     return bool(_MOVES.search(need.name.lower())) or _holds_joints(goal, 3)
 
 

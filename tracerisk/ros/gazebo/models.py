@@ -20,7 +20,7 @@ _LONGEST_M = 1000.0
 
 
 class ModelRefusedError(Exception):
-    """A model that is no body of the twin, and why."""
+    """A model that is not a body of the twin, and why."""
 
 
 def model_body(name: str, text: str, pose: Pose) -> SceneBody:
@@ -33,7 +33,7 @@ def model_body(name: str, text: str, pose: Pose) -> SceneBody:
     try:
         top = read_xml(text, f"model '{name}'")
     except RobotError as error:
-        raise ModelRefusedError(f"the model is no XML: {error}") from error
+        raise ModelRefusedError(f"the model is not XML: {error}") from error
     if top.tag == "robot":
         return _from_urdf(name, top, pose)
     model = top if top.tag == "model" else _model_in(top)

@@ -51,7 +51,7 @@ class GazeboWorld:
         )
 
     def is_robot(self, name: str, link: str = "") -> bool:
-        """Tell whether a model is the robot: by its name, or by a link that only it has."""
+        """Return whether a model is the robot: by its name, or by a link that only it has."""
         if name == self._twin.robot.name:
             return True
         return name not in self.names and self._link(link) is not None

@@ -301,7 +301,7 @@ class ActionClientEnd:
         return self.actions.server(self.name, self.type_name)
 
     def is_served(self) -> bool:
-        """Tell whether somebody serves the action, as the controller asks it."""
+        """Return whether somebody serves the action, as the controller asks it."""
         scheduler = self.actions.scheduler
         if self.server is None:
             scheduler.miss(self._need)

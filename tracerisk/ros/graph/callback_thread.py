@@ -36,7 +36,7 @@ class CallbackThread:
         self._is_closed = False
 
     def put(self, call: Callable[[], object]) -> None:
-        """Have `call` run when the thread gets its turn; it must raise nothing."""
+        """Run `call` when the thread gets its turn; it must raise nothing."""
         if self._is_closed:
             return
         self._calls.append(call)

@@ -197,7 +197,7 @@ class Graph:
         scheduler.listens = self.listens
 
     def listens(self) -> bool:
-        """Tell whether the controller subscribes or serves: the world outside could wake it."""
+        """Return whether the controller subscribes or serves: the world outside could wake it."""
         return any(server.is_callback for server in self._services.values()) or any(
             each.by_controller for topic in self._topics.values() for each in topic.subscriptions
         )

@@ -16,29 +16,29 @@ _LEGAL_REMAP = re.compile(r"([~/A-Za-z]|_|__)[\w/]*:=.*", re.DOTALL)
 
 
 def is_global(name: str) -> bool:
-    """Tell whether a name begins at the root."""
+    """Return whether a name begins at the root."""
     return name.startswith(SEP)
 
 
 def is_private(name: str) -> bool:
-    """Tell whether a name is one of the node's own."""
+    """Return whether a name is one of the node's own."""
     return name.startswith(PRIVATE)
 
 
 def is_legal_name(name: str | None) -> bool:
-    """Tell whether a name may be one of a topic, a service or a parameter."""
+    """Return whether a name may be one of a topic, a service or a parameter."""
     if not name:
         return name == ""
     return _LEGAL.fullmatch(name) is not None and "//" not in name
 
 
 def is_legal_base_name(name: str | None) -> bool:
-    """Tell whether a name may be one of a node."""
+    """Return whether a name may be one of a node."""
     return name is not None and _LEGAL_BASE.fullmatch(name) is not None
 
 
 def is_legal_remap(argument: str | None) -> bool:
-    """Tell whether a command-line argument is a remapping: `old:=new`, `_parameter:=value`."""
+    """Return whether a command-line argument is a remapping: `old:=new`, `_parameter:=value`."""
     return argument is not None and _LEGAL_REMAP.fullmatch(argument) is not None
 
 

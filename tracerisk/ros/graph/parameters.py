@@ -26,7 +26,7 @@ class ParameterTree:
         self._asked.add(tuple(_parts(name.replace(".", names.SEP))))
 
     def is_asked(self, name: str) -> bool:
-        """Tell whether anybody asked for a parameter, its namespace or something below it.
+        """Return whether anybody asked for a parameter, its namespace or something below it.
 
         A name without its namespace counts: `speed` for `/pick/speed`, and the other way round.
         """
@@ -40,7 +40,7 @@ class ParameterTree:
         )
 
     def fall_back_on(self, beyond: Callable[[str], Any]) -> None:
-        """Have `beyond` answer for names that are not set, where nothing else would do.
+        """Use `beyond` for names that are not set and have no other value.
 
         It returns None for what it does not know either.
         """
@@ -51,7 +51,7 @@ class ParameterTree:
         return self._beyond(name)
 
     def offer(self, base_name: str, value: Callable[[], Any]) -> None:
-        """Have `/base_name`, or `/robot/base_name` for any robot, where it is not set.
+        """Provide `/base_name`, or `/robot/base_name` for any robot, where it is not set.
 
         A global name is offered as it is.
         It is what the driver of a robot sets when it starts.
@@ -81,7 +81,7 @@ class ParameterTree:
 
         Raises:
             TypeError: the value is of a type that the server cannot hold, or the root is given
-                one that is no dictionary.
+                one that is not a dictionary.
             OverflowError: an integer of more than 32 bits.
         """
         kept = _storable(value)
@@ -121,7 +121,7 @@ class ParameterTree:
             self.set(name, value)
 
     def has(self, name: str) -> bool:
-        """Tell whether a parameter or a namespace is set."""
+        """Return whether a parameter or a namespace is set."""
         self.ask(name)
         return self._holds(name)
 

@@ -16,7 +16,7 @@ def load_yaml(text: str) -> Any:
     """Return the value of a YAML text of one document; None of an empty one.
 
     Raises:
-        ruamel.yaml.error.YAMLError: it is no YAML.
+        ruamel.yaml.error.YAMLError: it is not YAML.
     """
     from ruamel.yaml.error import YAMLError
 

@@ -43,7 +43,7 @@ class Arcball:
         self._qnow = self._qpre = self._qdown
 
     def place(self, center: Sequence[float], radius: float) -> None:
-        """Say where the ball is in the window, and how large [pixels]."""
+        """Place the ball in the window, with its radius [pixels]."""
         self._radius = float(radius)
         self._center = [float(center[0]), float(center[1])]
 
@@ -52,11 +52,11 @@ class Arcball:
         self._axes = [np.asarray(unit_vector(axis)) for axis in axes] or None
 
     def setconstrain(self, constrain: bool) -> None:
-        """Say whether turns are constrained to the axes."""
+        """Return whether turns are constrained to the axes."""
         self._constrain = constrain is True
 
     def getconstrain(self) -> bool:
-        """Tell whether turns are constrained to the axes."""
+        """Return whether turns are constrained to the axes."""
         return self._constrain
 
     def down(self, point: Sequence[float]) -> None:

@@ -54,7 +54,7 @@ def rotation_from_matrix(matrix: ArrayLike) -> tuple[float, Array, Array]:
     """Return angle [rad], axis (3,) and a point (4,) on the axis of a rotation.
 
     Raises:
-        ValueError: the matrix is no rotation about an axis.
+        ValueError: the matrix is not a rotation about an axis.
     """
     given = np.asarray(matrix, dtype=np.float64)
     turn = given[:3, :3]
@@ -108,7 +108,7 @@ def scale_from_matrix(matrix: ArrayLike) -> tuple[float, Array, Array | None]:
     """Return factor, origin (4,) and direction (3,) of a scaling; None where it is in all.
 
     Raises:
-        ValueError: the matrix is no scaling.
+        ValueError: the matrix is not a scaling.
     """
     given = np.asarray(matrix, dtype=np.float64)
     linear = given[:3, :3]

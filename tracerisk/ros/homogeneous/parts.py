@@ -129,7 +129,7 @@ def concatenate_matrices(*matrices: ArrayLike) -> Array:
 
 
 def is_same_transform(matrix0: ArrayLike, matrix1: ArrayLike) -> bool:
-    """Tell whether two matrices do the same to points."""
+    """Return whether two matrices do the same to points."""
     first = np.array(matrix0, dtype=np.float64)
     second = np.array(matrix1, dtype=np.float64)
     return bool(np.allclose(first / first[3, 3], second / second[3, 3]))

@@ -124,7 +124,7 @@ class StandInFinder(MetaPathFinder):
 
     @staticmethod
     def _is_elsewhere(top: str) -> bool:
-        """Tell whether the workspace or the environment has a library of its own."""
+        """Return whether the workspace or the environment has a library of its own."""
         loaded = sys.modules.get(top)
         if loaded is None:
             return is_installed(top)
@@ -315,7 +315,7 @@ def public_names(module: ModuleType) -> list[str]:
 
 
 def missing_name(library: str, name: str, names: Sequence[str]) -> str:
-    """Say that the stand-in for `library` lacks `name`, and what it has that is near."""
+    """Explain that the stand-in for `library` lacks `name`, and what it has that is near."""
     near = get_close_matches(name, names, n=3)
     hint = f"nearest: {', '.join(near)}" if near else "it has nothing of a similar name"
     return (

@@ -80,7 +80,7 @@ _MESSAGES = re.compile(r"\w+_(msgs|srvs|interfaces|actions)")
 
 
 def is_installed(name: str) -> bool:
-    """Tell whether the import path has a module `name` of its own."""
+    """Return whether the import path has a module `name` of its own."""
     try:
         spec = PathFinder.find_spec(name, sys.path)
     except (ImportError, ValueError):

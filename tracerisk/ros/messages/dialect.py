@@ -12,7 +12,7 @@ _S = 1_000_000_000
 
 
 def is_ros2(message_class: type) -> bool:
-    """Tell whether a message class is one of ROS 2."""
+    """Return whether a message class is one of ROS 2."""
     return hasattr(message_class, "get_fields_and_field_types")
 
 

@@ -52,7 +52,7 @@ class MessageField:
 
     @property
     def integer_limits(self) -> tuple[int, int] | None:
-        """The least and the greatest value of an integer; None where the field is no integer."""
+        """The least and the greatest value of an integer field; None for another."""
         bits = INTEGER_BITS.get(self.base)
         if bits is None:
             return None

@@ -136,7 +136,7 @@ class Interfaces:
         return found
 
     def is_used(self, package: str) -> bool:
-        """Tell whether the controller has a package in its workspace or has used a class of it."""
+        """Return whether the controller has a package in its workspace or used a class of it."""
         if package in self._workspace:
             return True
         return any(name.startswith(f"{package}/") for name in (*self._classes, *self._services))
@@ -224,7 +224,7 @@ class Interfaces:
     def _make(self, name: str) -> type[Message]:
         package, _, short = name.partition("/")
         if not package.isidentifier() or not short.isidentifier():
-            raise InputError(f"'{name}' is no message type; write PACKAGE/NAME")
+            raise InputError(f"'{name}' is not a message type; write PACKAGE/NAME")
         if name in self._in_making:
             raise InputError(f"{name} contains itself, by way of {', '.join(self._in_making)}")
         self._in_making.append(name)

@@ -114,7 +114,7 @@ class Interfaces2:
         return ()
 
     def is_used(self, package: str) -> bool:
-        """Tell whether the controller has a package in its workspace or has used a class of it."""
+        """Return whether the controller has a package in its workspace or used a class of it."""
         made = (*self._classes, *self._services, *self._actions)
         return package in self._workspace or any(name.startswith(f"{package}/") for name in made)
 

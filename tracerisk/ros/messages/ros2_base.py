@@ -18,7 +18,7 @@ class Message2:
     """A ROS 2 message: fields by keyword, each checked when it is assigned.
 
     Raises:
-        AssertionError: a keyword is no field, or a value does not fit its field.
+        AssertionError: a keyword is not a field, or a value does not fit its field.
     """
 
     __slots__: Sequence[str] = ()

@@ -1,7 +1,7 @@
 """The move_group node of MoveIt, in process: it plans and executes on the twin.
 
 A command is recorded when a motion is executed, not when it is planned. A failure to plan is
-answered with MoveIt's error code and told as a finding of the run.
+answered with MoveIt's error code and reported as a finding of the run.
 """
 
 from __future__ import annotations
@@ -136,7 +136,7 @@ class MoveGroupServer(RobotGroups):
         return self._twin.link_pose(link)
 
     def is_clear(self, positions: Mapping[str, float]) -> bool:
-        """Tell whether the robot touches nothing that plans keep clear of."""
+        """Return whether the robot touches nothing that plans keep clear of."""
         return self._twin.collision(positions) is None
 
     def forward(self, positions: Mapping[str, float], link: str) -> Pose:
@@ -407,7 +407,7 @@ class MoveGroupServer(RobotGroups):
                 )
             except RobotError as error:
                 self._tell_scene(
-                    f"object '{item.name}' is no body of the simulation: {error.message}"
+                    f"object '{item.name}' is not a body of the simulation: {error.message}"
                 )
         return [one for one in bodies if one.is_solid]
 
@@ -416,7 +416,7 @@ class MoveGroupServer(RobotGroups):
         return self._twin.planning_among(self.bodies(scene), scene.allowed)
 
     def planning_under(self, constraints: Any) -> AbstractContextManager[None]:
-        """Have plans keep to `moveit_msgs/Constraints` within the block."""
+        """Apply `moveit_msgs/Constraints` to plans within the block."""
         rule = PathRule(constraints, self.forward, self.frame)
         return nullcontext() if rule.is_empty else self._twin.planning_under(rule)
 
@@ -438,7 +438,7 @@ class MoveGroupServer(RobotGroups):
 
     @contextmanager
     def touching(self, name: str, links: Iterable[str]) -> Iterator[None]:
-        """Let plans touch an object with some links for a while, as when it is picked."""
+        """Allow plans to touch an object with some links for a while, as when it is picked."""
         before = self.scene.allowed
         self.scene.allow(before | {frozenset((name, link)) for link in links})
         try:

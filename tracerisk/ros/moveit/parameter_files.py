@@ -119,14 +119,14 @@ def load_yaml(path: Path, text: str) -> dict[str, Any]:
     """Return what the text of a YAML file holds.
 
     Raises:
-        RuntimeError: it is no YAML, or holds no mapping.
+        RuntimeError: it is not YAML, or holds no mapping.
     """
     from ruamel.yaml.error import YAMLError
 
     try:
         content = yaml_text.load_yaml(text)
     except YAMLError as error:
-        raise RuntimeError(f"{path} is no YAML: {error}") from error
+        raise RuntimeError(f"{path} is not YAML: {error}") from error
     if content is None:
         return {}
     if not isinstance(content, dict):

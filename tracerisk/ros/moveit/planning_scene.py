@@ -71,7 +71,7 @@ class PlanningScene:
         return True
 
     def cannot_remove(self, name: str) -> str | None:
-        """Say why a removal of an object does not do what it asks, `None` where it does.
+        """Return why a removal of an object does not do what it asks, `None` where it does.
 
         What is not there needs no removal: programs clear the scene of what they are to add.
         """

@@ -111,7 +111,7 @@ class RobotGroups:
         return self._drawn(self.robot.joints)
 
     def is_clear(self, positions: Mapping[str, float]) -> bool:
-        """Tell whether the robot touches nothing that plans keep clear of; here nothing is known.
+        """Return whether the robot touches nothing that plans keep clear of; here nothing is known.
 
         Joints that `positions` leaves out are as they are.
         """

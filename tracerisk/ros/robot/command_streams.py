@@ -63,7 +63,7 @@ class CommandStreams:
         self._commands.scheduler.call_at(stream.command.keep_until_ns, lambda: None)
 
     def refuse(self, topic: str, message: str, stack: tuple[Frame, ...] | None = None) -> None:
-        """Tell that a message moved nothing, and why."""
+        """Report that a message moved nothing, and why."""
         self._commands.tell(
             "command_ignored",
             f"a message on {topic} moved nothing: {message}",

@@ -76,7 +76,7 @@ class TwinCommands:
         return command
 
     def is_live(self, command: LiveCommand) -> bool:
-        """Tell whether a command is not over."""
+        """Return whether a command is not over."""
         return command in self._live
 
     def poll(self) -> None:

@@ -37,25 +37,25 @@ class TwinMessages:
         return kind()
 
     def has_service(self, service: str) -> bool:
-        """Tell whether the controller's ROS has the service `package/Name`."""
+        """Return whether the controller's ROS has the service `package/Name`."""
         # By the names alone: a class is made when it is first needed.
         package, _, name = service.partition("/")
         return name in self._service_names(package)
 
     def has_action(self, action: str) -> bool:
-        """Tell whether the controller's ROS has the action `package/Name`."""
+        """Return whether the controller's ROS has the action `package/Name`."""
         package, _, name = action.partition("/")
         if self.is_ros2:
             return name in self._action_names(package)
         return f"{name}Goal" in self._message_names(package)
 
     def has_message(self, message: str) -> bool:
-        """Tell whether the controller's ROS has the message `package/Name`."""
+        """Return whether the controller's ROS has the message `package/Name`."""
         package, _, name = message.partition("/")
         return name in self._message_names(package)
 
     def has_package(self, package: str) -> bool:
-        """Tell whether the controller's ROS has a package of messages."""
+        """Return whether the controller's ROS has a package of messages."""
         return package in self._interfaces.packages
 
     def names(self, package: str, kind: str) -> tuple[str, ...]:
@@ -76,7 +76,7 @@ class TwinMessages:
         return kind()
 
     def is_used(self, package: str) -> bool:
-        """Tell whether the controller has a package, or has used a message or a service of it."""
+        """Return whether the controller has a package, or has used a message or a service of it."""
         return bool(self._interfaces.is_used(package))
 
     @cache  # noqa: B019 - it lives as long as the run

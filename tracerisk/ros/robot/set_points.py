@@ -135,7 +135,7 @@ class SetPoints:
         self._commands.begin("joint_trajectory", motion, self._commands.stack())
 
     def _is_there(self, message: Any, tolerance: float = GOAL_TOLERANCE) -> bool:
-        """Tell whether the joints are where a trajectory ends; of other messages, False."""
+        """Return whether the joints are where a trajectory ends; of other messages, False."""
         points = getattr(message, "points", None)
         if not points or len(points[-1].positions) != len(message.joint_names):
             return False
@@ -186,7 +186,7 @@ class SetPoints:
             self.set_point(topic, tuple(names), np.array(values), "joint_state_command")
 
     def _note_feedback(self, topic: str) -> None:
-        """Say of joint states that the controller publishes as a driver does that nothing moves."""
+        """Report that joint states published by the controller move nothing."""
         if any(each.by_controller for each in self._graph.publications(topic)):
             self._commands.tell(
                 "not_simulated",
@@ -280,7 +280,7 @@ class SetPoints:
 
 
 def is_command_topic(name: str, type_name: str) -> bool:
-    """Tell whether a robot's driver takes what is published on a topic for a command."""
+    """Return whether a robot's driver takes what is published on a topic for a command."""
     last = name.rsplit("/", 1)[-1]
     if type_name == JOINT_STATE_TYPE:
         return _TAKES_STATES.search(last) is not None

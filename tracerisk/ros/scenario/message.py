@@ -57,7 +57,7 @@ class Written:
 
 
 class MessageTemplate:
-    """A message of a class as a file writes it; made anew each time, so that `now` is now.
+    """A message of a class as a file writes it; made again each time, so that `now` is now.
 
     Fields that are not written have the defaults of the type.
 

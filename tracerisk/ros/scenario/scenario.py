@@ -180,7 +180,7 @@ def _forbid_twice(top: YamlMap, section: str, key: str) -> None:
     for entry in top.maps(section) if top.get(section) is not None else ():
         name = entry.string(key)
         if name in seen:
-            entry.fail(key, f"'{name}' stands twice in {section}; give it one entry")
+            entry.fail(key, f"duplicate '{name}' in {section}; give it one entry")
         seen.add(name)
 
 

@@ -236,7 +236,7 @@ def _pool_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
 
 
 def _stop_pools(scheduler: Scheduler) -> None:
-    """Let the workers of thread pools end when they have done what was submitted, as at exit."""
+    """End the workers of thread pools when they have done what was submitted, as at exit."""
     vars(pool)["_shutdown"] = True
     mine = {thread.ident for thread in scheduler.threads}
     for thread, work in list(vars(pool)["_threads_queues"].items()):

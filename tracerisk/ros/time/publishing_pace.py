@@ -37,7 +37,7 @@ class PublishingPace:
         return self._in_row >= BURST
 
     def keep(self, scheduler: Scheduler) -> None:
-        """Let time pass before a message that follows many others without a wait in between.
+        """Advance time before a message that follows many others without a wait in between.
 
         Raises:
             RunOver: the run is over.

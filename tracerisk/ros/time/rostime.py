@@ -41,7 +41,7 @@ class TVal:
         return cls(*_split(float_secs))
 
     def is_zero(self) -> bool:
-        """Tell whether both parts are zero."""
+        """Return whether both parts are zero."""
         return self.secs == 0 and self.nsecs == 0
 
     def set(self, secs: int, nsecs: int) -> None:

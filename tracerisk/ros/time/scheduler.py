@@ -227,7 +227,7 @@ class Scheduler:
     # Waiting
 
     def sleep(self, duration_ns: int) -> None:
-        """Let `duration_ns` pass; zero or less only lets others have their turn.
+        """Advance by `duration_ns`; zero or less only gives others their turn.
 
         Raises:
             RunOver: the run is over.
@@ -240,7 +240,7 @@ class Scheduler:
         self._block(thread, None, self._now_ns + max(duration_ns, 0), "time to pass")
 
     def pass_until(self, time_ns: int) -> None:
-        """Let the time pass that a call takes which is no wait of the controller's.
+        """Advance by the time that a call takes which is no wait of the controller's.
 
         Raises:
             RunOver: the run is over.
@@ -563,7 +563,7 @@ class Scheduler:
         self._now_ns = max(self._now_ns, min(reached_ns, target_ns))
 
     def outlast(self) -> None:
-        """Let the world end what is under way when the controller is gone; no thread runs.
+        """End what is under way in the world when the controller is gone; no thread runs.
 
         What is in `when_alone` is called at first, and whenever a motion has ended.
         """

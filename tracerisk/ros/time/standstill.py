@@ -42,7 +42,7 @@ def end_of_standstill(threads: Iterable[ControllerThread], *, listens: bool) -> 
 
 
 def end_of_duration(main: ControllerThread | None, duration_ns: int) -> RunOver:
-    """Tell that the simulated time is over, and where the main thread stands.
+    """Report that the simulated time is over, and where the main thread stands.
 
     A main thread that has long waited, without a limit, for what nothing provided is a deadlock:
     other threads only hid the standstill. One that waits for the result of its last goal is none.

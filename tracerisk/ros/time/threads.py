@@ -80,7 +80,7 @@ class Lock:
         self._inner.release()
 
     def locked(self) -> bool:
-        """Tell whether the lock is held."""
+        """Return whether the lock is held."""
         return self._inner.locked()
 
     acquire_lock = acquire
@@ -190,7 +190,7 @@ class _Sentinel(Lock):
         return ended and super().acquire(False)
 
     def thread_has_ended(self) -> None:
-        """Let those who joined the thread go on."""
+        """Wake those who joined the thread."""
         if self.locked():
             self.release()
 
@@ -209,7 +209,7 @@ class ThreadHandle:
         return self.thread.ident if self.thread is not None else None
 
     def is_done(self) -> bool:
-        """Tell whether the thread has ended."""
+        """Return whether the thread has ended."""
         return self._done or (self.thread is not None and self.thread.finished)
 
     def _set_done(self) -> None:

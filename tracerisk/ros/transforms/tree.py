@@ -57,7 +57,7 @@ class TransformTree:
         """Note where `child` is in `parent`; return whether it was taken.
 
         A leading slash of a name is dropped.
-        A pose is refused, and `warn` told, that has no name, is its own parent, is no number,
+        A pose is refused, and `warn` told, that has no name, is its own parent, is not a number,
         turns by a quaternion whose length is not 1, or is older than what is kept.
         """
         parent, child = parent.removeprefix("/"), child.removeprefix("/")
@@ -121,7 +121,7 @@ class TransformTree:
         return compose(into_target, into_fixed), stamp_ns
 
     def can_transform(self, target: str, source: str, time_ns: int) -> tuple[bool, str]:
-        """Tell whether `lookup` would answer, and if not why not."""
+        """Return whether `lookup` would answer, and if not why not."""
         if target == source:
             return True, ""
         return self._tried(
@@ -132,7 +132,7 @@ class TransformTree:
     def can_transform_full(
         self, target: str, target_time_ns: int, source: str, source_time_ns: int, fixed: str
     ) -> tuple[bool, str]:
-        """Tell whether `lookup_full` would answer, and if not why not."""
+        """Return whether `lookup_full` would answer, and if not why not."""
         return self._tried(
             (("target_frame", target), ("source_frame", source), ("fixed_frame", fixed)),
             lambda: self.lookup_full(target, target_time_ns, source, source_time_ns, fixed),

@@ -75,14 +75,14 @@ class ModelFolder:
 def read_model_text(path: Path, shown: str) -> bytes:
     """Return the text of a model file.
 
-    Raises RobotError when it is no readable file, or is empty, too large or evidently not XML.
+    Raises RobotError when it is not a readable file, or is empty, too large or evidently not XML.
     """
     where = Location(shown)
     try:
         if not path.exists():
             raise RobotError("there is no such file", where)
         if not path.is_file():
-            raise RobotError("is no file; give the robot's MJCF, URDF or xacro file", where)
+            raise RobotError("is not a file; give the robot's MJCF, URDF or xacro file", where)
         size = path.stat().st_size
         if size > MOST_BYTES:
             raise RobotError(f"holds {size} bytes; at most {MOST_BYTES} are read", where)

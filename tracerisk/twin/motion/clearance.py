@@ -60,7 +60,7 @@ class Clearance:
 
     @contextmanager
     def keeping(self, rule: PathRule) -> Iterator[None]:
-        """Have every path and goal keep to a rule within the block."""
+        """Apply a rule to every path and goal within the block."""
         before, self._rule = self._rule, rule
         try:
             yield

@@ -112,7 +112,7 @@ class Track(Protocol):
         """Write the set-points of the next steps; block: (n, n_actuators), n <= steps ahead."""
 
     def finished(self, measured: Measured, time_ns: int) -> bool:
-        """Say after these steps whether the track is over, having told its motion."""
+        """Return after these steps whether the track is over, having reported its motion."""
 
 
 def servo_lead(joint: Joint) -> float:
@@ -234,7 +234,7 @@ class ArmTrack:
             self._waited += len(block)
 
     def finished(self, measured: Measured, time_ns: int) -> bool:
-        """Say whether the arm stands still at its goal, or will not any more."""
+        """Return whether the arm stands still at its goal, or will not any more."""
         if self._at < len(self.position):
             return False
         if self.motion is None:
@@ -321,7 +321,7 @@ class GripperTrack:
         self._at += count
 
     def finished(self, measured: Measured, time_ns: int) -> bool:
-        """Say whether the fingers are there, or stand still on something."""
+        """Return whether the fingers are there, or stand still on something."""
         if self._at < len(self._reference) or self.motion is None:
             return False
         here = self._here(measured)

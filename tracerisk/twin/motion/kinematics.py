@@ -96,7 +96,7 @@ class Kinematics:
         Tolerances in [m] and [rad].
 
         Raises PlanningError("no_ik_solution") when no start leads there, and
-        PlanningError("bad_request") when the group has no tip link or the pose is no pose.
+        PlanningError("bad_request") when the group has no tip link or the pose is not a pose.
         """
         tip = link or self._robot.group(group).tip_link
         if tip is None:
@@ -279,7 +279,7 @@ def _target(pose: Pose) -> Any:
     if not np.isfinite([*pose.position, norm]).all() or norm < 1e-6:
         raise PlanningError(
             "bad_request",
-            f"position {pose.position}, orientation {pose.orientation} is no pose; "
+            f"position {pose.position}, orientation {pose.orientation} is not a pose; "
             "give finite numbers and a quaternion (x, y, z, w) that is not zero",
         )
     return mink.SE3.from_rotation_and_translation(

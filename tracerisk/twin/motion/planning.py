@@ -360,7 +360,7 @@ def _unit(orientation: Sequence[float]) -> NDArray[np.float64]:
     norm = float(np.linalg.norm(quaternion))
     if not math.isfinite(norm) or norm < 1e-6:
         raise PlanningError(
-            "bad_request", f"orientation {tuple(orientation)} is no quaternion (x, y, z, w)"
+            "bad_request", f"orientation {tuple(orientation)} is not a quaternion (x, y, z, w)"
         )
     return quaternion / norm
 

@@ -34,7 +34,7 @@ Excess = Callable[[Array], Array]
 
 
 def segment_is_free(a: Array, b: Array, is_free: IsFree) -> bool:
-    """Say whether the straight way from `a`, left out, to `b` is free; a, b: (n_joints,)."""
+    """Return whether the straight way from `a`, left out, to `b` is free; a, b: (n_joints,)."""
     count = max(1, math.ceil(float(np.abs(b - a).max()) / RESOLUTION))
     # The middle first, then quarters: what is in the way is found sooner than from one end on.
     return all(is_free(a + (k / count) * (b - a)) for k in _halving(count))

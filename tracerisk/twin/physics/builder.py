@@ -194,7 +194,7 @@ def _add_robot(spec: Any, robot: Robot, scene: Scene | None) -> None:
 
 
 def _part_from_mounting(spec: Any, robot: Robot, scene: Scene) -> None:
-    """Let links not touch the fixtures that they stand in when the run begins.
+    """Exclude contacts of links with the fixtures that they stand in when the run begins.
 
     The shapes of links overstate them: one that reaches into its table would be held fast by it.
     """

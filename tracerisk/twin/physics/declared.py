@@ -42,7 +42,7 @@ class Declared:
     apart: frozenset[tuple[str, str]] = frozenset()
 
     def simulated(self, body: SceneBody) -> bool:
-        """Say whether a declared body is one of its own."""
+        """Return whether a declared body is one of its own."""
         return body.name not in (self.stands_for or {})
 
 
@@ -221,7 +221,7 @@ def _overlaps(model: Any, data: Any) -> list[tuple[str, str]]:
 
 
 def _is_same(model: Any, data: Any, declared: str, thing: str) -> bool:
-    """Say whether a declared body describes an object: of like size, and at the same place."""
+    """Return whether a declared body describes an object: of like size, and at the same place."""
     one, two = model.body(declared).id, model.body(thing).id
     away = data.xipos[one][:2] - data.xipos[two][:2]
     ratio = _bounding_volume(model, one) / _bounding_volume(model, two)

@@ -1,4 +1,4 @@
-"""Say how an object stands to the goals of its scene."""
+"""Compare an object's place with the goals of its scene."""
 
 from __future__ import annotations
 

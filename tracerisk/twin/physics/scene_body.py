@@ -23,7 +23,7 @@ import mujoco  # isort: skip
 _DENSITY = 300.0  # of an attached body: assumed, as of a filled carton [kg/m^3]
 _HEAVIEST = 0.5  # an attached body's mass, at most: assumed [kg]
 _FRICTION = 0.5
-_FLAT = 1e-6  # a hull thinner than this is no body [m]
+_FLAT = 1e-6  # a hull thinner than this is not a body [m]
 _WELD = (0.004, 1.0)  # time constant [s] and damping of the weld: two steps, the stiffest stable
 
 

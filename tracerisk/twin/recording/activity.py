@@ -1,4 +1,4 @@
-"""Say at each step what each element of the robot does: moving, holding, grasping.
+"""Classify at each step what each element of the robot does: moving, holding, grasping.
 
 `joint_motion` finds when it moves, and `grasp` what is between the pads of a gripper. Short
 flickers of the other states are smoothed away: an interval counts from its first step once it has

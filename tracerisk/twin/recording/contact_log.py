@@ -137,4 +137,4 @@ def _lines(path: Path) -> list[dict[str, Any]]:
     try:
         return [json.loads(line) for line in whole.splitlines()]
     except json.JSONDecodeError as cause:
-        raise LogError(f"is no list of bodies: {cause}", Location(str(path))) from cause
+        raise LogError(f"is not a list of bodies: {cause}", Location(str(path))) from cause

@@ -88,7 +88,7 @@ class ContactWatch:
         }
 
     def is_on(self, step: int) -> bool:
-        """Say whether the contacts of every step from `step` on are to be seen."""
+        """Return whether the contacts of every step from `step` on are to be seen."""
         return self._is_welded or step < self._until
 
     def seen(self, until: int, found: list[Points], *, touched: bool) -> None:

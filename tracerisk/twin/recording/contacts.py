@@ -1,4 +1,4 @@
-"""Say which touches of a run were to be expected, and share touches and payload among visits.
+"""Classify contacts of a run as expected or not; assign contacts and payload to visits.
 
 What is expected, and why, is told in docs/theory.md#contacts.
 """
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from tracerisk.trace import Contact, Element, Payload
 from tracerisk.twin.recording.activity import ElementActivity, Thresholds, debounce, hysteresis
 from tracerisk.twin.recording.contact_log import ContactLog, LoggedBody
-from tracerisk.twin.recording.touches import (
+from tracerisk.twin.recording.contact_pairs import (
     Hold,
     PairTouches,
     Steps,
@@ -124,7 +124,7 @@ def visit_payloads(
     activity: Mapping[str, ElementActivity],
     owners: Mapping[str | None, Owners],
 ) -> dict[int, tuple[Payload, ...]]:
-    """Return what was held in each visit, by its index; what cannot be moved is no payload.
+    """Return what was held in each visit, by its index; what cannot be moved is not a payload.
 
     Each step belongs to the visit that owns the gripper, as its exposure does; that of a link
     to which a thing is welded, to the one that moves the link.
@@ -232,7 +232,7 @@ class _Judge:
                 )
 
     def _is_grasp(self, link: str, body: str, steps: Steps) -> bool:
-        """Say whether a link touches what its gripper grasps, or closes on by command.
+        """Return whether a link touches what its gripper grasps, or closes on by command.
 
         Bodies are told by their names: one that is attached was another body before.
         """

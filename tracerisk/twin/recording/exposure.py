@@ -117,7 +117,7 @@ def _cubic_mean(torque: Array, speed: Array) -> float:
 
 
 def _is_borderline(activity: ElementActivity, mask: Flags, step_s: float) -> bool:
-    """Say whether the value that decides on the element's state was near its threshold.
+    """Return whether the value that decides on the element's state was near its threshold.
 
     Of motion that is how far it went. Where it clearly moved, no other value decides; where it
     did not, its torque does.

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.twin.recording.contact_log import ContactLog
-from tracerisk.twin.recording.touches import pair_touches
+from tracerisk.twin.recording.contact_pairs import pair_touches
 from tracerisk.twin.robots.robot import Gripper
 
 Flags = NDArray[np.bool_]

@@ -37,7 +37,7 @@ _MASS = 0.01  # of a finger: an idle gripper does not count as one that holds [k
 
 
 def commands_gripper(source: bytes) -> bool:
-    """Say whether a controller names a gripper as an action, a topic, a group or a joint."""
+    """Return whether a controller names a gripper as an action, a topic, a group or a joint."""
     try:
         tree = ast.parse(source)
     except (SyntaxError, ValueError):

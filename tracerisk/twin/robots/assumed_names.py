@@ -69,7 +69,7 @@ class _AssumedGroups(Mapping[str, Group]):
         return isinstance(name, str) and bool(name) and not self._is_slip(name)
 
     def _is_slip(self, name: str) -> bool:
-        """Say whether a name is a known one with a slip of the pen, which must not be assumed."""
+        """Return whether a name is a misspelt known one, which must not be assumed."""
         near = get_close_matches(name, self._robot.groups, n=1, cutoff=_SLIP)
         if not near or name in self._known:
             return False

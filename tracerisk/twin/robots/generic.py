@@ -86,7 +86,7 @@ def axis_figures(index: int) -> AxisFigures:
 
 
 def is_finger_name(joint: str) -> bool:
-    """Tell whether a joint is called as those of fingers are."""
+    """Return whether a joint is called as those of fingers are."""
     return bool(_FINGER.search(joint))
 
 
@@ -101,7 +101,7 @@ class NamesAsked:
 def names_asked(source: bytes) -> NamesAsked:
     """Return what a source names as joints (in lists, or by their look) and as frames.
 
-    A source that is no Python names nothing.
+    A source that is not Python names nothing.
     """
     try:
         tree = ast.parse(source)

@@ -1,4 +1,4 @@
-"""Tell which shipped robot another description is of, and take from it what that lacks."""
+"""Recognise the shipped robot of another description, and fill in what that lacks."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def _distances(robot: Robot) -> dict[str, float]:
 
 
 def is_variant(one: Robot, other: Robot) -> bool:
-    """Tell whether two robots have joints of the same names, in other places."""
+    """Return whether two robots have joints of the same names, in other places."""
     names = [{joint.name for joint in each.joints} for each in (one, other)]
     places = [[(at.name, at.xyz, at.rpy) for at in each.attachments] for each in (one, other)]
     return names[0] == names[1] and places[0] != places[1]

@@ -1,4 +1,4 @@
-"""Tell names that any robot's parts may have from those that speak of one robot."""
+"""Separate names that any robot's parts may have from those that identify one robot."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _NUMBERED = frozenset({"axis", "j", "joint", "link"})
 
 
 def is_plain(name: str) -> bool:
-    """Say whether a name is made of words that any robot's parts may have: `elbow_joint`.
+    """Return whether a name is made of words that any robot's parts may have: `elbow_joint`.
 
     A name of several levels (`/robot/limb/right`) is none.
     """
@@ -30,7 +30,7 @@ def is_plain(name: str) -> bool:
 
 
 def is_number(name: str) -> bool:
-    """Say whether a name only counts: `joint1`, `joint_2`."""
+    """Return whether a name only counts: `joint1`, `joint_2`."""
     return _letters(name) <= _NUMBERED
 
 

@@ -228,7 +228,7 @@ def _state(entry: YamlMap, joints: Mapping[str, Joint]) -> dict[str, float]:
     entry.forbid_unknown(joints)
     return {
         name: entry.number(name, minimum=joints[name].lower, maximum=joints[name].upper)
-        for name in entry.keys()  # noqa: SIM118 (a YamlMap is no mapping)
+        for name in entry.keys()  # noqa: SIM118 (a YamlMap is not a mapping)
     }
 
 

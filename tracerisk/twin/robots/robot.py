@@ -301,7 +301,7 @@ MODEL_SUFFIXES = (".xml", ".mjcf", ".urdf", ".xacro")
 
 
 def is_model_file(name: str) -> bool:
-    """Say whether a name is that of a model file (MJCF, URDF, xacro), there or not."""
+    """Return whether a name is that of a model file (MJCF, URDF, xacro), there or not."""
     return name.lower().endswith(MODEL_SUFFIXES)
 
 

@@ -34,7 +34,7 @@ class Sensor:
         return Element(self.name, "sensor", sensor=self.kind, part=self.part)
 
     def tells(self, topic: str) -> bool:
-        """Say whether a topic is one of the sensor's."""
+        """Return whether a topic is one of the sensor's."""
         return any(f"/{name.strip('/')}/" in f"/{topic.strip('/')}/" for name in self.topics)
 
     def renamed(self, named: Callable[[str], str]) -> Sensor:

@@ -200,7 +200,7 @@ class Twin:
         return self._clearance.among(bodies, allowed)
 
     def planning_under(self, rule: PathRule) -> AbstractContextManager[None]:
-        """Have every plan keep to a rule within the block."""
+        """Apply a rule to every plan within the block."""
         return self._clearance.keeping(rule)
 
     def declare(self, bodies: Sequence[SceneBody], allowed: Iterable[frozenset[str]] = ()) -> None:

@@ -31,9 +31,9 @@ class GripperParts:
 
 
 def is_finger(joint: UrdfJoint, tree: Tree) -> bool:
-    """Say whether a joint moves a finger: by its name, or as one of two that slide side by side.
+    """Return whether a joint moves a finger: by its name, or as one of two that slide side by side.
 
-    Whatever carries a joint of another kind is no finger.
+    Whatever carries a joint of another kind is not a finger.
     """
     return (
         joint.moves
@@ -74,7 +74,7 @@ def _linkage(joint: UrdfJoint, tree: Tree) -> frozenset[str]:
 
 
 def _is_forked(together: frozenset[str], tree: Tree) -> bool:
-    """Say whether joints that move as one begin side by side, as fingers of two links do.
+    """Return whether joints that move as one begin side by side, as fingers of two links do.
 
     Where each carries the next they level a tool, and are an arm.
     """

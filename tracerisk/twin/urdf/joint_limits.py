@@ -22,8 +22,8 @@ def limited_as_beside(robot: Robot, srdf: Path, *, shown: str) -> tuple[Robot, P
     ones, but for an acceleration that was assumed. A joint that is said to have no limit is
     planned with 1 rad/s and 1 rad/s^2 (or m/s, m/s^2), as MoveIt does.
     `shown` is the SRDF's name for messages.
-    Raises RobotError with file and line for a factor outside (0, 1], a limit that is no positive
-    number, or a file that is no YAML.
+    Raises RobotError with file and line for a factor outside (0, 1], a limit that is not a positive
+    number, or a file that is not YAML.
     """
     beside = (
         (each.with_name(NAME), each.parent.parent / "config" / NAME) for each in (srdf, Path(shown))

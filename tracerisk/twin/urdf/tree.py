@@ -105,7 +105,7 @@ class Tree:
 def read_tree(root: XmlElement, file: str) -> Tree:
     """Return the tree of a URDF.
 
-    Raises RobotError with file and line for what is no URDF, or no tree.
+    Raises RobotError with file and line for what is not a URDF, or no tree.
     """
     if root.tag != "robot":
         root.fail("is not the element <robot> of a URDF")
@@ -136,14 +136,14 @@ def read_tree(root: XmlElement, file: str) -> Tree:
     tops = [name for name in links if name not in hangs]
     if len(tops) != 1:
         raise RobotError(
-            f"is no tree: {len(tops)} links hang on nothing ({', '.join(tops[:6]) or 'none'}); "
+            f"is not a tree: {len(tops)} links hang on nothing ({', '.join(tops[:6]) or 'none'}); "
             "one must be the root",
             Location(file),
         )
     ordered = _ordered(tops[0], list(joints.values()))
     if len(ordered) != len(joints):
         lost = sorted(joints.keys() - {joint.name for joint in ordered})
-        raise RobotError(f"is no tree: joint '{lost[0]}' hangs on itself", Location(file))
+        raise RobotError(f"is not a tree: joint '{lost[0]}' hangs on itself", Location(file))
     return _without_world(Tree(tops[0], tuple(on_a_moving_base(joint) for joint in ordered)))
 
 

@@ -49,8 +49,8 @@ def read_urdf(
     """Return the robot of a URDF; groups, states and end effectors are those of the SRDF.
 
     Without an SRDF each arm is a group named `arm` (`arm_2` and so on), each gripper one named
-    `gripper`. Raises RobotError with file and line when it is no URDF, has no joint that moves,
-    or is no tree.
+    `gripper`. Raises RobotError with file and line when it is not a URDF, has no joint that moves,
+    or is not a tree.
     """
     root = read_xml(text, file)
     tree = read_tree(root, file)

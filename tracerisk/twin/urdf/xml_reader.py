@@ -74,7 +74,7 @@ def read_xml(text: str | bytes, file: str) -> XmlElement:
 
     A comment may hold `--`, and lasts until `-->`, as for the readers of ROS.
 
-    Raises RobotError with file and line when it is no XML, too large, or declares a document type
+    Raises RobotError with file and line when it is not XML, too large, or declares a document type
     (with which a small text can grow without bounds, or name other files).
     """
     data = text.encode() if isinstance(text, str) else text

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tracerisk.errors import RobotError
 from tracerisk.limits import Limits
-from tracerisk.twin.robots.spoken_names import LaunchedDescription
+from tracerisk.twin.robots.names_in_source import LaunchedDescription
 from tracerisk.twin.urdf.xacro_files import Expanded, expanded_xacro
 from tracerisk.twin.workspace.description_files import DescriptionFile
 

@@ -16,15 +16,15 @@ from tracerisk.twin.robots.known_arms import (
     named_as_ours,
     shipped_like,
 )
-from tracerisk.twin.robots.mentions import Hint, decide
-from tracerisk.twin.robots.prefix import prefix_before, prefix_left_out, with_prefix, without_prefix
-from tracerisk.twin.robots.robot import Robot, load_robot
-from tracerisk.twin.robots.spoken_names import (
+from tracerisk.twin.robots.names_in_source import (
     LaunchedDescription,
     Spoken,
     words_of_one,
     words_shared,
 )
+from tracerisk.twin.robots.prefix import prefix_before, prefix_left_out, with_prefix, without_prefix
+from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.robots.robot_names import Hint, decide
 from tracerisk.twin.urdf.joint_limits import limited_as_beside
 from tracerisk.twin.urdf.srdf import Srdf, read_srdf
 from tracerisk.twin.urdf.tree import NoWholeRobotError
@@ -345,7 +345,7 @@ class _Search:
         return _UNNAMED if launched is None else _RANKS.get(launched.by, _UNNAMED)
 
     def _is_meant(self, file: DescriptionFile) -> bool:
-        """Tell whether a file may describe the robot of which the controller speaks.
+        """Return whether a file may describe the robot of which the controller speaks.
 
         Before macros are expanded that is seen from names in its text, its own name, and a package
         that the controller, its launch file or its manifest names.
@@ -356,14 +356,14 @@ class _Search:
         return is_launched or is_spoken or in_named
 
     def _is_part(self, file: DescriptionFile) -> bool:
-        """Tell whether another file includes this one, which is then no whole robot."""
+        """Return whether another file includes this one, which is then no whole robot."""
         return file.path.name in self._included and self._launched_as(file) == _UNNAMED
 
     def _is_in_named(self, file: DescriptionFile) -> bool:
         return any(file.path.resolve().is_relative_to(folder) for folder in self._named)
 
     def _is_of_tests(self, file: DescriptionFile) -> bool:
-        """Tell whether a file belongs to tests of which the script is none."""
+        """Return whether a file belongs to tests of which the script is none."""
         return any(
             folder.name in _TESTS and not self._script.is_relative_to(folder)
             for folder in file.path.resolve().parents

@@ -74,13 +74,13 @@ class UrdfChoice:
     needed: tuple[Path, ...] = ()
 
     def is_noted(self, urdf: DescriptionFile) -> bool:
-        """Tell whether MoveIt's assistant made the SRDF from the file."""
+        """Return whether MoveIt's assistant made the SRDF from the file."""
         if self.noted is None or self.noted.package not in self.packages:
             return False
         return urdf.path == self.packages[self.noted.package] / self.noted.relative_path
 
     def is_needed(self, urdf: DescriptionFile) -> bool:
-        """Tell whether a file is a robot in a package on which the one of the SRDF depends."""
+        """Return whether a file is a robot in a package on which the one of the SRDF depends."""
         return bool(urdf.robot_name) and any(map(urdf.path.is_relative_to, self.needed))
 
     def arguments(self, urdf: DescriptionFile) -> Mapping[str, str] | None:
@@ -88,7 +88,7 @@ class UrdfChoice:
         return self.noted.arguments if self.noted is not None and self.is_noted(urdf) else None
 
     def is_near(self, urdf: DescriptionFile) -> bool:
-        """Tell whether a file has the SRDF's name or some of its joints, or made it."""
+        """Return whether a file has the SRDF's name or some of its joints, or made it."""
         has_name = self.srdf.name in (urdf.robot_name, urdf.stem)
         return self.is_noted(urdf) or has_name or bool(self.srdf.words & urdf.words)
 
@@ -105,7 +105,7 @@ class UrdfChoice:
 
 
 def has_parts_of(robot: Robot, srdf: Srdf) -> bool:
-    """Tell whether a robot has most joints and links of an SRDF's groups, and one of the groups."""
+    """Return whether a robot has most joints and links of an SRDF's groups, and a whole group."""
     names: set[str] = set()
     for group in srdf.groups:
         names.update(group.joints, group.links, *group.chains)

@@ -13,8 +13,8 @@ from pathlib import Path
 
 from tracerisk.errors import RobotError
 from tracerisk.twin.robots.generic import NAME, TITLE, NamesAsked, axis_figures, is_finger_name
+from tracerisk.twin.robots.names_in_source import Spoken
 from tracerisk.twin.robots.robot import Robot
-from tracerisk.twin.robots.spoken_names import Spoken
 from tracerisk.twin.urdf.srdf import Srdf, SrdfGroup, read_srdf
 from tracerisk.twin.urdf.urdf import read_urdf
 from tracerisk.twin.workspace.description_files import description_files, distance
@@ -256,7 +256,7 @@ def _numbers(values: Iterable[float]) -> str:
 
 
 def _is_union(name: str, members: Mapping[str, tuple[str, ...]]) -> bool:
-    """Tell whether a group is others together that share no joint: no chain of its own."""
+    """Return whether a group is others together that share no joint: no chain of its own."""
     whole = set(members[name])
     parts = [set(each) for each in members.values() if each and set(each) < whole]
     return any(

@@ -50,7 +50,7 @@ _End = Callable[[int, int], None]
 class KortexPlayer:
     """Plays actions; `notify` is told the event, the type, the identifier and the sub-error.
 
-    A new action ends the one before, which is told as aborted.
+    A new action ends the one before, which is reported as aborted.
     """
 
     def __init__(

@@ -36,36 +36,36 @@ class KortexReports:
     # Answers
 
     def product(self, request: Any, answer: Any) -> None:
-        """Tell the model and the number of joints."""
+        """Report the model and the number of joints."""
         is_lite = "lite" in self._arm.twin.robot.name
         answer.output.model = _L31 if is_lite else _L53
         answer.output.degree_of_freedom = len(self._arm.joints)
 
     def count(self, request: Any, answer: Any) -> None:
-        """Tell the number of joints."""
+        """Report the number of joints."""
         answer.output.count = len(self._arm.joints)
 
     def measured_angles(self, request: Any, answer: Any) -> None:
-        """Tell where the joints are."""
+        """Report where the joints are."""
         self._scheduler.touch()
         self._reading.asked("encoder")
         answer.output.joint_angles = joint_angles(self._messages, self._arm.positions())
 
     def measured_pose(self, request: Any, answer: Any) -> None:
-        """Tell where the tool is."""
+        """Report where the tool is."""
         self._scheduler.touch()
         self._reading.asked("encoder")
         write_pose(answer.output, self._arm.tool_pose())
 
     def measured_gripper(self, request: Any, answer: Any) -> None:
-        """Tell how far the gripper is closed, in its mode of position."""
+        """Report how far the gripper is closed, in its mode of position."""
         self._scheduler.touch()
         finger = self._messages.new("kortex_driver/Finger")
         finger.finger_identifier, finger.value = 1, 1.0 - self._arm.grip()
         answer.output.finger = [finger]
 
     def forward(self, request: Any, answer: Any) -> None:
-        """Tell where the tool is at joint angles."""
+        """Report where the tool is at joint angles."""
         angles = [each.value for each in request.input.joint_angles]
         if len(angles) != len(self._arm.joints):
             raise ServiceFailedError(

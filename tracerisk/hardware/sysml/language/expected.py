@@ -1,4 +1,4 @@
-"""Say what was expected where a SysML v2 file cannot be parsed, in the words of its author."""
+"""Explain what was expected where a SysML v2 file cannot be parsed, in its author's words."""
 
 from __future__ import annotations
 

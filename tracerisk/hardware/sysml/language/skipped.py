@@ -1,4 +1,4 @@
-"""Tell what of a file was skipped, and refuse what would be lost with it."""
+"""List what of a file was skipped, and refuse what would be lost with it."""
 
 from __future__ import annotations
 

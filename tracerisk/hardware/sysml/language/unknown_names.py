@@ -1,4 +1,4 @@
-"""Say of a name that stands for nothing what it may have meant."""
+"""Suggest what an unknown name may have meant."""
 
 from __future__ import annotations
 

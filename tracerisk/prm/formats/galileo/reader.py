@@ -171,7 +171,7 @@ def _read_gate(
     elif text in _RESTRICTIONS:
         draft.restrictions[name] = Restriction(name, _RESTRICTIONS[text], inputs)
     else:
-        raise ModelError(f"'{kind.text}' is no kind of gate; {one_of(_TYPES, text)}", kind.place)
+        raise ModelError(f"'{kind.text}' is not a kind of gate; {one_of(_TYPES, text)}", kind.place)
 
 
 def _read_dependency(
@@ -235,7 +235,7 @@ def _read_event(draft: _Draft, name: Word, attributes: tuple[tuple[Word, Word], 
 
 def _number(word: Word) -> float:
     if not _NUMBER.fullmatch(word.text):
-        raise ModelError(f"'{word.text}' is no number", word.place)
+        raise ModelError(f"'{word.text}' is not a number", word.place)
     return float(word.text)
 
 
@@ -253,7 +253,7 @@ def _check_inputs(draft: _Draft) -> None:
                 )
     if draft.top.text not in draft.places or draft.top.text in draft.dependencies:
         raise ModelError(
-            f"the top '{draft.top.text}' is no gate or event; "
+            f"top '{draft.top.text}' is not a gate or event; "
             f"{one_of((*draft.gates, *draft.models), draft.top.text)}",
             draft.top.place,
         )

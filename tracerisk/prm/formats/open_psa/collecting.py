@@ -138,7 +138,7 @@ class Collector:
         self._taken[element.tag](element)
 
     def release(self) -> None:
-        """Let go of what refers back to this, so that all that was taken goes with it."""
+        """Drop what refers back to this, so that all that was read is freed with it."""
         self._taken.clear()
 
     def finish_file(self, root: Element) -> None:

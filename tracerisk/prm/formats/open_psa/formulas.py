@@ -100,7 +100,7 @@ def read_formula(element: Element, name: str) -> list[Unresolved]:
     """Return the gate of the formula, with that name, and those nested in it, in their order.
 
     The nested ones are named `name#1`, `name#2`, in the order in which they begin.
-    Raises ModelError, with the position, for what is no formula.
+    Raises ModelError, with the position, for what is not a formula.
     """
     connective = CONNECTIVES.get(element.tag)
     if connective in _FLAT and element.children:

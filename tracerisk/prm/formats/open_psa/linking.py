@@ -207,7 +207,7 @@ class Linker:
         if not least <= level <= count:
             element.fail(f"the level {level} of {law}; allowed: {least} to {count}")
         if any(level == other for other, _ in before):
-            element.fail(f"the level {level} stands twice; give each once")
+            element.fail(f"duplicate level {level}; give each once")
         return level
 
     def _read_substitution(self, element: Element, gates: list[GateDefinition]) -> Substitution:

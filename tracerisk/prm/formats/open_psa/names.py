@@ -25,7 +25,7 @@ class Names:
         self.above = _parents(model.containers)
 
     def mark(self) -> None:
-        """Have the file say that it holds marks of this writer."""
+        """Note in the file that it holds marks of this writer."""
         self.is_marked = True
 
     def name(self, name: str) -> str:

@@ -8,14 +8,14 @@ from tracerisk.prm.formats.open_psa.collecting import CONTAINERS, ROOT, Collecto
 from tracerisk.prm.formats.open_psa.linking import Linker
 from tracerisk.prm.formats.open_psa.xml_elements import parse
 from tracerisk.prm.logic.model import LogicModel
-from tracerisk.prm.numbers.collection import collection_paused
+from tracerisk.prm.numbers.gc_pause import collection_paused
 
 
 def read_open_psa(path: Path | str, *more: Path | str) -> LogicModel:
     """Read the model that one or several Open-PSA XML files hold together.
 
     Raises ModelError with file, line and column, and what is allowed, when a file cannot be read,
-    is no XML, declares entities, or holds what Open-PSA or this reader does not allow.
+    is not XML, declares entities, or holds what Open-PSA or this reader does not allow.
     """
     return _read([(Path(each), str(each)) for each in (path, *more)])
 

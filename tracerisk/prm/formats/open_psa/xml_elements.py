@@ -78,7 +78,7 @@ def parse(
 
     `enter` is called with each container, `take` with each child of one once it is whole, and
     with the container itself after those; its label and attributes stay in it.
-    Raises ModelError, with the position, when the file cannot be read, is no XML, declares
+    Raises ModelError, with the position, when the file cannot be read, is not XML, declares
     entities or nests too deep.
     """
     parser = expat.ParserCreate()

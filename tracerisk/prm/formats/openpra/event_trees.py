@@ -116,7 +116,7 @@ def _read_states(element: Element, gates: dict[str, str], tops: Mapping[str, str
         parts = each.fields({"name", "state"}, optional={"refGate"})
         name = parts["name"].string()
         if name in states:
-            parts["name"].fail(f"'{name}' stands twice in one sequence; remove one")
+            parts["name"].fail(f"duplicate '{name}' in one sequence; remove one")
         states[name] = (parts["state"].choice(STATES), each)
         where, tree = parts["name"], name
         if "refGate" in parts:
@@ -150,7 +150,7 @@ def _read_functions(
             notes.append(("functional-event", functions[-1], Place(label=label)))
     for name, element in used.items():
         if name not in functions:
-            element.fail(f"'{name}' is no functional event; {one_of(functions, name)}")
+            element.fail(f"'{name}' is not a functional event; {one_of(functions, name)}")
     return tuple(functions)
 
 

@@ -36,7 +36,7 @@ def read_logic(
 
     `name` is that of the top; a gate without a name of its own is `g#1`, `g#2`, in the order in
     which they begin, where `g` is the innermost gate above it that has one.
-    Raises ModelError, with the path and the place, for what is no expression.
+    Raises ModelError, with the path and the place, for what is not an expression.
     """
     gates: list[tuple[Gate, bool, Element] | None] = []
     counts = {name: 0}
@@ -72,7 +72,7 @@ def read_logic(
 def _event(element: Element, found: Mapping[str, str]) -> str:
     name = element.string()
     if name not in found:
-        element.fail(f"'{name}' is no event or fault tree; {suggestion(found, name)}")
+        element.fail(f"'{name}' is not an event or fault tree; {suggestion(found, name)}")
     return found[name]
 
 

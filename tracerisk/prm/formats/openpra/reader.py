@@ -25,7 +25,7 @@ from tracerisk.prm.logic.model import (
     LogicModel,
     Place,
 )
-from tracerisk.prm.numbers.collection import collection_paused
+from tracerisk.prm.numbers.gc_pause import collection_paused
 from tracerisk.prm.trees.common_cause import CommonCauseLaw
 from tracerisk.prm.trees.fault_tree import HouseEvent
 from tracerisk.prm.trees.gates import Gate
@@ -38,7 +38,7 @@ def read_openpra(path: Path | str) -> LogicModel:
     """Read the model that a JSON file of the OpenPRA engine holds.
 
     Raises ModelError, with the path of the element and its place in the file, when the file cannot
-    be read, is no JSON, or is not what the engine takes.
+    be read, is not JSON, or is not what the engine takes.
     """
     try:
         data = Path(path).read_bytes()
@@ -229,7 +229,7 @@ class _Reader:
         for index, member in enumerate(members):
             if member not in self._events:
                 found["members"].items()[index].fail(
-                    f"member '{member}' is no basic event; {suggestion(self._events, member)}"
+                    f"member '{member}' is not a basic event; {suggestion(self._events, member)}"
                 )
         own = {self._events[member][0] for member in members}
         if "distribution" in found:
@@ -265,7 +265,7 @@ class _Reader:
             if not least <= level <= count:
                 each.fail(f"the level {level} of {law.value}; allowed: {least} to {count}")
             if level in factors:
-                each.fail(f"the level {level} stands twice; give each once")
+                each.fail(f"duplicate level {level}; give each once")
             factors[level] = Number(parts["value"].number())
         if not factors:
             element.fail("'factors' are missing; give at least one")

@@ -240,7 +240,7 @@ class Scope:
                 self._open.pop()
         known = (*self.places, *self.constants, *self.formulas)
         raise ModelError(
-            f"'{name}' is no variable, constant or formula here; {one_of(known, name)}",
+            f"'{name}' is not a variable, constant or formula here; {one_of(known, name)}",
             expression.location,
         )
 

@@ -133,7 +133,7 @@ def _check_names(program: Program) -> None:
 
 def _once(name: Token, known: dict[str, Expression], kind: str) -> None:
     if name.text.strip('"') in known:
-        raise ModelError(f"{kind} {name.text} stands twice; rename one", name.location)
+        raise ModelError(f"duplicate {kind} {name.text}; rename one", name.location)
 
 
 def _constant(cursor: Cursor) -> Constant:
@@ -174,7 +174,7 @@ def _variable(cursor: Cursor) -> Variable:
 def _module(cursor: Cursor, program: Program, bodies: dict[str, list[Token]]) -> None:
     name = cursor.name("the name of a module")
     if name.text in program.commands:
-        raise ModelError(f"module '{name.text}' stands twice; rename one", name.location)
+        raise ModelError(f"duplicate module '{name.text}'; rename one", name.location)
     if cursor.accept("="):
         inner = Cursor(_renamed(cursor, bodies))
     else:

@@ -273,7 +273,7 @@ class _StateSpace:
         weight = move.weight(state)
         if isinstance(weight, bool) or not 0.0 <= weight < math.inf:
             raise ModelError(
-                f"{weight!r} in {self.valuation(state)} is no probability or rate", move.location
+                f"{weight!r} in {self.valuation(state)} is not a probability or rate", move.location
             )
         return float(weight)
 
@@ -311,5 +311,5 @@ class _StateSpace:
 
 def _whole(value: Value, location: Location) -> int:
     if isinstance(value, bool) or not math.isfinite(value) or value != math.floor(value):
-        raise ModelError(f"{value!r} is no whole number", location)
+        raise ModelError(f"{value!r} is not a whole number", location)
     return int(value)

@@ -98,7 +98,7 @@ class MatrixChain:
         By elimination without a subtraction, as `MarkovChain.solve`; where that would fill in
         beyond `budget`, by iteration. Each result is refined in twice the working precision and
         comes with a bound of its relative error (docs/theory.md#large-chains).
-        Raises ModelError when `entry` is no transient state or a state is left less often than
+        Raises ModelError when `entry` is not a transient state or a state is left less often than
         the smallest number of double precision; TooLargeError when an iteration's error cannot
         be bounded by 1e-9.
         """
@@ -116,7 +116,7 @@ class MatrixChain:
     def transient_distribution(self, entry: int | str, steps: int) -> Array:
         """Return the probability of each state after `steps` steps from `entry`: (n,).
 
-        Raises ModelError when `entry` is no transient state or `steps` is below zero.
+        Raises ModelError when `entry` is not a transient state or `steps` is below zero.
         """
         from tracerisk.prm.markov.large.array_steps import power_by_squaring, power_by_steps
 
@@ -146,11 +146,11 @@ class MatrixChain:
             names = self.names or ()
             if given not in names:
                 what = one_of(names, given) if names else "the states have no names, only indices"
-                raise ModelError(f"'{given}' is no state of the chain; {what}")
+                raise ModelError(f"'{given}' is not a state of the chain; {what}")
             return names.index(given)
         if not 0 <= given < self.size:
             raise ModelError(
-                f"{given} is no state of the chain; its states are 0 to {self.size - 1}"
+                f"{given} is not a state of the chain; its states are 0 to {self.size - 1}"
             )
         return int(given)
 
@@ -160,7 +160,7 @@ class MatrixChain:
         for target in targets:
             state = self.state(target)
             if not self.absorbing[state]:
-                raise ModelError(f"{labelled(state, self.names)} is no absorbing state")
+                raise ModelError(f"{labelled(state, self.names)} is not an absorbing state")
             chosen[state] = True
         return chosen
 
@@ -168,7 +168,7 @@ class MatrixChain:
         state = self.state(entry)
         if self.absorbing[state]:
             raise ModelError(
-                f"the entry {labelled(state, self.names)} is no transient state; "
+                f"the entry {labelled(state, self.names)} is not a transient state; "
                 "start where the chain can leave"
             )
         return int(np.searchsorted(self.transient, state))
@@ -203,7 +203,7 @@ def check_entries(
     row = int(np.searchsorted(indptr, place, side="right")) - 1
     raise ModelError(
         f"state {labelled(row, names)}: {float(data[place])!r} to "
-        f"{labelled(int(indices[place]), names)} is no {kind}"
+        f"{labelled(int(indices[place]), names)} is not a {kind}"
     )
 
 
@@ -221,7 +221,7 @@ def _checked_names(names: Sequence[str] | None, size: int) -> tuple[str, ...] | 
     seen: set[str] = set()
     for label in labels:
         if label in seen:
-            raise ModelError(f"state '{label}' stands twice in the chain; rename one")
+            raise ModelError(f"duplicate state '{label}' in the chain; rename one")
         seen.add(label)
     return labels
 
@@ -248,7 +248,7 @@ def _absorbing_states(
                 state = names.index(state)
             if not isinstance(state, int) or not 0 <= state < size:
                 raise ModelError(
-                    f"absorbing: {state!r} is no state; the states are 0 to {size - 1}"
+                    f"absorbing: {state!r} is not a state; the states are 0 to {size - 1}"
                 )
             ends[state] = True
     left = np.flatnonzero(ends & leaves)

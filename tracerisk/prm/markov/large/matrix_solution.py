@@ -61,14 +61,14 @@ class MatrixSolution:
     def absorption_from_each(self, targets: Iterable[int | str]) -> Array:
         """Return from each state the probability of ending in one of `targets`.
 
-        Raises ModelError when a target is no absorbing state.
+        Raises ModelError when a target is not an absorbing state.
         """
         return self.certified_absorption_from_each(targets).values
 
     def certified_absorption_from_each(self, targets: Iterable[int | str]) -> Certified:
         """Return `absorption_from_each` with a bound of its relative error.
 
-        Raises ModelError when a target is no absorbing state.
+        Raises ModelError when a target is not an absorbing state.
         """
         chain = self.chain
         chosen = chain.chosen(targets)
@@ -102,7 +102,7 @@ class MatrixSolution:
     def expected_time_given(self, targets: Iterable[int | str], durations: Any) -> float:
         """Return the mean time until absorption, given that it ends in one of `targets`.
 
-        Raises ModelError as `expected_time` does, for a target that is no absorbing state, and
+        Raises ModelError as `expected_time` does, for a target that is not an absorbing state, and
         when the targets are never reached.
         """
         times = self._durations(durations)
@@ -115,7 +115,7 @@ class MatrixSolution:
     def per_time(self, targets: Iterable[int | str], durations: Any) -> float:
         """Return how often chains end in one of `targets` per unit of time, run after run.
 
-        Raises ModelError as `expected_time` does, for a target that is no absorbing state, and
+        Raises ModelError as `expected_time` does, for a target that is not an absorbing state, and
         when the runs take no time.
         """
         length = self.expected_time(durations)
@@ -126,7 +126,7 @@ class MatrixSolution:
     def cycles(self, targets: Iterable[int | str]) -> CycleFigures:
         """Return the figures of one cycle, from the entry until it is next visited.
 
-        Raises ModelError when a target is no absorbing state.
+        Raises ModelError when a target is not an absorbing state.
         """
         chosen = self.chain.chosen(targets)
         only = np.zeros(self.chain.size, np.bool_)
@@ -154,6 +154,6 @@ class MatrixSolution:
         if not np.all((times >= 0.0) & (times < np.inf)):
             wrong = int(np.flatnonzero(~((times >= 0.0) & (times < np.inf)))[0])
             raise ModelError(
-                f"duration of state {wrong}: {float(times[wrong])!r} is no time; give 0 or more"
+                f"duration of state {wrong}: {float(times[wrong])!r} is not a time; give 0 or more"
             )
         return times

@@ -26,7 +26,7 @@ def action_parts(spec: Any) -> ActionParts:
     """Return the parts of an action's message class, `FibonacciAction`.
 
     Raises:
-        ActionException: it is no action's.
+        ActionException: it is not an action's.
     """
     try:
         action = spec()
@@ -49,7 +49,7 @@ def action_name(ns: str) -> str:
 
 
 def is_shut_down() -> bool:
-    """Tell whether the node has shut down; asking moves no clock."""
+    """Return whether the node has shut down; asking moves no clock."""
     return bool(node().is_shutdown)
 
 

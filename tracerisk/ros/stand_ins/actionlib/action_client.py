@@ -230,7 +230,7 @@ class ActionClient:
     """Send goals to the action `ns` of type `ActionSpec`, and follow each by its handle.
 
     Raises:
-        ActionException: `ActionSpec` is no action's message, such as `FibonacciAction`.
+        ActionException: `ActionSpec` is not an action's message, such as `FibonacciAction`.
     """
 
     def __init__(self, ns: str, ActionSpec: Any) -> None:
@@ -291,7 +291,7 @@ class ActionClient:
         """Wait until somebody serves the action, for ever with a zero timeout.
 
         Raises:
-            TypeError: the timeout is no Duration.
+            TypeError: the timeout is not a Duration.
         """
         # The real one adds it to the present time, which takes nothing but a Duration.
         _ = rospy.get_rostime() + timeout
@@ -313,7 +313,7 @@ class ActionClient:
         return f"{self._name} ({self._end.type_name})"
 
     def is_served(self) -> bool:
-        """Tell whether somebody serves the action now."""
+        """Return whether somebody serves the action now."""
         return self._end.is_served()
 
     def _send_cancel(self, cancel: Any) -> None:

@@ -43,7 +43,7 @@ class ActionServer:
     both run on a thread of the server.
 
     Raises:
-        ActionException: `ActionSpec` is no action's message, such as `FibonacciAction`.
+        ActionException: `ActionSpec` is not an action's message, such as `FibonacciAction`.
     """
 
     def __init__(

@@ -2,4 +2,4 @@
 
 
 class ActionException(Exception):
-    """The type is no action: `Nav` in place of `NavAction`, say."""
+    """The type is not an action: `Nav` in place of `NavAction`, say."""

@@ -33,7 +33,7 @@ class SimpleActionClient:
     """Send goals to the action `ns` of type `ActionSpec` and follow the last one.
 
     Raises:
-        ActionException: `ActionSpec` is no action's message, such as `FibonacciAction`.
+        ActionException: `ActionSpec` is not an action's message, such as `FibonacciAction`.
     """
 
     def __init__(self, ns: str, ActionSpec: Any) -> None:
@@ -89,7 +89,7 @@ class SimpleActionClient:
         `done_cb` has returned by then.
 
         Raises:
-            TypeError: the timeout is no Duration.
+            TypeError: the timeout is not a Duration.
         """
         if self.gh is None:
             rospy.logerr("Called wait_for_result when no goal exists")

@@ -31,7 +31,7 @@ class SimpleActionServer:
     `is_new_goal_available` or registers a goal callback, and calls `accept_new_goal`.
 
     Raises:
-        ActionException: `ActionSpec` is no action's message, such as `FibonacciAction`.
+        ActionException: `ActionSpec` is not an action's message, such as `FibonacciAction`.
     """
 
     def __init__(
@@ -80,17 +80,17 @@ class SimpleActionServer:
         return self.current_goal.get_goal()
 
     def is_new_goal_available(self) -> bool:
-        """Tell whether a goal waits to be accepted."""
+        """Return whether a goal waits to be accepted."""
         current().scheduler.touch()
         return self.new_goal
 
     def is_preempt_requested(self) -> bool:
-        """Tell whether the current goal is to end early."""
+        """Return whether the current goal is to end early."""
         current().scheduler.touch()
         return self.preempt_request
 
     def is_active(self) -> bool:
-        """Tell whether a goal is being pursued."""
+        """Return whether a goal is being pursued."""
         current().scheduler.touch()
         return self._is_active()
 
@@ -115,7 +115,7 @@ class SimpleActionServer:
         return self.action_server.ActionResultType()
 
     def register_goal_callback(self, cb: Callable[[], object]) -> None:
-        """Have `cb` called when a goal comes; not with an `execute_cb`."""
+        """Call `cb` when a goal comes; not with an `execute_cb`."""
         if self.execute_callback is not None:
             rospy.logwarn(
                 "Cannot call SimpleActionServer.register_goal_callback() because an "
@@ -125,7 +125,7 @@ class SimpleActionServer:
             self.goal_callback = cb
 
     def register_preempt_callback(self, cb: Callable[[], object]) -> None:
-        """Have `cb` called when the current goal is to end early."""
+        """Call `cb` when the current goal is to end early."""
         self.preempt_callback = cb
 
     def start(self) -> None:

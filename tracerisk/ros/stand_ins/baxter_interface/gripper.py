@@ -62,7 +62,7 @@ class Gripper:
         rospy.logwarn(f"{self.name} {self.type()} - not capable of '{command}' command")
 
     def version_check(self) -> bool:
-        """Tell whether the firmware fits the SDK; the twin's does."""
+        """Return whether the firmware fits the SDK; the twin's does."""
         return True
 
     def command(
@@ -219,27 +219,27 @@ class Gripper:
     # State
 
     def calibrated(self) -> bool:
-        """Tell whether the gripper is calibrated."""
+        """Return whether the gripper is calibrated."""
         return bool(self._state.calibrated == 1)
 
     def ready(self) -> bool:
-        """Tell whether the gripper takes commands."""
+        """Return whether the gripper takes commands."""
         return bool(self._state.ready == 1)
 
     def moving(self) -> bool:
-        """Tell whether the fingers move."""
+        """Return whether the fingers move."""
         return bool(self._state.moving == 1)
 
     def gripping(self) -> bool:
-        """Tell whether the fingers hold something."""
+        """Return whether the fingers hold something."""
         return bool(self._state.gripping == 1)
 
     def missed(self) -> bool:
-        """Tell whether the fingers closed on nothing."""
+        """Return whether the fingers closed on nothing."""
         return bool(self._state.missed == 1)
 
     def error(self) -> bool:
-        """Tell whether the gripper has an error."""
+        """Return whether the gripper has an error."""
         return bool(self._state.error == 1)
 
     def position(self) -> float:
@@ -251,11 +251,11 @@ class Gripper:
         return float(self._state.force)
 
     def has_force(self) -> bool:
-        """Tell whether force can be set."""
+        """Return whether force can be set."""
         return bool(self._prop.controls_force)
 
     def has_position(self) -> bool:
-        """Tell whether positions can be set."""
+        """Return whether positions can be set."""
         return bool(self._prop.controls_position)
 
     def type(self) -> str | None:

@@ -37,11 +37,11 @@ class Head:
         return float(self._state["pan"])
 
     def nodding(self) -> bool:
-        """Tell whether the head nods."""
+        """Return whether the head nods."""
         return bool(self._state["nodding"])
 
     def panning(self) -> bool:
-        """Tell whether the head turns."""
+        """Return whether the head turns."""
         return bool(self._state["panning"])
 
     def set_pan(

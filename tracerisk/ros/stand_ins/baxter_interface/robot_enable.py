@@ -94,5 +94,5 @@ class RobotEnable:
         )
 
     def version_check(self) -> bool:
-        """Tell whether the robot's software fits the SDK; the twin's does."""
+        """Return whether the robot's software fits the SDK; the twin's does."""
         return True

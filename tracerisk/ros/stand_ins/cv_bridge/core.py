@@ -85,7 +85,7 @@ class CvBridge:
         """Return the Image of an array.
 
         Raises:
-            TypeError: it is no array.
+            TypeError: it is not an array.
             CvBridgeError: the array's type is not that of the encoding.
         """
         if not isinstance(cvim, np.ndarray | np.generic):
@@ -129,7 +129,7 @@ class CvBridge:
         """Return the CompressedImage of an array; OpenCV (`cv2`) must be installed.
 
         Raises:
-            TypeError: it is no array.
+            TypeError: it is not an array.
         """
         import cv2
 

@@ -23,7 +23,7 @@ class NoCameraError(NotImplementedError):
 
 
 def is_served(service: str) -> bool:
-    """Tell whether somebody answers a service."""
+    """Return whether somebody answers a service."""
     return current().graph.service(service) is not None
 
 

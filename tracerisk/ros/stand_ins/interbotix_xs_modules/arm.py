@@ -82,14 +82,14 @@ class InterbotixArmXSInterface(ArmInterface):
         self._publish(positions, moving_time, accel_time, blocking)
 
     def check_joint_limits(self, positions: Sequence[float]) -> bool:
-        """Tell whether positions, and the speeds to get there, are within the limits."""
+        """Return whether positions, and the speeds to get there, are within the limits."""
         if self._is_within(positions):
             return True
         rospy.logwarn("Would exceed position or velocity limits.")
         return False
 
     def check_single_joint_limit(self, joint_name: str, position: float) -> bool:
-        """Tell whether the position of a joint, and its speed, are within the limits."""
+        """Return whether the position of a joint, and its speed, are within the limits."""
         return self._is_one_within(joint_name, position)
 
     def set_relative_ee_position_wrt_to_base_frame(

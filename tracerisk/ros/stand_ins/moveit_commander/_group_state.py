@@ -36,7 +36,7 @@ class GroupState(GroupSettings):
         return len(self.get_joints())
 
     def has_end_effector_link(self) -> bool:
-        """Tell whether poses can be asked for without naming a link."""
+        """Return whether poses can be asked for without naming a link."""
         return bool(self._end_effector_link)
 
     def get_end_effector_link(self) -> str:
@@ -128,11 +128,11 @@ class GroupState(GroupSettings):
     # Where plans start
 
     def set_start_state_to_current_state(self) -> None:
-        """Let plans begin where the robot is when they are made."""
+        """Start plans where the robot is when they are made."""
         self._start_state = None
 
     def set_start_state(self, msg: Any) -> None:
-        """Let plans begin at a RobotState; joints that it leaves out stand where they are.
+        """Start plans at a RobotState; joints that it leaves out stand where they are.
 
         Raises:
             MoveItCommanderException: the robot has no joint of a name in it.

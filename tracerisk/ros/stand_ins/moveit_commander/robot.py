@@ -159,7 +159,7 @@ class RobotCommander:
         return self._groups[name]
 
     def has_group(self, name: str) -> bool:
-        """Tell whether the robot has a planning group."""
+        """Return whether the robot has a planning group."""
         return name in self._server.robot.groups
 
     def get_default_owner_group(self, joint_name: str) -> str | None:

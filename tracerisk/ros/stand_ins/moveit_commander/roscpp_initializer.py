@@ -7,7 +7,7 @@ def roscpp_initialize(args: Sequence[str]) -> None:
     """Begin; the stand-in has no second half to start, so only the arguments are looked at.
 
     Raises:
-        TypeError: an argument is no string.
+        TypeError: an argument is not a string.
     """
     for argument in args:
         if not isinstance(argument, str):

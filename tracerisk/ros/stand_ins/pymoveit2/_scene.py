@@ -232,7 +232,7 @@ class Scene:
         return True
 
     def allow_collisions(self, id: str, allow: bool) -> Any:
-        """Let an object touch everything, or nothing; return the future of the service."""
+        """Allow or forbid an object to touch everything; return the future of the service."""
         if not self.update_planning_scene():
             return None
         matrix = self._scene.allowed_collision_matrix
@@ -250,7 +250,7 @@ class Scene:
         return self._apply()
 
     def process_allow_collision_future(self, future: Any) -> bool:
-        """Tell whether collisions were allowed; where not, remember the matrix of before."""
+        """Return whether collisions were allowed; where not, remember the matrix of before."""
         if not future.done():
             return False
         if not future.result().success:
@@ -271,7 +271,7 @@ class Scene:
         self._apply_planning_scene_service.remove_pending_request(future)
 
     def process_clear_all_collision_objects_future(self, future: Any) -> bool:
-        """Tell whether the objects were removed; where not, remember the scene of before."""
+        """Return whether the objects were removed; where not, remember the scene of before."""
         if not future.done():
             return False
         if not future.result().success:

@@ -169,7 +169,7 @@ class ActionClient(Entity):
         return sent.response
 
     def server_is_ready(self) -> bool:
-        """Tell whether somebody serves the action."""
+        """Return whether somebody serves the action."""
         run().scheduler.touch()
         return self._end.is_served()
 

@@ -88,7 +88,7 @@ class ServerGoalHandle:
         return status
 
     def execute(self, execute_callback: Callable[[Any], Any] | None = None) -> None:
-        """Have the goal executed, by the server's callback or another."""
+        """Execute the goal, by the server's callback or another."""
         if self._goal.state is GoalState.ACCEPTED:
             self._goal.execute()
         self._action_server._notify_execute(self, execute_callback)
@@ -105,15 +105,15 @@ class ServerGoalHandle:
         self._goal.publish_feedback(feedback)
 
     def succeed(self) -> None:
-        """Say that the goal is reached; the result follows when the callback returns."""
+        """Mark the goal as reached; the result follows when the callback returns."""
         self._finish(GoalState.SUCCEEDED, GoalState.ACTIVE, GoalState.PREEMPTING)
 
     def abort(self) -> None:
-        """Say that the goal has failed."""
+        """Mark the goal as failed."""
         self._finish(GoalState.ABORTED, GoalState.ACTIVE, GoalState.PREEMPTING)
 
     def canceled(self) -> None:
-        """Say that the goal was ended early."""
+        """Mark the goal as canceled."""
         self._finish(GoalState.PREEMPTED, GoalState.PREEMPTING)
 
     def destroy(self) -> None:
@@ -201,15 +201,15 @@ class ActionServer(Entity):
         self._handle_accepted_callback = callback or default_handle_accepted_callback
 
     def register_goal_callback(self, goal_callback: Callable[[Any], Any] | None) -> None:
-        """Let `goal_callback` decide on each goal: a GoalResponse."""
+        """Use `goal_callback` to decide on each goal: a GoalResponse."""
         self._goal_callback = goal_callback or default_goal_callback
 
     def register_cancel_callback(self, cancel_callback: Callable[[Any], Any] | None) -> None:
-        """Let `cancel_callback` decide on each cancel request: a CancelResponse."""
+        """Use `cancel_callback` to decide on each cancel request: a CancelResponse."""
         self._cancel_callback = cancel_callback or default_cancel_callback
 
     def register_execute_callback(self, execute_callback: Callable[[Any], Any]) -> None:
-        """Let `execute_callback` pursue each goal, and return its result.
+        """Use `execute_callback` to pursue each goal, and return its result.
 
         Raises:
             TypeError: it cannot be called.

@@ -138,7 +138,7 @@ def _parameters_of(file: str) -> list[tuple[str | None, str, Any]]:
     except OSError as error:
         raise RuntimeError(f"Couldn't open the parameter file {file}: {error}") from error
     if not isinstance(content, dict):
-        raise RuntimeError(f"{file} is no file of ROS parameters: it holds no mapping")
+        raise RuntimeError(f"{file} is not a file of ROS parameters: it holds no mapping")
     found: list[tuple[str | None, str, Any]] = []
     for node, tree in content.items():
         _walk(found, file, str(node), tree)

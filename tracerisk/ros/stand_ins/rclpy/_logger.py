@@ -50,7 +50,7 @@ class RcutilsLogger:
         return LoggingSeverity(levels.get(name) or levels[""])
 
     def is_enabled_for(self, severity: Any) -> bool:
-        """Tell whether lines of a severity are logged."""
+        """Return whether lines of a severity are logged."""
         return LoggingSeverity(severity) >= self.get_effective_level()
 
     def log(self, message: Any, severity: Any, **kwargs: Any) -> bool:

@@ -95,7 +95,7 @@ class NodeEntities(NodeNames):
         Raises:
             TypeError: the profile is neither.
             ValueError: the depth is negative.
-            NoTypeSupportImportedException: `msg_type` is no message class.
+            NoTypeSupportImportedException: `msg_type` is not a message class.
         """
         _check_type(msg_type, "get_fields_and_field_types")
         made = publisher_class(
@@ -148,7 +148,7 @@ class NodeEntities(NodeNames):
         """Make a client of a service.
 
         Raises:
-            NoTypeSupportImportedException: `srv_type` is no service class.
+            NoTypeSupportImportedException: `srv_type` is not a service class.
         """
         _check_type(srv_type, "Request")
         made = Client(
@@ -173,7 +173,7 @@ class NodeEntities(NodeNames):
         """Make a service: `callback` takes request and response, and returns the response.
 
         Raises:
-            NoTypeSupportImportedException: `srv_type` is no service class.
+            NoTypeSupportImportedException: `srv_type` is not a service class.
         """
         _check_type(srv_type, "Request")
         made = Service(
@@ -288,7 +288,7 @@ def _profile(given: QoSProfile | int) -> QoSProfile:
 
 def _check_type(given: Any, attribute: str) -> None:
     if not hasattr(given, attribute) or not hasattr(given, "_ros_type"):
-        raise NoTypeSupportImportedException(f"{given!r} is no interface class of ROS 2")
+        raise NoTypeSupportImportedException(f"{given!r} is not an interface class of ROS 2")
 
 
 def _destroy(kept: list[Any], each: Any) -> bool:

@@ -159,7 +159,7 @@ class NodeParameters:
         del self._parameters[name], self._descriptors[name]
 
     def has_parameter(self, name: str) -> bool:
-        """Tell whether a parameter is declared."""
+        """Return whether a parameter is declared."""
         return name in self._parameters
 
     def get_parameter(self, name: str) -> Parameter:
@@ -186,7 +186,7 @@ class NodeParameters:
         """Return parameters; see `get_parameter`.
 
         Raises:
-            TypeError: a name is no text.
+            TypeError: a name is not text.
         """
         if not all(isinstance(name, str) for name in names):
             raise TypeError("All names must be instances of type str")
@@ -228,7 +228,7 @@ class NodeParameters:
         """Return a ListParametersResult of the names below prefixes, down to a depth (0: all).
 
         Raises:
-            TypeError: the prefixes are no list of texts, or the depth is no number.
+            TypeError: the prefixes are no list of texts, or the depth is not a number.
             ValueError: the depth is negative.
         """
         if not isinstance(prefixes, list):
@@ -285,15 +285,15 @@ class NodeParameters:
         return self._set_all(wanted, None, keeps_unset=False)
 
     def add_pre_set_parameters_callback(self, callback: Any) -> None:
-        """Have `callback` change the list of parameters before they are checked."""
+        """Call `callback` to change the list of parameters before they are checked."""
         self._pre_set_callbacks.insert(0, callback)
 
     def add_on_set_parameters_callback(self, callback: Any) -> None:
-        """Have `callback` agree to what is set: it returns a SetParametersResult."""
+        """Call `callback` to agree to what is set: it returns a SetParametersResult."""
         self._on_set_callbacks.insert(0, callback)
 
     def add_post_set_parameters_callback(self, callback: Any) -> None:
-        """Tell `callback` of what was set."""
+        """Call `callback` after parameters were set."""
         self._post_set_callbacks.insert(0, callback)
 
     def remove_pre_set_parameters_callback(self, callback: Any) -> None:

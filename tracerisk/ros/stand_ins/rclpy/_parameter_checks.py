@@ -11,7 +11,7 @@ _NOT_SET = Parameter.Type.NOT_SET
 
 
 def refusal(parameter: Parameter, descriptor: Any, *, is_new: bool) -> str:
-    """Say why a descriptor refuses a value; empty where it does not."""
+    """Return why a descriptor refuses a value; empty where it does not."""
     if descriptor is None:
         return ""
     if descriptor.read_only and not is_new:

@@ -17,11 +17,11 @@ class CallbackGroup:
             self.entities.append(entity)
 
     def has_entity(self, entity: Any) -> bool:
-        """Tell whether an entity is of the group."""
+        """Return whether an entity is of the group."""
         return entity in self.entities
 
     def can_execute(self, entity: Any) -> bool:
-        """Tell whether the entity's callback may run now."""
+        """Return whether the entity's callback may run now."""
         raise NotImplementedError
 
     def beginning_execution(self, entity: Any) -> bool:
@@ -37,11 +37,11 @@ class ReentrantCallbackGroup(CallbackGroup):
     """Any number of callbacks at once, the same one too."""
 
     def can_execute(self, entity: Any) -> bool:
-        """Tell that it may."""
+        """Return True."""
         return True
 
     def beginning_execution(self, entity: Any) -> bool:
-        """Tell that it may."""
+        """Return True."""
         return True
 
     def ending_execution(self, entity: Any) -> None:
@@ -56,7 +56,7 @@ class MutuallyExclusiveCallbackGroup(CallbackGroup):
         self._active: Any = None
 
     def can_execute(self, entity: Any) -> bool:
-        """Tell whether no callback of the group runs."""
+        """Return whether no callback of the group runs."""
         return self._active is None
 
     def beginning_execution(self, entity: Any) -> bool:

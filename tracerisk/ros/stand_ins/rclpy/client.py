@@ -115,7 +115,7 @@ class Client(Entity):
             self._pending.remove(future)
 
     def service_is_ready(self) -> bool:
-        """Tell whether somebody serves."""
+        """Return whether somebody serves."""
         scheduler = run().scheduler
         scheduler.touch()
         is_ready = self._server() is not None

@@ -149,7 +149,7 @@ class Clock:
     def create_jump_callback(
         self, threshold: JumpThreshold, *, pre_callback: Any = None, post_callback: Any = None
     ) -> JumpHandle:
-        """Have jumps of the clock told; see `JumpHandle`."""
+        """Report jumps of the clock; see `JumpHandle`."""
         return JumpHandle(
             clock=self,
             threshold=threshold,

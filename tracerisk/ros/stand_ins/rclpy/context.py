@@ -59,7 +59,7 @@ class Context:
             set_logger_level(name, level)
 
     def ok(self) -> bool:
-        """Tell whether the context lives."""
+        """Return whether the context lives."""
         current().scheduler.touch()
         return self._is_valid
 

@@ -13,7 +13,7 @@ class NotInitializedException(Exception):
 
 
 class NoTypeSupportImportedException(Exception):
-    """A class is no interface of ROS 2."""
+    """A class is not an interface of ROS 2."""
 
     def __init__(self, *args: Any) -> None:
         super().__init__("no type_support imported", *args)

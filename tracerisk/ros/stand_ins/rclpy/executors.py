@@ -81,7 +81,7 @@ class Executor:
         return self._context
 
     def create_task(self, callback: Any, *args: Any, **kwargs: Any) -> Task:
-        """Have a function or a coroutine run by the executor; the task is its future.
+        """Run a function or a coroutine in the executor; the task is its future.
 
         It inherits the stack of the code that creates it.
         """
@@ -92,7 +92,7 @@ class Executor:
         return task
 
     def _create_callback_task(self, callback: Any, *args: Any) -> None:
-        """Have the library's own code call back, as a root."""
+        """Run a callback of the library's own code, as a root."""
         tracer = self._run.tracer
         stack = None if tracer is None else tracer.root("callback")
         self._tasks.append(Task(callback, args, executor=self, stack=stack))
@@ -183,7 +183,7 @@ class Executor:
             self._spinners.remove(thread)
 
     def _is_spun_beside(self, thread: ControllerThread | None) -> bool:
-        """Tell whether another thread than this one runs the callbacks."""
+        """Return whether another thread than this one runs the callbacks."""
         return any(each is not thread for each in self._spinners)
 
     @property
@@ -442,4 +442,4 @@ def _nanoseconds(seconds: float | None) -> int | None:
 
 
 def _nothing() -> None:
-    """Let the time of a timer come; the executor that waits sees it."""
+    """Mark a timer as due; the executor that waits sees it."""

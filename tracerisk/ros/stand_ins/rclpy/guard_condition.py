@@ -21,7 +21,7 @@ class GuardCondition(Entity):
         self._is_triggered = False
 
     def trigger(self) -> None:
-        """Have the callback called."""
+        """Call the callback."""
         self._is_triggered = True
 
     def _is_ready(self) -> bool:

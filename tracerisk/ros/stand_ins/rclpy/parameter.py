@@ -76,7 +76,7 @@ class _Type(Enum):
         )
 
     def check(self, parameter_value: Any) -> bool:
-        """Tell whether a value is of the type."""
+        """Return whether a value is of the type."""
         if self is _Type.NOT_SET:
             return parameter_value is None
         for kind, name in _SCALARS:

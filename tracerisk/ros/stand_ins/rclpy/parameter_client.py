@@ -60,7 +60,7 @@ class AsyncParameterClient:
         self._set_atomically = client(SetParametersAtomically, "set_parameters_atomically")
 
     def services_are_ready(self) -> bool:
-        """Tell whether all services are served."""
+        """Return whether all services are served."""
         return all(client.service_is_ready() for client in self._clients)
 
     def wait_for_services(self, timeout_sec: float | None = None) -> bool:

@@ -161,7 +161,7 @@ class QoSProfile:
 
     Raises:
         InvalidQoSProfileException: neither history nor depth is given.
-        AssertionError: a keyword is no policy, or a value of the wrong type.
+        AssertionError: a keyword is not a policy, or a value of the wrong type.
     """
 
     __slots__ = tuple(f"_{name}" for name in _DEFAULTS)
@@ -249,7 +249,7 @@ class QoSCompatibility(IntEnum):
 def qos_check_compatible(
     publisher_qos: QoSProfile, subscription_qos: QoSProfile
 ) -> tuple[QoSCompatibility, str]:
-    """Tell whether a subscription gets what a publisher sends, and why it does not."""
+    """Return whether a subscription gets what a publisher sends, and why it does not."""
     reasons = []
     if (
         publisher_qos.reliability == ReliabilityPolicy.BEST_EFFORT

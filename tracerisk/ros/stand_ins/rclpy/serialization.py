@@ -14,7 +14,7 @@ def serialize_message(message: Any) -> bytes:
     """Return a message's bytes, as they would be sent.
 
     Raises:
-        NoTypeSupportImportedException: it is no message of ROS 2.
+        NoTypeSupportImportedException: it is not a message of ROS 2.
     """
     check_for_type_support(type(message))
     return encode(message)
@@ -24,7 +24,7 @@ def deserialize_message(serialized_message: bytes, message_type: Any) -> Any:
     """Return the message of bytes.
 
     Raises:
-        NoTypeSupportImportedException: `message_type` is no message class of ROS 2.
+        NoTypeSupportImportedException: `message_type` is not a message class of ROS 2.
         RCLError: the bytes are none of such a message.
     """
     check_for_type_support(message_type)

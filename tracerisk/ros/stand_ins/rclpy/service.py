@@ -68,7 +68,7 @@ class Service(Entity):
         self._queue.append((request, reply))
 
     def _serve(self, request: Any) -> Any:
-        # For a caller that is no client of rclpy: it waits for the executor of the node.
+        # For a caller that is not a client of rclpy: it waits for the executor of the node.
         answers: list[Any] = []
         self._enqueue(request, answers.append)
         run().scheduler.wait_until(

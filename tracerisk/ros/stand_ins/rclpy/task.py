@@ -48,11 +48,11 @@ class Future:
         self._call_back()
 
     def cancelled(self) -> bool:
-        """Tell whether the future was cancelled."""
+        """Return whether the future was cancelled."""
         return self._cancelled
 
     def done(self) -> bool:
-        """Tell whether the future is complete."""
+        """Return whether the future is complete."""
         if not self._done:
             self._end_if_left()
             # A loop that polls would else stop the time that it waits for.
@@ -186,7 +186,7 @@ class Task(Future):
             self._executing = False
 
     def executing(self) -> bool:
-        """Tell whether a step runs."""
+        """Return whether a step runs."""
         return self._executing
 
     def cancel(self) -> None:

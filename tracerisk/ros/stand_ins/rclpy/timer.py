@@ -52,13 +52,13 @@ class Timer(Entity):
         self._period_ns = int(value)
 
     def is_ready(self) -> bool:
-        """Tell whether the timer is due."""
+        """Return whether the timer is due."""
         self._check()
         run().scheduler.touch()
         return self._is_ready()
 
     def is_canceled(self) -> bool:
-        """Tell whether the timer was stopped."""
+        """Return whether the timer was stopped."""
         self._check()
         return self._due_ns is None
 

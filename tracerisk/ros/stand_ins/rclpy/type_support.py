@@ -8,20 +8,22 @@ from .exceptions import NoTypeSupportImportedException
 
 
 def check_for_type_support(msg_or_srv_type: Any) -> None:
-    """Let an interface class of ROS 2 pass.
+    """Accept an interface class of ROS 2.
 
     Raises:
         NoTypeSupportImportedException: it is none.
     """
     if not isinstance(msg_or_srv_type, type) or not getattr(msg_or_srv_type, "_ros_type", ""):
-        raise NoTypeSupportImportedException(f"{msg_or_srv_type!r} is no interface class of ROS 2")
+        raise NoTypeSupportImportedException(
+            f"{msg_or_srv_type!r} is not an interface class of ROS 2"
+        )
 
 
 def check_is_valid_msg_type(msg_type: Any) -> None:
-    """Let a message class pass.
+    """Accept a message class.
 
     Raises:
-        NoTypeSupportImportedException: it is no interface class.
+        NoTypeSupportImportedException: it is not an interface class.
         RuntimeError: it is one of a service or an action.
     """
     check_for_type_support(msg_type)
@@ -30,10 +32,10 @@ def check_is_valid_msg_type(msg_type: Any) -> None:
 
 
 def check_is_valid_srv_type(srv_type: Any) -> None:
-    """Let a service class pass.
+    """Accept a service class.
 
     Raises:
-        NoTypeSupportImportedException: it is no interface class.
+        NoTypeSupportImportedException: it is not an interface class.
         RuntimeError: it is one of a message or an action.
     """
     check_for_type_support(srv_type)

@@ -33,7 +33,7 @@ def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
 
 
 def ok(*, context: Context | None = None) -> bool:
-    """Tell whether a context lives."""
+    """Return whether a context lives."""
     return (get_default_context() if context is None else context).ok()
 
 

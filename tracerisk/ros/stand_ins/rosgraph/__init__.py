@@ -21,5 +21,5 @@ __all__ = [
 
 
 def is_master_online(master_uri: str | None = None) -> bool:
-    """Tell whether the master answers, as it does."""
+    """Return whether the master answers, as it does."""
     return is_online(master_uri)

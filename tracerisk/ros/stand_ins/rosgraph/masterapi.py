@@ -22,7 +22,7 @@ class Error(MasterException):
 
 
 def is_online(master_uri: str | None = None) -> bool:
-    """Tell whether the master answers, as it does."""
+    """Return whether the master answers, as it does."""
     return True
 
 
@@ -35,7 +35,7 @@ class Master:
         self._proxy = MasterProxy(self.master_uri)
 
     def is_online(self) -> bool:
-        """Tell whether the master answers, as it does."""
+        """Return whether the master answers, as it does."""
         return True
 
     def getPid(self) -> Any:
@@ -59,7 +59,7 @@ class Master:
         _value(self._proxy.setParam(key, value))
 
     def hasParam(self, key: str) -> Any:
-        """Tell whether a parameter is set."""
+        """Return whether a parameter is set."""
         return _value(self._proxy.hasParam(key))
 
     def deleteParam(self, key: str) -> None:

@@ -15,27 +15,27 @@ REMAP = ":="
 
 
 def isstring(s: object) -> bool:
-    """Tell whether it is a text."""
+    """Return whether it is a text."""
     return isinstance(s, str)
 
 
 def is_global(name: str) -> bool:
-    """Tell whether a name begins at the root."""
+    """Return whether a name begins at the root."""
     return _names.is_global(name)
 
 
 def is_private(name: str) -> bool:
-    """Tell whether a name is one within a node's."""
+    """Return whether a name is one within a node's."""
     return _names.is_private(name)
 
 
 def is_legal_name(name: str | None) -> bool:
-    """Tell whether a name is one that ROS takes."""
+    """Return whether a name is one that ROS takes."""
     return _names.is_legal_name(name)
 
 
 def is_legal_base_name(name: str | None) -> bool:
-    """Tell whether a name is one that ROS takes, and has no namespace."""
+    """Return whether a name is one that ROS takes, and has no namespace."""
     return _names.is_legal_base_name(name)
 
 

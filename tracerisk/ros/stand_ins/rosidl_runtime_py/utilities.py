@@ -36,17 +36,17 @@ def get_action(identifier: str) -> Any:
 
 
 def is_message(interface: Any) -> bool:
-    """Tell whether a class is one of a message."""
+    """Return whether a class is one of a message."""
     return hasattr(interface, "SLOT_TYPES")
 
 
 def is_service(interface: Any) -> bool:
-    """Tell whether a class is one of a service."""
+    """Return whether a class is one of a service."""
     return hasattr(interface, "Request") and hasattr(interface, "Response")
 
 
 def is_action(interface: Any) -> bool:
-    """Tell whether a class is one of an action."""
+    """Return whether a class is one of an action."""
     return all(hasattr(interface, part) for part in ("Goal", "Result", "Feedback"))
 
 

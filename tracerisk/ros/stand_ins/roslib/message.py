@@ -23,7 +23,7 @@ def get_service_class(service_type: str, reload_on_error: bool = False) -> Any:
 def _class_of(type_name: str, kind: str) -> Any:
     package, _, name = type_name.partition("/")
     if not name:
-        raise ValueError(f"type name [{type_name}] is no package/Name")
+        raise ValueError(f"type name [{type_name}] is not a package/Name")
     try:
         return getattr(import_module(f"{package}.{kind}"), name, None)
     except ImportError:

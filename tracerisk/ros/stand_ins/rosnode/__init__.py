@@ -37,5 +37,5 @@ def get_node_names(namespace: str | None = None) -> list[str]:
 
 
 def rosnode_ping(node_name: str, max_count: int | None = None, verbose: bool = False) -> bool:
-    """Tell whether a node answers."""
+    """Return whether a node answers."""
     return rospy.resolve_name(node_name) in get_node_names()

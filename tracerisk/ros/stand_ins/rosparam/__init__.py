@@ -86,7 +86,7 @@ def load_file(
     """Return the parameters of a YAML file: pairs of values and their namespace.
 
     Raises:
-        RosParamException: there is no such file, or it is no YAML.
+        RosParamException: there is no such file, or it is not YAML.
     """
     path = Path(filename)
     if not path.is_file():

@@ -12,7 +12,7 @@ _DEPENDS = ("depend", "build_depend", "run_depend", "exec_depend", "build_export
 
 
 class InvalidManifest(Exception):
-    """A manifest is no XML, or lacks what it must have."""
+    """A manifest is not XML, or lacks what it must have."""
 
 
 @dataclass
@@ -54,7 +54,7 @@ def parse_manifest_file(dirpath: str, manifest_name: str = PACKAGE_FILE) -> Mani
     """Return the manifest of the package in a folder.
 
     Raises:
-        InvalidManifest: it is no XML, or not one of a package.
+        InvalidManifest: it is not XML, or not one of a package.
         OSError: there is none.
     """
     file = Path(dirpath) / PACKAGE_FILE

@@ -64,7 +64,7 @@ def load_command_line_node_params(argv: list[str]) -> dict[str, Any]:
     """Return the private parameters of a command line: `_name:=value`, the value as YAML.
 
     Raises:
-        ROSInitException: a value is no YAML.
+        ROSInitException: a value is not YAML.
     """
     from ruamel.yaml.error import YAMLError
 
@@ -92,7 +92,7 @@ def init_node(
     Raises:
         ValueError: the name is empty or holds a namespace.
         ROSException: a second call has other arguments.
-        ROSInitException: the node has shut down, or a parameter on the command line is no YAML.
+        ROSInitException: the node has shut down, or a parameter on the command line is not YAML.
     """
     state = node()
     if argv is None:
@@ -253,5 +253,5 @@ def delete_param(param_name: str) -> None:
 
 
 def has_param(param_name: str) -> bool:
-    """Tell whether a parameter is set."""
+    """Return whether a parameter is set."""
     return param_name in get_master()

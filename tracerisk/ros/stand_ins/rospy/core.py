@@ -230,24 +230,24 @@ def rospyerr(msg: Any, *args: Any, **kwargs: Any) -> None:
 
 
 def is_initialized() -> bool:
-    """Tell whether `init_node` has been called."""
+    """Return whether `init_node` has been called."""
     return node().is_initialized
 
 
 def set_initialized(initialized: bool) -> None:
-    """Say whether the node is initialized."""
+    """Set whether the node is initialized."""
     node().is_initialized = initialized
 
 
 def is_shutdown() -> bool:
-    """Tell whether the node has shut down."""
+    """Return whether the node has shut down."""
     state = node()
     state.scheduler.touch()
     return state.is_shutdown
 
 
 def is_shutdown_requested() -> bool:
-    """Tell whether a shutdown has begun."""
+    """Return whether a shutdown has begun."""
     state = node()
     state.scheduler.touch()
     return state.is_shutdown_requested

@@ -69,7 +69,7 @@ class MasterProxy:
         return 1, f"parameter {key} set", 0
 
     def hasParam(self, key: str) -> _Reply:
-        """Tell whether a parameter is set."""
+        """Return whether a parameter is set."""
         return 1, resolve_name(key), key in self
 
     def deleteParam(self, key: str) -> _Reply:

@@ -28,7 +28,7 @@ ns_join = graph_names.join
 
 
 def isstring(s: Any) -> bool:
-    """Tell whether `s` is a string."""
+    """Return whether `s` is a string."""
     return isinstance(s, str)
 
 

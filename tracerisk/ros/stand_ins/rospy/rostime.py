@@ -64,17 +64,17 @@ def get_time() -> float:
 
 
 def set_rostime_initialized(val: bool) -> None:
-    """Say whether the time may be asked for."""
+    """Set whether the time may be asked for."""
     node().is_time_initialized = val
 
 
 def is_rostime_initialized() -> bool:
-    """Tell whether the time may be asked for."""
+    """Return whether the time may be asked for."""
     return node().is_time_initialized
 
 
 def is_wallclock() -> bool:
-    """Tell whether the time is the machine's: it never is, it is simulated.
+    """Return whether the time is the machine's: it never is, it is simulated.
 
     Raises:
         ROSInitException: the node is not initialized.

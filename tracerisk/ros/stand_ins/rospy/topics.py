@@ -30,7 +30,7 @@ class Topic:
     """What publishers and subscribers have in common.
 
     Raises:
-        ValueError: the name is empty, or `data_class` is no message class.
+        ValueError: the name is empty, or `data_class` is not a message class.
     """
 
     impl: Any = None

@@ -38,7 +38,7 @@ class Container(State):
     # Being put together
 
     def open(self) -> None:
-        """Let states be added by the class's `add`."""
+        """Open the container, so that the class's `add` adds states to it."""
         _OPEN.append(self)
 
     def close(self) -> None:
@@ -48,7 +48,7 @@ class Container(State):
         _OPEN.pop()
 
     def is_opened(self) -> bool:
-        """Tell whether states can be added."""
+        """Return whether states can be added."""
         return any(each is self for each in _OPEN)
 
     @property
@@ -106,7 +106,7 @@ class Container(State):
     # Running
 
     def is_running(self) -> bool:
-        """Tell whether it is being executed."""
+        """Return whether it is being executed."""
         return self._is_running
 
     def get_active_states(self) -> list[str]:

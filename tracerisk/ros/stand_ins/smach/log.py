@@ -47,15 +47,15 @@ def logerr(message: object, *args: object) -> None:
 
 
 def set_loggers(info: Log, warn: Log, debug: Log, error: Log) -> None:
-    """Have messages written by these."""
+    """Set the functions that write messages."""
     _LOGGERS.update(info=info, warn=warn, debug=debug, error=error)
 
 
 def set_shutdown_check(cb: Callable[[], bool]) -> None:
-    """Have `cb` tell whether the program is to end."""
+    """Set the function that says whether the program is to end."""
     _IS_SHUTDOWN[:] = [cb]
 
 
 def is_shutdown() -> bool:
-    """Tell whether the program is to end: states are not left for others then."""
+    """Return whether the program is to end: states are not left for others then."""
     return _IS_SHUTDOWN[0]()

@@ -11,7 +11,7 @@ _INTERFACE = ("_smach_outcomes", "_smach_input_keys", "_smach_output_keys")
 
 
 def has_smach_interface(obj: Any) -> bool:
-    """Tell whether something says its outcomes and keys."""
+    """Return whether something says its outcomes and keys."""
     return all(hasattr(obj, name) for name in _INTERFACE)
 
 
@@ -92,7 +92,7 @@ class State:
         self._preempt_requested = False
 
     def preempt_requested(self) -> bool:
-        """Tell whether the state was asked to end."""
+        """Return whether the state was asked to end."""
         return self._preempt_requested
 
 

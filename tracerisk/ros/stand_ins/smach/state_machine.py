@@ -74,7 +74,7 @@ class StateMachine(Container):
         return state
 
     def check_consistency(self) -> None:
-        """Raise InvalidTransitionError where a transition leads nowhere, or there is no state."""
+        """Raise InvalidTransitionError where a transition leads nowhere, or without a state."""
         if self._initial_state_label is None:
             raise InvalidTransitionError("the state machine has no states")
         if self._initial_state_label not in self._states:

@@ -8,5 +8,5 @@ import rospy
 
 
 def set_preempt_handler(sc: Any) -> None:
-    """Have a container preempted when the node is shut down."""
+    """Preempt a container when the node is shut down."""
     rospy.core.add_client_shutdown_hook(sc.request_preempt)

@@ -10,7 +10,7 @@ from geometry_msgs.msg import TransformStamped
 
 
 class TransformBroadcaster:
-    """Tell all listeners where frames are."""
+    """Publish where frames are."""
 
     def __init__(self, queue_size: int = 100) -> None:
         self.tf2_broadcaster = tf2_ros.TransformBroadcaster()

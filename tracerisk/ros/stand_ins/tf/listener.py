@@ -62,7 +62,7 @@ class Transformer:
         self._buffer.set_transform(transform, authority)
 
     def canTransform(self, target_frame: str, source_frame: str, time: Any) -> bool:
-        """Tell whether a lookup would be answered."""
+        """Return whether a lookup would be answered."""
         target, source = _stripped(target_frame, source_frame)
         return bool(self._buffer.can_transform(target, source, time))
 
@@ -74,7 +74,7 @@ class Transformer:
         source_time: Any,
         fixed_frame: str,
     ) -> bool:
-        """Tell whether a lookup between two times would be answered."""
+        """Return whether a lookup between two times would be answered."""
         target, source, fixed = _stripped(target_frame, source_frame, fixed_frame)
         return bool(
             self._buffer.can_transform_full(target, target_time, source, source_time, fixed)
@@ -139,7 +139,7 @@ class Transformer:
         self._buffer.clear()
 
     def frameExists(self, frame_id: str) -> bool:
-        """Tell whether a frame has a parent."""
+        """Return whether a frame has a parent."""
         return frame_id in self.getFrameStrings()
 
     def getFrameStrings(self) -> list[str]:
@@ -229,7 +229,7 @@ class Transformer:
         return tuple(moving.tolist()), tuple(turning.tolist())
 
     def setUsingDedicatedThread(self, value: bool) -> None:
-        """Say whether something fills the buffer while the program waits."""
+        """Set whether something fills the buffer while the program waits."""
         self._using_dedicated_thread = value
 
     def getTFPrefix(self) -> str:

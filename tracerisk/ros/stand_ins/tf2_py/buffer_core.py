@@ -55,7 +55,7 @@ class BufferCore:
     def can_transform_core(
         self, target_frame: str, source_frame: str, time: Any
     ) -> tuple[bool, str]:
-        """Tell whether a lookup would be answered, and if not why not."""
+        """Return whether a lookup would be answered, and if not why not."""
         self._look(target_frame, source_frame)
         return self._tree.can_transform(target_frame, source_frame, nanoseconds(time))
 
@@ -67,7 +67,7 @@ class BufferCore:
         source_time: Any,
         fixed_frame: str,
     ) -> tuple[bool, str]:
-        """Tell whether a lookup over a fixed frame would be answered, and if not why not."""
+        """Return whether a lookup over a fixed frame would be answered, and if not why not."""
         self._look(target_frame, source_frame)
         return self._tree.can_transform_full(
             target_frame,

@@ -26,7 +26,7 @@ def timeout_ns(timeout: Any) -> int:
     """Return a timeout in nanoseconds; None is none.
 
     Raises:
-        TypeError: it is no Duration; a number is none to the real library either.
+        TypeError: it is not a Duration; a number is none to the real library either.
     """
     if timeout is None:
         return 0

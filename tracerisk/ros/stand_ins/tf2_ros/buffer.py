@@ -104,7 +104,7 @@ class Buffer(tf2.BufferCore, BufferInterface):  # type: ignore[misc]
         timeout: Any = None,
         return_debug_tuple: bool = False,
     ) -> Any:
-        """Tell whether there is a transform by the end of the timeout.
+        """Return whether there is a transform by the end of the timeout.
 
         With `return_debug_tuple` also why there is none.
         """
@@ -127,7 +127,7 @@ class Buffer(tf2.BufferCore, BufferInterface):  # type: ignore[misc]
         timeout: Any = None,
         return_debug_tuple: bool = False,
     ) -> Any:
-        """Tell whether there is a transform between two times; see `can_transform`."""
+        """Return whether there is a transform between two times; see `can_transform`."""
         target_ns, source_ns = nanoseconds(target_time), nanoseconds(source_time)
         self._wait(
             lambda: self._tree.can_transform_full(

@@ -166,7 +166,7 @@ class BufferClient(_Base, BufferInterface):  # type: ignore[misc]
     def can_transform(
         self, target_frame: str, source_frame: str, time: Any, timeout: Any = None
     ) -> bool:
-        """Tell whether there is a transform by the end of the timeout."""
+        """Return whether there is a transform by the end of the timeout."""
         try:
             self.lookup_transform(target_frame, source_frame, time, timeout)
         except tf2.TransformException:
@@ -182,7 +182,7 @@ class BufferClient(_Base, BufferInterface):  # type: ignore[misc]
         fixed_frame: str,
         timeout: Any = None,
     ) -> bool:
-        """Tell whether there is a transform between two times by the end of the timeout."""
+        """Return whether there is a transform between two times by the end of the timeout."""
         way = (target_frame, target_time, source_frame, source_time, fixed_frame)
         try:
             self.lookup_transform_full(*way, timeout)

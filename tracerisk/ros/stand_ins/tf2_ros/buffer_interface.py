@@ -191,7 +191,7 @@ class BufferInterface:
     def can_transform(
         self, target_frame: str, source_frame: str, time: Any, timeout: Any = None
     ) -> Any:
-        """Tell whether there is a transform; a subclass's."""
+        """Return whether there is a transform; a subclass's."""
         raise NotImplementedException
 
     def can_transform_full(
@@ -203,5 +203,5 @@ class BufferInterface:
         fixed_frame: str,
         timeout: Any = None,
     ) -> Any:
-        """Tell whether there is a transform between two times; a subclass's."""
+        """Return whether there is a transform between two times; a subclass's."""
         raise NotImplementedException

@@ -56,4 +56,4 @@ _Base: Any = _Ros2StaticBroadcaster if IS_ROS2 else _Ros1StaticBroadcaster
 
 
 class StaticTransformBroadcaster(_Base):  # type: ignore[misc]
-    """Tell all listeners where frames are that never move."""
+    """Publish where frames are that never move."""

@@ -35,7 +35,7 @@ _Base: Any = _Ros2Broadcaster if IS_ROS2 else _Ros1Broadcaster
 
 
 class TransformBroadcaster(_Base):  # type: ignore[misc]
-    """Tell all listeners where frames are."""
+    """Publish where frames are."""
 
     def sendTransform(self, transform: Any) -> None:
         """Send a TransformStamped or a list of them."""

@@ -119,7 +119,7 @@ class _Ros2Listener(_Listener):
             self.executor.spin()
             self.executor.remove_node(self.node)
 
-        # The real thread is no daemon; it ends when the context shuts down.
+        # The real thread is not a daemon; it ends when the context shuts down.
         self.dedicated_listener_thread = Thread(target=spin, daemon=True)
         self.dedicated_listener_thread.start()
 

@@ -13,5 +13,5 @@ class Condition:
         self._predicate = predicate
 
     def evaluate(self, context: Any) -> bool:
-        """Tell whether it holds."""
+        """Return whether it holds."""
         return self._predicate is None or self._predicate(context)

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from tracerisk.pipeline.launch_files.absent import AbsentError
+from tracerisk.pipeline.launch_files.placeholders import AbsentError
 from tracerisk.pipeline.launch_files.records import RobotSource, StartedNode
 from tracerisk.pipeline.launch_files.stand_ins.launch.substitution import Substitution
 
@@ -143,7 +143,7 @@ class LaunchContext:
         """Do nothing: no events come while a description is read."""
 
     def fire_handlers(self) -> None:
-        """Let each awaited event come, of those whose target was started."""
+        """Handle each awaited event of a target that was started."""
         is_progress = True
         while self._handlers and is_progress:
             is_progress = False

@@ -8,8 +8,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from tracerisk.pipeline.launch_files.absent import AbsentError
 from tracerisk.pipeline.launch_files.expressions import evaluate
+from tracerisk.pipeline.launch_files.placeholders import AbsentError
 from tracerisk.pipeline.launch_files.robot_sources import RobotSource, source_of_command
 from tracerisk.pipeline.launch_files.stand_ins.launch.conditions import (
     evaluate_condition_expression,

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable
 from typing import Any
 
-from tracerisk.pipeline.launch_files.absent import Absent, AbsentError
+from tracerisk.pipeline.launch_files.placeholders import Absent, AbsentError
 from tracerisk.pipeline.launch_files.stand_ins.launch.substitution import Substitution
 
 
@@ -14,7 +14,7 @@ def normalize_to_list_of_substitutions(subs: Any) -> list[Substitution]:
     """Return the substitutions whose texts, joined, a value stands for.
 
     Raises:
-        TypeError: it is no text, path, substitution or series of them.
+        TypeError: it is not text, path, substitution or series of them.
         AbsentError: it comes from what is not here.
     """
     from tracerisk.pipeline.launch_files.stand_ins.launch.substitutions import TextSubstitution

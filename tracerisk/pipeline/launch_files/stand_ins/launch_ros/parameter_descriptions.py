@@ -8,7 +8,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from tracerisk.pipeline.launch_files.absent import Absent, AbsentError
 from tracerisk.pipeline.launch_files.parameter_text import (
     ParameterTextError,
     is_storable,
@@ -16,6 +15,7 @@ from tracerisk.pipeline.launch_files.parameter_text import (
     read_text,
     yaml_value,
 )
+from tracerisk.pipeline.launch_files.placeholders import Absent, AbsentError
 from tracerisk.pipeline.launch_files.records import EVERY_NODE, LaunchParameter
 from tracerisk.pipeline.launch_files.stand_ins.launch.substitution import Substitution
 from tracerisk.pipeline.launch_files.stand_ins.launch.utilities import text_of
@@ -103,7 +103,7 @@ def _put(context: Any, name: Any, value: Any, prefix: str, found: Found) -> None
     if is_storable(evaluated):
         found[0].append(LaunchParameter(EVERY_NODE, full, evaluated))
     else:
-        found[1].append((full, f"{type(evaluated).__name__} is no type of a parameter"))
+        found[1].append((full, f"{type(evaluated).__name__} is not a type of a parameter"))
 
 
 def _value(context: Any, value: Any) -> Any:
@@ -155,7 +155,7 @@ def _typed(value: Any, kind: Any) -> Any:
     inner = typing.get_args(kind)
     if inner or kind is list:
         if not isinstance(read, list):
-            raise ValueError(f"'{value}' is no list")
+            raise ValueError(f"'{value}' is not a list")
         return [_scalar(each, inner[0]) for each in read] if inner else read
     return _scalar(read, kind)
 
@@ -166,7 +166,7 @@ def _scalar(value: Any, kind: Any) -> Any:
     if kind is str and isinstance(value, bool | int | float):
         return str(value)
     if type(value) is not kind:
-        raise ValueError(f"'{value}' is no {getattr(kind, '__name__', kind)}")
+        raise ValueError(f"'{value}' is not a {getattr(kind, '__name__', kind)}")
     return value
 
 

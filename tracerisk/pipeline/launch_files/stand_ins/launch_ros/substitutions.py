@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-from tracerisk.pipeline.launch_files.absent import AbsentError
+from tracerisk.pipeline.launch_files.placeholders import AbsentError
 from tracerisk.pipeline.launch_files.stand_ins.launch.substitution import Substitution
 from tracerisk.pipeline.launch_files.stand_ins.launch.substitutions import (
     PathSubstitution,

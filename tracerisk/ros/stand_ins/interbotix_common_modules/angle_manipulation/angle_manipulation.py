@@ -48,7 +48,7 @@ def rotation_matrix_to_euler_angles(R: Any) -> list[float]:
 
 
 def quaternion_is_valid(quat: Any, tol: float = 10e-3) -> bool:
-    """Tell whether a quaternion's squares sum to 1.
+    """Return whether a quaternion's squares sum to 1.
 
     Raises:
         TypeError: it is neither a Quaternion nor a QuaternionStamped.

@@ -162,5 +162,5 @@ def get_interbotix_global_node() -> InterbotixRobotNode:
 
 
 def interbotix_is_up() -> bool:
-    """Tell whether the robot is started up."""
+    """Return whether the robot is started up."""
     return _state().is_up

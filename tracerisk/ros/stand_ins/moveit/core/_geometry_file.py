@@ -98,7 +98,9 @@ def _read_shape(words: Iterator[str], message: Any) -> None:
         message.primitives = [*message.primitives, solid]
         message.primitive_poses = [*message.primitive_poses, place]
     else:
-        raise ValueError(f"'{kind}' is no shape; allowed: {', '.join([*_SIZES, 'plane', 'mesh'])}")
+        raise ValueError(
+            f"'{kind}' is not a shape; allowed: {', '.join([*_SIZES, 'plane', 'mesh'])}"
+        )
     _numbers(words, 4)  # the colour
 
 

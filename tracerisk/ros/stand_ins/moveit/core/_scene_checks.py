@@ -35,7 +35,7 @@ class SceneChecks:
     # Checks
 
     def is_state_colliding(self, *args: Any, **kwargs: Any) -> bool:
-        """Tell whether a state collides: ([robot_state,] joint_model_group_name, verbose=False).
+        """Return whether a state collides: ([robot_state,] joint_model_group_name, verbose=False).
 
         The state is the current one by default; pairs count of which a link moves with the group.
         """
@@ -45,13 +45,13 @@ class SceneChecks:
     def is_state_valid(
         self, robot_state: RobotState, joint_model_group_name: str, verbose: bool = False
     ) -> bool:
-        """Tell whether a state is clear of collisions."""
+        """Return whether a state is clear of collisions."""
         return not self._colliding(robot_state, joint_model_group_name, verbose=verbose)
 
     def is_state_constrained(
         self, state: RobotState, constraints: Any, verbose: bool = False
     ) -> bool:
-        """Tell whether a state keeps to Constraints."""
+        """Return whether a state keeps to Constraints."""
         rule = PathRule(constraints, self._server.forward, lambda name: self._frame(name, state))
         broken = rule.breach(state.joint_positions)
         if broken is not None and verbose:
@@ -65,7 +65,7 @@ class SceneChecks:
         verbose: bool = False,
         invalid_index: Any = None,
     ) -> bool:
-        """Tell whether every waypoint is clear of collisions; `invalid_index` stays as it is."""
+        """Return whether every waypoint is clear of collisions; `invalid_index` stays as it is."""
         with self._in_force(None):
             return not any(
                 self._pairs(waypoint, joint_model_group_name, verbose=verbose)
@@ -158,7 +158,7 @@ class SceneChecks:
 
     @contextmanager
     def _in_force(self, acm: AllowedCollisionMatrix | None) -> Iterator[None]:
-        """Let the twin check, and plan, among the objects of this scene."""
+        """Make the twin check, and plan, among the objects of this scene."""
         if acm is None and self._objects is self._server.scene:
             yield
             return

@@ -109,4 +109,4 @@ class AllowedCollisionMatrix:
 
 
 def _nothing() -> None:
-    """Tell nobody: the matrix is no scene's."""
+    """Do nothing: the matrix belongs to no scene."""

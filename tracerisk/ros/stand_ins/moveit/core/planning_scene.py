@@ -142,7 +142,7 @@ class PlanningScene(SceneChecks):
     # Frames
 
     def knows_frame_transform(self, robot_state: Any = None, frame_id: str | None = None) -> bool:
-        """Tell whether a frame is known: a link, or an object of the scene.
+        """Return whether a frame is known: a link, or an object of the scene.
 
         It may be called with the name alone, or with a state before it.
         """

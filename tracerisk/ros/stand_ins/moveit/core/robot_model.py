@@ -151,7 +151,7 @@ class JointModelGroup:
         return tip
 
     def satisfies_position_bounds(self, values: Sequence[float], margin: float = 0.0) -> bool:
-        """Tell whether positions of the active joints are within their limits.
+        """Return whether positions of the active joints are within their limits.
 
         Raises:
             ValueError: there are more or fewer values than joints.
@@ -282,7 +282,7 @@ class RobotModel:
         return [self._group(name) for name in self.joint_model_group_names if name in grippers]
 
     def has_joint_model_group(self, joint_model_group_name: str) -> bool:
-        """Tell whether there is a planning group of a name."""
+        """Return whether there is a planning group of a name."""
         return joint_model_group_name in self._server.robot.groups
 
     def get_joint_model_group(self, joint_model_group_name: str) -> JointModelGroup | None:

@@ -163,7 +163,7 @@ class RobotState(JointValues):
             self._objects.changed()
 
     def update(self, force: bool = False, type: str = "all") -> None:
-        """Let poses follow the positions.
+        """Update poses from the positions.
 
         Raises:
             ValueError: `type` is none of all, links_only, collisions_only.
@@ -207,7 +207,7 @@ class RobotState(JointValues):
         It may be called without the link: (group, point).
 
         Raises:
-            RuntimeError: the group is no chain that ends at the link.
+            RuntimeError: the group is not a chain that ends at the link.
         """
         if link_name is not None and not isinstance(link_name, str):
             link_name, reference_point_position = None, link_name
@@ -218,7 +218,7 @@ class RobotState(JointValues):
         chain = group._chain_to(link)
         if not chain or (link_name is None and len(chain) != len(group.active_joint_model_names)):
             raise RuntimeError(
-                f"Unable to compute Jacobian: group '{group.name}' is no chain to link '{link}'"
+                f"Unable to compute Jacobian: group '{group.name}' is not a chain to link '{link}'"
             )
         return jacobian(
             chain,

@@ -92,7 +92,7 @@ class RobotTrajectory:
         return list(self._durations)
 
     def unwind(self) -> RobotTrajectory:
-        """Let joints without limits turn on instead of jumping by a whole turn; return the path."""
+        """Unwind joints without limits, which must not jump by a whole turn; return the path."""
         for joint in self._model._joints():
             if joint.type == "continuous" and self._waypoints:
                 turned = np.unwrap([one._positions[joint.name] for one in self._waypoints])

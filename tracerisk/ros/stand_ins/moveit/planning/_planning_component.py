@@ -73,13 +73,13 @@ class PlanningComponent:
     # Where plans start
 
     def set_start_state_to_current_state(self) -> None:
-        """Let plans begin where the robot is when they are made."""
+        """Start plans where the robot is when they are made."""
         self._start = None
 
     def set_start_state(
         self, configuration_name: str | None = None, robot_state: RobotState | None = None
     ) -> bool:
-        """Let plans begin at a named state of the group, or at a RobotState; tell if it is known.
+        """Start plans at a named state of the group, or a RobotState; return whether it is known.
 
         Raises:
             ValueError: both are given, or neither.

@@ -105,11 +105,11 @@ class PlanningSceneMonitor:
         joint_states_topic: str = "joint_states",
         attached_objects_topic: str = "attached_collision_object",
     ) -> None:
-        """Let the scene's state follow the robot."""
+        """Make the scene's state follow the robot."""
         self._follows = True
 
     def stop_state_monitor(self) -> None:
-        """Let the scene's state stay as it is."""
+        """Keep the scene's state as it is."""
         self._follows = False
 
     def request_planning_scene_state(self, service_name: str = "get_planning_scene") -> bool:
@@ -140,7 +140,7 @@ class PlanningSceneMonitor:
         return made
 
     def _follow(self) -> None:
-        """Let the scene's state follow the robot where time has passed and nobody holds the lock.
+        """Update the scene's state from the robot if time has passed and nobody holds the lock.
 
         A program may keep the state beyond the block that gave it: it is the monitor's own.
         """

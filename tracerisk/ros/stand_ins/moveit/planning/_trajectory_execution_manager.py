@@ -54,33 +54,33 @@ class TrajectoryExecutionManager:
     # Controllers
 
     def is_managing_controllers(self) -> bool:
-        """Tell whether controllers may be switched: the twin's are always active."""
+        """Return whether controllers may be switched: the twin's are always active."""
         return False
 
     def ensure_active_controllers_for_group(self, group: str) -> bool:
-        """Tell whether a group can be moved: every group of the robot can."""
+        """Return whether a group can be moved: every group of the robot can."""
         groups = self._library.server.robot.groups
         return group in groups or _no("group", group, groups)
 
     def ensure_active_controllers_for_joints(self, joints: Iterable[str]) -> bool:
-        """Tell whether joints can be moved: every joint of the robot can."""
+        """Return whether joints can be moved: every joint of the robot can."""
         known = [joint.name for joint in self._library.server.robot.joints]
         return all(joint in known or _no("joint", joint, known) for joint in joints)
 
     def ensure_active_controller(self, controller: str) -> bool:
-        """Tell whether a controller is active; the twin's driver serves any name."""
+        """Return whether a controller is active; the twin's driver serves any name."""
         return True
 
     def ensure_active_controllers(self, controllers: Sequence[str]) -> bool:
-        """Tell whether controllers are active; the twin's driver serves any name."""
+        """Return whether controllers are active; the twin's driver serves any name."""
         return True
 
     def is_controller_active(self, controller: str) -> bool:
-        """Tell whether a controller is active; the twin's driver serves any name."""
+        """Return whether a controller is active; the twin's driver serves any name."""
         return True
 
     def are_controllers_active(self, controllers: Sequence[str]) -> bool:
-        """Tell whether controllers are active; the twin's driver serves any name."""
+        """Return whether controllers are active; the twin's driver serves any name."""
         return True
 
     # Push and execute
@@ -184,7 +184,7 @@ class TrajectoryExecutionManager:
         self._watches_duration = bool(flag)
 
     def execution_duration_monitoring(self) -> bool:
-        """Tell whether it is watched how long executions take."""
+        """Return whether it is watched how long executions take."""
         return self._watches_duration
 
     def set_allowed_execution_duration_scaling(self, scaling: float) -> None:
@@ -224,7 +224,7 @@ class TrajectoryExecutionManager:
         self._waits_for_completion = bool(flag)
 
     def wait_for_trajectory_completion(self) -> bool:
-        """Tell whether an execution ends when the robot stands."""
+        """Return whether an execution ends when the robot stands."""
         return self._waits_for_completion
 
     # How

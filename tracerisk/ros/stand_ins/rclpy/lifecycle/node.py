@@ -111,7 +111,7 @@ class LifecycleNodeMixin(ManagedEntity):
         return self._change_state(TransitionMsg.TRANSITION_DEACTIVATE)
 
     def add_managed_entity(self, entity: ManagedEntity) -> None:
-        """Tell an entity of transitions too.
+        """Notify an entity of transitions too.
 
         Raises:
             TypeError: it is none.
@@ -122,27 +122,27 @@ class LifecycleNodeMixin(ManagedEntity):
             self._managed_entities.append(entity)
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Have the managed entities agree; the first that does not decides."""
+        """Ask the managed entities; the first that does not agree decides."""
         return self._ask_entities("on_configure", state)
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Have the managed entities agree; the first that does not decides."""
+        """Ask the managed entities; the first that does not agree decides."""
         return self._ask_entities("on_cleanup", state)
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Have the managed entities agree; the first that does not decides."""
+        """Ask the managed entities; the first that does not agree decides."""
         return self._ask_entities("on_shutdown", state)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Have the managed entities agree; the first that does not decides."""
+        """Ask the managed entities; the first that does not agree decides."""
         return self._ask_entities("on_activate", state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Have the managed entities agree; the first that does not decides."""
+        """Ask the managed entities; the first that does not agree decides."""
         return self._ask_entities("on_deactivate", state)
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Have the managed entities agree; the first that does not decides."""
+        """Ask the managed entities; the first that does not agree decides."""
         return self._ask_entities("on_error", state)
 
     def create_lifecycle_publisher(

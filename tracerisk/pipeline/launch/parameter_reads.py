@@ -128,7 +128,7 @@ def _keyword(call: ast.Call, name: str) -> str | None:
 
 
 def _is_needed(call: ast.Call) -> bool:
-    """Tell whether a read or a declaration gives no value for where nobody else does."""
+    """Return whether a read or a declaration gives no value for where nobody else does."""
     keywords = {keyword.arg for keyword in call.keywords}
     if len(call.args) < 2:
         return not keywords & {"default", "value"}

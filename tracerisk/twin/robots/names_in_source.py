@@ -10,8 +10,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
-from tracerisk.twin.robots.mentions import words_in
 from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_names import words_in
 
 _SHORTEST_STEM = 5  # `joint` alone says nothing about the arm
 _FEWEST_JOINTS = 3  # that a controller lists, for them to speak against a robot without them
@@ -73,7 +73,7 @@ class Spoken:
         return words_in(self.strings)
 
     def asks_for(self, variants: Set[str]) -> bool:
-        """Tell whether the controller itself, and not only a library, has one of the words."""
+        """Return whether the controller itself, and not only a library, has one of the words."""
         return bool(variants & words_in(self.own_strings))
 
     def among(self, names: Set[str]) -> Set[str]:
@@ -105,7 +105,7 @@ class Spoken:
         return self.exactly(parts - groups if robot.assumes_names else parts | groups)
 
     def speaks_against(self, robot: Robot) -> bool:
-        """Tell whether the controller lists joints, and the robot has none of them."""
+        """Return whether the controller lists joints, and the robot has none of them."""
         if len(self.joints) < _FEWEST_JOINTS:
             return False
         return not self.among({joint.name for joint in robot.joints})

@@ -73,7 +73,7 @@ def check_targets(blocks: Iterable[RiskBlock], names: Collection[str]) -> None:
             if transition.target != DONE and transition.target not in names:
                 place = block.next.location if block.next is not None else None
                 raise BlockError(
-                    f"next of `{block.name}` leads to '{transition.target}', which is no function "
+                    f"next of `{block.name}` leads to '{transition.target}', not a function "
                     f"with a risk block; {one_of({*names, DONE}, transition.target)}",
                     place or block.location,
                 )

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from tracerisk.config import Settings
 from tracerisk.pipeline import load_robot
-from tracerisk.pipeline.launch.spoken import with_parameters
+from tracerisk.pipeline.launch.launch_hints import with_parameters
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED, LaunchParameter
 from tracerisk.pipeline.workspace.controller import load_controller, string_literals
 from tracerisk.twin.robots.generic import names_asked

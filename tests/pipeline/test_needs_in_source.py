@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tracerisk.pipeline.workspace.asked_in_source import asked_in_source, command_lines
 from tracerisk.pipeline.workspace.controller import load_controller
+from tracerisk.pipeline.workspace.needs_in_source import asked_in_source, command_lines
 
 ROS1 = """\
 import actionlib, rospy

@@ -1,4 +1,4 @@
-"""Let one process at a time write what several share in a folder."""
+"""Lock a folder, so that one process at a time writes what several share."""
 
 from __future__ import annotations
 

@@ -1,0 +1,85 @@
+"""The text that users read: plain English, in the field's own words."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+SOURCES = sorted((ROOT / "tracerisk").rglob("*.py"))
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+
+# What native engineers stumbled over, and what to write instead.
+INSTEAD = {
+    "may be given again": "repeatable",
+    "else told by": "default: inferred from",
+    "else looked for": "default: searched for",
+    "how sure": "uncertainty",
+    "within the noise too": "also ... that changed by less than 1 %",
+    "person's edit is in the way": "conflicting manual edit",
+    "person's edit in the way": "conflicting manual edit",
+    "fault of tracerisk": "internal error",
+    "stands twice": "duplicate",
+    "fails through hardware with probability": "probability that a hardware failure ends",
+    "visits as they ran": "as executed",
+    "told as": "reported as",
+    "made anew": "recomputed",
+    "whole groups": "all redundant units working",
+    "slip of the pen": "misspelt",
+    "must not be told from": "plain words",
+    "is no state": "unknown state, or: is not a state",
+    "is no pose": "not a valid pose",
+    "is no probability": "is not a probability",
+}
+# Comments are for who works on the code; strings and docstrings are read by users.
+OPENINGS = re.compile(r"(?:Tell|Say|Have|Let)\b")
+
+
+def texts(path: Path) -> list[tuple[int, str]]:
+    """All strings of a source, docstrings among them, with their lines."""
+    found = []
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.JoinedStr):
+            parts = [each.value for each in node.values if isinstance(each, ast.Constant)]
+            found.append((node.lineno, "{}".join(parts)))
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            found.append((node.lineno, node.value))
+    return found
+
+
+@pytest.mark.parametrize("words", INSTEAD)
+def test_the_documentation_has_the_plain_words(words):
+    found = [
+        f"{path.relative_to(ROOT)}:{number}: write '{INSTEAD[words]}'"
+        for path in PAGES
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+        if words in line
+    ]
+    assert not found, "\n".join(found)
+
+
+def test_messages_help_and_docstrings_have_the_plain_words():
+    found = []
+    for path in SOURCES:
+        for line, text in texts(path):
+            plain = " ".join(text.split())
+            found += [
+                f"{path.relative_to(ROOT)}:{line}: '{words}', write '{INSTEAD[words]}'"
+                for words in INSTEAD
+                if words in plain
+            ]
+    assert not found, "\n".join(found)
+
+
+def test_docstrings_open_with_what_is_done():
+    found = []
+    for path in SOURCES:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, (ast.FunctionDef, ast.ClassDef, ast.Module, ast.AsyncFunctionDef)):
+                opening = ast.get_docstring(node) or ""
+                if OPENINGS.match(opening):
+                    found.append(f"{path.relative_to(ROOT)}: {opening.splitlines()[0]}")
+    assert not found, "\n".join(found)
