@@ -9,6 +9,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from tracerisk.api import assess as assess
+    from tracerisk.api import check as check
+    from tracerisk.api import overrides as overrides
+    from tracerisk.api import refresh as refresh
+    from tracerisk.api import write_blocks as write_blocks
     from tracerisk.pipeline import annotate as annotate
     from tracerisk.pipeline import build as build
     from tracerisk.pipeline import load_controller as load_controller
@@ -23,22 +28,31 @@ __version__ = "0.1.0"
 
 __all__ = [
     "annotate",
+    "assess",
     "build",
+    "check",
     "diff",
     "load_controller",
     "load_hardware",
     "load_settings",
+    "overrides",
+    "refresh",
     "solve",
     "strip",
     "trace_controller",
+    "write_blocks",
 ]
+
+_HOMES = {
+    "diff": "tracerisk.pipeline.review.review",
+    **dict.fromkeys(("assess", "check", "overrides", "refresh", "write_blocks"), "tracerisk.api"),
+}
 
 
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module 'tracerisk' has no attribute '{name}'")
-    home = "tracerisk.pipeline.review.review" if name == "diff" else "tracerisk.pipeline"
-    return getattr(import_module(home), name)
+    return getattr(import_module(_HOMES.get(name, "tracerisk.pipeline")), name)
 
 
 def __dir__() -> list[str]:

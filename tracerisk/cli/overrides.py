@@ -7,12 +7,11 @@ import itertools
 import math
 import textwrap
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
-from tracerisk.errors import ExitCode, InputError
+from tracerisk.errors import ExitCode
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.check.overrides import Override
@@ -42,9 +41,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.check.overrides import overrides_in
+    from tracerisk import api
 
-    found = overrides_in(options.files or _files_of_lock())
+    found = api.overrides(options.files)
     limit = options.max_drift
     beyond = [each for each in found if limit is not None and each.exceeds(limit)]
     code = ExitCode.WOULD_CHANGE if beyond else ExitCode.FINE
@@ -62,15 +61,6 @@ def run(options: argparse.Namespace) -> int:
     without = sum(1 for each in found if each.reason is None)
     note(f"{len(found)} set by hand, {without} of them without a reason", quiet=options.quiet)
     return int(code)
-
-
-def _files_of_lock() -> list[Path]:
-    from tracerisk.pipeline.check.overrides import files_of_lock
-
-    files = files_of_lock(Path())
-    if not files:
-        raise InputError("no tracerisk.lock in this folder knows a controller; name a FILE")
-    return list(files)
 
 
 def _data(override: Override, *, is_beyond: bool) -> dict[str, object]:

@@ -13,7 +13,7 @@ from tracerisk.cli.shared.run_report import note_draft
 from tracerisk.cli.shared.without_controllers import note_without_controllers
 from tracerisk.cli.verdict import verdict_exit, verdict_json
 from tracerisk.config import controller_root
-from tracerisk.errors import ExitCode, InputError, TraceRiskError
+from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.trace import verdict_line
 
 if TYPE_CHECKING:
@@ -36,12 +36,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.check.refresh import refresh_controller
-    from tracerisk.pipeline.freshness.known_controllers import controllers_in, controllers_of
+    from tracerisk import api
 
-    paths = controllers_of(options.files) if options.files else controllers_in(Path())
-    if not options.files and not paths:
-        raise InputError("no tracerisk.lock in this folder knows a controller; name a FILE")
+    paths = api.known_controllers(options.files)
     note_without_controllers(options)
     policy = shared.merge_policy(options)
     outcomes: list[dict[str, Any]] = []
@@ -51,9 +48,7 @@ def run(options: argparse.Namespace) -> int:
             continue
         try:
             with progress_bar(quiet=options.quiet) as progress:
-                done = refresh_controller(
-                    path, policy=policy, sandbox=options.sandbox, progress=progress
-                )
+                done = api.refresh(path, policy=policy, sandbox=options.sandbox, progress=progress)
             would_change = _settle(done, options)
         except TraceRiskError as error:
             # The others are refreshed all the same; what failed is told and decides the code.

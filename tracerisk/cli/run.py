@@ -43,20 +43,16 @@ from tracerisk.cli.shared.run_report import (
 )
 from tracerisk.cli.verdict import print_verdict, verdict_details, verdict_exit, verdict_json
 from tracerisk.cli.what_if import print_what_if, what_if_data
-from tracerisk.errors import ControllerFailedError, ExitCode, Location
+from tracerisk.errors import ExitCode
 from tracerisk.trace import Trace, verdict_line
 
 if TYPE_CHECKING:
     from tracerisk.adder.figures.derivation import FunctionDerivation
-    from tracerisk.config import Settings
-    from tracerisk.pipeline import Annotated, Controller
+    from tracerisk.api import Assessed
+    from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.pipeline.run.controller_run import Progress
-    from tracerisk.prm.hybrid.assessment import Assessment
-    from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.prm.questions.uncertainty import Uncertainty
     from tracerisk.report.run_figures import RunFigures
-
-_NO_FAILURE = frozenset({"assumed_name", "assumed_start", "unused"})
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -88,95 +84,100 @@ def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     check_run_uncertainty(options)
     check_against(options)
-    with progress_bar(quiet=options.quiet) as progress:
-        done = _assess(options, progress or _untold)
-    return _failed(options, done) if isinstance(done, Trace) else _told(options, done)
+    from tracerisk.api import RunFailedError
+
+    try:
+        with progress_bar(quiet=options.quiet) as progress:
+            done = _done(options, progress)
+    except RunFailedError as error:
+        return _failed(options, error.trace)
+    return _show(options, done)
 
 
 @dataclass(frozen=True, slots=True)
-class _Assessed:
+class _Done:
     """What a run that ended well came to; everything that was asked for as a file is written."""
 
-    controller: Controller
-    settings: Settings
-    trace: Trace
-    annotated: Annotated
-    model: HybridModel
-    assessment: Assessment
+    assessed: Assessed
     figures: RunFigures
     uncertainty: Uncertainty | None
     derivation: FunctionDerivation | None
 
 
-def _assess(options: argparse.Namespace, progress: Progress) -> _Assessed | Trace:
-    """Run the stages and write what they are to write; return the trace of a bad end."""
-    from tracerisk import pipeline, trace_json
-    from tracerisk.pipeline.results.run_section import recorded_run, run_section
+def _done(options: argparse.Namespace, progress: Progress | None) -> _Done:
+    """Assess the controller, and write what is to be written.
+
+    Raises RunFailedError with the trace of a bad end.
+    """
+    from tracerisk import api
+    from tracerisk.pipeline.results.run_section import recorded_run
     from tracerisk.pipeline.stages import blocks_of
-    from tracerisk.prm.formats import model_json
     from tracerisk.report.run_figures import run_figures, set_by_hand
 
-    profile = shared.read_profile(options)
-    policy = shared.merge_policy(options)
-    controller = pipeline.load_controller(options.controller)
-    given = shared.run_settings(options)
-    settings = pipeline.load_settings(controller, given)
-    pipeline.check_blocks(controller)
+    recorded = None
     with _recording_folder(options) as keep:
-        told = None if progress is _untold else progress
-        trace = pipeline.trace_controller(controller, settings, keep=keep, progress=told)
-        recorded = None
-        if keep is not None and options.report is not None and trace.is_usable:
+        done = api.assess(
+            options.controller,
+            shared.run_settings(options),
+            policy=shared.merge_policy(options),
+            profile=shared.read_profile(options),
+            keep=keep,
+            progress=progress,
+        )
+        if keep is not None and options.report is not None:
             recorded = recorded_run(keep)
-    if not trace.is_usable:
-        return trace
-    if not trace.functions:
-        raise _nothing_commanded(trace, controller)
-    simulated_s = trace.end.simulated_s or 0.0
-    progress("annotating", simulated_s)
-    hardware = pipeline.load_hardware(settings, trace.robot)
-    note_warnings(hardware, quiet=options.quiet)
-    annotated = pipeline.annotate(
-        controller, trace, hardware, settings, policy=policy, profile=profile, given=given
+    note_warnings(done.hardware, quiet=options.quiet)
+    instances = done.annotated.computed.instances
+    blocks = [block for _, block in blocks_of(done.sources)]
+    found = _Done(
+        done,
+        run_figures(done.assessment, done.hardware, instances, blocks),
+        uncertainty_of_run(
+            done.model,
+            done.hardware,
+            instances,
+            set_by_hand(blocks),
+            options,
+            seed=done.settings.seed,
+        ),
+        explained(options, done.annotated, done.hardware, done.settings),
     )
-    write_outputs(options, annotated.computed)
-    sources = {str(controller.path_of(file)): text for file, text in annotated.sources.items()}
-    model = pipeline.build(sources, name=controller.path.name)
-    if options.model is not None:
-        write_file(options.model, model_json.dumps(model))
-    progress("solving", simulated_s)
-    assessment = pipeline.solve(model)
-    blocks = [block for _, block in blocks_of(sources)]
-    instances = annotated.computed.instances
-    figures = run_figures(assessment, hardware, instances, blocks)
-    uncertainty = uncertainty_of_run(
-        model, hardware, instances, set_by_hand(blocks), options, seed=settings.seed
-    )
-    derivation = explained(options, annotated, hardware, settings)
     if not (options.check or options.diff):
-        annotated.write()
-        trace = pipeline.at_annotated_lines(trace, annotated)
+        found = replace(found, assessed=api.write_blocks(done))
+    if options.report is not None and progress is not None:
+        progress("report", done.trace.end.simulated_s or 0.0)
+    _write_files(options, found.assessed, recorded)
+    return found
+
+
+def _write_files(options: argparse.Namespace, done: Assessed, recorded: RecordedRun | None) -> None:
+    """Write the files that were asked for beside the blocks."""
+    from tracerisk import trace_json
+    from tracerisk.prm.formats import model_json
+
+    write_outputs(options, done.annotated.computed)
+    if options.model is not None:
+        write_file(options.model, model_json.dumps(done.model))
     if options.trace is not None:
-        write_file(options.trace, trace_json.dumps(trace))
+        write_file(options.trace, trace_json.dumps(done.trace))
     if options.sarif is not None:
         from tracerisk.pipeline.results.alerts import run_alerts
 
-        write_sarif(options.sarif, run_alerts(trace, controller.root))
+        write_sarif(options.sarif, run_alerts(done.trace, done.controller.root))
     if options.report is not None:
-        progress("report", simulated_s)
-        section = run_section(trace, hardware, recorded)
-        shown = RunShown(trace, hardware, annotated.computed, () if section is None else (section,))
-        review = review_against(options.against, sources)
-        verdict = (verdict_line(trace.verdict), *verdict_details(trace.verdict))
-        page = report_html(assessment, model, sources, run=shown, review=review, verdict=verdict)
+        from tracerisk.pipeline.results.run_section import run_section
+
+        section = run_section(done.trace, done.hardware, recorded)
+        sections = () if section is None else (section,)
+        page = report_html(
+            done.assessment,
+            done.model,
+            done.sources,
+            run=RunShown(done.trace, done.hardware, done.annotated.computed, sections),
+            review=review_against(options.against, done.sources),
+            verdict=(verdict_line(done.trace.verdict), *verdict_details(done.trace.verdict)),
+        )
         write_file(options.report, page)
-    return _Assessed(
-        controller, settings, trace, annotated, model, assessment, figures, uncertainty, derivation
-    )
-
-
-def _untold(_phase: str, _simulated_s: float) -> None:
-    """Stand for a progress that nobody sees."""
 
 
 def _failed(options: argparse.Namespace, trace: Trace) -> int:
@@ -197,18 +198,19 @@ def _failed(options: argparse.Namespace, trace: Trace) -> int:
     return code
 
 
-def _told(options: argparse.Namespace, done: _Assessed) -> int:
+def _show(options: argparse.Namespace, done: _Done) -> int:
     """Print the results of a run, most important first; return the exit code."""
     from tracerisk import trace_json
     from tracerisk.prm.formats import model_json
     from tracerisk.prm.formats.assessment_json import assessment_to_json
 
-    trace, annotated, assessment = done.trace, done.annotated, done.assessment
+    assessed = done.assessed
+    trace, annotated, assessment = assessed.trace, assessed.annotated, assessed.assessment
     note_draft(trace, quiet=options.quiet)
     code = max(
         verdict_exit(trace.verdict),
         risk_exit(assessment, options.max_failure_probability),
-        finding_exit(trace, done.settings.fail_on),
+        finding_exit(trace, assessed.settings.fail_on),
     )
     if options.check and annotated.is_changed:
         code = ExitCode.WOULD_CHANGE
@@ -222,7 +224,7 @@ def _told(options: argparse.Namespace, done: _Assessed) -> int:
             objects=trace_json.trace_data(trace)["objects"],
             assessment=assessment_to_json(assessment),
             assumptions=[*trace.assumptions, *annotated.computed.assumptions],
-            model=model_json.model_data(done.model),
+            model=model_json.model_data(assessed.model),
             **derivation_json(done.derivation),
             **done.figures.data(annotated.computed.names),
             **what_if_data([], (), done.uncertainty),
@@ -231,7 +233,7 @@ def _told(options: argparse.Namespace, done: _Assessed) -> int:
     print_verdict(trace.verdict, options)
     if options.diff:
         print_diffs(annotated)
-    for line in _notes(options, done):
+    for line in _notes(options, assessed):
         note(line, quiet=options.quiet)
     if not (options.diff or options.quiet):
         print_assessment(
@@ -247,7 +249,7 @@ def _told(options: argparse.Namespace, done: _Assessed) -> int:
     return int(code)
 
 
-def _notes(options: argparse.Namespace, done: _Assessed) -> list[str]:
+def _notes(options: argparse.Namespace, done: Assessed) -> list[str]:
     """Return how the run went and what became of the blocks, a line each."""
     blocks = blocks_line(
         str(done.controller.path),
@@ -268,19 +270,3 @@ def _recording_folder(options: argparse.Namespace) -> Iterator[Path | None]:
     else:
         with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
             yield Path(folder)
-
-
-def _nothing_commanded(trace: Trace, controller: Controller) -> ControllerFailedError:
-    """Return the error of a run in which no hardware was commanded, with what it showed instead."""
-    message = f"{trace.end.message}, and it commanded no hardware: there is no risk to assess"
-    if not trace.findings:
-        hint = "does it need arguments (after --) or answers (--answer)?"
-        start = Location(str(controller.path), 1)
-        return ControllerFailedError(f"{message}; {hint}", start, trace.end.scenario)
-    # What went wrong says more than what was assumed before it.
-    first = min(trace.findings, key=lambda each: each.kind in _NO_FAILURE)
-    more = len(trace.findings) - 1
-    also = f" (and {more} more, which `tracerisk trace` tells)" if more else ""
-    found = first.location
-    place = None if found is None else replace(found, file=str(controller.path_of(found.file)))
-    return ControllerFailedError(f"{message}; {first.message}{also}", place, trace.end.scenario)

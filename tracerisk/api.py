@@ -1,0 +1,192 @@
+"""The work of the verbs as functions, without printing: what a program of one's own calls.
+
+Each takes paths and settings, and returns frozen data; nothing is written unless the function is
+named so. `docs/python.md` shows them at work.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.errors import ControllerFailedError, InputError, Location, TraceRiskError
+
+if TYPE_CHECKING:
+    from tracerisk.adder.merge.merge import MergePolicy
+    from tracerisk.config import Settings
+    from tracerisk.hardware.model import Hardware
+    from tracerisk.limits import SandboxMode
+    from tracerisk.pipeline import Annotated, Controller
+    from tracerisk.pipeline.check.finding import Checked
+    from tracerisk.pipeline.check.overrides import Override
+    from tracerisk.pipeline.check.refresh import Refreshed
+    from tracerisk.pipeline.run.controller_run import Progress
+    from tracerisk.prm.hybrid.assessment import Assessment
+    from tracerisk.prm.hybrid.hybrid import HybridModel
+    from tracerisk.trace import Trace
+
+_NO_FAILURE = frozenset({"assumed_name", "assumed_start", "unused"})
+
+
+class RunFailedError(ControllerFailedError):
+    """The run of a controller came to a bad end; `trace` is what it showed until then."""
+
+    def __init__(self, trace: Trace) -> None:
+        super().__init__(trace.end.message, trace.end.location, trace.end.scenario)
+        self.trace = trace
+
+
+@dataclass(frozen=True, slots=True)
+class Assessed:
+    """What a run of a controller came to, from its trace to its risk."""
+
+    controller: Controller
+    settings: Settings
+    hardware: Hardware
+    trace: Trace
+    annotated: Annotated
+    """The blocks, and the sources with them; not yet written."""
+    sources: Mapping[str, bytes]
+    """Each source with its blocks, by its path."""
+    model: HybridModel
+    assessment: Assessment
+
+
+def assess(
+    path: str | Path,
+    settings: Mapping[str, Any] | None = None,
+    *,
+    policy: MergePolicy | None = None,
+    profile: Mapping[str, Mapping[str, str]] | None = None,
+    keep: Path | None = None,
+    progress: Progress | None = None,
+) -> Assessed:
+    """Run a controller on the twin, compute its blocks, build its risk model and solve it.
+
+    `settings` go before those of `pyproject.toml`; `policy` says what becomes of values edited by
+    hand, `profile` how often each function follows another, as text. `keep` is a folder for the
+    recording. `progress` is called with each phase and the simulated time [s].
+    Raises RunFailedError when the run came to a bad end, ControllerFailedError when it commanded
+    no hardware, and TraceRiskError for input that a stage refuses. Writes nothing but `keep`.
+    """
+    from tracerisk import pipeline
+    from tracerisk.adder.merge.merge import MergePolicy
+
+    controller = pipeline.load_controller(path)
+    loaded = pipeline.load_settings(controller, settings)
+    pipeline.check_blocks(controller)
+    trace = pipeline.trace_controller(controller, loaded, keep=keep, progress=progress)
+    if not trace.is_usable:
+        raise RunFailedError(trace)
+    if not trace.functions:
+        raise _nothing_commanded(trace, controller)
+    simulated_s = trace.end.simulated_s or 0.0
+    if progress is not None:
+        progress("annotating", simulated_s)
+    hardware = pipeline.load_hardware(loaded, trace.robot)
+    annotated = pipeline.annotate(
+        controller,
+        trace,
+        hardware,
+        loaded,
+        policy=policy or MergePolicy(),
+        profile=profile or {},
+        given=settings or {},
+    )
+    if progress is not None:
+        progress("solving", simulated_s)
+    sources = {str(controller.path_of(file)): text for file, text in annotated.sources.items()}
+    model = pipeline.build(sources, name=controller.path.name)
+    assessment = pipeline.solve(model)
+    return Assessed(controller, loaded, hardware, trace, annotated, sources, model, assessment)
+
+
+def write_blocks(assessed: Assessed) -> Assessed:
+    """Write the blocks into the sources, and the lock; return it with the lines of today."""
+    from tracerisk import pipeline
+
+    assessed.annotated.write()
+    return replace(assessed, trace=pipeline.at_annotated_lines(assessed.trace, assessed.annotated))
+
+
+def check(
+    paths: Iterable[str | Path] = (), *, min_coverage: float | None = None, base: str | None = None
+) -> tuple[Sequence[Path], Sequence[Checked | TraceRiskError]]:
+    """Return the controllers that depend on files, and for each whether its blocks can be trusted.
+
+    Without files these are all of the lock in the current folder. `min_coverage` is the least
+    fraction of the functions that can command hardware; `base` a git revision, whose lock says
+    how many ran. Raises InputError when no controller is known.
+    """
+    from tracerisk.pipeline.check.check import check_controllers
+    from tracerisk.pipeline.check.run import CoverageLimits
+
+    found = known_controllers(paths)
+    verdicts: Sequence[Any] = [None] * len(found)
+    if base is not None:
+        from tracerisk.pipeline.review.run_verdicts import base_verdicts
+
+        verdicts = list(base_verdicts(list(found), base))
+    limits = [CoverageLimits(min_coverage, verdict) for verdict in verdicts]
+    return found, check_controllers(found, limits)
+
+
+def known_controllers(paths: Iterable[str | Path] = ()) -> Sequence[Path]:
+    """Return the controllers that depend on files; without files, all of this folder's lock.
+
+    Raises InputError when there is no lock that knows one.
+    """
+    from tracerisk.pipeline.freshness.known_controllers import controllers_in, controllers_of
+
+    given = list(map(Path, paths))
+    found = controllers_of(given) if given else controllers_in(Path())
+    if not given and not found:
+        raise InputError("no tracerisk.lock in this folder knows a controller; name a FILE")
+    return found
+
+
+def refresh(
+    path: str | Path,
+    *,
+    policy: MergePolicy | None = None,
+    sandbox: SandboxMode | None = None,
+    progress: Progress | None = None,
+) -> Refreshed:
+    """Return the blocks of a controller as of now, simulated only if they are stale.
+
+    Write them with `refreshed.annotated.write()`. Raises as `assess`.
+    """
+    from tracerisk.adder.merge.merge import MergePolicy
+    from tracerisk.pipeline.check.refresh import refresh_controller
+
+    return refresh_controller(
+        Path(path), policy=policy or MergePolicy(), sandbox=sandbox, progress=progress
+    )
+
+
+def overrides(paths: Iterable[str | Path] = ()) -> Sequence[Override]:
+    """Return the values set by hand in sources; without files, in all that the lock knows."""
+    from tracerisk.pipeline.check.overrides import files_of_lock, overrides_in
+
+    files = list(map(Path, paths)) or list(files_of_lock(Path()))
+    if not files:
+        raise InputError("no tracerisk.lock in this folder knows a controller; name a FILE")
+    return overrides_in(files)
+
+
+def _nothing_commanded(trace: Trace, controller: Controller) -> ControllerFailedError:
+    """Return the error of a run in which no hardware was commanded, with what it showed instead."""
+    message = f"{trace.end.message}, and it commanded no hardware: there is no risk to assess"
+    if not trace.findings:
+        hint = "does it need arguments (after --) or answers (--answer)?"
+        start = Location(str(controller.path), 1)
+        return ControllerFailedError(f"{message}; {hint}", start, trace.end.scenario)
+    # What went wrong says more than what was assumed before it.
+    first = min(trace.findings, key=lambda each: each.kind in _NO_FAILURE)
+    more = len(trace.findings) - 1
+    also = f" (and {more} more, which `tracerisk trace` prints)" if more else ""
+    found = first.location
+    place = None if found is None else replace(found, file=str(controller.path_of(found.file)))
+    return ControllerFailedError(f"{message}; {first.message}{also}", place, trace.end.scenario)
