@@ -49,9 +49,9 @@ from tracerisk.trace import Trace, verdict_line
 if TYPE_CHECKING:
     from tracerisk.adder.figures.derivation import FunctionDerivation
     from tracerisk.api import Assessed
-    from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.pipeline.run.controller_run import Progress
     from tracerisk.prm.questions.uncertainty import Uncertainty
+    from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.report.run_figures import RunFigures
 
 
