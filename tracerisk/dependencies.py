@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import platform
 import sys
 from collections.abc import Iterable, Mapping
-from importlib import import_module, metadata
+from importlib import import_module
+from importlib.util import find_spec
 
 from tracerisk.errors import DependencyError
 
@@ -34,18 +34,72 @@ MODULES: Mapping[str, str] = {
 }
 """The module of each distribution that `pyproject.toml` lists."""
 
+EXTRAS: Mapping[str, tuple[str, ...]] = {
+    "sim": (
+        *("daqp", "dm-control", "etils", "libcst", "mink", "mujoco", "numpy", "pillow"),
+        *("rosbags", "scipy", "six", "xacrodoc"),
+    ),
+    "large": ("numba", "numpy", "scipy"),
+}
+"""The distributions of the extras that verbs of `tracerisk` use; all others are always there."""
+
 SIMULATION = ("daqp", "libcst", "mink", "mujoco", "numpy", "rosbags", "ruamel.yaml", "scipy")
 """The distributions without which no controller runs."""
 
+_SIGN = {"sim": "mujoco", "large": "numba"}
+"""The distribution that no other extra brings: where it is, the extra was asked for."""
+_WHAT = {"sim": "the simulator", "large": "NumPy, SciPy and numba"}
+
+
+def is_installed(distribution: str) -> bool:
+    """Whether the module of a distribution is there; it may fail to be imported all the same."""
+    top = MODULES[distribution].partition(".")[0]
+    # A module that is being imported, or was put there by hand, may have no spec.
+    return top in sys.modules or find_spec(top) is not None
+
+
+def missing_extras() -> tuple[str, ...]:
+    """Return the extras that are not installed."""
+    return tuple(extra for extra, sign in _SIGN.items() if not is_installed(sign))
+
+
+def install_command(extra: str) -> str:
+    """Return the command that installs an extra."""
+    return f"pip install 'tracerisk[{extra}]'"
+
+
+def missing_extra(extra: str, purpose: str) -> DependencyError:
+    """Return the error for a purpose that needs an extra which is not installed."""
+    needs, it = ("needs", "it") if extra == "sim" else ("need", "them")
+    command = install_command(extra)
+    return DependencyError(f"{purpose} {needs} {_WHAT[extra]}; install {it}: {command}")
+
+
+def require_simulator(purpose: str) -> None:
+    """Raise DependencyError unless the extra `sim` is installed; `purpose` says what needs it."""
+    if not is_installed("mujoco"):
+        raise missing_extra("sim", purpose)
+
+
+def require_large(*distributions: str) -> None:
+    """Raise DependencyError unless these distributions of the extra `large` are installed."""
+    if not all(map(is_installed, distributions)):
+        raise missing_extra("large", "samples, quantiles, large models and large trees")
+
 
 def needed() -> tuple[str, ...]:
-    """Return the distributions that this version of Python needs.
+    """Return the distributions that this version of Python needs, with the extras that are here.
 
     dm-control is used where it can be imported, and needed nowhere.
     """
     absent = {"dm-control"}
     if sys.version_info >= (3, 11):
         absent |= {"etils", "tomli"}
+    missing = missing_extras()
+    for name in MODULES:
+        extras = [extra for extra, names in EXTRAS.items() if name in names]
+        if extras and all(extra in missing for extra in extras):
+            absent.add(name)
     return tuple(name for name in MODULES if name not in absent)
 
 
@@ -54,6 +108,8 @@ def version_of(distribution: str) -> str:
 
     Raises DependencyError with the module, the interpreter and what to do.
     """
+    from importlib import metadata
+
     try:
         import_module(MODULES[distribution])
         return metadata.version(distribution)
@@ -69,6 +125,8 @@ def check(distributions: Iterable[str]) -> None:
 
 def cannot_import(distribution: str, cause: ImportError) -> DependencyError:
     """Return the error for a distribution that cannot be imported."""
+    import platform
+
     return DependencyError(
         f"module '{MODULES[distribution]}' cannot be imported by Python "
         f"{platform.python_version()} ({sys.executable}): {cause}; install it with "
@@ -76,6 +134,21 @@ def cannot_import(distribution: str, cause: ImportError) -> DependencyError:
         "or use an interpreter for which it has a wheel (Python 3.10 to 3.14); "
         "`tracerisk doctor` lists every package"
     )
+
+
+def error_of(error: ImportError, purpose: str) -> DependencyError | None:
+    """Return what an import that failed is told as, `None` where it is none of ours.
+
+    `purpose` is what needed the module, for a module of the simulator that is not installed.
+    """
+    distribution = distribution_of(error)
+    if distribution is None:
+        return None
+    if distribution in EXTRAS["sim"] and "sim" in missing_extras():
+        return missing_extra("sim", purpose)
+    if distribution in EXTRAS["large"] and "large" in missing_extras():
+        return missing_extra("large", purpose)
+    return cannot_import(distribution, error)
 
 
 def distribution_of(error: ImportError) -> str | None:

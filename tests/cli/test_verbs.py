@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk.config import loads_toml
-from tracerisk.dependencies import MODULES
+from tracerisk.dependencies import EXTRAS, MODULES
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 
@@ -327,8 +327,16 @@ def test_doctor_tells_what_a_controller_gets(annotated):
 
 def test_doctor_looks_at_every_dependency():
     declared = loads_toml((REPOSITORY / "pyproject.toml").read_text())["project"]
-    names = [re.split(r"[<>=;\[]", each)[0] for each in declared["dependencies"]]
-    assert sorted(names) == sorted(MODULES)
+    extras = declared["optional-dependencies"]
+
+    def named(requirements: list[str]) -> list[str]:
+        return sorted(re.split(r"[<>=;\[]", each)[0] for each in requirements)
+
+    assert {extra: named(extras[extra]) for extra in EXTRAS} == {
+        extra: sorted(names) for extra, names in EXTRAS.items()
+    }
+    base = set(MODULES) - {name for names in EXTRAS.values() for name in names}
+    assert named(declared["dependencies"]) == sorted(base)
 
 
 # usage

@@ -53,6 +53,8 @@ class Repository:
             "GIT_CONFIG_NOSYSTEM": "1",
         }
         chosen = [{**hook, "language": "system"} for hook in HOOKS if hook["id"] in hooks]
+        for hook in chosen:
+            hook.pop("additional_dependencies", None)
         with (folder / ".pre-commit-config.yaml").open("w", encoding="utf-8") as stream:
             YAML().dump({"repos": [{"repo": "local", "hooks": chosen}]}, stream)
         self.git("init", "--quiet")

@@ -29,12 +29,10 @@ def guarded(options: argparse.Namespace) -> int:
         return _failed(options, error)
     except ImportError as error:
         # Imported here: a start-up that goes well does without it.
-        from tracerisk.dependencies import cannot_import, distribution_of
+        from tracerisk.dependencies import error_of
 
-        distribution = distribution_of(error)
-        if distribution is None:
-            return _internal_error()
-        return _failed(options, cannot_import(distribution, error))
+        told = error_of(error, f"`tracerisk {options.verb}`")
+        return _internal_error() if told is None else _failed(options, told)
     except (KeyboardInterrupt, BrokenPipeError):
         raise
     except Exception:  # noqa: BLE001 - the one boundary

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk import __version__
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import print_json, show
-from tracerisk.dependencies import needed, version_of
+from tracerisk.dependencies import install_command, missing_extras, needed, version_of
 from tracerisk.errors import DependencyError, ExitCode, LimitError, TraceRiskError
 
 if TYPE_CHECKING:
@@ -37,8 +37,12 @@ def run(options: argparse.Namespace) -> int:
     }
     faults: dict[str, str] = {}
     _packages(found, faults)
-    _look(found, faults, "engine", _engine)
-    _look(found, faults, "physics", _physics)
+    missing = missing_extras()
+    for extra in missing:
+        found[f"extra {extra}"] = f"not installed: {install_command(extra)}"
+    if "sim" not in missing:
+        _look(found, faults, "engine", _engine)
+        _look(found, faults, "physics", _physics)
     _look(found, faults, "robots", _robots)
     _look(found, faults, "sandbox", _sandbox)
     settings: dict[str, dict[str, Any]] = {}

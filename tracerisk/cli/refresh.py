@@ -13,7 +13,7 @@ from tracerisk.cli.shared.run_report import note_draft
 from tracerisk.cli.shared.without_controllers import note_without_controllers
 from tracerisk.cli.verdict import verdict_exit, verdict_json
 from tracerisk.config import controller_root
-from tracerisk.errors import ExitCode, TraceRiskError
+from tracerisk.errors import DependencyError, ExitCode, TraceRiskError
 from tracerisk.trace import verdict_line
 
 if TYPE_CHECKING:
@@ -50,6 +50,8 @@ def run(options: argparse.Namespace) -> int:
             with progress_bar(quiet=options.quiet) as progress:
                 done = api.refresh(path, policy=policy, sandbox=options.sandbox, progress=progress)
             would_change = _settle(done, options)
+        except DependencyError:
+            raise  # it is told once: no other controller would fare better
         except TraceRiskError as error:
             # The others are refreshed all the same; what failed is told and decides the code.
             code = max(code, error.exit_code)

@@ -23,6 +23,7 @@ from tracerisk.adder.sources.published import is_c_like, read_c_blocks, read_pla
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.config import Settings, read_settings
+from tracerisk.dependencies import require_simulator
 from tracerisk.errors import HardwareError, InputError, Location
 from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.freshness.freshness import run_inputs
@@ -120,6 +121,7 @@ def load_robot(controller: Controller, settings: Settings) -> Robot:
     which the controller's strings speak, with those of its launch file, else a generic arm.
     Raises RobotError when it is unknown, or several fit.
     """
+    require_simulator("what reads a robot")
     from tracerisk.pipeline.launch.choose import NOTHING_CHOSEN, choose_launch
     from tracerisk.pipeline.robot.choice import choose_launched_robot
     from tracerisk.pipeline.run.scenario_settings import with_scenario
@@ -187,8 +189,10 @@ def trace_controller(
     What is assumed of its robot and its launch file is tried again where the run shows that it
     does not fit: see `Trace.assumptions`. What it asks its world for in vain is drafted where it
     would show no risk without, and the settings do not say otherwise: see `Trace.drafted`.
-    Raises SourceError, RobotError, HardwareError before anything runs.
+    Raises SourceError, RobotError, HardwareError before anything runs, DependencyError where the
+    simulator is not installed.
     """
+    require_simulator("running a controller")
     from tracerisk.pipeline.scenarios.drafted_run import trace_with_draft
 
     return trace_with_draft(
@@ -214,6 +218,7 @@ def annotate(
     what is not a function, BlockError or UnsafeRewriteError when the source cannot be annotated, or
     holds a redundancy set by hand over units that differ.
     """
+    require_simulator("writing risk blocks")
     from tracerisk.adder.annotate import annotate_sources
     from tracerisk.pipeline.freshness.who_wrote import evidence_for
 

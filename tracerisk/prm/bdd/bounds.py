@@ -110,7 +110,7 @@ class _Thinning:
         q: Sequence[float],
         limits: Limits,
     ) -> None:
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         self._loops = compiled_loops()
         self._thinned = compiled_by_numba(thinned)

@@ -6,12 +6,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from tracerisk.dependencies import require_large
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.bdd.kernel import OUT_OF_NODES
 from tracerisk.prm.bdd.logic import LogicGraph
 from tracerisk.prm.bdd.modules import Module
 from tracerisk.prm.bdd.orders import Order, drawn_orders, walked_orders
-from tracerisk.prm.bdd.speed import PLAIN, Loops, compiled_loops
+from tracerisk.prm.bdd.speed import PLAIN, Loops, compiled_loops, fastest_loops
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +39,8 @@ class Limits:
 
 DEFAULT_LIMITS = Limits()
 
+_MOST_PLAIN = 500_000
+"""The largest budget that is tried without numba: some minutes."""
 _GO_ON = 2
 """How many walks, and how many orders by FORCE, go on after the first budget; later, one each."""
 
@@ -178,7 +181,7 @@ class Diagram:
 
         p, q: (levels, n) arrays; the results are (n,).
         """
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         samples = p.shape[1]
         happens, fails = np.empty(samples), np.empty(samples)
@@ -228,7 +231,8 @@ def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LI
 
     The first budget is given to the orders by walks and, where none fits, to those by FORCE;
     after each, those of either kind that came farthest go on, the farthest first.
-    Raises TooLargeError when none fits the last budget.
+    Raises TooLargeError when none fits the last budget, DependencyError when none fits what is
+    tried without numba, and it is not installed.
     """
     walked = _orders(walked_orders(graph, module), limits)
     trials = _trials(graph, module, walked)
@@ -239,9 +243,11 @@ def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LI
             found, _ = _built(local, limits.plain_nodes, loops)
             if found is not None:
                 return found
-    loops = compiled_loops()
+    loops = fastest_loops()
     reached: dict[str, int] = {}
     for number, budget in enumerate(limits.nodes):
+        if loops is PLAIN and budget > _MOST_PLAIN:
+            require_large("numba")
         for name, local in trials.items():
             found, reached[name] = _built(local, budget, loops)
             if found is not None:

@@ -74,7 +74,7 @@ class SharedTree:
         Returns (n, 2).
         Raises ModelError when an event has no value or one outside [0, 1].
         """
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         samples = np.broadcast_shapes((1,), *(np.shape(value) for value in values.values()))
         p: list[Any] = [None] * len(self.graph.arguments)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, TypeVar, cast
 
+from tracerisk.dependencies import is_installed, require_large
 from tracerisk.prm.bdd import kernel, sweeps
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -54,7 +55,7 @@ PLAIN = Loops(
 @cache
 def compiled_loops() -> Loops:
     """Return the loops compiled; each is compiled when first called, then kept on disk."""
-    import numpy as np
+    from tracerisk.prm.numbers.arrays import np
 
     return Loops(
         compiled_by_numba(kernel.build),
@@ -72,8 +73,17 @@ def compiled_loops() -> Loops:
     )
 
 
+def fastest_loops() -> Loops:
+    """Return the loops compiled, or as Python where numba is not installed."""
+    return compiled_loops() if is_installed("numba") else PLAIN
+
+
 def compiled_by_numba(function: _Function) -> _Function:
-    """Return a function compiled when first called, and kept on disk where a folder can be."""
+    """Return a function compiled when first called, and kept on disk where a folder can be.
+
+    Raises DependencyError where numba is not installed.
+    """
+    require_large("numba")
     import numba
 
     try:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from tracerisk.dependencies import is_installed
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.bdd.diagram import Diagram
 from tracerisk.prm.bdd.logic import LogicGraph
@@ -51,7 +52,7 @@ PLAIN = SetLoops(
 @cache
 def compiled_loops() -> SetLoops:
     """Return the loops compiled; each is compiled when first called, then kept on disk."""
-    import numpy as np
+    from tracerisk.prm.numbers.arrays import np
 
     return SetLoops(
         compiled_by_numba(kernel.minimal_solutions),
@@ -184,7 +185,7 @@ def of_diagram(
     while True:
         size = min(size, budget)
         plain = diagram.size * columns <= PLAIN_NODES and size <= 16 * PLAIN_NODES
-        loops = PLAIN if plain else compiled_loops()
+        loops = PLAIN if plain or not is_installed("numba") else compiled_loops()
         level, low, high = (loops.integers(size) for _ in range(3))
         used = loops.integers(1)
         root = loops.minimal_solutions(

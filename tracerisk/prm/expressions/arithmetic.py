@@ -151,7 +151,7 @@ class Call(Expression):
 
     def values(self, arguments: Sequence[Array], mission_time_h: float, size: int) -> Array:
         """Return the function's values."""
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         name = _VECTORISED.get(self.function)
         if name is None:

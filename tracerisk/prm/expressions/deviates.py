@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from tracerisk.dependencies import require_large
 from tracerisk.errors import ModelError
 from tracerisk.prm.expressions.node import Expression
 
@@ -73,6 +74,7 @@ class NormalDeviate(Deviate):
 
     def quantiles(self, arguments: Sequence[Array], uniform: Array) -> Array:
         """Return the quantiles."""
+        require_large("scipy")
         from scipy.special import ndtri
 
         mean, sigma = arguments
@@ -118,7 +120,9 @@ class LognormalDeviate(Deviate):
 
     def quantiles(self, arguments: Sequence[Array], uniform: Array) -> Array:
         """Return the quantiles."""
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
+
+        require_large("scipy")
         from scipy.special import ndtri
 
         if len(arguments) == 3:
@@ -154,6 +158,7 @@ class GammaDeviate(Deviate):
 
     def quantiles(self, arguments: Sequence[Array], uniform: Array) -> Array:
         """Return the quantiles."""
+        require_large("scipy")
         from scipy.special import gammaincinv
 
         shape, scale = arguments
@@ -182,6 +187,7 @@ class BetaDeviate(Deviate):
 
     def quantiles(self, arguments: Sequence[Array], uniform: Array) -> Array:
         """Return the quantiles."""
+        require_large("scipy")
         from scipy.special import betaincinv
 
         alpha, beta = arguments
@@ -221,7 +227,7 @@ class Histogram(Deviate):
 
     def quantiles(self, arguments: Sequence[Array], uniform: Array) -> Array:
         """Return the quantiles."""
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         bounds = np.array(arguments[: len(self.boundaries)])
         weights = np.array(arguments[len(self.boundaries) :])

@@ -59,7 +59,7 @@ class Exponential(_Law):
 
     def values(self, arguments: Sequence[Array], mission_time_h: float, size: int) -> Array:
         """Return the probabilities."""
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         rate, time = arguments
         if (np.minimum(rate, time) < 0).any():
@@ -91,7 +91,7 @@ class Glm(_Law):
 
     def values(self, arguments: Sequence[Array], mission_time_h: float, size: int) -> Array:
         """Return the unavailabilities."""
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         on_demand, rate, repair_rate, time = arguments
         total = rate + repair_rate
@@ -121,7 +121,7 @@ class Weibull(_Law):
 
     def values(self, arguments: Sequence[Array], mission_time_h: float, size: int) -> Array:
         """Return the probabilities."""
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         scale, shape, shift, time = arguments
         if (np.minimum(scale, shape) <= 0).any() or (np.minimum(shift, time) < 0).any():

@@ -39,7 +39,7 @@ class Expression:
 
         Raises ModelError when the node has no value for one of the draws.
         """
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         columns = [column.tolist() for column in arguments]
         return np.array(
@@ -74,7 +74,7 @@ class Number(Expression):
 
     def values(self, arguments: Sequence[Array], mission_time_h: float, size: int) -> Array:  # noqa: ARG002
         """Return the number, `size` times."""
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         return np.full(size, float(self.number))
 
@@ -96,6 +96,6 @@ class MissionTime(Expression):
 
     def values(self, arguments: Sequence[Array], mission_time_h: float, size: int) -> Array:  # noqa: ARG002
         """Return the mission time, `size` times."""
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         return np.full(size, mission_time_h)

@@ -47,7 +47,7 @@ class LatinHypercube:
 
     def uniform(self, key: str) -> Array:
         """Return the uniform numbers of one deviate: (size,)."""
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         text = key.encode()
         generator = np.random.default_rng([self._seed, crc32(text), len(text), *text])
@@ -86,7 +86,7 @@ class Sampling:
         are independent. A deviate's key is `parameter:name` or `event:owner`, with its rank there.
         Raises ModelError as `evaluate` does.
         """
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         results: list[Array] = []
         opened: dict[str, None] = {}

@@ -6,8 +6,6 @@ import math
 from collections.abc import Hashable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.expressions import (
     Deviate,
@@ -24,6 +22,7 @@ from tracerisk.prm.linked.model import LinkedModel
 from tracerisk.prm.linked.occupancy import SPARE, poisson_weights
 from tracerisk.prm.linked.tape import Tape
 from tracerisk.prm.linked.tree_solution import TreeToSolve
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.questions.sampled_chain import absorption_samples
 from tracerisk.prm.trees.sampled_tree import top_samples

@@ -28,7 +28,7 @@ class _OfDeviate:
 
     def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
         """Return the quantiles at `shares`."""
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         arguments = [np.full(len(shares), each.value((), 0.0)) for each in self.deviate.arguments]
         return self.deviate.quantiles(arguments, shares)
@@ -79,9 +79,8 @@ def propagate(
     step = max(64, _CELLS // cells)
 
     def of_draws(drawn: Mapping[str, Samples]) -> Samples:
-        import numpy as np
-
         from tracerisk.prm.linked.sampling import SampledModel
+        from tracerisk.prm.numbers.arrays import np
 
         parts = []
         for start in range(0, samples, step):

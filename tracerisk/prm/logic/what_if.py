@@ -111,8 +111,7 @@ def propagate(
     Raises ModelError when nothing is uncertain, `samples` is below 2, or a factor of a common
     cause group is drawn: the events of a group follow from the point values of its factors.
     """
-    import numpy as np
-
+    from tracerisk.prm.numbers.arrays import np
     from tracerisk.prm.questions.sobol import first_order_shares
 
     if samples < 2:
@@ -179,7 +178,7 @@ def propagate(
 
 
 def _tops(tree: FaultTree, drawn: Mapping[str, Array], samples: int) -> Array:
-    import numpy as np
+    from tracerisk.prm.numbers.arrays import np
 
     step = max(64, _CELLS // (len(tree.events) + len(tree.gates) + 1))
     parts = [
@@ -192,7 +191,7 @@ def _tops(tree: FaultTree, drawn: Mapping[str, Array], samples: int) -> Array:
 
 def _sampled(model: FailureModel, sampling: Sampling, owner: str) -> Array:
     """Return the draws of a failure model; those of one owner are drawn once."""
-    import numpy as np
+    from tracerisk.prm.numbers.arrays import np
 
     if isinstance(model, ShareOf):
         whole = owner.rpartition(" {")[0]
@@ -237,7 +236,7 @@ def _check_factors(model: LogicModel) -> None:
 
 
 def _percentiles(values: Array) -> tuple[float, ...]:
-    import numpy as np
+    from tracerisk.prm.numbers.arrays import np
 
     return tuple(float(each) for each in np.percentile(values, PERCENTILES))
 

@@ -139,9 +139,8 @@ def solver_of(
             return eliminate(ways, slack)
         except StuckStateError as error:
             raise stuck(label(error.state), kind) from error
-    import numpy as np
-
     from tracerisk.prm.markov.large.factors import Weights
+    from tracerisk.prm.numbers.arrays import np
 
     rows = [
         sorted((target, p) for target, p in row.items() if p > 0.0 and target != state)
@@ -166,13 +165,13 @@ class _ListSolver:
         self._solver = solver
 
     def left(self, start: Sequence[float]) -> list[float]:
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         found: list[float] = self._solver.left(np.array(start, dtype=float)).values.tolist()
         return found
 
     def right(self, reward: Sequence[float]) -> list[float]:
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         found: list[float] = self._solver.right(np.array(reward, dtype=float)).values.tolist()
         return found

@@ -93,9 +93,8 @@ def normalised(row: Sequence[float]) -> list[float]:
 
 def _in_arrays(start: list[float], rows: Rows, steps: int, squaring: int) -> list[float]:
     """Step or square with NumPy, whichever takes fewer operations."""
-    import numpy as np
-
     from tracerisk.prm.markov.large.array_steps import power_by_squaring, power_by_steps
+    from tracerisk.prm.numbers.arrays import np
 
     now = np.array(start)
     counts = [len(row) for row in rows]

@@ -107,7 +107,7 @@ def _series(start: list[float], rows: Rows, mean: float) -> list[float]:
 
 def _squared(entry: int, rows: Rows, mean: float, halvings: int) -> list[float]:
     """Square the matrix of a short time, each row divided by its sum each time."""
-    import numpy as np
+    from tracerisk.prm.numbers.arrays import np
 
     size = len(rows)
     one = np.zeros((size, size))

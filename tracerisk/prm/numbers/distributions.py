@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, Protocol, runtime_checkable
 
+from tracerisk.dependencies import require_large
 from tracerisk.errors import ModelError
 
 if TYPE_CHECKING:
@@ -62,7 +63,9 @@ class Lognormal:
 
     def quantiles(self, shares: Samples, value: float) -> Samples:
         """Return the quantiles at `shares`."""
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
+
+        require_large("scipy")
         from scipy.special import ndtri
 
         factors: Samples = np.exp(self.sigma * ndtri(shares))
@@ -95,7 +98,7 @@ class Uniform:
 
     def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
         """Return the quantiles at `shares`."""
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         if self.log:
             low, high = math.log(self.low), math.log(self.high)
@@ -124,6 +127,7 @@ class Beta:
 
     def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
         """Return the quantiles at `shares`."""
+        require_large("scipy")
         from scipy.special import betaincinv
 
         found: Samples = betaincinv(self.alpha, self.beta, shares)
@@ -149,6 +153,7 @@ class Gamma:
 
     def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
         """Return the quantiles at `shares`."""
+        require_large("scipy")
         from scipy.special import gammaincinv
 
         found: Samples = gammaincinv(self.shape, shares) * self.scale
@@ -174,7 +179,9 @@ class Normal:
 
     def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
         """Return the quantiles at `shares` of the part from zero up."""
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
+
+        require_large("scipy")
         from scipy.special import ndtr, ndtri
 
         # From the upper end, so that the part above zero keeps its digits.

@@ -70,7 +70,7 @@ class Table(Generic[Row]):
 
         Raises ModelError when there is none of that name.
         """
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         if self.rows and name not in self.columns:
             raise ModelError(f"'{name}' is not a column; {one_of(self.columns, name)}")

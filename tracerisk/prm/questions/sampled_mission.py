@@ -7,10 +7,9 @@ from collections.abc import Hashable, Mapping
 from itertools import product
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from tracerisk.prm.hybrid.hidden_states import Hidden, HiddenStates, hidden_states
 from tracerisk.prm.hybrid.hybrid import DONE, FunctionState, HybridModel
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.probability import Probability, at_least
 from tracerisk.prm.questions.sampled_chain import absorption_samples
 from tracerisk.prm.trees.fault_tree import FaultTree

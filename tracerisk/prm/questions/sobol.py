@@ -28,7 +28,7 @@ def first_order_shares(inputs: Samples, result: Samples) -> Samples:
     others, J. Phys. Chem. A 114 (2010)).
     A result or an input that does not vary has shares of zero.
     """
-    import numpy as np
+    from tracerisk.prm.numbers.arrays import np
 
     count, width = inputs.shape
     shares = np.zeros(width)
@@ -55,7 +55,7 @@ def first_order_shares(inputs: Samples, result: Samples) -> Samples:
 
 def _functions(column: Samples) -> Samples:
     """Return orthonormal functions of an input, each with mean zero: (n, up to 4)."""
-    import numpy as np
+    from tracerisk.prm.numbers.arrays import np
 
     spread = column.max() - column.min()
     if spread == 0.0:

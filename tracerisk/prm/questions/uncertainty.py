@@ -168,8 +168,7 @@ def spread_of(
     `figure` takes an array of values per input, (n,) each, and returns (n,).
     Raises ModelError when there are no inputs, or `samples` is below 2.
     """
-    import numpy as np
-
+    from tracerisk.prm.numbers.arrays import np
     from tracerisk.prm.questions.sobol import first_order_shares
 
     if not inputs:
@@ -212,13 +211,13 @@ def spread_of(
 
 
 def _at_most_one(parts: Sequence[Samples], certain: float) -> Samples:
-    import numpy as np
+    from tracerisk.prm.numbers.arrays import np
 
     total: Samples = np.minimum(np.sum(parts, axis=0) + certain, 1.0)
     return total
 
 
 def _percentiles(values: Samples) -> tuple[float, ...]:
-    import numpy as np
+    from tracerisk.prm.numbers.arrays import np
 
     return tuple(float(each) for each in np.percentile(values, PERCENTILES))

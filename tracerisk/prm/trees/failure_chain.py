@@ -80,7 +80,7 @@ class FailureChain:
         relative precision over any number of squarings, and nothing else is subtracted (own
         derivation, after W. Grassmann, M. Taksar, D. Heyman, Operations Research 33, 1985).
         """
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         doublings = max(math.ceil(math.log2(self._fastest * time_h)), 0)
         short = math.ldexp(time_h, -doublings)
@@ -133,7 +133,7 @@ class FailureChain:
 
     def _shares_in_arrays(self) -> Iterator[tuple[float, float]]:
         """Yield the same, for larger chains."""
-        import numpy as np
+        from tracerisk.prm.numbers.arrays import np
 
         staying, chances = map(np.array, self._steps())
         sources = np.array([source for source, _, _ in self.transitions], dtype=np.intp)
@@ -150,7 +150,7 @@ class FailureChain:
 
 def _sum_to_one(matrix: Array) -> None:
     """Set the diagonal of a stochastic matrix from the other entries, where it is the greater."""
-    import numpy as np
+    from tracerisk.prm.numbers.arrays import np
 
     staying = matrix.diagonal().copy()
     np.fill_diagonal(matrix, 0.0)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.quantities import check_parameters
 from tracerisk.prm.questions.sampled_mission import failure_samples, tree_samples
 
