@@ -1,0 +1,74 @@
+"""Look at a built sdist and wheel: what they hold, and what their metadata says.
+
+Usage: package_contents.py FOLDER REPOSITORY
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+import tarfile
+import zipfile
+from email import message_from_string
+from pathlib import Path
+
+TOP_OF_SDIST = {
+    *("CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "PKG-INFO", "README.md", "hatch_build.py"),
+    *("pyproject.toml", "mkdocs.yml", ".gitignore", ".pre-commit-hooks.yaml", "action.yml"),
+    *("action", "benchmarks", "docs", "sample_controllers", "tests", "tracerisk"),
+}
+MUST_BE = (
+    "tracerisk/py.typed",
+    "tracerisk/hardware/hardware.schema.json",
+    "tracerisk/report/html/assets/page.css",
+    "tracerisk/ros/messages/interfaces/std_srvs/srv/Empty.srv",
+    "tracerisk/twin/robots/shipped/panda.yaml",
+)
+PLACEHOLDER = re.compile(r"OWNER|REPOSITORY|TODO|FIXME|XXX")
+
+
+def main(folder: Path, repository: str) -> None:
+    """Exit with what is wrong, or print what was built."""
+    (wheel,) = folder.glob("tracerisk-*.whl")
+    (sdist,) = folder.glob("tracerisk-*.tar.gz")
+    with zipfile.ZipFile(wheel) as packed:
+        names = packed.namelist()
+        (metadata,) = [name for name in names if name.endswith(".dist-info/METADATA")]
+        text = packed.read(metadata).decode()
+    tops = {name.partition("/")[0] for name in names}
+    folder_of_metadata = metadata.partition("/")[0]
+    expect(tops == {"tracerisk", folder_of_metadata}, f"in the wheel: {sorted(tops)}")
+    missing = [name for name in MUST_BE if name not in names]
+    expect(not missing, f"not in the wheel: {missing}")
+    with tarfile.open(sdist) as packed_source:
+        inside = {name.split("/")[1] for name in packed_source.getnames() if "/" in name}
+    expect(inside == TOP_OF_SDIST, f"in the sdist: {sorted(inside ^ TOP_OF_SDIST)}")
+    for left in (*names, *inside):
+        expect("__pycache__" not in left and not left.endswith(".pyc"), f"left over: {left}")
+
+    told = message_from_string(text)
+    description = told.get_payload()
+    assert isinstance(description, str)
+    urls = told.get_all("Project-URL") or []
+    expect(len(urls) >= 3 and all(repository in url for url in urls), f"URLs: {urls}")
+    expect(told["Description-Content-Type"] == "text/markdown", "the description is no Markdown")
+    expect(told["License-Expression"] == "Apache-2.0", f"licence: {told['License-Expression']}")
+    links = re.findall(r"\]\(([^)\s]+)\)", description)
+    relative = [link for link in links if not link.startswith("https://")]
+    expect(bool(links) and not relative, f"links that are not absolute: {relative}")
+    header = text[: text.index("\n\n")]
+    expect(PLACEHOLDER.search(header) is None, "a placeholder in the metadata")
+    extras = set(told.get_all("Provides-Extra") or [])
+    expect({"sim", "large", "dev", "test", "docs"} <= extras, f"extras: {sorted(extras)}")
+    print(f"{wheel.name}: {len(names)} files, {wheel.stat().st_size / 1e6:.1f} MB")
+    print(f"{sdist.name}: {sdist.stat().st_size / 1e6:.1f} MB")
+
+
+def expect(is_so: bool, otherwise: str) -> None:
+    """Exit with a message unless it is so."""
+    if not is_so:
+        sys.exit(f"package: {otherwise}")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), sys.argv[2])

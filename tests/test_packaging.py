@@ -1,0 +1,82 @@
+"""What a release is made of: one version, a workflow and an image that take nothing unpinned."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+from pathlib import Path
+
+import pytest
+from ruamel.yaml import YAML
+
+from tracerisk import __version__
+from tracerisk.config import loads_toml
+
+ROOT = Path(__file__).parents[1]
+WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
+PROJECT = loads_toml((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+
+
+def test_a_tree_without_git_has_the_version_of_the_package():
+    assert PROJECT["tool"]["hatch"]["version"]["raw-options"]["fallback_version"] == __version__
+
+
+def test_what_extras_share_has_one_range():
+    ranges: dict[str, set[str]] = {}
+    extras = PROJECT["project"]["optional-dependencies"].values()
+    for each in [
+        *PROJECT["project"]["dependencies"],
+        *(line for extra in extras for line in extra),
+    ]:
+        name = re.split(r"[<>=;\[]", each)[0]
+        if name != "tracerisk":
+            ranges.setdefault(name, set()).add(each)
+    assert {name: found for name, found in ranges.items() if len(found) > 1} == {}
+
+
+@pytest.mark.parametrize("workflow", WORKFLOWS, ids=lambda path: path.name)
+def test_workflows_take_actions_by_their_digests(workflow):
+    jobs = YAML(typ="safe").load(workflow.read_text(encoding="utf-8"))["jobs"]
+    used = [step["uses"] for job in jobs.values() for step in job["steps"] if "uses" in step]
+    assert used
+    for each in used:
+        assert re.fullmatch(r"[\w/-]+@[0-9a-f]{40}", each), each
+
+
+@pytest.fixture
+def made(monkeypatch):
+    """Makes the metadata of a version, built where a repository is said to be."""
+    pytest.importorskip("hatchling", reason="hatchling is not installed")
+    spec = importlib.util.spec_from_file_location("hatch_build", ROOT / "hatch_build.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+
+    def make(version: str, repository: str = "") -> dict:
+        monkeypatch.setenv(module.REPOSITORY, repository)
+        metadata = {"version": version}
+        module.CustomMetadataHook(str(ROOT), {}).update(metadata)
+        return metadata
+
+    return make
+
+
+def test_links_of_the_description_lead_to_the_tag(made):
+    metadata = made(__version__, "https://git.example.org/tracerisk/")
+    text = metadata["readme"]["text"]
+    links = re.findall(r"\]\(([^)\s]+)\)", text)
+    assert all(link.startswith("https://") for link in links)
+    here = f"https://git.example.org/tracerisk/blob/v{__version__}/docs/blocks.md"
+    assert f"]({here})" in text
+    assert f"]({here}#the-lock)" in text
+    assert set(metadata["urls"]) == {"Documentation", "Source", "Changelog", "Issues"}
+
+
+def test_without_a_repository_there_are_no_links_to_one(made):
+    metadata = made("0.2.0.dev3")
+    assert "urls" not in metadata
+    assert metadata["readme"]["text"] == (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def test_a_tag_of_another_version_than_that_of_the_package_is_refused(made):
+    with pytest.raises(ValueError, match=r"the tag says version 9\.9\.9, but tracerisk/__init__"):
+        made("9.9.9")
