@@ -163,6 +163,12 @@ def test_what_needs_the_simulator_says_how_to_install_it_in_one_line(
     assert example.files() == before
 
 
+def test_a_folder_of_the_workspace_is_not_taken_for_the_simulator(example, light):
+    example.write("bare.py", "def home(arm):\n    arm.go()\n")
+    example.write("mujoco/arm.xml", "<mujoco/>\n")
+    assert light("run", "bare.py").err == f"tracerisk: running a controller {SIMULATOR}\n"
+
+
 def test_it_is_json_where_that_was_asked_for(example, light):
     example.write("bare.py", "def home(arm):\n    arm.go()\n")
     outcome = light("run", "bare.py", "--json")

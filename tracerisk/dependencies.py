@@ -54,8 +54,11 @@ _WHAT = {"sim": "the simulator", "large": "NumPy, SciPy and numba"}
 def is_installed(distribution: str) -> bool:
     """Whether the module of a distribution is there; it may fail to be imported all the same."""
     top = MODULES[distribution].partition(".")[0]
-    # A module that is being imported, or was put there by hand, may have no spec.
-    return top in sys.modules or find_spec(top) is not None
+    if top in sys.modules:
+        return True  # it may have been put there by hand, without a spec
+    spec = find_spec(top)
+    # A folder of that name, of the workspace that we are called in, is not a package.
+    return spec is not None and spec.has_location
 
 
 def missing_extras() -> tuple[str, ...]:
