@@ -354,9 +354,13 @@ def test_a_stand_in_for_a_robot_of_which_the_workspace_has_the_srdf_alone(exampl
         "arm = moveit_commander.MoveGroupCommander('lift')\n"
         "def move():\n    arm.go([0.1, 0.2, 0.3], wait=True)\nmove()\n",
     )
-    ran = example.run("run", "c.py", "--check")
+    ran = example.run("run", "c.py", "--check", "--no-draft")
     assert ran.code == 2
     assert "the robot of the workspace cannot be read" in ran.err
+    ran = example.run("run", "c.py", "--check", "--json")
+    assert ran.json["verdict"]["kind"] == "partial", ran.err
+    assert ("input-assumed", "robot") in reasons(ran)
+    assert {"mast", "boom", "jib"} <= set(ran.json["trace"]["active"])
     outcome = example.run("scenario", "c.py", "--write", "--json")
     assert outcome.code == 0, outcome.err
     assert example.read("c.scenario.yaml").startswith(b"robot: generic  # assumed: a stand-in")

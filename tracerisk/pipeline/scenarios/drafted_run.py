@@ -16,11 +16,13 @@ from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings
 from tracerisk.errors import Location, TraceRiskError
+from tracerisk.pipeline.robot.guess import may_be_assumed
 from tracerisk.pipeline.run.attempts import OF_THE_MACHINE, trace_attempts
 from tracerisk.pipeline.run.controller_run import ControllerRun
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.trace import DRAFTED, Reason, Trace
 from tracerisk.twin.robots.detect import SeveralRobotsError
+from tracerisk.twin.workspace.robot_of_workspace import UnreadableRobotError
 
 if TYPE_CHECKING:
     from tracerisk.hardware.model import Hardware
@@ -74,9 +76,9 @@ def trace_with_draft(
 
     try:
         trace = plain()
-    except SeveralRobotsError as error:
+    except (SeveralRobotsError, UnreadableRobotError) as error:
         found = None
-        if settings.draft:
+        if settings.draft and may_be_assumed(controller, error):
             search = rounds()
             found = _found(controller, search, replace(search.best, error=error), keep)
         if found is None:
