@@ -60,6 +60,7 @@ from tracerisk.ros.graph.parameter_files import read_parameters
 from tracerisk.ros.graph.runtime import Runtime, activate
 from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.imports.numpy_names import removed_numpy_names
 from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
@@ -244,6 +245,7 @@ def _run_recorded(
         _files(request, recorder),
         activate(runtime),
         stand_ins,
+        removed_numpy_names(),
         virtual_time(scheduler, seed=request.seed),
         scripted_input(
             (*request.answers, *scenario.answers),

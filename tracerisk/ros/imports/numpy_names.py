@@ -1,0 +1,78 @@
+"""Names that NumPy has removed, for controllers written for the NumPy of their ROS.
+
+NumPy 1.24 took away `np.int` and its like, 2.0 more. Noetic and Humble come with a NumPy that has
+them, so a controller that uses them works on its robot.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator
+from sys import _getframe
+from typing import Any
+
+from tracerisk.errors import Location
+from tracerisk.ros.controller.frames import is_library
+from tracerisk.ros.graph.runtime import current
+
+_BUILTINS: dict[str, Any] = {
+    "int": int,
+    "float": float,
+    "bool": bool,
+    "object": object,
+    "str": str,
+    "complex": complex,
+    "long": int,
+    "unicode": str,
+}
+_RENAMED = {
+    "float_": "float64",
+    "complex_": "complex128",
+    "unicode_": "str_",
+    "string_": "bytes_",
+    "Inf": "inf",
+    "Infinity": "inf",
+    "infty": "inf",
+    "PINF": "inf",
+    "NaN": "nan",
+    "product": "prod",
+    "cumproduct": "cumprod",
+    "alltrue": "all",
+    "sometrue": "any",
+    "round_": "round",
+    "row_stack": "vstack",
+    "in1d": "isin",
+    "trapz": "trapezoid",
+    "mat": "asmatrix",
+}
+
+
+@contextlib.contextmanager
+def removed_numpy_names() -> Iterator[None]:
+    """Serve the controller's code the names that the installed NumPy has removed, with a note."""
+    import numpy as np
+
+    names: dict[str, Any] = vars(np)
+    own: Callable[[str], Any] = names["__getattr__"]
+
+    def served(name: str) -> Any:
+        renamed = _RENAMED.get(name, "")
+        asker = _getframe(1)
+        # A library in the environment asks which NumPy it has.
+        if is_library(asker.f_code.co_filename) or not (name in _BUILTINS or renamed in names):
+            return own(name)
+        told = f"numpy.{renamed}" if renamed else f"the builtin {_BUILTINS[name].__name__}"
+        current().recorder.finding(
+            "removed_name",
+            f"numpy.{name} is gone from the NumPy that is installed here; {told} stands for it, as "
+            f"in the NumPy of older ROS",
+            Location(asker.f_code.co_filename, asker.f_lineno),
+            object_name=f"numpy.{name}",
+        )
+        return names[renamed] if renamed else _BUILTINS[name]
+
+    names["__getattr__"] = served
+    try:
+        yield
+    finally:
+        names["__getattr__"] = own
