@@ -237,7 +237,8 @@ from interbotix_perception_modules.pointcloud import InterbotixPointCloudInterfa
 rospy.init_node('camera')
 tag, cloud = InterbotixArmTagInterface(), InterbotixPointCloudInterface()
 told = []
-for ask in (tag.find_ref_to_arm_base_transform, cloud.get_cluster_positions):
+found = tag.find_ref_to_arm_base_transform(arm_base_frame='wx250s/base_link')
+for ask in (tag.apriltag.find_pose, cloud.get_cluster_positions):
     try:
         ask()
     except NotImplementedError as error:
@@ -247,12 +248,16 @@ tolerance = cloud.get_cluster_tol()
 """,
     )
     assert ran["told"] == [
-        "InterbotixArmTagInterface.find_ref_to_arm_base_transform needs a camera, and tracerisk "
+        "InterbotixAprilTagInterface.find_pose needs a camera, and tracerisk "
         "simulates none; serve /apriltag/single_image_tag_detection with what the camera would see",
         "InterbotixPointCloudInterface.get_cluster_positions needs a camera, and tracerisk "
         "simulates none; serve /pc_filter/get_cluster_positions with what the camera would see",
     ]
     assert ran["tolerance"] == 0.03
+    assert ran["found"]
+    assert any(
+        "leaves 'wx250s/base_link' where it is: it needs a camera" in f for f in ran.findings
+    )
 
 
 def test_clusters_that_somebody_serves_are_found_and_sorted(run_on):
@@ -330,3 +335,30 @@ def test_the_linkage_of_the_gripper_turns_both_ways():
     # Interbotix/interbotix_ros_core xs_sdk: the servo at 0 holds the fingers at
     # sqrt(arm^2 - horn^2).
     assert linkage.finger(0.0) == pytest.approx((0.024**2 - 0.014**2) ** 0.5)
+
+
+CLUSTERS = """\
+from interbotix_perception_modules.pointcloud import InterbotixPointCloudInterface
+from interbotix_xs_modules.arm import InterbotixManipulatorXS
+
+bot = InterbotixManipulatorXS('wx200', moving_time=1.0, accel_time=0.4)
+cloud = InterbotixPointCloudInterface()
+
+
+def pick(x, y, z):
+    bot.arm.set_ee_pose_components(x=x, y=y, z=z + 0.05, pitch=0.5)
+
+
+pick(0.25, 0.0, 0.15)
+for cluster in cloud.get_cluster_positions(ref_frame='wx200/base_link', sort_axis='x')[1]:
+    pick(*cluster['position'])
+"""
+
+
+def test_clusters_that_nobody_serves_are_drafted(example):
+    example.write("c.py", CLUSTERS)
+    ran = example.run("run", "c.py", "--check", "--json")
+    assert ran.json["verdict"]["kind"] == "partial", ran.err
+    (reason,) = (r for r in ran.json["verdict"]["reasons"] if r["code"] == "input-assumed")
+    assert reason["object"] == "/pc_filter/get_cluster_positions"
+    assert ran.json["trace"]["functions"]

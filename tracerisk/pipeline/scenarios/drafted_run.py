@@ -1,4 +1,4 @@
-"""Run a controller; where it shows no risk for want of what a draft can give, run it with that.
+"""Run a controller; where it lacks what a draft can give and shows no risk, run it with that.
 
 Nobody has confirmed such a draft: each of its values is a reason of the verdict.
 """
@@ -47,9 +47,9 @@ def trace_with_draft(
 ) -> Trace:
     """Return what the run of a controller showed, with a drafted scenario if it needs one.
 
-    A run that shows risk is returned as it is. Else, and if the settings say so, values are
-    drafted as `tracerisk scenario` does; where no draft helps, or a limit of the machine ends a
-    run, the first run's outcome stands.
+    A run that shows risk and raised nothing is returned as it is. Else, and if the settings say so,
+    values are drafted as `tracerisk scenario` does; where no draft helps, or a limit of the machine
+    ends a run, the first run's outcome stands.
     """
     began = time.monotonic()
     runs: list[ControllerRun] = []
@@ -94,8 +94,9 @@ def trace_with_draft(
 def _may_need_draft(
     controller: Controller, settings: Settings, trace: Trace, runs: list[ControllerRun]
 ) -> bool:
-    """Return whether a run showed no risk for want of what a draft can give."""
-    if (trace.is_usable and trace.functions) or trace.end.cause in OF_THE_MACHINE:
+    """Return whether a run showed no risk, or raised, for want of what a draft can give."""
+    is_whole = trace.is_usable and trace.end.cause != "raised"
+    if (is_whole and trace.functions) or trace.end.cause in OF_THE_MACHINE:
         return False
     if trace.end.cause == "not_importable":
         return False

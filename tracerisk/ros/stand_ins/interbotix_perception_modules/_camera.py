@@ -6,6 +6,7 @@ from typing import Any
 
 from geometry_msgs.msg import TransformStamped
 
+from tracerisk.ros.controller.needs import Need, asking_place
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.messages.dialect import is_ros2
 
@@ -22,9 +23,20 @@ class NoCameraError(NotImplementedError):
         )
 
 
-def is_served(service: str) -> bool:
-    """Return whether somebody answers a service."""
-    return current().graph.service(service) is not None
+def is_served(service: str, type_name: str) -> bool:
+    """Return whether somebody answers a service; one that nobody answers is a need of the run."""
+    runtime = current()
+    if runtime.graph.service(service) is not None:
+        return True
+    runtime.scheduler.miss(Need("service", service, type_name))
+    return False
+
+
+def tell_unseen(what: str) -> None:
+    """Tell of what a camera would have measured, and the run goes on without."""
+    current().recorder.finding(
+        "unprovided", f"{what} needs a camera, and tracerisk simulates none", asking_place()
+    )
 
 
 def begin(name: str, init_node: bool) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 from geometry_msgs.msg import TransformStamped
 
-from ._camera import IS_ROS2, begin
+from ._camera import IS_ROS2, begin, tell_unseen
 from .apriltag import InterbotixAprilTagInterface
 
 __all__ = ["InterbotixArmTagInterface"]
@@ -32,12 +32,15 @@ class _ArmTag:
         num_samples: int = 5,
         position_only: bool = False,
     ) -> bool:
-        """Find where the arm's base is in the reference frame.
-
-        Raises:
-            NoCameraError: always.
-        """
-        raise self._tags._unseen("InterbotixArmTagInterface.find_ref_to_arm_base_transform")
+        """Leave the arm's base where it is: no camera measures it, and the run says so."""
+        del num_samples, position_only
+        self.trans.header.frame_id = ref_frame or self.ref_frame
+        self.trans.child_frame_id = arm_base_frame or self.arm_base_frame
+        tell_unseen(
+            "InterbotixArmTagInterface.find_ref_to_arm_base_transform leaves "
+            f"'{self.trans.child_frame_id}' where it is: it"
+        )
+        return True
 
     def get_x(self) -> float:
         """Return x of the base [m]."""

@@ -15,8 +15,12 @@ from ._camera import IS_ROS2, NoCameraError, begin, is_served, node_of, warn
 
 if IS_ROS2:
     from interbotix_perception_msgs.srv import ClusterInfoArray
+
+    _TYPE = "interbotix_perception_msgs/ClusterInfoArray"
 else:
     from interbotix_perception_modules.srv import ClusterInfoArray
+
+    _TYPE = "interbotix_perception_modules/ClusterInfoArray"
 
 __all__ = ["InterbotixPointCloudInterface"]
 
@@ -96,7 +100,7 @@ class _PointCloud:
         Raises:
             NoCameraError: nobody serves the clusters.
         """
-        if not is_served(self._service):
+        if not is_served(self._service, _TYPE):
             raise NoCameraError(
                 "InterbotixPointCloudInterface.get_cluster_positions", self._service
             )
