@@ -241,3 +241,39 @@ def test_which_joints_a_topic_is_for():
     assert single_joint(panda, "/panda/joint_2_controller/command") == "panda_joint2"
     assert single_joint(panda, "/gripper_controller/command") == "panda_finger_joint1"
     assert single_joint(panda, "/wheel/command") is None
+
+
+DECLARED = """\
+import rospy
+from std_msgs.msg import Float64MultiArray
+
+
+def move():
+    arm.publish(Float64MultiArray(data=[0.1, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]))
+    hand.publish(Float64MultiArray(data=[0.8]))
+    rospy.sleep(2.0)
+
+
+rospy.init_node("n")
+arm = rospy.Publisher("/panda_arm/command", Float64MultiArray, queue_size=1)
+hand = rospy.Publisher("/cell/knuckle_controller/commands", Float64MultiArray, queue_size=1)
+move()
+"""
+
+
+@pytest.mark.parametrize(
+    "declared",
+    [
+        "/**:\n  knuckle_controller:\n    ros__parameters: {joints: [left_knuckle]}\n",
+        "knuckle_controller: {type: x/Y, joints: [left_knuckle]}\n",
+    ],
+    ids=["ros2", "ros1"],
+)
+def test_a_controller_of_the_workspace_for_joints_that_the_robot_lacks(example, declared):
+    example.write("package.xml", "<package><name>cell</name></package>")
+    example.write("config/hand.yaml", declared)
+    example.write("c.py", DECLARED)
+    ran = example.run("run", "c.py", "--check", "--json", "--robot", "panda")
+    assert ran.json["verdict"]["kind"] == "partial", ran.err
+    (reason,) = (r for r in ran.json["verdict"]["reasons"] if r["code"] == "unmet-need")
+    assert "controller for left_knuckle, and robot 'panda' has no such joint" in reason["words"]

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import one_of
+from tracerisk.ros.graph.declared_controllers import declared_joints
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.messages.dialect import nanoseconds
@@ -74,6 +75,8 @@ class SetPoints:
 
     def __init__(self, runtime: Runtime, commands: TwinCommands) -> None:
         self._graph = runtime.graph
+        self._packages = runtime.packages
+        self._declared: dict[str, tuple[str, ...]] = {}
         self._commands = commands
         self._twin = commands.twin
         self._streams: dict[str, _Stream] = {}
@@ -150,13 +153,28 @@ class SetPoints:
         values = [float(value) for value in message.data]
         joints = group_joints(self._twin.robot, topic, len(values))
         if joints is None:
-            self._refuse(
-                topic,
-                f"{len(values)} values fit no controller or group of robot "
-                f"'{self._twin.robot.name}'",
-            )
+            self._refuse_group(topic, len(values))
             return
         self.set_point(topic, joints, np.array(values), "joint_group_command")
+
+    def _refuse_group(self, topic: str, count: int) -> None:
+        robot = self._twin.robot
+        if topic not in self._declared:
+            self._declared[topic] = declared_joints(self._packages.values(), topic)
+        declared = self._declared[topic]
+        if not declared or any(each.name in declared for each in robot.joints):
+            self._refuse(
+                topic, f"{count} values fit no controller or group of robot '{robot.name}'"
+            )
+            return
+        # The same program drives a robot that has them.
+        self._commands.tell(
+            "unprovided",
+            f"messages on {topic} moved nothing: the workspace has a controller for "
+            f"{', '.join(declared)}, and robot '{robot.name}' has no such joint",
+            self._commands.stack(),
+            object_name=topic,
+        )
 
     def _take_single(self, topic: str, message: Any) -> None:
         if self._is_no_position(topic):
