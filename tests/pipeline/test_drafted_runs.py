@@ -200,3 +200,31 @@ def test_what_runs_well_is_as_without(example, quick):
     assert example.run("trace", "c.py", "--json", "--no-draft").out == (
         example.run("trace", "c.py", "--json").out
     )
+
+
+FINDER = """\
+import rospy
+from geometry_msgs.msg import PoseStamped
+from sensor_msgs.msg import Image
+
+
+def see(image):
+    if max(image.data) > 250:
+        found.publish(PoseStamped())
+
+
+rospy.init_node("finder")
+found = rospy.Publisher("/part", PoseStamped, queue_size=1)
+rospy.Subscriber("/camera/image_raw", Image, see)
+rospy.spin()
+"""
+
+
+def test_what_a_node_finds_in_pictures_is_drafted_itself(example):
+    example.write("package.xml", "<package><name>cell</name></package>")
+    example.write("scripts/finder.py", FINDER)
+    source = HEAD.replace("std_msgs.msg import String", "geometry_msgs.msg import PoseStamped")
+    waits = "turn(0.1 if rospy.wait_for_message('/part', PoseStamped) else 0.2)\n"
+    example.write("scripts/c.py", source + waits)
+    ran = example.run("run", "scripts/c.py", "--check", "--json")
+    assert [name for code, _, name in reasons(ran) if code == "input-assumed"] == ["/part"], ran.err

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.robot.guess import RobotGuess
+from tracerisk.pipeline.run.controller_run import ControllerRun
 from tracerisk.pipeline.workspace.needs_in_source import CommandLine
 from tracerisk.ros.drafts.draft import Draft
+from tracerisk.ros.drafts.drafted_pictures import PICTURES
 from tracerisk.ros.scenario.lines import entry_lines, word_lines
 from tracerisk.ros.scenario.marks import MARK
 from tracerisk.ros.scenario.scenario import Scenario
@@ -111,3 +113,19 @@ def merged(fields: Any, over: Any) -> Any:
         return over
     more = {key: merged(fields.get(key), each) for key, each in over.items()}
     return {**fields, **more}
+
+
+def useful_drafts(drafts: tuple[Draft, ...], runs: Sequence[ControllerRun]) -> tuple[Draft, ...]:
+    """Return drafts without pictures for nodes beside the controller: nothing is to be found there.
+
+    Where that leaves none, they are those of a run without such nodes.
+    """
+    alone = next((run.drafts for run in runs if not is_accompanied(run)), drafts)
+    own = {(each.section, each.key) for each in alone}
+    kept = (e for e in drafts if e.need.type_name not in PICTURES or (e.section, e.key) in own)
+    return tuple(kept) or alone
+
+
+def is_accompanied(run: ControllerRun) -> bool:
+    """Return whether nodes of the workspace were started beside the controller."""
+    return any(line.startswith("started beside:") for line in run.trace.assumptions)

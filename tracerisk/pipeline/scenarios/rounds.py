@@ -25,8 +25,10 @@ from tracerisk.pipeline.scenarios.entries import (
     Entries,
     EntryKey,
     ScenarioDraft,
+    is_accompanied,
     is_given,
     merged,
+    useful_drafts,
 )
 from tracerisk.pipeline.scenarios.text import with_entries
 from tracerisk.pipeline.scenarios.written_values import WrittenValues
@@ -260,9 +262,9 @@ class Rounds:
             # What nodes of the workspace give beside the controller needs no scenario, unless it
             # shows nothing with all else that it lacks beside them.
             had = entries.drafts.keys() | self._cannot.keys()
-            beside = next((run for run in reversed(runs) if _is_accompanied(run)), told)
+            beside = next((run for run in reversed(runs) if is_accompanied(run)), told)
             told = beside if any((e.section, e.key) not in had for e in beside.drafts) else told
-        return Attempt(entries, trace, told.drafts)
+        return Attempt(entries, trace, useful_drafts(told.drafts, runs))
 
     def _mended(self, attempt: Attempt) -> Entries | None:
         """Return the entries without what kept the controller from being run; None for nothing."""
@@ -395,7 +397,3 @@ class Rounds:
     def _may_need_arguments(self, attempt: Attempt) -> bool:
         has_some = bool(self._settings.args or self._known.arguments)
         return not has_some and attempt.error is None
-
-
-def _is_accompanied(run: ControllerRun) -> bool:
-    return any(line.startswith("started beside:") for line in run.trace.assumptions)
