@@ -228,3 +228,40 @@ def test_what_a_node_finds_in_pictures_is_drafted_itself(example):
     example.write("scripts/c.py", source + waits)
     ran = example.run("run", "scripts/c.py", "--check", "--json")
     assert [name for code, _, name in reasons(ran) if code == "input-assumed"] == ["/part"], ran.err
+
+
+STATES = """\
+import moveit_commander, rospy
+from sensor_msgs.msg import JointState
+
+rospy.init_node("bridge")
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+
+
+def move(wanted):
+    arm.go({name: wanted[name] for name in arm.get_active_joints()}, wait=True)
+
+
+states = rospy.wait_for_message("/wanted", JointState)
+move(dict(zip(states.name, states.position)))
+"""
+TEST_OF_STATES = """\
+import rospy
+from sensor_msgs.msg import JointState
+
+pub = rospy.Publisher("/wanted", JointState)
+message = JointState()
+message.name = ["j1"]
+message.position = [0.5]
+pub.publish(message)
+"""
+
+
+def test_joint_states_that_a_test_writes_for_other_joints_are_not_drafted(example):
+    example.write("package.xml", "<package><name>cell</name></package>")
+    example.write("test/test_bridge.py", TEST_OF_STATES)
+    example.write("scripts/c.py", STATES)
+    ran = example.run("run", "scripts/c.py", "--check", "--json")
+    assert ran.json["verdict"]["kind"] == "partial", ran.err
+    (reason,) = (r for r in ran.json["verdict"]["reasons"] if r["code"] == "input-assumed")
+    assert "joints of panda" in reason["words"]

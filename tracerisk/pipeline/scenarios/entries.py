@@ -129,3 +129,10 @@ def useful_drafts(drafts: tuple[Draft, ...], runs: Sequence[ControllerRun]) -> t
 def is_accompanied(run: ControllerRun) -> bool:
     """Return whether nodes of the workspace were started beside the controller."""
     return any(line.startswith("started beside:") for line in run.trace.assumptions)
+
+
+def names_own_joints(draft: Draft, written: Mapping[str, Any]) -> bool:
+    """Return whether written joint states are of the robot's joints, which the draft names."""
+    if draft.need.type_name != "sensor_msgs/JointState":
+        return True
+    return {*written.get("name", ())} <= {*draft.value["message"]["name"]}

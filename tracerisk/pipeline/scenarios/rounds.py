@@ -28,6 +28,7 @@ from tracerisk.pipeline.scenarios.entries import (
     is_accompanied,
     is_given,
     merged,
+    names_own_joints,
     useful_drafts,
 )
 from tracerisk.pipeline.scenarios.text import with_entries
@@ -329,6 +330,8 @@ class Rounds:
         value = written.value
         if draft.need.kind != "parameter":
             content = _CONTENT[draft.need.kind]
+            if not names_own_joints(draft, value):
+                return self._as_published(draft)
             if not written.is_whole:
                 # The frame of a computed pose is not that of the one which stands in for it.
                 value = {key: each for key, each in value.items() if key != "header"}
