@@ -505,7 +505,7 @@ class History:
 
     def _leads_to_what_was_renamed(self, told: str) -> bool:
         """Return whether a `next` leads to a name that was typed for a function since deleted."""
-        found = re.search(r"leads to '(\w+)', which is not a function", told)
+        found = re.search(r"leads to '(\w+)', not a function", told)
         return found is not None and found[1] in self.typed.targets - set(functions(self.read()))
 
     def findings(self) -> list[str]:

@@ -8,7 +8,7 @@ from tests.pipeline.merge_histories import run_history
 
 
 # The last one: ranks of another branch beside the first lines of this one, in a shallow clone.
-@pytest.mark.parametrize("seed", [*range(4), 130])
+@pytest.mark.parametrize("seed", [*range(4), 109, 130])
 def test_a_history(seed: int, tmp_path) -> None:
     run_history(tmp_path / "r", seed)
 

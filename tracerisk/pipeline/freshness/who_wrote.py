@@ -12,10 +12,11 @@ from tracerisk.adder.lock.digest import digest_of
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.adder.merge.authors import Evidence
 from tracerisk.adder.merge.bases import SourceEvidence
-from tracerisk.adder.sources.read import read_blocks
+from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.config import Settings
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons, values_reasons
 from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.trace import QualifiedName
 
 
 def evidence_for(
@@ -49,9 +50,11 @@ def _is_as_locked(controller: Controller, entry: ControllerLock | None, file: st
     Where one was written otherwise, another branch has come into the file. So it has where more
     than one rank is another: a function that is new on a branch moves all that come after it.
     """
-    written = {} if entry is None else entry.blocks.get(file, {})
-    placed = read_blocks(controller.source_of(file), str(controller.path_of(file)))
-    blocks = [each.block for each in placed if each.block.name in written]
+    last = {} if entry is None else entry.blocks.get(file, {})
+    names = [QualifiedName(each) for each in last]
+    found = follow_renames(controller.source_of(file), str(controller.path_of(file)), names)
+    written = base_with_names(last, found.renamed)
+    blocks = [each.block for each in found.placed if each.block.name in written]
     moved = 0
     for block in blocks:
         base = written[block.name]
