@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.scenarios.entries import Attempt, Entries
     from tracerisk.pipeline.scenarios.rounds import Rounds
 
+# A run goes on for a while only; `tracerisk scenario` searches longer.
+_MOST_RUNS = 6
+_MOST_DURATIONS = 1
 _CONFIRMED = "of the scenario is assumed"
 _TO_CONFIRM = "; delete its mark to confirm it"
 # Risk blocks move the lines of a source, and what is told must not change with them.
@@ -72,7 +75,15 @@ def trace_with_draft(
         left_s = settings.wall_limit_s - (time.monotonic() - began)
         base = None if settings.scenario is None else Path(settings.scenario)
         within = replace(settings, wall_limit_s=left_s)
-        return Rounds(controller, within, base, hardware_of, progress)
+        return Rounds(
+            controller,
+            within,
+            base,
+            hardware_of,
+            progress,
+            most_runs=_MOST_RUNS,
+            most_durations=_MOST_DURATIONS,
+        )
 
     try:
         trace = plain()

@@ -94,7 +94,12 @@ class Rounds:
         hardware_of: Callable[[Settings, str], Hardware],
         progress: Progress | None,
         wall_s: float | None = None,
+        most_runs: int = _MOST_RUNS,
+        most_durations: int = _MOST_DURATIONS,
     ) -> None:
+        """`most_durations` is the simulated time of all, in that which one may take."""
+        self._most_runs = most_runs
+        self._most_s = most_durations * settings.run_duration_s
         self._controller = controller
         self._settings = settings
         self.base = base
@@ -145,11 +150,10 @@ class Rounds:
         The number of runs and their simulated time bound it.
         """
         seen = {self.text(attempt.entries)}
-        most_s = _MOST_DURATIONS * self._settings.run_duration_s
-        for number in range(1, _MOST_RUNS + 1):
+        for number in range(1, self._most_runs + 1):
             following = (each for each in self._next(attempt) if self.text(each) not in seen)
             more = next(following, None)
-            if more is None or number == _MOST_RUNS or self._simulated_s >= most_s:
+            if more is None or number == self._most_runs or self._simulated_s >= self._most_s:
                 break
             self._running = more
             if self._is_over():
