@@ -49,7 +49,16 @@ def code_lines(source: str) -> int:
 
 
 def imports(tree: ast.Module) -> Iterator[tuple[str, bool]]:
-    """Yield the names that a module imports of tracerisk, and whether within a function."""
+    """Yield the names that a module imports of tracerisk, and whether within a function.
+
+    What it imports for its types alone is left out.
+    """
+    for_types = {
+        id(each)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.If) and getattr(node.test, "id", "") == "TYPE_CHECKING"
+        for each in ast.walk(node)
+    }
     inside = {
         id(each)
         for node in ast.walk(tree)
@@ -57,6 +66,8 @@ def imports(tree: ast.Module) -> Iterator[tuple[str, bool]]:
         for each in ast.walk(node)
     }
     for node in ast.walk(tree):
+        if id(node) in for_types:
+            continue
         if isinstance(node, ast.ImportFrom) and node.module and not node.level:
             names = [f"{node.module}.{alias.name}" for alias in node.names]
         elif isinstance(node, ast.Import):

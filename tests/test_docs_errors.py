@@ -50,7 +50,7 @@ STATIC: dict[str, tuple[dict[str, str], str]] = {
     "usage": ({}, "run cell.py --robt panda"),
     "input": ({}, "check cell.py"),
     "settings": (
-        {"cell.py": BLOCK, "pyproject.toml": "[tool.tracerisk]\nmax_rsk = 1e-5\n"},
+        {"cell.py": BLOCK, "pyproject.toml": "[tool.tracerisk]\nmax_failure_probabilty = 1e-5\n"},
         "doctor cell.py",
     ),
     "source": ({"cell.py": BLOCK.replace("(arm)", "(arm", 1)}, "build cell.py"),

@@ -93,6 +93,6 @@ def test_the_figures_are_what_the_words_say(ran):
     probability, counts = value(ran, "count_by_order()").strip("()").split(", ", 1)
     assert float(probability) == pytest.approx(1e-7 + 1e-8 + 3 * 4e-8, rel=1e-3)
     assert counts == "{1: 1, 2: 4}"
-    assert float(value(ran, "mission.mission.failure_probability")) == pytest.approx(
+    assert float(value(ran, "solve(model).mission.failure_probability")) == pytest.approx(
         10 * float(probability), rel=1e-3
     )

@@ -137,3 +137,49 @@ def test_no_folder_hides_what_is_in_it():
         if count > (VERBS if folder.name == "cli" else MOST_FILES)
     }
     assert crowded == {}
+
+
+def test_no_circle_of_imports_has_more_than_three_files():
+    modules = {
+        ".".join(("tracerisk", *parts_of(path))).removesuffix(".__init__"): path
+        for path in PACKAGE.rglob("*.py")
+        if "stand_ins" not in path.parts  # these follow the libraries that they stand for
+    }
+    circles = circles_of({name: imports_of(name, modules) for name in modules})
+    assert [each for each in circles if len(each) > 3] == []
+
+
+def imports_of(name: str, modules: dict[str, Path]) -> set[str]:
+    """The modules that one imports, within functions too, but not for its types alone."""
+    found = set()
+    waiting: list[ast.AST] = [ast.parse(modules[name].read_text(encoding="utf-8"))]
+    while waiting:
+        for node in ast.iter_child_nodes(waiting.pop()):
+            if isinstance(node, ast.If) and getattr(node.test, "id", "") == "TYPE_CHECKING":
+                continue
+            if isinstance(node, ast.ImportFrom) and node.module is not None:
+                names = [f"{node.module}.{each.name}" for each in node.names]
+                found |= {each if each in modules else node.module for each in names}
+            waiting.append(node)
+    return found & modules.keys()
+
+
+def circles_of(imports: dict[str, set[str]]) -> list[set[str]]:
+    """The sets of modules each of which leads to every other."""
+    leads_to = {name: reached(name, imports) for name in imports}
+    found: list[set[str]] = []
+    for name in sorted(imports):
+        if not any(name in each for each in found):
+            circle = {each for each in leads_to[name] if name in leads_to[each]}
+            found += [circle] if len(circle) > 1 else []
+    return found
+
+
+def reached(name: str, imports: dict[str, set[str]]) -> set[str]:
+    found: set[str] = set()
+    waiting = [name]
+    while waiting:
+        new = imports[waiting.pop()] - found
+        found |= new
+        waiting += new
+    return found

@@ -140,7 +140,7 @@ def cannot_import(distribution: str, cause: ImportError) -> DependencyError:
 
 
 def error_of(error: ImportError, purpose: str) -> DependencyError | None:
-    """Return what an import that failed is told as, `None` where it is none of ours.
+    """Return the error for an import that failed, `None` where it is none of ours.
 
     `purpose` is what needed the module, for a module of the simulator that is not installed.
     """

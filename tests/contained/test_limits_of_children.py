@@ -63,7 +63,7 @@ def attacked(tmp_path):
 
 
 def test_a_fifo_in_place_of_a_file_holds_nobody_up(attacked):
-    with pytest.raises(LogError, match="no regular file"):
+    with pytest.raises(LogError, match="not a regular file"):
         attacked("os.remove(events); os.mkfifo(events)")
 
 
@@ -143,11 +143,11 @@ def test_a_folder_that_another_process_keeps_locked_is_waited_for_with_a_limit(
     fcntl.flock(other, fcntl.LOCK_EX)
     with (
         pytest.raises(LimitError, match="has kept this folder locked"),
-        file_lock.file_lock(tmp_path),
+        file_lock.one_writer(tmp_path),
     ):
         pass
     os.close(other)
-    with file_lock.file_lock(tmp_path):
+    with file_lock.one_writer(tmp_path):
         pass
 
 

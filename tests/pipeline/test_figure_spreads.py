@@ -14,6 +14,7 @@ from tracerisk.pipeline import build
 from tracerisk.pipeline.results.figure_spreads import hardware_spreads, with_distributions
 from tracerisk.prm.formats import linked_json
 from tracerisk.prm.hybrid.build import build_model
+from tracerisk.prm.linked import linked
 from tracerisk.prm.numbers.distributions import Lognormal
 from tracerisk.prm.questions.uncertainty import propagate
 from tracerisk.trace import (
@@ -224,7 +225,7 @@ def test_build_keeps_the_spread_in_the_model(sample):
 def test_a_description_without_use_is_an_error(example, arguments, message):
     example.write("pick_and_place.py", SOURCE)
     model = build({"place.py": SOURCE.encode()}, name="place")
-    example.write("linked.json", linked_json.dumps(model.to_linked()))
+    example.write("linked.json", linked_json.dumps(linked(model)))
     example.write("tree.xml", "<opsa-mef/>")
     example.write("hardware.yaml", HARDWARE)
     outcome = example.run(*arguments, "--hardware", "hardware.yaml")

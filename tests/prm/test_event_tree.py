@@ -8,12 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.event_trees.event_tree import (
+from tracerisk.prm.event_trees.elements import (
     Branch,
     Condition,
     End,
     EventSequence,
-    EventTree,
     Fork,
     Initiated,
     InitiatingEvent,
@@ -25,6 +24,7 @@ from tracerisk.prm.event_trees.event_tree import (
     Weight,
     When,
 )
+from tracerisk.prm.event_trees.event_tree import EventTree
 from tracerisk.prm.expressions import ExpressionModel, MissionTime, Number, Product
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent

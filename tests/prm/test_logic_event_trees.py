@@ -8,15 +8,15 @@ from pathlib import Path
 import pytest
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.event_trees.event_tree import (
+from tracerisk.prm.event_trees.elements import (
     Branch,
     Condition,
     End,
     EventSequence,
-    EventTree,
     InitiatingEvent,
     SetHouse,
 )
+from tracerisk.prm.event_trees.event_tree import EventTree
 from tracerisk.prm.expressions import Number
 from tracerisk.prm.formats.open_psa import read_open_psa
 from tracerisk.prm.logic.event_trees import solved_event_trees

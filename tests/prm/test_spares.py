@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from tracerisk.prm.hybrid.spares import spare_group_failure
+from tracerisk.prm.trees.spares import spare_group_failure
 
 
 def rate(p: float) -> float:

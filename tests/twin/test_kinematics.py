@@ -73,7 +73,7 @@ def test_a_group_without_a_tip_is_a_bad_request(kinematics: Kinematics):
 
 
 def test_a_quaternion_of_zeros_is_a_bad_request(kinematics: Kinematics):
-    with pytest.raises(PlanningError, match="no pose") as caught:
+    with pytest.raises(PlanningError, match="not a pose") as caught:
         kinematics.inverse("panda_arm", Pose((0.4, 0.0, 0.4), (0.0, 0.0, 0.0, 0.0)))
     assert caught.value.failure == "bad_request"
 

@@ -100,8 +100,9 @@ def _converted(
         return _functions_texts(model, target, options)
     if isinstance(model, HybridModel):
         from tracerisk.prm.formats import linked_json
+        from tracerisk.prm.linked import linked
 
-        return {options.output: linked_json.dumps(model.to_linked())}
+        return {options.output: linked_json.dumps(linked(model))}
     if isinstance(model, LogicModel | DynamicTree) and target in TREES:
         return {options.output: _tree_text(model, target, options)}
     held = {

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from tracerisk.prm.linked import LinkedModel
     from tracerisk.prm.markov import ContinuousChain
     from tracerisk.prm.questions.pair_importance import PairImportance, pair_importances
+    from tracerisk.prm.questions.sampled_mission import failure_probabilities
     from tracerisk.prm.trees.common_cause import (
         CommonCauseGroup,
         CommonCauseLaw,
@@ -81,6 +82,7 @@ __all__ = [
     "Weibull",
     "build_model",
     "expand_common_cause",
+    "failure_probabilities",
     "minimal_cut_sets",
     "pair_importances",
     "prime_implicants",
@@ -100,6 +102,7 @@ _ON_DEMAND = (
         "LinkedModel": "linked",
         "PairImportance": "questions.pair_importance",
         "expand_common_cause": "trees.common_cause",
+        "failure_probabilities": "questions.sampled_mission",
         "minimal_cut_sets": "cut_sets",
         "pair_importances": "questions.pair_importance",
         "prime_implicants": "cut_sets",

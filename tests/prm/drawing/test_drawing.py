@@ -4,9 +4,17 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from tracerisk.prm import BayesianNetwork, EventTree, FaultTree, Given, HybridModel, MarkovChain
+from tracerisk.prm import (
+    BayesianNetwork,
+    EventTree,
+    FaultTree,
+    Given,
+    HybridModel,
+    MarkovChain,
+    solve,
+)
 from tracerisk.prm.drawing import html_of, svg_of
-from tracerisk.prm.event_trees.event_tree import Branch, Link, Resume
+from tracerisk.prm.event_trees.elements import Branch, Link, Resume
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -101,7 +109,7 @@ def test_html_escapes_names_and_tells_the_size(arm):
 
 
 def test_an_assessment_is_shown_by_its_figures_and_shares(arm):
-    assessment = arm.solve()
+    assessment = solve(arm)
     html = assessment._repr_html_()
     assert f"{assessment.mission.failure_probability:.6g}" in html
     assert "<h4>&lt;arm&gt;</h4>" in html

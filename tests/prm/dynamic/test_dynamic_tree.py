@@ -18,9 +18,9 @@ from tracerisk.prm.dynamic import (
     Restriction,
     RestrictionKind,
 )
-from tracerisk.prm.hybrid.spares import spare_group_failure
 from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, PerDemand, Weibull
 from tracerisk.prm.trees.gates import Gate, GateKind
+from tracerisk.prm.trees.spares import spare_group_failure
 
 mpmath = pytest.importorskip("mpmath", reason="mpmath gives the exact figures")
 

@@ -11,18 +11,18 @@ from hypothesis import strategies as st
 
 from tests.prm.formats.models import logic_models, ordered
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.event_trees.event_tree import (
+from tracerisk.prm.event_trees.elements import (
     Branch,
     Condition,
     End,
     EventSequence,
-    EventTree,
     Fork,
     InitiatingEvent,
     Link,
     Path,
     Weight,
 )
+from tracerisk.prm.event_trees.event_tree import EventTree
 from tracerisk.prm.expressions import Exponential, MissionTime, Number
 from tracerisk.prm.formats.open_psa import dumps_open_psa, loads_open_psa
 from tracerisk.prm.formats.openpra import (

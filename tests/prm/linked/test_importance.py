@@ -8,7 +8,7 @@ import pytest
 from tracerisk.errors import ModelError
 from tracerisk.prm import build_model, solve
 from tracerisk.prm.expressions import Call, Number, Quotient, Reference
-from tracerisk.prm.linked import Figure, LinkedModel, ModelParameter
+from tracerisk.prm.linked import Figure, LinkedModel, ModelParameter, linked
 from tracerisk.prm.linked.importance import importances
 
 
@@ -23,7 +23,7 @@ def by_name(model, figure):
 def test_the_measures_of_the_case_study_are_those_of_its_model_of_functions(case_study):
     loop = {"place": {"init": Fraction(9, 10), "done": Fraction(1, 10)}}
     model = build_model(case_study, profile=loop, name="case study")
-    found = importances(model.to_linked(), "mission failure")
+    found = importances(linked(model), "mission failure")
     expected = solve(model).components
     assert [each.name for each in found] == [each.name for each in expected]
     for one, other in zip(found, expected, strict=True):

@@ -24,6 +24,7 @@ from tracerisk.prm.linked import (
     ModelParameter,
     Occupancy,
     Transition,
+    linked,
 )
 from tracerisk.prm.linked.sampling import SampledModel
 from tracerisk.prm.linked.uncertainty import propagate
@@ -57,7 +58,7 @@ def test_the_case_study_has_the_spread_of_its_model_of_functions(case_study):
     loop = {"place": {"init": Fraction(9, 10), "done": Fraction(1, 10)}}
     model = build_model(case_study, profile=loop, name="case study")
     spreads = {parameter.name: Lognormal(3.0) for parameter in model.parameters}
-    found = propagate(model.to_linked(), "mission failure", distributions=spreads, seed=3)
+    found = propagate(linked(model), "mission failure", distributions=spreads, seed=3)
     expected = propagate_hybrid(model, distributions=spreads, seed=3)
     assert found.percentiles == pytest.approx(expected.percentiles, rel=1e-10)
     assert found.mean == pytest.approx(expected.mean, rel=1e-10)
@@ -65,7 +66,7 @@ def test_the_case_study_has_the_spread_of_its_model_of_functions(case_study):
         expected.inputs[0], share=pytest.approx(expected.inputs[0].share, rel=1e-6)
     )
     start = time.process_time()
-    propagate(model.to_linked(), "mission failure", distributions=spreads)
+    propagate(linked(model), "mission failure", distributions=spreads)
     assert time.process_time() - start < 1.0
 
 

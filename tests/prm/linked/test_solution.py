@@ -34,6 +34,7 @@ from tracerisk.prm.linked import (
     TopEvent,
     Transition,
     complement,
+    linked,
 )
 from tracerisk.prm.trees.fault_tree import Gate, GateKind
 
@@ -311,7 +312,7 @@ def test_a_model_of_functions_has_the_same_figures_as_a_linked_model(request, na
     model = request.getfixturevalue(name)
     assert (name == "hidden") <= bool(model.latent)
     assessment = solve(model)
-    converted = model.to_linked()
+    converted = linked(model)
     solution = converted.solve()
     figures = solution.figures
     assert figures["mission failure"] == close(assessment.mission.failure_probability, 1e-14)
@@ -331,7 +332,7 @@ def test_too_many_hidden_failures_are_no_linked_model(block, component, monkeypa
     parts = (component("power", 1e-3, 9, "required 2, detected mission_start"),)
     model = build_model([block("a", 1, parts)], name="m")
     with pytest.raises(TooLargeError, match="'m' has more than 3 states with its hidden failures"):
-        model.to_linked()
+        linked(model)
 
 
 # errors

@@ -14,7 +14,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tracerisk.errors import Location
-from tracerisk.prm import FaultTree, HybridModel
+from tracerisk.prm import FaultTree, HybridModel, solve
 from tracerisk.report.html import figures
 from tracerisk.report.html.notes import drift as drift_of_pin
 from tracerisk.report.html.page import page, rendered
@@ -44,7 +44,7 @@ def rows(document, name):
 def test_the_one_sentence_is_the_heading_of_the_page(document, arm):
     (heading,) = document.xpath("//h1")
     # Ten cycles in the mean, each of a motor among seven, the gripper, or both power units.
-    assert arm.solve().mission.failure_probability == pytest.approx(7.1e-6, rel=1e-4)
+    assert solve(arm).mission.failure_probability == pytest.approx(7.1e-6, rel=1e-4)
     figure = "7.10\xa0\N{MULTIPLICATION SIGN}\xa010⁻⁶"
     assert heading.text_content() == (
         f"Probability that a hardware failure ends a mission of arm.py: {figure}, one in 141,000."
@@ -78,7 +78,7 @@ def test_the_chain_is_drawn_with_every_state_and_transition(document, arm):
         "move move_failure", "move pick", "pick done", "pick move", "pick pick_failure",
     ]  # fmt: skip
     labels = texts(classed(drawing, "figure", "text"))
-    tops = [state.top_event for state in arm.solve().states]
+    tops = [state.top_event for state in solve(arm).states]
     assert sorted(labels) == sorted(["0.1", "0.9", "1", *(f"{top:.3e}" for top in tops)])
     assert len(rows(document, "transitions")) == len(edges)
 
@@ -114,7 +114,7 @@ def test_units_and_groups_of_a_tree_belong_to_their_component(document):
 
 def test_only_the_riskiest_function_is_unfolded(document, arm):
     opened = [each for each in classed(document, "tree") if each.get("open") is not None]
-    riskiest = max(arm.solve().states, key=lambda each: each.absorption_probability)
+    riskiest = max(solve(arm).states, key=lambda each: each.absorption_probability)
     assert [each.get("data-function") for each in opened] == [riskiest.name]
 
 
@@ -136,10 +136,10 @@ def test_of_a_long_chain_the_first_states_are_drawn_and_all_listed(report_of, pa
 
 
 def test_the_tables_have_a_row_for_each_function_and_component(document, arm):
-    pairs = sum(len(state.components) for state in arm.solve().states)
+    pairs = sum(len(state.components) for state in solve(arm).states)
     assert len(rows(document, "functions")) == pairs
     assert texts(row.xpath("./th")[0] for row in rows(document, "importance")) == [
-        each.name for each in arm.solve().components
+        each.name for each in solve(arm).components
     ]
     assert len(rows(document, "shares")) == len(arm.states)
     assert len(document.xpath("//dl[@class='meanings']//dt")) == 6

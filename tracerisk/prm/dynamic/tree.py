@@ -16,14 +16,13 @@ from tracerisk.prm.dynamic.elements import (
 from tracerisk.prm.dynamic.exploration import explore
 from tracerisk.prm.dynamic.groups import find_groups
 from tracerisk.prm.dynamic.layout import AnyGate, lay_out
+from tracerisk.prm.notebook.display import AsGraph
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees.failure_chain import FailureChain
 from tracerisk.prm.trees.fault_tree import BasicEvent, FailureModel, FaultTree
 from tracerisk.prm.trees.gates import Gate, check_gate
 
 if TYPE_CHECKING:
-    import networkx as nx
-
     from tracerisk.prm.dynamic.building import Formula
     from tracerisk.prm.dynamic.solution import DynamicSolution
 
@@ -32,7 +31,7 @@ STATE_LIMIT = 100_000
 
 
 @dataclass(frozen=True, slots=True)
-class DynamicTree:
+class DynamicTree(AsGraph):
     """A fault tree with static and dynamic gates, dependencies and restrictions.
 
     What a dynamic gate, a dependency or a restriction touches is solved by a Markov model, the
@@ -83,15 +82,6 @@ class DynamicTree:
     def ties(self) -> tuple[Dependency | Restriction, ...]:
         """The dependencies, then the restrictions: what ties elements together from the side."""
         return (*self.dependencies, *self.restrictions)
-
-    def to_networkx(self) -> nx.DiGraph:
-        """Return the tree as a directed graph of networkx, from gates and ties to their inputs.
-
-        Raises ModelError when networkx, of the extra `graph`, is not installed.
-        """
-        from tracerisk.prm.notebook.graphs import graph_of
-
-        return graph_of(self)
 
     def static_tree(self) -> FaultTree:
         """Return the static tree in which each dynamic group is one basic event.

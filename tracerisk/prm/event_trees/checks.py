@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.event_trees.event_tree import Branch, End, EventTree, Fork, Resume, Target
+from tracerisk.prm.event_trees.elements import Branch, End, Fork, Resume, Target
+
+if TYPE_CHECKING:
+    from tracerisk.prm.event_trees.event_tree import EventTree
 
 
 def check_names(tree: EventTree) -> None:

@@ -7,10 +7,9 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from tracerisk.errors import ModelError, TooLargeError, one_of
-from tracerisk.prm.event_trees.event_tree import (
+from tracerisk.prm.event_trees.elements import (
     Condition,
     End,
-    EventTree,
     Fork,
     Initiated,
     InState,
@@ -23,6 +22,7 @@ from tracerisk.prm.event_trees.event_tree import (
     Weight,
     When,
 )
+from tracerisk.prm.event_trees.event_tree import EventTree
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees.forest import Occurrence, Settings
 

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.event_trees.event_tree import EventTree, InitiatingEvent
+from tracerisk.prm.event_trees.elements import InitiatingEvent
+from tracerisk.prm.event_trees.event_tree import EventTree
 from tracerisk.prm.event_trees.paths import CollectedPath, collected_paths
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.forest import Forest

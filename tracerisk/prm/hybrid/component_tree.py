@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from tracerisk.adder.blocks.block import ComponentEntry
-from tracerisk.prm.hybrid.spares import spare_group_failure
 from tracerisk.prm.trees.fault_tree import BasicEvent, Gate, GateKind
+from tracerisk.prm.trees.spares import spare_group_failure
 
 # No component can have a name with braces.
 _SPARES = "{spares}"

@@ -13,13 +13,8 @@ from tracerisk.prm.notebook.display import DisplayedGraph
 from tracerisk.prm.trees.fault_tree import FaultTree
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
-
-    from tracerisk.prm.hybrid.assessment import Assessment
-    from tracerisk.prm.linked import LinkedModel
+    from tracerisk.prm.hybrid.building import Following
     from tracerisk.prm.numbers.distributions import Distribution
-    from tracerisk.prm.trees.building import Following
 
 DONE = "done"
 """The absorbing state of a mission that succeeded."""
@@ -104,15 +99,6 @@ class HybridModel(DisplayedGraph):
                 f"lead 'next' of one of them to '{DONE}'"
             )
 
-    def to_linked(self) -> LinkedModel:
-        """Return the model as parameters, fault trees and a chain joined by expressions.
-
-        Raises TooLargeError when its hidden failures make too many states for that.
-        """
-        from tracerisk.prm.linked import linked
-
-        return linked(self)
-
     @classmethod
     def of(
         cls,
@@ -133,27 +119,9 @@ class HybridModel(DisplayedGraph):
         The first state is the entry unless another is named.
         Raises ModelError, naming the state, as the class does and when a figure is missing.
         """
-        from tracerisk.prm.trees.building import built_hybrid
+        from tracerisk.prm.hybrid.building import built_hybrid
 
         return built_hybrid(name, trees, following, values or {}, visit_h, entry, tuple(latent))
-
-    def solve(self) -> Assessment:
-        """Return all figures of the model, see `tracerisk.prm.hybrid.solve`."""
-        from tracerisk.prm.hybrid.solve import solve
-
-        return solve(self)
-
-    def failure_probabilities(self, values: Mapping[str, ArrayLike]) -> NDArray[np.float64]:
-        """Return the mission's failure probability for n samples at once, (n,).
-
-        `values` gives parameters n probabilities theta, (n,), or one for all samples; the others
-        keep theirs, and in each state the fixed share of it.
-        Raises ModelError when a name is unknown, a value outside [0, 1] or arrays differ in
-        length.
-        """
-        from tracerisk.prm.trees.sampled_tree import failure_samples_of
-
-        return failure_samples_of(self, values)
 
     @property
     def reachable(self) -> tuple[str, ...]:

@@ -16,7 +16,8 @@ from tracerisk.prm.trees.fault_tree import FaultTree, HouseEvent
 from tracerisk.prm.trees.gates import Gate
 
 if TYPE_CHECKING:
-    from tracerisk.prm.event_trees.event_tree import EventTree, InitiatingEvent
+    from tracerisk.prm.event_trees.elements import InitiatingEvent
+    from tracerisk.prm.event_trees.event_tree import EventTree
     from tracerisk.prm.trees.common_cause import CommonCauseLaw
 
 

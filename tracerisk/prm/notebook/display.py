@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -14,23 +15,19 @@ class Displayed:
     __slots__ = ()
 
     def _repr_svg_(self) -> str:
-        from tracerisk.prm.drawing import svg_of
-
-        return svg_of(self)
+        drawn: str = _by_name("tracerisk.prm.drawing", "svg_of", self)
+        return drawn
 
     def _repr_html_(self) -> str:
-        from tracerisk.prm.drawing import html_of
-
-        return html_of(self)
+        drawn: str = _by_name("tracerisk.prm.drawing", "html_of", self)
+        return drawn
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
         # The text that stands beside the drawing: all the fields of a large model are no help.
-        from tracerisk.prm.drawing import text_of
-
-        return {"text/plain": text_of(self)}
+        return {"text/plain": _by_name("tracerisk.prm.drawing", "text_of", self)}
 
 
-class DisplayedGraph(Displayed):
+class AsGraph:
     """A model that is a directed graph as well."""
 
     __slots__ = ()
@@ -44,6 +41,15 @@ class DisplayedGraph(Displayed):
         nothing failed, its `weight`.
         Raises ModelError when networkx, of the extra `graph`, is not installed.
         """
-        from tracerisk.prm.notebook.graphs import graph_of
+        return _by_name("tracerisk.prm.notebook.graphs", "graph_of", self)
 
-        return graph_of(self)
+
+class DisplayedGraph(Displayed, AsGraph):
+    """A model that a notebook draws, and that is a directed graph as well."""
+
+    __slots__ = ()
+
+
+def _by_name(module: str, function: str, shown: object) -> Any:
+    """Call what draws: it knows every model, so that a model finds it by its name alone."""
+    return getattr(import_module(module), function)(shown)

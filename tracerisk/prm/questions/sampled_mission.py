@@ -11,11 +11,13 @@ from tracerisk.prm.hybrid.hidden_states import Hidden, HiddenStates, hidden_stat
 from tracerisk.prm.hybrid.hybrid import DONE, FunctionState, HybridModel
 from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.probability import Probability, at_least
+from tracerisk.prm.numbers.quantities import check_parameters
 from tracerisk.prm.questions.sampled_chain import absorption_samples
-from tracerisk.prm.trees.fault_tree import FaultTree
-from tracerisk.prm.trees.gates import gate_probability
+from tracerisk.prm.trees.sampled_tree import samples_of, tree_samples
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
     from tracerisk.prm.questions.sampled_chain import Samples, Values
 
 _CELLS = 2_000_000
@@ -132,23 +134,18 @@ def _values(
     return values
 
 
-def tree_samples(tree: FaultTree, values: Mapping[str, Values]) -> Probability:
-    """Return the top's pair (p, 1-p), each half an array over the draws or a number.
+def failure_probabilities(
+    model: HybridModel, values: Mapping[str, ArrayLike]
+) -> NDArray[np.float64]:
+    """Return the mission's failure probability for n samples at once, (n,).
 
-    `values` gives each parameter its probability.
+    `values` gives parameters n probabilities theta, (n,), or one for all samples; the others
+    keep theirs, and in each state the fixed share of it.
+    Raises ModelError when a name is unknown, a value outside [0, 1] or arrays differ in length.
     """
-    if tree.shared:
-        found = tree.probabilities(values)
-        # The pair's type is of numbers; its algebra is that of arrays as well.
-        return Probability(found[:, 0], found[:, 1])  # type: ignore[arg-type]
-    nodes = {event.name: _pair(values[event.parameter]) for event in tree.events}
-    for house in tree.houses:
-        nodes[house.name] = Probability.of(float(house.state))
-    for gate in tree.upwards:
-        nodes[gate.name] = gate_probability(gate, [nodes[name] for name in gate.inputs])
-    return nodes[tree.top]
-
-
-def _pair(value: Values) -> Probability:
-    # The pair's type is of numbers; its algebra is that of arrays as well.
-    return Probability(value, 1.0 - value)  # type: ignore[arg-type]
+    thetas = {parameter.name: parameter.theta for parameter in model.parameters}
+    check_parameters(values, thetas)
+    arrays, count = samples_of(values or thetas)
+    return failure_samples(
+        model, {name: np.broadcast_to(array, (count,)) for name, array in arrays.items()}
+    )

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.numbers.arrays import np
-from tracerisk.prm.numbers.quantities import check_parameters
-from tracerisk.prm.questions.sampled_mission import failure_samples, tree_samples
+from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.trees.gates import gate_probability
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from tracerisk.prm.bdd import SharedTree
-    from tracerisk.prm.hybrid.hybrid import HybridModel
+    from tracerisk.prm.questions.sampled_chain import Values
     from tracerisk.prm.trees.fault_tree import FaultTree
 
 _CELLS = 4_000_000
@@ -71,11 +71,23 @@ def samples_of(
     return arrays, next(iter(counts.values()), 1)
 
 
-def failure_samples_of(model: HybridModel, values: Mapping[str, ArrayLike]) -> NDArray[np.float64]:
-    """Return the mission's failure probability for n samples, (n,); see HybridModel."""
-    thetas = {parameter.name: parameter.theta for parameter in model.parameters}
-    check_parameters(values, thetas)
-    arrays, count = samples_of(values or thetas)
-    return failure_samples(
-        model, {name: np.broadcast_to(array, (count,)) for name, array in arrays.items()}
-    )
+def tree_samples(tree: FaultTree, values: Mapping[str, Values]) -> Probability:
+    """Return the top's pair (p, 1-p), each half an array over the draws or a number.
+
+    `values` gives each parameter its probability.
+    """
+    if tree.shared:
+        found = tree.probabilities(values)
+        # The pair's type is of numbers; its algebra is that of arrays as well.
+        return Probability(found[:, 0], found[:, 1])  # type: ignore[arg-type]
+    nodes = {event.name: _pair(values[event.parameter]) for event in tree.events}
+    for house in tree.houses:
+        nodes[house.name] = Probability.of(float(house.state))
+    for gate in tree.upwards:
+        nodes[gate.name] = gate_probability(gate, [nodes[name] for name in gate.inputs])
+    return nodes[tree.top]
+
+
+def _pair(value: Values) -> Probability:
+    # The pair's type is of numbers; its algebra is that of arrays as well.
+    return Probability(value, 1.0 - value)  # type: ignore[arg-type]

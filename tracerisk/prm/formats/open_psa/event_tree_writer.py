@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.event_trees.event_tree import (
+from tracerisk.prm.event_trees.elements import (
     Condition,
     End,
     EventSequence,

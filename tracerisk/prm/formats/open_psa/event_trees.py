@@ -7,12 +7,11 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.event_trees.event_tree import (
+from tracerisk.prm.event_trees.elements import (
     Branch,
     Condition,
     End,
     EventSequence,
-    EventTree,
     Fork,
     Initiated,
     InitiatingEvent,
@@ -26,6 +25,7 @@ from tracerisk.prm.event_trees.event_tree import (
     Weight,
     When,
 )
+from tracerisk.prm.event_trees.event_tree import EventTree
 from tracerisk.prm.expressions import Definitions, Expression, ExpressionModel, Number
 from tracerisk.prm.formats.open_psa.formulas import EVENTS, constant, kind_asked, read_formula
 from tracerisk.prm.formats.open_psa.rewriting import END_STATE_MARK, FREQUENCY_MARK

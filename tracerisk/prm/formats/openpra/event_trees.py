@@ -6,12 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.event_trees.event_tree import (
+from tracerisk.prm.event_trees.elements import (
     Branch,
     Condition,
     End,
     EventSequence,
-    EventTree,
     Fork,
     InitiatingEvent,
     Instruction,
@@ -19,6 +18,7 @@ from tracerisk.prm.event_trees.event_tree import (
     Resume,
     Target,
 )
+from tracerisk.prm.event_trees.event_tree import EventTree
 from tracerisk.prm.formats.element import Element
 from tracerisk.prm.logic.model import EventTreeDefinition, Place
 

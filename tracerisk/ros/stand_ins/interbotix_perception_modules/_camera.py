@@ -33,7 +33,7 @@ def is_served(service: str, type_name: str) -> bool:
 
 
 def tell_unseen(what: str) -> None:
-    """Tell of what a camera would have measured, and the run goes on without."""
+    """Report what a camera would have measured, and the run goes on without."""
     current().recorder.finding(
         "unprovided", f"{what} needs a camera, and tracerisk simulates none", asking_place()
     )
