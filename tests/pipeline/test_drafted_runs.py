@@ -265,3 +265,36 @@ def test_joint_states_that_a_test_writes_for_other_joints_are_not_drafted(exampl
     assert ran.json["verdict"]["kind"] == "partial", ran.err
     (reason,) = (r for r in ran.json["verdict"]["reasons"] if r["code"] == "input-assumed")
     assert "joints of panda" in reason["words"]
+
+
+PARTS = """
+
+def refuse(text):
+    raise OSError("no such part")
+
+
+rospy.Subscriber("/part", String, refuse)
+rospy.Subscriber("/side", String, lambda text: turn(0.2))
+text = rospy.Subscriber("/kind", String, lambda text: None)
+while not rospy.is_shutdown():
+    rospy.sleep(0.1)
+"""
+
+
+LISTENS = """
+
+refused = []
+rospy.Subscriber("/part", String, refused.append)
+rospy.Subscriber("/side", String, lambda text: turn(0.2))
+while not rospy.is_shutdown():
+    rospy.sleep(0.5)
+    if refused:
+        raise OSError("no such part")
+"""
+
+
+def test_of_what_raises_together_it_drafts_what_does_no_harm_alone(example):
+    example.write("c.py", HEAD + LISTENS)
+    ran = example.run("run", "c.py", "--check", "--json")
+    assert [name for code, _, name in reasons(ran) if code == "input-assumed"] == ["/side"]
+    assert ran.json["verdict"]["kind"] == "partial"

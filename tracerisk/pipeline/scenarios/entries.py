@@ -63,6 +63,11 @@ class Attempt:
         return self.trace is not None and self.trace.is_usable and bool(self.trace.functions)
 
     @property
+    def has_raised(self) -> bool:
+        """Whether the run ended with an exception."""
+        return self.trace is not None and self.trace.end.cause == "raised"
+
+    @property
     def score(self) -> tuple[bool, bool, int]:
         """Rank runs: one that shows risk, one that did not go wrong, one that shows most."""
         trace = self.trace
@@ -136,3 +141,11 @@ def names_own_joints(draft: Draft, written: Mapping[str, Any]) -> bool:
     if draft.need.type_name != "sensor_msgs/JointState":
         return True
     return {*written.get("name", ())} <= {*draft.value["message"]["name"]}
+
+
+def one_by_one(best: Entries, tried: Entries) -> list[Entries]:
+    """Return each of what was tried beyond the best, alone."""
+    more = [key for key in tried.drafts if key not in best.drafts]
+    if len(more) < 2:
+        return []
+    return [Entries({key: tried.drafts[key]}) for key in more]

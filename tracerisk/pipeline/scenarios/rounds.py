@@ -29,6 +29,7 @@ from tracerisk.pipeline.scenarios.entries import (
     is_given,
     merged,
     names_own_joints,
+    one_by_one,
     useful_drafts,
 )
 from tracerisk.pipeline.scenarios.text import with_entries
@@ -123,6 +124,7 @@ class Rounds:
         self._running = Entries()
         self._cut = ""
         self._singles: list[Entries] = []
+        self._before = Entries()
         self._lines: list[CommandLine] | None = None
 
     def result(self) -> ScenarioDraft:
@@ -176,16 +178,20 @@ class Rounds:
         if mended is not None:
             yield mended
             return
-        if attempt.score >= self.best.score:
+        before, wanted = self.best, None
+        if attempt.score >= before.score:
             self.best = attempt
             wanted = self._with_wanted(attempt)
             if wanted is not None:
                 yield wanted
-        elif self.best.is_traced and not self._singles:
+        is_worse = before.is_traced and attempt.score < before.score
+        if not self._singles and (is_worse or (wanted is None and attempt.has_raised)):
             # Of what was given together, what does no harm alone.
-            self._singles = self._one_by_one(self.best.entries, attempt.entries)
+            self._singles = one_by_one(before.entries, attempt.entries)
+            self._before = before.entries
         while self._singles:
-            yield self._on_top(self.best.entries, self._singles.pop(0))
+            ground = self._before if self.best.has_raised else self.best.entries
+            yield self._on_top(ground, self._singles.pop(0))
         elsewhere = self._elsewhere(self.best)
         if elsewhere is not None:
             yield elsewhere
@@ -264,8 +270,7 @@ class Rounds:
         self._simulated_s += sum(run.trace.end.simulated_s or 0.0 for run in runs)
         told = next((run for run in runs if run.trace is trace), runs[-1])
         if not trace.is_usable:
-            # What nodes of the workspace give beside the controller needs no scenario, unless it
-            # shows nothing with all else that it lacks beside them.
+            # What nodes beside the controller give needs no scenario, unless it shows nothing so.
             had = entries.drafts.keys() | self._cannot.keys()
             beside = next((run for run in reversed(runs) if is_accompanied(run)), told)
             told = beside if any((e.section, e.key) not in had for e in beside.drafts) else told
@@ -360,13 +365,6 @@ class Rounds:
         words = f"{draft.words}; as {place} would"
         self._read[words] = place.rpartition(" in ")[2]
         return replace(draft, words=words)
-
-    def _one_by_one(self, best: Entries, tried: Entries) -> list[Entries]:
-        """Return each of what was tried beyond the best, alone."""
-        more = [key for key in tried.drafts if key not in best.drafts]
-        if len(more) < 2:
-            return []
-        return [Entries({key: tried.drafts[key]}) for key in more]
 
     def _elsewhere(self, best: Attempt) -> Entries | None:
         """Return the entries with other poses, where a motion to those of the best run failed."""
