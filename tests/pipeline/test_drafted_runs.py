@@ -298,3 +298,60 @@ def test_of_what_raises_together_it_drafts_what_does_no_harm_alone(example):
     ran = example.run("run", "c.py", "--check", "--json")
     assert [name for code, _, name in reasons(ran) if code == "input-assumed"] == ["/side"]
     assert ran.json["verdict"]["kind"] == "partial"
+
+
+WAITS = """\
+import rclpy
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+
+class Cell(Node):
+    def __init__(self):
+        super().__init__("cell")
+        self.home = self.create_client(Trigger, "/home")
+        self.wait(self.home)
+
+    def wait(self, client):
+        while not client.wait_for_service(timeout_sec=1.0):
+            pass
+
+    def begin(self):
+        one = self.create_client(Trigger, "/one")
+        while not one.wait_for_service(timeout_sec=1.0):
+            pass
+        two = self.create_client(Trigger, "/two")
+        while not two.wait_for_service(timeout_sec=1.0):
+            pass
+        three = self.create_client(Trigger, "/three")
+        while not three.wait_for_service(timeout_sec=1.0):
+            pass
+        four = self.create_client(Trigger, "/four")
+        while not four.wait_for_service(timeout_sec=1.0):
+            pass
+
+
+def move(node):
+    point = JointTrajectoryPoint(positions=[0.1, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])
+    point.time_from_start.sec = 1
+    names = [f"panda_joint{number}" for number in range(1, 8)]
+    pub = node.create_publisher(JointTrajectory, "/arm_controller/joint_trajectory", 1)
+    pub.publish(JointTrajectory(joint_names=names, points=[point]))
+    rclpy.spin_once(node, timeout_sec=3.0)
+
+
+rclpy.init()
+node = Cell()
+node.begin()
+move(node)
+"""
+
+
+def test_services_for_which_one_function_waits_are_drafted_together(example):
+    example.write("c.py", WAITS)
+    # Each service for itself would take more simulated time than a search has.
+    ran = example.run("run", "c.py", "--check", "--json", "--duration", "10")
+    assert {name for code, _, name in reasons(ran) if code == "input-assumed"} == {
+        "/home", "/one", "/two", "/three", "/four"
+    }  # fmt: skip

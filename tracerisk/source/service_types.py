@@ -11,8 +11,20 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from tracerisk.errors import Location
+from tracerisk.source.compared_values import source_tree
 
 _SERVICES = "srv"
+
+
+def lines_of_function(place: Location) -> tuple[int, int]:
+    """Return the first and last line of the innermost function in which a place is; none: 0, -1."""
+    tree, line = source_tree(place), place.line or 0
+    functions = (
+        (node.lineno, node.end_lineno or node.lineno)
+        for node in (() if tree is None else ast.walk(tree))
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+    )
+    return max((each for each in functions if each[0] <= line <= each[1]), default=(0, -1))
 
 
 def service_type(name: str, waited_at: Location | None) -> str:

@@ -207,7 +207,8 @@ def _run_recorded(
         lambda: watch.has_commanded,
         scenario_world.unused,
         values,
-        in_source=lambda: asked_in_file(script, 2 if is_ros2 else 1),
+        script=script,
+        in_source=lambda source: asked_in_file(source, 2 if is_ros2 else 1),
         drafts=request.drafts,
     )
     stall = StallWatch(scheduler, watch, needs, lambda: schedule.is_pending)

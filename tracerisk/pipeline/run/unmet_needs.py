@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.scenario.lines import scenario_lines
-from tracerisk.source.service_types import service_type
+from tracerisk.source.service_types import lines_of_function, service_type
 from tracerisk.trace import GOOD_ENDS, EndCause
 
 _RECENT_NS = 1_000_000_000  # what was asked for last before an error may have led to it
@@ -47,7 +47,8 @@ class JudgedEnd:
 class UnmetNeeds:
     """The needs of one run; `has_commanded` tells whether anything was commanded.
 
-    `in_source` is what the source asks for, whether or not the run came so far.
+    `in_source` is what a source asks for, whether or not the run came so far; that of the
+    controller is `script`.
     `drafts` says when the end notes what a scenario could say for every need, however it came.
 
     `unused` tells what of the scenario nobody made use of, which becomes a finding at the end.
@@ -65,9 +66,11 @@ class UnmetNeeds:
         unused: Callable[[], Iterable[tuple[str, Location]]],
         values: UsableValues,
         *,
-        in_source: Callable[[], Iterable[Missed]] = tuple,
+        script: Path = Path(),
+        in_source: Callable[[Path], Iterable[Missed]] = lambda _: (),
         drafts: DraftsNoted = "never",
     ) -> None:
+        self._script = script
         self._in_source = in_source
         self._values = values
         self._drafts = drafts
@@ -124,7 +127,7 @@ class UnmetNeeds:
         names = {(each.need.kind, each.need.name) for each in unmet}
         more = tuple(
             each
-            for each in (*self._unserved(), *self._further())
+            for each in (*self._unserved(), *self._further(self._in_source(self._script)))
             if (each.need.kind, each.need.name) not in names
         )
         lines = scenario_lines(drafts((*unmet, *more), self._interfaces, self._values))
@@ -138,12 +141,12 @@ class UnmetNeeds:
             return replace(plain, message=told, scenario=lines)
         return replace(plain, message=f"{message}{also}", scenario=lines)
 
-    def _further(self) -> tuple[Missed, ...]:
-        """Return what the source asks for by name further on, and nothing would give it."""
+    def _further(self, asked: Iterable[Missed]) -> tuple[Missed, ...]:
+        """Return what of that which sources ask for by name nothing would give."""
         waits = {(each.need.kind, each.need.name) for each in self._unserved()}
-        asked = [_plain(each.need.name) for each in self._missed() if each.need.kind == "parameter"]
+        read = [_plain(each.need.name) for each in self._missed() if each.need.kind == "parameter"]
         found: dict[tuple[NeedKind, str], Missed] = {}
-        for each in self._in_source():
+        for each in asked:
             need = each.need
             if need.name.startswith("("):
                 continue
@@ -153,7 +156,7 @@ class UnmetNeeds:
             need = replace(need, name=name)
             if (need.kind, name) in waits or self._is_given(need):
                 continue
-            if need.kind == "parameter" and any(f"/{each}".endswith(f"/{name}") for each in asked):
+            if need.kind == "parameter" and any(f"/{each}".endswith(f"/{name}") for each in read):
                 continue
             kept = replace(each.need, name=each.need.name if need.kind == "parameter" else name)
             found.setdefault((need.kind, name), replace(each, need=kept))
@@ -184,11 +187,23 @@ class UnmetNeeds:
     def _note_drafts(self) -> None:
         """Note what a scenario could say for all that nothing has given the controller."""
         found = {(each.need.kind, each.need.name): each for each in map(_typed, self._missed())}
-        for each in (*self._unserved(), *self._uncalled()):
+        for each in (*self._unserved(), *self._further(self._beside()), *self._uncalled()):
             found.setdefault((each.need.kind, each.need.name), each)
         made = drafts(found.values(), self._interfaces, self._values, with_others=True)
         placed = [replace(each, location=self.below_root(each.location)) for each in made]
         self._runtime.recorder.note(DRAFTS, drafts=[asdict(each) for each in placed])
+
+    def _beside(self) -> Iterator[Missed]:
+        """Yield the services that a function asks for which waits for one: it waits for each."""
+        for each in self._missed():
+            place = each.location
+            if each.need.kind != "service" or place is None:
+                continue
+            first, last = lines_of_function(place)
+            for asked in self._in_source(Path(place.file)):
+                at = None if asked.location is None else asked.location.line
+                if asked.need.kind == "service" and at is not None and first <= at <= last:
+                    yield asked
 
     def told(self, unmet: tuple[Missed, ...], most: int = _TOLD) -> str:
         """Return the needs in words, at most `most`, each with the place that asks for it."""
