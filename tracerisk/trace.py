@@ -46,6 +46,7 @@ NOTES: frozenset[str] = frozenset(
         "concurrent_owners",
         "not_simulated",
         "nothing_to_grasp",
+        "removed_name",
         "unused",
     }
 )

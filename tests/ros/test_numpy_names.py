@@ -22,7 +22,8 @@ turn()
 
 def test_a_controller_for_an_older_numpy_runs_with_a_note(example):
     example.write("c.py", PROGRAM)
-    ran = example.run("run", "c.py", "--check", "--json")
+    ran = example.run("run", "c.py", "--json", "--fail-on", "finding")
+    assert ran.code == 0, ran.err
     assert ran.json["verdict"]["kind"] == "complete", ran.err
     told = {each["message"].partition(" ")[0] for each in ran.json["trace"]["findings"]}
     assert {"numpy.float", "numpy.int"} <= told
