@@ -2,7 +2,7 @@
 
 One process imports what commands import. It forks one process a command, which gets a folder,
 arguments and an environment, and ends as `python -m tracerisk` would. The commands' runs of
-controllers are forked by one server in turn (`tracerisk.contained.fork_server`).
+controllers are forked by one server in turn (`tracerisk.sandbox.fork_server`).
 """
 
 from __future__ import annotations
@@ -159,7 +159,7 @@ def _ended(folder: str, arguments: Sequence[str]) -> int:
 def _main() -> None:
     requests = socket.socket(fileno=int(sys.argv[1]))
     os.set_inheritable(requests.fileno(), False)
-    from tracerisk.contained.fork_server import several_come
+    from tracerisk.sandbox.fork_server import several_come
 
     several_come()
     # The first run starts the server of runs, which the commands inherit.

@@ -16,7 +16,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from tests.commands import Commands
-from tracerisk.contained.fork_server import several_come
+from tracerisk.sandbox.fork_server import several_come
 
 # What fails a test is what it finds, not how busy the machine is.
 settings.register_profile(

@@ -12,12 +12,12 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.config import Settings
-from tracerisk.contained.limited_process import OwnTime, run_limited
 from tracerisk.errors import ExitCode, LimitError, Location
 from tracerisk.limits import DEFAULT_LIMITS, Limit, Sandbox
+from tracerisk.sandbox.limited_process import OwnTime, run_limited
 
 CHILD = """\
-from tracerisk.contained.limited_process import end_with, limit_memory, mark_start
+from tracerisk.sandbox.limited_process import end_with, limit_memory, mark_start
 import os, signal, sys, time
 
 def main():

@@ -30,7 +30,7 @@ ROOMS = (
 """From the top down."""
 BELOW = (
     *("trace", "trace_display", "trace_json", "trace_log"),
-    *("acceptances", "config", "contained", "dependencies", "errors", "geometry", "instance_name"),
+    *("acceptances", "config", "dependencies", "errors", "geometry", "instance_name", "sandbox"),
     *("limits", "text"),
 )
 """What every room may import, and what imports no room."""

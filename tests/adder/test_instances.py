@@ -8,7 +8,7 @@ from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.pipeline.trace.summary import trace_summary
 from tracerisk.prm import solve
-from tracerisk.prm.hybrid.build import build_model
+from tracerisk.prm.hybrid.from_blocks import build_model
 from tracerisk.trace import (
     Element,
     Exposure,

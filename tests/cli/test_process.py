@@ -294,8 +294,8 @@ NOT_FOR_CHECK = {
     *("asyncio", "concurrent", "ctypes", "email", "http", "importlib.metadata", "logging"),
     *("multiprocessing", "numpy", "platform", "rich", "ruamel", "socket", "ssl", "subprocess"),
     *("tempfile", "urllib.request", "xml", "yaml"),
-    *("tracerisk.adder.annotate", "tracerisk.adder.sources.insert", "tracerisk.contained"),
-    *("tracerisk.contained.limited_process", "tracerisk.prm", "tracerisk.report", "tracerisk.ros"),
+    *("tracerisk.adder.annotate", "tracerisk.adder.sources.insert", "tracerisk.sandbox"),
+    *("tracerisk.sandbox.limited_process", "tracerisk.prm", "tracerisk.report", "tracerisk.ros"),
     *("tracerisk.twin", "tracerisk.instrument", "tracerisk.pipeline.review"),
 }
 """What a check of a file that is up to date has no use for: most of its time is imports."""

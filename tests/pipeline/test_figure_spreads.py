@@ -13,7 +13,7 @@ from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.pipeline import build
 from tracerisk.pipeline.results.figure_spreads import hardware_spreads, with_distributions
 from tracerisk.prm.formats import linked_json
-from tracerisk.prm.hybrid.build import build_model
+from tracerisk.prm.hybrid.from_blocks import build_model
 from tracerisk.prm.linked import linked
 from tracerisk.prm.numbers.distributions import Lognormal
 from tracerisk.prm.questions.uncertainty import propagate

@@ -10,7 +10,7 @@ import pytest
 from tracerisk.adder.blocks.block import Field
 from tracerisk.errors import BlockError, Location, ModelError
 from tracerisk.prm import GateKind, NextStep, build_model, solve
-from tracerisk.prm.hybrid.build import MAX_QUANTITY
+from tracerisk.prm.hybrid.from_blocks import MAX_QUANTITY
 
 R = -math.log1p(-0.2)  # the rate of a unit that fails with 0.2 in a visit
 

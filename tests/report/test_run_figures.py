@@ -14,7 +14,7 @@ from tracerisk.hardware.redundancy import ALL_NEEDED
 from tracerisk.hardware.sources import assumed_sources
 from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.prm import solve
-from tracerisk.prm.hybrid.build import build_model
+from tracerisk.prm.hybrid.from_blocks import build_model
 from tracerisk.report.run_figures import run_figures
 from tracerisk.report.tables import render_parts
 from tracerisk.trace import (

@@ -24,7 +24,7 @@ from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.robot import load_robot
 from tracerisk.twin.simulation.twin import Twin
 from tracerisk.vendors.description_reader import read_driver
-from tracerisk.vendors.found import shipped_drivers, write_definitions
+from tracerisk.vendors.driver_search import shipped_drivers, write_definitions
 from tracerisk.vendors.serving import serve_vendors
 
 SECOND = 1_000_000_000

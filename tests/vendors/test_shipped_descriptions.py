@@ -10,7 +10,7 @@ from tracerisk.errors import DriverError
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.robot.messages import TwinMessages
-from tracerisk.vendors.found import shipped_drivers, write_definitions
+from tracerisk.vendors.driver_search import shipped_drivers, write_definitions
 from tracerisk.vendors.interface_checks import check_interface, types_in_use
 
 

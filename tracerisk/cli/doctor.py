@@ -112,7 +112,7 @@ def _robots() -> str:
 
 def _sandbox() -> str:
     """Return which parts of the sandbox work here."""
-    from tracerisk.contained.kernel import support
+    from tracerisk.sandbox.kernel_features import support
 
     here = support()
     parts = {

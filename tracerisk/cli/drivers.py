@@ -38,7 +38,7 @@ def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     if options.action == "schema":
         return _schema(options)
-    from tracerisk.vendors.found import installed_files, read_drivers, shipped_drivers
+    from tracerisk.vendors.driver_search import installed_files, read_drivers, shipped_drivers
 
     if options.action == "list":
         drivers = (*shipped_drivers(), *read_drivers(installed_files(), Path.cwd()))

@@ -337,7 +337,7 @@ def build(
     C, C++ or Java, else of Python.
     Raises BlockError or ModelError where the blocks are malformed or contradict each other.
     """
-    from tracerisk.prm.hybrid.build import build_model
+    from tracerisk.prm.hybrid.from_blocks import build_model
 
     blocks = [block for _, block in blocks_of(sources)]
     if not blocks:

@@ -4,7 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from tracerisk.prm.hybrid.assessment import FIGURE_STATEMENT, Assessment
-from tracerisk.prm.hybrid.build import build_model
+from tracerisk.prm.hybrid.from_blocks import build_model
 from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel, NextStep, Parameter
 from tracerisk.prm.hybrid.solve import solve
 from tracerisk.prm.markov import MarkovChain

@@ -11,7 +11,7 @@ from tracerisk.vendors.described_driver import DescribedDriver
 from tracerisk.vendors.description import Driver
 from tracerisk.vendors.dobot.driver import DobotDriver
 from tracerisk.vendors.doosan.driver import DoosanController
-from tracerisk.vendors.found import shipped_drivers
+from tracerisk.vendors.driver_search import shipped_drivers
 from tracerisk.vendors.interbotix.driver import InterbotixDriver
 from tracerisk.vendors.kinova.driver import FOLLOW_CARTESIAN, KortexDriver
 from tracerisk.vendors.niryo.actions import ROBOT_MOVE, TOOL

@@ -432,7 +432,7 @@ def _of_model(
     if not placed or (max_failure_probability is None and _are_as_written(entry, placed)):
         return
     from tracerisk.pipeline.stages import solve
-    from tracerisk.prm.hybrid.build import build_model
+    from tracerisk.prm.hybrid.from_blocks import build_model
 
     names = model_names(placed)
     blocks = [replace(block, name=QualifiedName(names[ref])) for ref, block in placed.items()]

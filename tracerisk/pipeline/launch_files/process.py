@@ -6,12 +6,12 @@ import json
 from pathlib import Path
 
 from tracerisk.config import controller_root
-from tracerisk.contained.limited_process import run_limited
-from tracerisk.contained.process import regular_within
 from tracerisk.errors import Location
 from tracerisk.limits import DEFAULT_LIMITS, Limits
 from tracerisk.pipeline.launch_files.records import LaunchReading, RobotSource, StartedNode
 from tracerisk.pipeline.workspace.workspace import Workspace
+from tracerisk.sandbox.limited_process import run_limited
+from tracerisk.sandbox.process import regular_within
 
 _LONGEST_REASON = 200
 # Launch files choose by it between what two releases name differently.

@@ -8,7 +8,7 @@ from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.values import component_fields
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.stages import blocks_of
-from tracerisk.prm.hybrid.build import MAX_QUANTITY, build_model, component_tree
+from tracerisk.prm.hybrid.from_blocks import MAX_QUANTITY, build_model, component_tree
 from tracerisk.prm.hybrid.solve import solve_figures
 
 

@@ -18,14 +18,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from pathlib import Path
 
-from tracerisk.contained.limited_process import mark_start
-from tracerisk.contained.overlay import Overlay
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.instrument.import_finder import ControllerFinder, controller_imports
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Tracer
-from tracerisk.pipeline.launch.around import ParametersAround
+from tracerisk.pipeline.launch.bringup_parameters import ParametersAround
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
 from tracerisk.pipeline.run.companion_run import Companions
 from tracerisk.pipeline.run.controller_end import ControllerEnd
@@ -72,13 +70,15 @@ from tracerisk.ros.scenario.world import ScenarioWorld
 from tracerisk.ros.time.patches import virtual_time
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.twin_interfaces import TwinInterfaces
+from tracerisk.sandbox.limited_process import mark_start
+from tracerisk.sandbox.overlay import Overlay
 from tracerisk.source.ros_version import ros_version
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.recording.samples import SampleWriter
 from tracerisk.twin.robots.assumed_names import with_assumed_names
 from tracerisk.twin.robots.file import read_dumped_robot
 from tracerisk.twin.simulation.twin import Twin
-from tracerisk.vendors.found import read_drivers, shipped_drivers, write_definitions
+from tracerisk.vendors.driver_search import read_drivers, shipped_drivers, write_definitions
 from tracerisk.vendors.serving import serve_vendors
 
 _MB = 1024 * 1024

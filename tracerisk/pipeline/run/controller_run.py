@@ -15,16 +15,6 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk import dependencies, errors
 from tracerisk.config import Settings
-from tracerisk.contained.limited_process import POLL_S, OwnTime, StartMark
-from tracerisk.contained.process import (
-    OF_FORKED,
-    end,
-    is_contained,
-    passed_environment,
-    read_regular,
-    regular_within,
-)
-from tracerisk.contained.process import start as start_process
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.recording import Note, Recording, read_recording
 from tracerisk.limits import Limit
@@ -54,6 +44,16 @@ from tracerisk.pipeline.workspace.controller import lines_since
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.drafts.draft import Draft, drafts_of
+from tracerisk.sandbox.limited_process import POLL_S, OwnTime, StartMark
+from tracerisk.sandbox.process import (
+    OF_FORKED,
+    end,
+    is_contained,
+    passed_environment,
+    read_regular,
+    regular_within,
+)
+from tracerisk.sandbox.process import start as start_process
 from tracerisk.trace import RunEnd, Trace
 
 if TYPE_CHECKING:

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.config import Settings
-from tracerisk.contained.fork_server import several_come
 from tracerisk.errors import ScenarioError, TraceRiskError
 from tracerisk.pipeline.launch.program import program_of
 from tracerisk.pipeline.robot.guess import guessed_robot
@@ -40,6 +39,7 @@ from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
 from tracerisk.ros.drafts.draft import Draft
 from tracerisk.ros.scenario.lines import entry_lines
 from tracerisk.ros.scenario.scenario import Scenario, read_scenario
+from tracerisk.sandbox.fork_server import several_come
 from tracerisk.source.ros_version import ros_version
 from tracerisk.trace import Trace
 

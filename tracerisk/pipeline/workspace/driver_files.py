@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import DriverError
 from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
-from tracerisk.vendors.found import (
+from tracerisk.vendors.driver_search import (
     ENDING,
     installed_files,
     shipped_drivers,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions import Expression, MissionTime, Number
 from tracerisk.prm.linked.chain_solution import chain_to_solve
+from tracerisk.prm.linked.derivative_tape import Tape
 from tracerisk.prm.linked.elements import (
     Figure,
     LinkedChain,
@@ -18,7 +19,6 @@ from tracerisk.prm.linked.elements import (
 )
 from tracerisk.prm.linked.links import ElementKey, Link, Occupancy, leaf_key
 from tracerisk.prm.linked.solved import SolvableElement
-from tracerisk.prm.linked.tape import Tape
 from tracerisk.prm.linked.tree_solution import tree_to_solve
 
 if TYPE_CHECKING:

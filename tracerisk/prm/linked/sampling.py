@@ -17,10 +17,10 @@ from tracerisk.prm.expressions import (
     Reference,
 )
 from tracerisk.prm.linked.chain_solution import ChainToSolve
+from tracerisk.prm.linked.derivative_tape import Tape
 from tracerisk.prm.linked.links import Absorption, ElementKey, Link, Occupancy
 from tracerisk.prm.linked.model import LinkedModel
 from tracerisk.prm.linked.occupancy import SPARE, poisson_weights
-from tracerisk.prm.linked.tape import Tape
 from tracerisk.prm.linked.tree_solution import TreeToSolve
 from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.probability import Probability

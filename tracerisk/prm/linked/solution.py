@@ -8,10 +8,10 @@ from collections.abc import Mapping
 from tracerisk.errors import ModelError
 from tracerisk.prm.expressions import Expression, Reference
 from tracerisk.prm.expressions.rules import apart
+from tracerisk.prm.linked.derivative_tape import Tape
 from tracerisk.prm.linked.links import ElementKey, Link, leaf_key
 from tracerisk.prm.linked.model import LinkedModel, Prepared
 from tracerisk.prm.linked.solved import SolvedElement
-from tracerisk.prm.linked.tape import Tape
 from tracerisk.prm.numbers.probability import Probability
 
 TapeValues = tuple[Probability, ...]

@@ -18,7 +18,7 @@ import mujoco
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont, PngImagePlugin
 
-from tracerisk.contained.limited_process import mark_start
+from tracerisk.sandbox.limited_process import mark_start
 
 READY = "ready"
 _OVERSAMPLED = 2  # drawn larger and scaled down: edges are smooth whatever the driver offers

@@ -14,10 +14,10 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from tracerisk.contained.limited_process import run_limited
 from tracerisk.errors import RenderError
 from tracerisk.limits import Limit, Limits
 from tracerisk.report.png.pictures import Picture
+from tracerisk.sandbox.limited_process import run_limited
 
 BACKENDS = ("egl", "osmesa")
 """Ways to draw without a screen, in the order in which they are tried."""

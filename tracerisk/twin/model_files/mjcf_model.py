@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tracerisk.contained.limited_process import run_limited
 from tracerisk.errors import Location, RobotError
 from tracerisk.geometry.frames import matrix_of, roll_pitch_yaw
 from tracerisk.geometry.shapes import Shape
 from tracerisk.limits import DEFAULT_LIMITS, Limits
+from tracerisk.sandbox.limited_process import run_limited
 from tracerisk.twin.model_files.mjcf_document import MjcfDocument, told_of_mujoco
 from tracerisk.twin.urdf.urdf import placed
 

@@ -18,8 +18,8 @@ from types import TracebackType
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.contained.process import read_regular
 from tracerisk.errors import Location, LogError
+from tracerisk.sandbox.process import read_regular
 from tracerisk.twin.physics.declared_log import DECLARED_FILES, DeclaredLogWriter
 from tracerisk.twin.recording.contact_log import ContactLog, ContactLogWriter, read_contacts
 

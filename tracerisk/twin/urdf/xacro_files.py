@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.config import controller_root
-from tracerisk.contained.limited_process import run_limited
-from tracerisk.contained.process import regular_within
 from tracerisk.errors import Location, RobotError
 from tracerisk.limits import DEFAULT_LIMITS, Limits
+from tracerisk.sandbox.limited_process import run_limited
+from tracerisk.sandbox.process import regular_within
 from tracerisk.twin.urdf.xacro_child import REFUSED
 
 _LONGEST_REASON = 200

@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 from tracerisk.config import Settings
-from tracerisk.contained.kernel import support
 from tracerisk.pipeline.stages import trace_controller
 from tracerisk.pipeline.workspace.controller import load_controller
+from tracerisk.sandbox.kernel_features import support
 
 pytestmark = pytest.mark.skipif(bool(support().missing), reason="needs Landlock and seccomp")
 

@@ -23,10 +23,10 @@ from importlib.util import cache_from_source
 from pathlib import Path
 from typing import Any
 
-from tracerisk.contained.fork_server import forked
-from tracerisk.contained.kernel import support
 from tracerisk.errors import SandboxError
 from tracerisk.limits import Sandbox, is_secret
+from tracerisk.sandbox.fork_server import forked
+from tracerisk.sandbox.kernel_features import support
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _START = Path(__file__).with_name("start.py")

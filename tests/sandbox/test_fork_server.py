@@ -15,11 +15,11 @@ import pytest
 
 from tracerisk import trace_json
 from tracerisk.config import Settings
-from tracerisk.contained import fork_server, process
-from tracerisk.contained.fork_server import Forked
-from tracerisk.contained.kernel import support
 from tracerisk.limits import Sandbox
 from tracerisk.pipeline import load_controller, trace_controller
+from tracerisk.sandbox import fork_server, process
+from tracerisk.sandbox.fork_server import Forked
+from tracerisk.sandbox.kernel_features import support
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="needs Linux")
 contained = pytest.mark.skipif(bool(support().missing), reason="needs Landlock and seccomp")
@@ -28,7 +28,7 @@ contained = pytest.mark.skipif(bool(support().missing), reason="needs Landlock a
 MODULE = """\
 import atexit, ctypes, gc, inspect, io, json, os, random, resource, signal, socket, subprocess, sys
 import threading, time
-from tracerisk.contained import process
+from tracerisk.sandbox import process
 
 def seen(is_contained):
     files, status = {}, []
@@ -260,7 +260,7 @@ OWNER = """\
 import os, signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)
 sys.path[:0] = [{package!r}, {folder!r}]
-from tracerisk.contained import fork_server, process
+from tracerisk.sandbox import fork_server, process
 from tracerisk.limits import Sandbox
 fork_server.several_come()
 child = process.start("probe_of_a_fork", {code!r}, sandbox=Sandbox({mode!r}), options=("-u",),

@@ -11,14 +11,14 @@ from pathlib import Path
 import pytest
 
 from tracerisk.config import Settings, read_settings
-from tracerisk.contained.kernel import Support, support
-from tracerisk.contained.process import SandboxWarning, is_contained, start
 from tracerisk.errors import RobotError, SandboxError
 from tracerisk.limits import DEFAULT_LIMITS, Sandbox
 from tracerisk.pipeline.launch_files.process import read_launch
 from tracerisk.pipeline.stages import trace_controller
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.workspace import find_workspace
+from tracerisk.sandbox.kernel_features import Support, support
+from tracerisk.sandbox.process import SandboxWarning, is_contained, start
 from tracerisk.twin.urdf.xacro_files import expand_xacro
 
 contained = pytest.mark.skipif(bool(support().missing), reason="needs Landlock and seccomp")
@@ -235,7 +235,7 @@ def test_a_macro_reads_nothing_of_the_home(tmp_path, monkeypatch):
 
 
 def test_a_kernel_without_it_is_warned_of_once_and_refused_where_it_is_required(monkeypatch):
-    from tracerisk.contained import process
+    from tracerisk.sandbox import process
 
     monkeypatch.setattr(process, "support", lambda: Support(0, seccomp=True))
     process._warn_once.cache_clear()

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from tracerisk.contained.filter import is_known_machine, program, rules
+from tracerisk.sandbox.system_calls import is_known_machine, program, rules
 
 _CREATE, _ADD_RULE, _RESTRICT = 444, 445, 446
 _ASK_VERSION = 1

@@ -1,6 +1,6 @@
 """Start a module of ours in a contained process: `python -s start.py DESCRIPTOR MODULE ARG...`.
 
-The descriptor is that of a file with the plan, as JSON: see `tracerisk.contained.process`. This
+The descriptor is that of a file with the plan, as JSON: see `tracerisk.sandbox.process`. This
 process stays behind as the parent of the one that runs the module. When that ends, or the parent
 of both does, it ends whatever the module has started and ends in the same way itself.
 """
@@ -34,7 +34,7 @@ def main() -> None:
     _import_own(plan["package"])
     sys.path += [folder for folder in plan["paths"] if folder not in sys.path]
     if "requests" in plan:
-        from tracerisk.contained.fork_server import serve
+        from tracerisk.sandbox.fork_server import serve
 
         # What follows is done by each process that it forks.
         plan = serve(module, plan)
@@ -59,7 +59,7 @@ def _import_own(folder: str) -> None:
 
 def _stay_behind(plan: dict[str, Any]) -> None:
     """Return in a new process; this one waits for its end, and ends with it."""
-    from tracerisk.contained import kernel
+    from tracerisk.sandbox import kernel_features as kernel
 
     parent = plan["parent"]
     kernel.adopt_orphans()
@@ -159,7 +159,7 @@ def _end_as(status: int) -> NoReturn:
 
 
 def _restrict(plan: dict[str, Any]) -> None:
-    from tracerisk.contained import kernel
+    from tracerisk.sandbox import kernel_features as kernel
 
     try:
         kernel.restrict(plan["readable"], plan["listable"], plan["writable"])

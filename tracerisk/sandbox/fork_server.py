@@ -1,6 +1,6 @@
 """Fork the processes of runs from one that has imported what every run imports.
 
-A server is a process that `tracerisk.contained.start` has started as any other, and that has
+A server is a process that `tracerisk.sandbox.start` has started as any other, and that has
 imported the module, but run nothing: no line of a stranger's is read before the fork. A process
 that it forks has the same environment, limits and descriptors as one that is started afresh, and
 is contained in the same way; the server's own sockets are closed in it.

@@ -23,9 +23,9 @@ from pathlib import Path
 from time import clock_gettime, monotonic, process_time, sleep
 from typing import NoReturn
 
-from tracerisk.contained.process import end, passed_environment, start
 from tracerisk.errors import LimitError, Location
 from tracerisk.limits import Limit, Limits
+from tracerisk.sandbox.process import end, passed_environment, start
 
 POLL_S = 0.02
 """How often a process is looked at [s]."""
