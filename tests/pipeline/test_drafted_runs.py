@@ -351,7 +351,13 @@ move(node)
 def test_services_for_which_one_function_waits_are_drafted_together(example):
     example.write("c.py", WAITS)
     # Each service for itself would take more simulated time than a search has.
-    ran = example.run("run", "c.py", "--check", "--json", "--duration", "10")
+    ran = example.run("run", "c.py", "--check", "--json", "--duration", "150")
     assert {name for code, _, name in reasons(ran) if code == "input-assumed"} == {
         "/home", "/one", "/two", "/three", "/four"
     }  # fmt: skip
+
+
+def test_a_run_that_took_all_its_time_to_wait_is_drafted_too(example):
+    example.write("c.py", WAITS.replace("node.begin()\n", ""))
+    ran = example.run("run", "c.py", "--check", "--json", "--duration", "10")
+    assert [name for code, _, name in reasons(ran) if code == "input-assumed"] == ["/home"]

@@ -149,8 +149,9 @@ class Rounds:
     def go_on(self, attempt: Attempt) -> None:
         """Run again after a first run, until nothing is lacking, or nothing helps.
 
-        The number of runs and their simulated time bound it.
+        The number of these runs and their simulated time bound it.
         """
+        self._simulated_s = 0.0
         seen = {self.text(attempt.entries)}
         for number in range(1, self._most_runs + 1):
             following = (each for each in self._next(attempt) if self.text(each) not in seen)
