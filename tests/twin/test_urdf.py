@@ -196,6 +196,28 @@ def test_a_joint_that_levels_the_tool_makes_its_leader_no_finger():
     assert "lift" in [joint.name for joint in found.arm_joints]
 
 
+def test_a_joint_that_carries_two_fingers_turns_the_hand_and_is_none():
+    text = with_links(
+        linked("turn", "tool").replace("turn_bar", "clawbase"),
+        linked("clawr", "clawbase"),
+        linked("clawl", "clawbase", "clawr"),
+    )
+    found = read_urdf(text, "tiny.urdf")
+    assert [joint.name for joint in found.arm_joints] == ["shoulder", "elbow", "turn"]
+    assert found.grippers[0].joints == ("clawr", "clawl")
+
+
+def test_the_last_joint_of_an_arm_is_no_gripper_though_the_end_effectors_group_has_it():
+    head, _, _ = RATED.partition('  <link name="left_finger">')
+    srdf = """<robot name="tiny">
+      <group name="limb"><chain base_link="base" tip_link="fore"/></group>
+      <group name="flange"><link name="fore"/><joint name="elbow"/></group>
+      <end_effector name="eef" parent_link="fore" group="flange" parent_group="limb"/></robot>"""
+    found = read_urdf(head + "</robot>", "tiny.urdf", srdf=read_srdf(srdf, "tiny.srdf"))
+    assert [joint.name for joint in found.arm_joints] == ["shoulder", "elbow"]
+    assert not found.grippers
+
+
 def test_figures_that_are_missing_are_assumed_and_the_robot_says_so():
     tiny = robot(URDF.replace("{elbow}", ""))
     assert tiny.approximate

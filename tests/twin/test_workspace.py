@@ -369,6 +369,21 @@ def test_a_xacro_that_is_needed_and_cannot_be_expanded_is_an_error_and_no_generi
         chosen(script)
 
 
+def test_a_named_state_in_a_sentence_says_nothing_about_the_robot(tmp_path):
+    folder, script = workspace(
+        tmp_path, 'group = MoveGroupCommander("limb")\nprint("ready to start")\n'
+    )
+    own, other = script.parent, folder
+    (own / "small.urdf").write_text(texts.RATED.replace('name="tiny"', 'name="small"'))
+    srdf = texts.SRDF.replace('name="tiny"', 'name="small"')
+    (own / "small.srdf").write_text(srdf.replace('name="ready"', 'name="rest"'))
+    (other / "tiny.urdf").write_text(texts.RATED)
+    (other / "tiny.srdf").write_text(texts.SRDF)
+    assert chosen(script).robot.name == "small", "the nearer one"
+    script.write_text(script.read_text() + 'group.set_named_target("ready")\n')
+    assert chosen(script).robot.name == "tiny"
+
+
 def test_a_robot_without_groups_of_its_own_assumes_those_asked_for(tmp_path):
     folder, script = workspace(tmp_path, 'joints = ["shoulder", "elbow"]\n')
     (folder / "tiny.urdf").write_text(texts.RATED)

@@ -33,13 +33,25 @@ class GripperParts:
 def is_finger(joint: UrdfJoint, tree: Tree) -> bool:
     """Return whether a joint moves a finger: by its name, or as one of two that slide side by side.
 
-    Whatever carries a joint of another kind is not a finger.
+    Whatever carries a joint of another kind is not a finger, nor is what carries several that
+    move by themselves: that turns the whole hand.
     """
     return (
         joint.moves
         and _looks_so(joint, tree)
         and all(_looks_so(each, tree) for each in tree.movers_below(joint.child))
+        and not _carries_a_hand(joint, tree)
     )
+
+
+def _carries_a_hand(joint: UrdfJoint, tree: Tree) -> bool:
+    """Return whether several fingers, none of which moves with the joint, are fixed behind it."""
+    nearest = [
+        each
+        for each in tree.movers_below(joint.child)
+        if not any(between.moves for between in tree.way(each.parent, joint.child))
+    ]
+    return len(nearest) > 1 and len(_linkage(joint, tree)) == 1
 
 
 def _looks_so(joint: UrdfJoint, tree: Tree) -> bool:
@@ -96,13 +108,15 @@ def grippers_of(
     """Return the grippers: those of the end effectors, and what else looks like fingers.
 
     `known` are joints that are fingers whatever their names. Fingers behind the same joint of the
-    arm are one gripper.
+    arm are one gripper. A joint that carries the link to which an end effector is fixed is of the
+    arm, though the effector's group has it, too.
     """
     wanted = {
         name
         for effector in (srdf.end_effectors if srdf is not None else ())
         if effector.group in groups
         for name in groups[effector.group].joints
+        if name not in {joint.name for joint in tree.way(effector.parent_link)}
     }
     wanted |= set(known)
     fingers = [

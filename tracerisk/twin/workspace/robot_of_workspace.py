@@ -381,7 +381,7 @@ class _Search:
         return (
             self._launched_as(file) != 0,
             -len(loud),
-            -len(self._spoken.exactly(states)),
+            -len(states.intersection(self._spoken.strings)),
             -len(speaks),
             -len(words_shared(srdf.name, self._script.stem)),
             not self._spoken.asks_for(self._variants & {*srdf.name.split("_")}),
