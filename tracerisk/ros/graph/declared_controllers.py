@@ -3,36 +3,74 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import ScenarioError
 from tracerisk.ros.graph.parameter_files import read_parameters
+from tracerisk.ros.graph.runtime import Runtime
 
 _MOST_FILES = 200  # that may declare a controller
 _MOST_BYTES = 200_000
 
 
-def declared_joints(folders: Iterable[Path], topic: str) -> tuple[str, ...]:
-    """Return the joints of the controller whose commands a topic takes; () where none is declared.
+@dataclass(frozen=True, slots=True)
+class DeclaredController:
+    """A controller as a file declares it."""
 
-    It is looked for in the YAML files below `folders`, those of the workspace's packages.
-    """
-    controllers = {part for part in topic.split("/")[:-1] if part}
-    for path in islice(_files(folders, controllers), _MOST_FILES):
-        try:
-            parameters = read_parameters(path)
-        except ScenarioError:
-            continue
-        for each in parameters:
-            for name, value in _leaves(f"{each.node or ''}/{each.name}", each.value):
-                controller, _, last = name.rpartition("/")
-                is_meant = last == "joints" and controller.rpartition("/")[2] in controllers
-                if is_meant and isinstance(value, list):
-                    return tuple(str(joint) for joint in value)
-    return ()
+    joints: tuple[str, ...]
+    """The joints that it commands."""
+    type: str = ""
+    """What it is, `package/Class`; empty where no file says it."""
+
+
+class DeclaredControllers:
+    """The controllers that YAML files of the workspace's packages declare, read when asked for."""
+
+    is_of_world = True
+
+    def __init__(self, runtime: Runtime) -> None:
+        self._folders = tuple(runtime.packages.values())
+
+    @cached_property
+    def all(self) -> Mapping[str, DeclaredController]:
+        """The controllers by their names; of several files the first counts."""
+        found: dict[str, DeclaredController] = {}
+        types: dict[str, str] = {}
+        for path in islice(_files(self._folders), _MOST_FILES):
+            for name, key, value in _settings_in(path):
+                if key == "joints" and isinstance(value, list):
+                    joints = tuple(str(joint) for joint in value)
+                    found.setdefault(name, DeclaredController(joints))
+                elif key == "type" and isinstance(value, str):
+                    types.setdefault(name, value)
+        return {name: replace(each, type=types.get(name, "")) for name, each in found.items()}
+
+    def of_robot(self, joints: Iterable[str]) -> Mapping[str, DeclaredController]:
+        """Return those of which a robot with these joints has every joint."""
+        known = {*joints}
+        return {name: each for name, each in self.all.items() if known.issuperset(each.joints)}
+
+    def of_topic(self, topic: str) -> tuple[str, ...]:
+        """Return the joints of the controller that takes a topic's commands; () for none."""
+        namespaces = [part for part in topic.split("/")[:-1] if part in self.all]
+        return self.all[namespaces[-1]].joints if namespaces else ()
+
+
+def _settings_in(path: Path) -> Iterator[tuple[str, str, Any]]:
+    """Yield each setting of a parameter file: in whose namespace, its own name, its value."""
+    try:
+        parameters = read_parameters(path)
+    except ScenarioError:
+        return
+    for each in parameters:
+        for name, value in _leaves(f"{each.node or ''}/{each.name}", each.value):
+            *_, controller, last = name.replace(".", "/").split("/")
+            yield controller, last, value
 
 
 def _leaves(name: str, value: Any) -> Iterator[tuple[str, Any]]:
@@ -43,8 +81,7 @@ def _leaves(name: str, value: Any) -> Iterator[tuple[str, Any]]:
         yield from _leaves(f"{name}/{key}", inner)
 
 
-def _files(folders: Iterable[Path], names: Iterable[str]) -> Iterator[Path]:
-    wanted = [name.encode() for name in names]
+def _files(folders: Iterable[Path]) -> Iterator[Path]:
     for top in folders:
         for folder, inner, files in os.walk(top):
             inner[:] = sorted(each for each in inner if not each.startswith("."))
@@ -52,6 +89,5 @@ def _files(folders: Iterable[Path], names: Iterable[str]) -> Iterator[Path]:
                 path = Path(folder, file)
                 if not file.endswith((".yaml", ".yml")) or path.stat().st_size > _MOST_BYTES:
                     continue
-                text = path.read_bytes()
-                if any(name in text for name in wanted):
+                if b"joints" in path.read_bytes():
                     yield path

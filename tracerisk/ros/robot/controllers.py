@@ -5,14 +5,14 @@ Whatever is switched, the twin's joints can be commanded: one driver serves all 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.ros.graph.declared_controllers import DeclaredController, DeclaredControllers
 from tracerisk.ros.robot.messages import TwinMessages
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
-    from tracerisk.twin.robots.robot import Controller
 
 PACKAGE = "controller_manager_msgs"
 BROADCASTER = "joint_state_broadcaster"
@@ -21,23 +21,21 @@ _TYPES = {
     "follow_joint_trajectory": "JointTrajectoryController",
     "gripper_command": "GripperActionController",
 }
+_BROADCASTS = DeclaredController((), "JointStateBroadcaster")
 _BEST_EFFORT = 1
 
 
 class ControllerManager:
     """Answers for the controllers of the twin's robot, under any namespace.
 
-    All of the robot's controllers run from the beginning. Starting one that is not known fails
+    All of the robot's controllers run from the beginning, and those of its joints that files of
+    the workspace declare. Starting one that is not known fails
     where the request is strict; others are loaded as they are named.
     """
 
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
         self._messages = messages
-        self._controllers: dict[str, Controller | None] = {
-            each.name: each for each in runtime.twin.robot.controllers
-        }
-        self._controllers.setdefault(BROADCASTER, None)
-        self._running = set(self._controllers)
+        self._runtime = runtime
         for name, kind, handle in (
             ("list_controllers", "ListControllers", self._list),
             ("list_controller_types", "ListControllerTypes", self._list_types),
@@ -49,6 +47,22 @@ class ControllerManager:
         ):
             if messages.has_service(f"{PACKAGE}/{kind}"):
                 runtime.graph.offer(name, f"{PACKAGE}/{kind}", handle, node=_NODE)
+
+    @cached_property
+    def _controllers(self) -> dict[str, DeclaredController]:
+        robot = self._runtime.twin.robot
+        known = {
+            each.name: DeclaredController(each.joints, _TYPES[each.type])
+            for each in robot.controllers
+        }
+        declared = self._runtime.client(DeclaredControllers)
+        known.update(declared.of_robot(joint.name for joint in robot.joints))
+        known.setdefault(BROADCASTER, _BROADCASTS)
+        return known
+
+    @cached_property
+    def _running(self) -> set[str]:
+        return {*self._controllers}
 
     def _response(self, kind: str, *, ok: bool) -> Any:
         response = self._messages.response(f"{PACKAGE}/{kind}")
@@ -63,20 +77,20 @@ class ControllerManager:
 
     def _state(self, name: str) -> Any:
         controller = self._controllers[name]
-        joints: Sequence[str] = controller.joints if controller is not None else ()
-        kind = _TYPES[controller.type] if controller is not None else "JointStateBroadcaster"
+        joints, kind = controller.joints, controller.type
+        is_declared = "/" in kind
         state = self._messages.new(f"{PACKAGE}/ControllerState")
         state.name = name
         is_running = name in self._running
         if hasattr(state, "claimed_interfaces"):
             state.state = "active" if is_running else "inactive"
-            state.type = f"{_snake(kind)}/{kind}"
+            state.type = kind if is_declared else f"{_snake(kind)}/{kind}"
             claimed = [f"{joint}/position" for joint in joints]
             state.required_command_interfaces = claimed
             state.claimed_interfaces = claimed if is_running else []
         else:
             state.state = "running" if is_running else "stopped"
-            state.type = f"position_controllers/{kind}"
+            state.type = kind if is_declared else f"position_controllers/{kind}"
             resources = self._messages.new(f"{PACKAGE}/HardwareInterfaceResources")
             resources.hardware_interface = "hardware_interface::PositionJointInterface"
             resources.resources = list(joints)
@@ -91,7 +105,7 @@ class ControllerManager:
         return response
 
     def _load(self, request: Any) -> Any:
-        self._controllers.setdefault(request.name, None)
+        self._controllers.setdefault(request.name, _BROADCASTS)
         return self._response("LoadController", ok=True)
 
     def _configure(self, request: Any) -> Any:

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import one_of
-from tracerisk.ros.graph.declared_controllers import declared_joints
+from tracerisk.ros.graph.declared_controllers import DeclaredControllers
 from tracerisk.ros.graph.graph import Change, Publication
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.messages.dialect import nanoseconds
@@ -75,8 +75,7 @@ class SetPoints:
 
     def __init__(self, runtime: Runtime, commands: TwinCommands) -> None:
         self._graph = runtime.graph
-        self._packages = runtime.packages
-        self._declared: dict[str, tuple[str, ...]] = {}
+        self._declared = runtime.client(DeclaredControllers)
         self._commands = commands
         self._twin = commands.twin
         self._streams: dict[str, _Stream] = {}
@@ -151,17 +150,23 @@ class SetPoints:
         if self._is_no_position(topic):
             return
         values = [float(value) for value in message.data]
-        joints = group_joints(self._twin.robot, topic, len(values))
+        joints = self._declared_joints(topic, len(values))
+        if joints is None:
+            joints = group_joints(self._twin.robot, topic, len(values))
         if joints is None:
             self._refuse_group(topic, len(values))
             return
         self.set_point(topic, joints, np.array(values), "joint_group_command")
 
+    def _declared_joints(self, topic: str, count: int) -> tuple[str, ...] | None:
+        """Return the joints of the workspace's controller for a topic, if the robot has them."""
+        declared = self._declared.of_topic(topic)
+        known = {joint.name for joint in self._twin.robot.joints}
+        return declared if len(declared) == count and known.issuperset(declared) else None
+
     def _refuse_group(self, topic: str, count: int) -> None:
         robot = self._twin.robot
-        if topic not in self._declared:
-            self._declared[topic] = declared_joints(self._packages.values(), topic)
-        declared = self._declared[topic]
+        declared = self._declared.of_topic(topic)
         if not declared or any(each.name in declared for each in robot.joints):
             self._refuse(
                 topic, f"{count} values fit no controller or group of robot '{robot.name}'"

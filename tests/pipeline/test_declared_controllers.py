@@ -1,0 +1,75 @@
+"""Controllers that the workspace's files declare take commands, and are listed as running."""
+
+import pytest
+
+ARM = """<robot name="claw">
+  <link name="base"><inertial><mass value="2"/>
+    <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  {joints}
+</robot>
+"""
+JOINT = """<link name="{child}"><inertial><origin xyz="0 0 0.05"/><mass value="0.2"/>
+    <inertia ixx="0.001" iyy="0.001" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="{name}" type="revolute"><origin xyz="0 0 0.1"/>
+    <parent link="{parent}"/><child link="{child}"/><axis xyz="{axis}"/>
+    <limit lower="-1.5" upper="1.5" effort="20" velocity="2"/></joint>"""
+DECLARED = """\
+controller_manager:
+  ros__parameters:
+    outer: {type: forward_command_controller/ForwardCommandController}
+outer:
+  ros__parameters:
+    joints: [hinge_3, hinge_1]
+"""
+PROGRAM = """\
+import rclpy
+from controller_manager_msgs.srv import ListControllers
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray
+
+
+def move(node, publisher):
+    publisher.publish(Float64MultiArray(data=[0.5, -0.25]))
+    rclpy.spin_once(node, timeout_sec=3.0)
+
+
+rclpy.init()
+node = Node("mover")
+client = node.create_client(ListControllers, "/controller_manager/list_controllers")
+future = client.call_async(ListControllers.Request())
+rclpy.spin_until_future_complete(node, future)
+for each in future.result().controller:
+    print("controller", each.name, each.type, each.state, *each.claimed_interfaces)
+here = {}
+node.create_subscription(
+    JointState, "/joint_states", lambda state: here.update(zip(state.name, state.position)), 1)
+move(node, node.create_publisher(Float64MultiArray, "/outer/commands", 1))
+for _ in range(300):
+    rclpy.spin_once(node, timeout_sec=0.01)
+print("at", *(f"{name} {position:.2f}" for name, position in sorted(here.items())))
+"""
+
+
+@pytest.fixture
+def ran(example):
+    joints = [
+        JOINT.format(name=f"hinge_{i}", parent=parent, child=f"link_{i}", axis="0 0 1")
+        for i, parent in ((1, "base"), (2, "link_1"), (3, "link_2"), (4, "link_3"))
+    ]
+    example.write("package.xml", "<package><name>claw</name></package>\n")
+    example.write("urdf/claw.urdf", ARM.format(joints="".join(joints)))
+    example.write("config/controllers.yaml", DECLARED)
+    example.write("c.py", PROGRAM)
+    return example.run("trace", "c.py", "--json")
+
+
+def test_commands_move_the_joints_that_the_workspaces_controller_has(ran):
+    assert "at hinge_1 -0.25 hinge_2 0.00 hinge_3 0.50 hinge_4 0.00" in ran.err.replace(
+        "-0.00", "0.00"
+    )
+
+
+def test_it_is_listed_with_its_type_and_runs(ran):
+    told = "controller outer forward_command_controller/ForwardCommandController active"
+    assert f"{told} hinge_3/position hinge_1/position" in ran.err + ran.out
