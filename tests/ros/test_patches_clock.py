@@ -8,6 +8,7 @@ import pickle
 import select
 import signal
 import time
+from importlib.machinery import ExtensionFileLoader
 
 import pytest
 
@@ -76,6 +77,20 @@ def test_dates_follow_the_clock(run):
     assert naive.isoformat() == "2026-01-01T00:01:30.001000"
     assert (today - now).total_seconds() == pytest.approx(0.001)
     assert date == now.date()
+
+
+def test_a_compiled_module_is_loaded_with_the_classes_whose_layout_it_knows(run, monkeypatch):
+    real, seen = dt.datetime, []
+    monkeypatch.setattr(
+        ExtensionFileLoader, "create_module", lambda *_: seen.append((dt.date, dt.datetime))
+    )
+
+    def main():
+        ExtensionFileLoader("compiled", "compiled.so").create_module(None)
+        return dt.datetime
+
+    assert run(main) is not real
+    assert seen == [(dt.date, dt.datetime)]
 
 
 def test_a_date_of_the_run_is_a_date(run):

@@ -18,6 +18,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib.machinery import ExtensionFileLoader
 from sys import _getframe
 from typing import Any
 
@@ -66,6 +67,7 @@ def _replace(owner: Any, name: str, value: Any) -> Callable[[], None]:
 
 def _replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
     clock = VirtualClock(scheduler)
+    yield from _loader_replacements()
     for name, function in clock.time_functions().items():
         yield time, name, function
     for name, replacement in clock.date_classes().items():
@@ -75,6 +77,26 @@ def _replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
     yield from _poll_replacements(scheduler)
     yield from _pool_replacements(scheduler)
     yield from _process_replacements(scheduler)
+
+
+def _loader_replacements() -> Iterator[tuple[Any, str, Any]]:
+    """Yield loaders that show compiled modules the classes in C: they rely on their layout."""
+    real = {"date": dt.date, "datetime": dt.datetime}
+
+    def with_real(load: Callable[..., Any]) -> Callable[..., Any]:
+        @functools.wraps(load)
+        def loaded(*given: Any) -> Any:
+            shown = {name: vars(dt)[name] for name in real}
+            vars(dt).update(real)
+            try:
+                return load(*given)
+            finally:
+                vars(dt).update(shown)
+
+        return loaded
+
+    for name in ("create_module", "exec_module"):
+        yield ExtensionFileLoader, name, with_real(vars(ExtensionFileLoader)[name])
 
 
 def _thread_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
