@@ -1,0 +1,20 @@
+"""Shipped hardware descriptions serve arms of the same name that a workspace describes."""
+
+import pytest
+
+from tracerisk.config import Settings
+from tracerisk.hardware.binding import bind
+from tracerisk.hardware.shipped import GENERIC, hardware_of, shipped_names
+from tracerisk.pipeline.trace.sensors import elements_of
+from tracerisk.twin.robots.robot import load_robot
+
+
+@pytest.mark.parametrize("name", [each for each in shipped_names() if each != GENERIC])
+def test_an_arm_without_its_gripper_and_sensors_but_encoders_is_described(name):
+    elements = elements_of(load_robot(name), Settings())
+    plain = [
+        each for each in elements if each.kind != "gripper" and each.sensor in (None, "encoder")
+    ]
+    bound = {each.component.name for each in bind(hardware_of(name), plain)}
+    assert "electric_motor" in bound
+    assert "wrist_force_sensor" not in bound
