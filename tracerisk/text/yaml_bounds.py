@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any, Literal
 
 from ruamel.yaml import YAML
+from ruamel.yaml.error import MantissaNoDotYAML1_1Warning
 from ruamel.yaml.scanner import RoundTripScanner, Scanner, ScannerError
 
 MOST_LEVELS = 100
 """How deeply a text may nest."""
+
+# Files of other people's robots are read, and nobody asked for advice on `1e300` in them.
+warnings.simplefilter("ignore", MantissaNoDotYAML1_1Warning)
 
 
 def bounded_yaml(typ: Literal["rt", "safe"], version: tuple[int, int]) -> Any:
