@@ -115,16 +115,27 @@ def test_units_and_their_common_cause_have_one_draw(modelled):
     assert found.percentiles == pytest.approx([1e-7 / 3, 1e-7, 3e-7], rel=0.01)
 
 
-def test_groups_with_spares_are_left_out_and_told(modelled):
-    text = motor(PER_MINUTE, ", spare: cold") + (
+def test_units_of_a_group_with_spares_have_their_factor(modelled):
+    model, hardware, instances = modelled(motor(PER_MINUTE, ", spare: cold"))
+    spreads = hardware_spreads(model, hardware, instances)
+    assert list(spreads.figures) == ["motor"]
+    found = propagate(model, samples=4000, figures=spreads.figures)
+    # A cold pair fails with half the square of its unit.
+    assert found.percentiles == pytest.approx(
+        [found.point / 9, found.point, found.point * 9], rel=0.02
+    )
+
+
+def test_groups_with_spares_that_are_renewed_are_left_out_and_told(modelled):
+    text = motor(PER_MINUTE, ", spare: cold, detected: each_visit") + (
         f"  power: {{probability: {PER_MINUTE}, active: always}}\n"
     )
     model, hardware, instances = modelled(text)
     spreads = hardware_spreads(model, hardware, instances)
     assert list(spreads.figures) == ["power"]
     assert spreads.notes == (
-        "motor: the error factors of a group with spares are left out, for its figure in the "
-        "model is that of the group",
+        "motor: the error factors of a group with spares detected at each visit are left out, for "
+        "its figure in the model is that of the group",
     )
 
 

@@ -333,4 +333,4 @@ def test_spares_and_common_causes_stand_side_by_side(block, component):
     apart = 1 - math.exp(-own) * (1 + own)
     assert solve(model).states[0].top_event == pytest.approx(1 - 0.9 * (1 - apart), rel=1e-12)
     names = [parameter.name for parameter in model.parameters]
-    assert names == ["unit {common cause}", "unit {spares}"]
+    assert names == ["unit {common cause}", "unit {own}"]

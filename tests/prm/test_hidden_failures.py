@@ -225,7 +225,8 @@ def test_assumptions_say_what_became_of_hidden_failures(straight):
     assert told("true") == ["failed"]
     assert told(RENEWED) == ["redundant"]
     assert told("true", RENEWED) == ["redundant", "failed"]
-    assert told("true, spare cold") == ["groups"]
+    assert told("true, spare cold") == ["failed"]
+    assert told("true, spare cold, detected each_visit") == ["groups"]
 
 
 def test_a_group_that_one_function_renews_and_another_does_not_stays_failed(block, component):

@@ -319,3 +319,18 @@ def test_importing_and_solving_needs_nothing_heavy():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("share", [1e-12, 0.1, 0.9])
+def test_a_common_cause_keeps_the_success_of_units_that_surely_fail(block, component, share):
+    pair = component("power", 1.0, 2, f"true, common_cause {share!r}")
+    found = solve(build_model([block("a", 1, (pair,))], name="m")).mission
+    b = Fraction(share)
+    assert found.done_probability == pytest.approx(float((1 - b) * (1 - (1 - b) ** 2)), rel=1e-15)
+
+
+def test_spares_keep_the_success_of_units_that_nearly_surely_fail(block, component):
+    q = 2.0**-50
+    pair = component("power", 1.0 - q, 2, "true, spare cold")
+    found = solve(build_model([block("a", 1, (pair,))], name="m")).mission
+    assert found.done_probability == pytest.approx(q * (1 + 50 * math.log(2)), rel=1e-13)

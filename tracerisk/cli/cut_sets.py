@@ -171,7 +171,9 @@ def _of_logic(model: LogicModel, top: str | None, time: float | None) -> _Asked:
 
 
 def _of_functions(model: HybridModel, top: str | None) -> _Asked:
-    states = {state.name: state for state in model.states if state.tree.events}
+    from tracerisk.prm.hybrid.component_tree import in_one_visit
+
+    states = {state.name: in_one_visit(state) for state in model.states if state.tree.events}
     state = states[_only(tuple(states), top)]
     return _Asked(state.tree, state.probabilities)
 

@@ -20,7 +20,7 @@ from tracerisk.prm.dynamic import (
 )
 from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, PerDemand, Weibull
 from tracerisk.prm.trees.gates import Gate, GateKind
-from tracerisk.prm.trees.spares import spare_group_failure
+from tracerisk.prm.trees.spares import Spares, spare_group_failure
 
 mpmath = pytest.importorskip("mpmath", reason="mpmath gives the exact figures")
 
@@ -101,8 +101,8 @@ def test_a_pool_of_like_spares_is_a_spare_group(p, units, required, dormancy, sw
         + [event(name, rate, dormancy) for name in pool],
     )
     expected = spare_group_failure(
-        p, units=units, required=required, dormancy=dormancy, switch=switch
-    )
+        p, units=units, required=required, spares=Spares(dormancy, switch)
+    ).p
     assert made.probability(1.0).p == pytest.approx(expected, rel=1e-12)
 
 

@@ -52,8 +52,8 @@ def hardware_spreads(
         if name not in known:
             if component.redundancy.has_spares and f"{name} {{spares}}" in known:
                 notes.append(
-                    f"{name}: the error factors of a group with spares are left out, for its "
-                    "figure in the model is that of the group"
+                    f"{name}: the error factors of a group with spares detected at each visit are "
+                    "left out, for its figure in the model is that of the group"
                 )
             continue
         if len(component.figures) == 1:

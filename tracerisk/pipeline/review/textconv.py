@@ -8,8 +8,8 @@ from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.values import component_fields
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.stages import blocks_of
-from tracerisk.prm.hybrid.from_blocks import MAX_QUANTITY, build_model, component_tree
-from tracerisk.prm.hybrid.solve import solve_figures
+from tracerisk.prm.hybrid.from_blocks import MAX_QUANTITY, build_model, function_state
+from tracerisk.prm.hybrid.solve import solve_figures, top_event
 
 
 def textconv(source: bytes, file: str) -> bytes:
@@ -73,9 +73,8 @@ def _function(block: RiskBlock) -> Iterator[str]:
 
 
 def _top(block: RiskBlock) -> str:
-    counted = {entry.name: entry for entry in block.components if not entry.omitted}
-    if any(entry.quantity.value > MAX_QUANTITY for entry in counted.values()):
+    counted = [entry for entry in block.components if not entry.omitted]
+    if any(entry.quantity.value > MAX_QUANTITY for entry in counted):
         return "no figure"
-    values = {name: entry.probability.value for name, entry in counted.items()}
-    top = component_tree(block.name, block.components).probability(values).p
+    top = top_event(function_state(block, block.components, ())).p
     return f"{top:.4g} a visit"

@@ -18,6 +18,7 @@ from tracerisk.prm.expressions import (
     Reference,
     Weibull,
 )
+from tracerisk.prm.hybrid.component_tree import in_one_visit
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.logic.model import (
     ALWAYS,
@@ -66,11 +67,11 @@ def logic_of_dynamic(tree: DynamicTree, mission_time_h: float | None = None) -> 
 def logic_of_functions(model: HybridModel) -> LogicModel:
     """Return the fault trees of a model of functions, each in a fault tree of the function's name.
 
-    A tree is that of one visit while no unit has failed before. Gates, events and parameters are
-    named after the function, a dot, and their own names.
+    A tree is that of one visit while no unit has failed before; a group with spares is one event.
+    Gates, events and parameters are named after the function, a dot, and their own names.
     Raises ModelError when no function has a component.
     """
-    trees = [state for state in model.states if state.tree.events]
+    trees = [in_one_visit(state) for state in model.states if state.tree.events]
     if not trees:
         raise ModelError(f"'{model.name}' has no fault trees: no function has a component")
     gates: list[GateDefinition] = []

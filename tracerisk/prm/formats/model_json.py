@@ -13,6 +13,7 @@ from tracerisk.prm.formats.distribution_json import distribution_to_json, read_d
 from tracerisk.prm.formats.element import Element, read_document
 from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel, NextStep, Parameter
 from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind, HouseEvent
+from tracerisk.prm.trees.spares import Spares
 
 SCHEMA = "tracerisk-hybrid-model"
 VERSION = 1
@@ -88,13 +89,19 @@ def _tree_to_json(tree: FaultTree) -> dict[str, Any]:
 
 
 def _state_to_json(state: FunctionState) -> dict[str, Any]:
-    return {
+    written: dict[str, Any] = {
         "name": state.name,
         "call_sequence": state.call_sequence,
         "fault_tree": _tree_to_json(state.tree),
         "probabilities": dict(state.probabilities),
         "next": [{"target": step.target, "weight": str(step.weight)} for step in state.next],
     }
+    if state.spares:
+        written["spares"] = {
+            gate: {"dormancy": each.dormancy, "switch": each.switch}
+            for gate, each in state.spares.items()
+        }
+    return written
 
 
 def _gate_to_json(gate: Gate) -> dict[str, Any]:
@@ -150,7 +157,9 @@ def _parameter(element: Element) -> Parameter:
 
 
 def _state(element: Element) -> FunctionState:
-    found = element.fields({"name", "call_sequence", "fault_tree", "probabilities", "next"})
+    found = element.fields(
+        {"name", "call_sequence", "fault_tree", "probabilities", "next"}, optional={"spares"}
+    )
     return FunctionState(
         name=found["name"].string(),
         call_sequence=found["call_sequence"].integer(),
@@ -159,7 +168,17 @@ def _state(element: Element) -> FunctionState:
             name: value.probability() for name, value in found["probabilities"].entries().items()
         },
         next=found["next"].each(_step),
+        spares=(
+            {gate: _spares(each) for gate, each in found["spares"].entries().items()}
+            if "spares" in found
+            else {}
+        ),
     )
+
+
+def _spares(element: Element) -> Spares:
+    found = element.fields({"dormancy", "switch"})
+    return Spares(found["dormancy"].probability(), found["switch"].probability())
 
 
 def _step(element: Element) -> NextStep:

@@ -11,16 +11,19 @@ unit does not fail in the first before the second fails by its want. So d = D of
 
 with t the failure of the rest of f's tree, p that of the unit, K the failures of the other latent
 units, N `next`: a chain of its own with positive terms only (own derivation).
+A unit of a group with spares is not free of the others; there (1-p) K is the chain of
+`SpareGroup.difference`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import accumulate
 
-from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain, Spread
+from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain, Spread, unit_pair
 from tracerisk.prm.numbers.binomial import failure_counts, failure_tails
 from tracerisk.prm.numbers.elimination import Elimination
-from tracerisk.prm.numbers.probability import total
+from tracerisk.prm.numbers.probability import Probability, any_of, total
 
 
 class Adjoint:
@@ -49,6 +52,25 @@ class Adjoint:
         spread = self._spread_of_others(number, layer, unit_class)
         return self.chain.rest[number].q * self.loss_after(spread, number, unit_class)
 
+    def spare_loss(self, number: int, layer: int, unit_class: int) -> float:
+        """Return by how much the success falls with the probability of a unit of spares.
+
+        With K(x) the hidden states after the visit, a and b `SpareGroup.rates`, h the hazard:
+        -dW/dp = (1-t) sum_x K(x) (a(x) D(x) + b(x) W(x)) dh/dp, dh/dp = 1 / (1-p).
+        """
+        chain = self.chain
+        q = unit_pair(chain.units[number][unit_class]).q
+        if q == 0.0:
+            return 0.0
+        group = chain.spares[number][unit_class]
+        losses = self._losses_by(unit_class)
+        parts = []
+        for to, weight in chain.spread(number, layer):
+            more, fails = group.rates(chain.states.hidden[to][unit_class])
+            after = more * losses[to][number] + fails * self._success[to][number]
+            parts.append(weight * after)
+        return chain.rest[number].q * total(parts) / q
+
     def fall(self, zeros: Sequence[str], without: HiddenChain, flow: Flow) -> float:
         """Return F - F0, F0 with the parameters `zeros` zero: that of `without`, with its flow.
 
@@ -72,6 +94,10 @@ class Adjoint:
                 )
                 chosen: dict[int, Sequence[float]] = {}
                 for unit_class in classes:
+                    if unit_class in chain.spares[number]:
+                        parts += self._fall_of_spares(number, layer, unit_class, chosen, visits)
+                        chosen[unit_class] = (1.0,)
+                        continue
                     units = chain.states.working(layer, unit_class)
                     tails = failure_tails(units, chain.units[number][unit_class], units)
                     spread = chain.spread(number, layer, {**chosen, unit_class: tails})
@@ -80,6 +106,30 @@ class Adjoint:
                     )
                     chosen[unit_class] = (1.0,)
         return total(parts)
+
+    def _fall_of_spares(
+        self,
+        number: int,
+        layer: int,
+        unit_class: int,
+        chosen: Mapping[int, Sequence[float]],
+        visits: float,
+    ) -> list[float]:
+        """Return what the failures of a group with spares cost, the other kinds as in `fall`.
+
+        It is survived with more than i failed units more with probability P(i): each step costs
+        what `loss_after` says, and its own failure all of the success.
+        """
+        chain = self.chain
+        outcome = chain.spare_outcome(number, layer, unit_class)
+        beyond = list(accumulate(reversed(outcome.survived[1:])))[::-1]
+        lost = chain.spread(number, layer, {**chosen, unit_class: beyond})
+        whole = chain.spread(number, layer, {**chosen, unit_class: (1.0,)})
+        through = visits * chain.rest[number].q
+        return [
+            through * self.loss_after(lost, number, unit_class),
+            through * outcome.failed * self.success_after(whole, number),
+        ]
 
     def _drop(self, number: int, zeros: Sequence[str]) -> float:
         rest, values = self.chain.states.functions[number].rest, self.chain.values[number]
@@ -123,18 +173,22 @@ class Adjoint:
         rows: list[Mapping[int, float]] = []
         exits, rewards = [], []
         for number, function in enumerate(chain.states.functions):
-            p, fewer = 0.0, None
-            if unit_class in function.parameters:
-                p, fewer = chain.units[number][unit_class], unit_class
-                spread = self._spread_of_others(number, layer, unit_class)
+            if unit_class in chain.spares[number]:
+                spread, leave = self._without_spare(number, layer, unit_class)
+                survival = chain.rest[number].q
             else:
-                spread = chain.spread(number, layer)
-            survival = (1.0 - p) * chain.rest[number].q
-            leave = [
-                p,
-                (1.0 - p) * chain.visit(number, layer, fewer).p,
-                survival * chain.exceeding(number, layer, fewer),
-            ]
+                unit, fewer = Probability(0.0, 1.0), None
+                if unit_class in function.parameters:
+                    unit, fewer = unit_pair(chain.units[number][unit_class]), unit_class
+                    spread = self._spread_of_others(number, layer, unit_class)
+                else:
+                    spread = chain.spread(number, layer)
+                survival = unit.q * chain.rest[number].q
+                leave = [
+                    unit.p,
+                    unit.q * chain.visit(number, layer, fewer).p,
+                    survival * chain.exceeding(number, layer, fewer),
+                ]
             stay, gains = 0.0, []
             for to, weight in spread:
                 if to != layer:
@@ -149,3 +203,26 @@ class Adjoint:
             exits.append(total(leave) + stay * function.done)
             rewards.append(survival * total(gains))
         return Elimination(chain.states.pattern, rows, exits).values(rewards)
+
+    def _without_spare(
+        self, number: int, layer: int, unit_class: int
+    ) -> tuple[Spread, list[float]]:
+        """Return where the difference of one more failed spare leads, and what it leaves for."""
+        chain = self.chain
+        function = chain.states.functions[number]
+        group = chain.spares[number][unit_class]
+        lost = chain.states.hidden[layer][unit_class]
+        if not chain.states.held[number][layer]:
+            return (), [1.0]
+        apart = group.difference(unit_pair(chain.units[number][unit_class]), lost)
+        part = next(part for part in function.parts if part.classes == (unit_class,))
+        others = [
+            chain.part_failure(number, other, layer) for other in function.parts if other != part
+        ]
+        fails = any_of([chain.rest[number], *others])
+        leave = [
+            apart.failed,
+            total(apart.survived) * fails.p,
+            chain.rest[number].q * chain.exceeding_with(number, layer, part, apart.survived),
+        ]
+        return chain.spread(number, layer, {unit_class: apart.survived}), leave

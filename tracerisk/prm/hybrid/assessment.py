@@ -22,8 +22,9 @@ RENEWED_REDUNDANCY = (
     "and makes its share depend on how the code is cut into functions"
 )
 RENEWED_SPARES = (
-    "groups with spares are taken as good at the start of every visit: a spare that was used up "
-    "in an earlier one is not missing, which understates their share"
+    "groups with spares detected at each visit are taken as good at its start: a spare that was "
+    "used up in an earlier one is not missing, which understates their share and makes it depend "
+    "on how the code is cut into functions"
 )
 HIDDEN_FAILURES = (
     "failed units of a redundant group stay hidden, and failed, until the mission ends; every "

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from dataclasses import replace
+
 from tracerisk.adder.blocks.block import ComponentEntry
-from tracerisk.prm.trees.fault_tree import BasicEvent, Gate, GateKind
-from tracerisk.prm.trees.spares import spare_group_failure
+from tracerisk.prm.hybrid.hybrid import FunctionState
+from tracerisk.prm.numbers.probability import Probability, value_of
+from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree, Gate, GateKind
+from tracerisk.prm.trees.spares import Spares, spare_group_failure
 
 # No component can have a name with braces.
 _SPARES = "{spares}"
@@ -14,8 +19,7 @@ def component_part(entry: ComponentEntry) -> tuple[tuple[Gate, ...], tuple[Basic
     """Return the gates and events of a component; the one called as it is stands for all of it.
 
     Unit i is the event `<component>[i]`. What hits all units at once is `<component>[all]`, by the
-    beta-factor model; a group with spares is one event, `<component>[spares]`, for its units do not
-    fail independently: see `spare_group_failure`.
+    beta-factor model.
     """
     quantity = entry.quantity.value
     own, common = _parameters_of(entry)
@@ -24,10 +28,7 @@ def component_part(entry: ComponentEntry) -> tuple[tuple[Gate, ...], tuple[Basic
     redundancy = entry.redundancy.value
     units = tuple(f"{entry.name}[{number}]" for number in range(1, quantity + 1))
     least = quantity - redundancy.required + 1
-    if redundancy.has_spares:
-        units = (f"{entry.name}[spares]",)
-        gate = Gate(entry.name, GateKind.OR, units)
-    elif not redundancy or least == 1:
+    if not redundancy or least == 1:
         gate = Gate(entry.name, GateKind.OR, units)
     elif least == quantity:
         gate = Gate(entry.name, GateKind.AND, units)
@@ -37,18 +38,24 @@ def component_part(entry: ComponentEntry) -> tuple[tuple[Gate, ...], tuple[Basic
     if common is None:
         return (gate,), events
     all_units = BasicEvent(f"{entry.name}[all]", common)
-    apart = Gate(f"{entry.name} apart", gate.kind, gate.inputs, gate.k)
+    apart = Gate(_apart(entry), gate.kind, gate.inputs, gate.k)
     whole = Gate(entry.name, GateKind.OR, (apart.name, all_units.name))
     return (whole, apart), (*events, all_units)
 
 
-def latent_units(entry: ComponentEntry) -> tuple[str, ...]:
-    """Return the units of a redundant component whose first failures stay hidden for the mission.
+def component_spares(entry: ComponentEntry) -> dict[str, Spares]:
+    """Return how the units of a component wait, by its gate; nothing where all of them work."""
+    redundancy = entry.redundancy.value
+    if not redundancy.has_spares or entry.quantity.value == redundancy.required:
+        return {}
+    gate = _apart(entry) if redundancy.common_cause else entry.name
+    return {gate: Spares(redundancy.dormancy, redundancy.switch)}
 
-    A group with spares has none: its units are taken as good at each visit.
-    """
+
+def latent_units(entry: ComponentEntry) -> tuple[str, ...]:
+    """Return the units of a redundant component whose failures stay hidden for the mission."""
     quantity, redundancy = entry.quantity.value, entry.redundancy.value
-    if quantity == 1 or not redundancy or redundancy.required == quantity or redundancy.has_spares:
+    if quantity == 1 or not redundancy or redundancy.required == quantity:
         return ()
     if redundancy.detected != "mission_start":
         return ()
@@ -56,25 +63,74 @@ def latent_units(entry: ComponentEntry) -> tuple[str, ...]:
 
 
 def component_figures(entry: ComponentEntry) -> tuple[tuple[str, float], ...]:
-    """Return the parameters of a component's events, each with its value in one visit."""
+    """Return the parameters of a component's events, each with its value in one visit.
+
+    Of a common cause with the share b the complements are (1-p) + b p and (1-p) + (1-b) p.
+    """
     redundancy, value = entry.redundancy.value, entry.probability.value
     own, common = _parameters_of(entry)
-    share = redundancy.common_cause if common is not None else 0.0
-    single = value if share == 0.0 else (1.0 - share) * value
-    if redundancy.has_spares and entry.quantity.value > 1:
-        single = spare_group_failure(
-            single,
-            units=entry.quantity.value,
-            required=redundancy.required,
-            dormancy=redundancy.dormancy,
-            switch=redundancy.switch,
+    if common is None:
+        return ((own, value),)
+    p, q = Probability.of(value)
+    share = redundancy.common_cause
+    return (
+        (own, value_of(Probability((1.0 - share) * p, q + share * p))),
+        (common, value_of(Probability(share * p, q + (1.0 - share) * p))),
+    )
+
+
+def in_one_visit(state: FunctionState, gates: Collection[str] | None = None) -> FunctionState:
+    """Return a state with one event for each group with spares, or for those of `gates`.
+
+    The event `<component>[spares]` has the parameter `<component> {spares}`, whose value is the
+    probability that a group fails in one visit at whose start all of its units work: they do not
+    fail independently, see `spare_group_failure`.
+    """
+    chosen = [name for name in state.spares if gates is None or name in gates]
+    if not chosen:
+        return state
+    tree, values = state.tree, dict(state.probabilities)
+    parameters = {event.name: event.parameter for event in tree.events}
+    replaced, added = {}, []
+    for gate in tree.gates:
+        if gate.name not in chosen:
+            continue
+        units = gate.inputs
+        component = units[0].rpartition("[")[0] or gate.name
+        group = BasicEvent(f"{component}[spares]", f"{component} {_SPARES}")
+        values[group.parameter] = value_of(
+            spare_group_failure(
+                values[parameters[units[0]]],
+                units=len(units),
+                required=len(units) - gate.threshold + 1,
+                spares=state.spares[gate.name],
+            )
         )
-    return ((own, single),) if common is None else ((own, single), (common, share * value))
+        replaced[gate.name] = Gate(gate.name, GateKind.OR, (group.name,))
+        added.append(group)
+    gone = {unit for gate in tree.gates if gate.name in replaced for unit in gate.inputs}
+    tree = FaultTree(
+        tree.top,
+        tuple(replaced.get(gate.name, gate) for gate in tree.gates),
+        (*(event for event in tree.events if event.name not in gone), *added),
+        tree.houses,
+    )
+    return replace(
+        state,
+        tree=tree,
+        probabilities={name: values[name] for name in tree.parameters},
+        spares={name: each for name, each in state.spares.items() if name not in chosen},
+    )
 
 
 def is_spare_group(event: BasicEvent) -> bool:
-    """Return whether an event stands for a group with spares, see `component_part`."""
+    """Return whether an event stands for a group with spares, see `in_one_visit`."""
     return event.parameter.endswith(f" {_SPARES}")
+
+
+def _apart(entry: ComponentEntry) -> str:
+    """Return the name of the gate of a component's units beside their common cause."""
+    return f"{entry.name} apart"
 
 
 def _parameters_of(entry: ComponentEntry) -> tuple[str, str | None]:
@@ -83,9 +139,6 @@ def _parameters_of(entry: ComponentEntry) -> tuple[str, str | None]:
     No component can have a name with braces.
     """
     redundancy = entry.redundancy.value
-    if not redundancy or entry.quantity.value == 1:
+    if not redundancy or entry.quantity.value == 1 or not redundancy.common_cause:
         return entry.name, None
-    common = f"{entry.name} {{common cause}}" if redundancy.common_cause else None
-    if redundancy.has_spares:
-        return f"{entry.name} {_SPARES}", common
-    return (entry.name if common is None else f"{entry.name} {{own}}"), common
+    return f"{entry.name} {{own}}", f"{entry.name} {{common cause}}"

@@ -75,6 +75,9 @@ def _part(chain: HiddenChain, number: int, part: Part, layer: int, name: str) ->
     function = chain.states.functions[number]
     if all(function.parameters[c] != name for c in part.classes):
         return here, here, 0.0
+    if part.spares is not None:
+        # Its units are all of the component; none of them fails, nor has failed.
+        return here, Probability(0.0, 1.0), here.p
     own, others = [1.0], [1.0]
     for unit_class in part.classes:
         counts = _failed(chain, number, unit_class, layer)

@@ -9,7 +9,13 @@ from typing import NoReturn
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
 from tracerisk.errors import BlockError, Location, ModelError, one_of
-from tracerisk.prm.hybrid.component_tree import component_figures, component_part, latent_units
+from tracerisk.prm.hybrid.component_tree import (
+    component_figures,
+    component_part,
+    component_spares,
+    in_one_visit,
+    latent_units,
+)
 from tracerisk.prm.hybrid.hybrid import (
     DONE,
     FunctionState,
@@ -68,14 +74,18 @@ def model_of_states(
 
     `components` are those of all states. A unit whose failure stays hidden after a visit of one
     function is the same failed unit in every other, however often a group is renewed there.
+    Raises BlockError with its place when a group with spares is counted differently somewhere.
     """
     latent: dict[str, None] = {}
     groups = set()
+    components = [each for each in components if not each.omitted]
     for each in components:
-        units = () if each.omitted else latent_units(each)
+        units = latent_units(each)
         if units:
             latent |= dict.fromkeys(units)
             groups.add(each.name)
+    _check_spares(components, groups)
+    states = [_with_renewed_spares(state, latent) for state in states]
     if groups:
         states = [_with_first_units(state, groups) for state in states]
     return HybridModel(name, entry, tuple(states), _parameters(states), tuple(latent))
@@ -96,6 +106,12 @@ def function_state(
             for name, value in component_figures(entry)
         },
         next=steps,
+        spares={
+            gate: spares
+            for entry in components
+            if not entry.omitted
+            for gate, spares in component_spares(entry).items()
+        },
     )
 
 
@@ -117,6 +133,29 @@ def component_tree(function: str, components: Sequence[ComponentEntry]) -> Fault
     # A blank keeps the top's name apart from that of any component.
     top = Gate(f"{function} fails", GateKind.OR, tuple(inputs))
     return FaultTree(top.name, (top, *gates), tuple(events))
+
+
+def _check_spares(components: Sequence[ComponentEntry], groups: Collection[str]) -> None:
+    """Raise BlockError where functions use another number of units of one group with spares."""
+    quantities = {each.name: each.quantity.value for each in components if component_spares(each)}
+    for each in components:
+        expected = quantities.get(each.name, each.quantity.value)
+        if each.name in groups and each.quantity.value != expected:
+            raise BlockError(
+                f"component '{each.name}': quantity is {each.quantity.value}, and {expected} in "
+                "another function that has spares of it; give the group one quantity everywhere",
+                each.quantity.location or each.location,
+            )
+
+
+def _with_renewed_spares(state: FunctionState, latent: Collection[str]) -> FunctionState:
+    """Return the state with one event for each group with spares that no function keeps hidden."""
+    renewed = [
+        gate.name
+        for gate in state.tree.gates
+        if gate.name in state.spares and gate.inputs[0] not in latent
+    ]
+    return in_one_visit(state, renewed)
 
 
 def _with_first_units(state: FunctionState, groups: Collection[str]) -> FunctionState:

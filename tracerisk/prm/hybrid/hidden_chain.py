@@ -16,8 +16,9 @@ from tracerisk.errors import ModelError
 from tracerisk.prm.hybrid.hidden_states import HiddenStates, Part
 from tracerisk.prm.numbers.binomial import failure_counts, group_failures
 from tracerisk.prm.numbers.elimination import Elimination
-from tracerisk.prm.numbers.probability import Probability, any_of, total
+from tracerisk.prm.numbers.probability import Probability, any_of, pair_of, total
 from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.spares import Outcome
 
 Spread = tuple[tuple[int, float], ...]
 """The layers to which a visit leads, each with its probability."""
@@ -66,6 +67,7 @@ class HiddenChain:
         self._worst: dict[int, Probability] = {}
         self._layers: dict[tuple[int, bool], Elimination] = {}
         # How many units may fail at once in a visit that is survived.
+        self.spares = [function.spares for function in states.functions]
         self._limits = [
             max((part.threshold - 1 for part in function.parts), default=0)
             for function in states.functions
@@ -222,7 +224,7 @@ class HiddenChain:
             if chosen is not None and unit_class in chosen:
                 counts = chosen[unit_class]
             else:
-                counts = failure_counts(states.working(layer, unit_class), p, self._limits[number])
+                counts = self._counts(number, layer, unit_class, p)
             grown = []
             for reached, weight in found:
                 for failed, share in enumerate(counts):
@@ -237,6 +239,19 @@ class HiddenChain:
         if chosen is None:
             cache[layer] = spread
         return spread
+
+    def _counts(self, number: int, layer: int, unit_class: int, p: float) -> Sequence[float]:
+        """Return how many more units of a class fail in a visit that it does not fail."""
+        if unit_class in self.spares[number]:
+            return self.spare_outcome(number, layer, unit_class).survived
+        return failure_counts(self.states.working(layer, unit_class), p, self._limits[number])
+
+    def spare_outcome(self, number: int, layer: int, unit_class: int) -> Outcome:
+        """Return what comes of a group with spares in a visit."""
+        group, lost = self.spares[number][unit_class], self.states.hidden[layer][unit_class]
+        if lost > group.units - group.required:
+            return Outcome((), 1.0)
+        return group.visit(unit_pair(self.units[number][unit_class]), lost)
 
     def drop(self, number: int, name: str) -> float:
         """Return how much less the rest of a function's tree fails without a parameter."""
@@ -254,14 +269,29 @@ class HiddenChain:
             return 0.0
         cache, key = self._exceeding[number], (layer, fewer)
         if key not in cache:
-            cache[key] = self._more_than(most, number, layer, fewer)
+            parts = self.states.functions[number].parts
+            own = [self._failures(number, part, layer, fewer)[0] for part in parts]
+            cache[key] = self._more_than(most - sum(self.states.hidden[layer]), own)
         return cache[key]
 
-    def _more_than(self, most: int, number: int, layer: int, fewer: int | None) -> float:
-        room = most - sum(self.states.hidden[layer])
+    def exceeding_with(
+        self, number: int, layer: int, part: Part, counts: tuple[float, ...]
+    ) -> float:
+        """Return `exceeding` where so many units of one part fail, as `counts` says."""
+        most = self.states.most
+        if most is None:
+            return 0.0
+        own = [
+            counts if each == part else self._failures(number, each, layer, None)[0]
+            for each in self.states.functions[number].parts
+        ]
+        return self._more_than(most - sum(self.states.hidden[layer]), own)
+
+    @staticmethod
+    def _more_than(room: int, parts: Sequence[Sequence[float]]) -> float:
+        """Return the probability that more units than `room` fail, of counts of each part."""
         counts, beyond = [1.0], 0.0
-        for part in self.states.functions[number].parts:
-            own, _ = self._failures(number, part, layer, fewer)
+        for own in parts:
             beyond *= total(own)
             grown = [0.0] * (room + 1)
             for before, share in enumerate(counts):
@@ -278,6 +308,9 @@ class HiddenChain:
     ) -> tuple[tuple[float, ...], float]:
         """Return how many more units of a part fail, short of its failure, and that failure."""
         hidden, units = self.states.hidden[layer], self.units[number]
+        if part.spares is not None:
+            outcome = self.spare_outcome(number, layer, part.classes[0])
+            return outcome.survived, outcome.failed
         return group_failures(
             tuple((self.states.working(layer, c) - (c == fewer), units[c]) for c in part.classes),
             part.threshold - sum(hidden[c] for c in part.classes),
@@ -336,8 +369,13 @@ class HiddenChain:
                 (self.units[number][c] for c in part.classes for _ in states.classes[c]),
                 reverse=True,
             )
-            pairs += map(Probability.of, units[: len(units) - part.threshold + 1])
+            pairs += map(pair_of, units[: len(units) - part.threshold + 1])
         return pairs
+
+
+def unit_pair(p: float) -> Probability:
+    """Return the pair of a unit's probability; it may carry a derivative, see `pair_importance`."""
+    return Probability(p, 1.0 - p) if isinstance(p, complex) else pair_of(p)
 
 
 def tree_probability(state: str, tree: FaultTree, values: Mapping[str, float]) -> Probability:

@@ -16,6 +16,7 @@ from tracerisk.prm.hybrid.hybrid import DONE, FunctionState, HybridModel
 from tracerisk.prm.hybrid.latent_units import LatentPart, latent_parts, without_latent
 from tracerisk.prm.numbers.elimination import Pattern
 from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.spares import SpareGroup
 
 MOST_STATES = 4_000
 """Up to how many states a chain with hidden failures is solved exactly."""
@@ -26,10 +27,14 @@ Hidden = tuple[int, ...]
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """The classes of a part of a function's tree, `threshold` failed units of which fail it."""
+    """The classes of a part of a function's tree, `threshold` failed units of which fail it.
+
+    A group with spares is one class.
+    """
 
     classes: tuple[int, ...]
     threshold: int
+    spares: SpareGroup | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +50,11 @@ class Function:
     parameters: Mapping[int, str]
     steps: tuple[tuple[int, float], ...]
     done: float
+
+    @property
+    def spares(self) -> dict[int, SpareGroup]:
+        """The classes that are groups with spares here."""
+        return {part.classes[0]: part.spares for part in self.parts if part.spares is not None}
 
 
 @dataclass(frozen=True)
@@ -136,7 +146,7 @@ def _parts(state: FunctionState, latent: set[str]) -> tuple[LatentPart, ...]:
     if not latent:
         return ()
     try:
-        return latent_parts(state.tree, latent)
+        return latent_parts(state.tree, latent, state.spares)
     except ModelError as error:
         raise ModelError(f"state '{state.name}': {error.message}", error.location) from error
 
@@ -168,10 +178,7 @@ def _function(
     return Function(
         state=state,
         rest=without_latent(state.tree, parts),
-        parts=tuple(
-            Part(tuple(dict.fromkeys(class_of[unit] for unit in part.units)), part.threshold)
-            for part in parts
-        ),
+        parts=tuple(_part(state, part, class_of) for part in parts),
         parameters={class_of[unit]: parameters[unit] for part in parts for unit in part.units},
         steps=tuple(
             (number_of[step.target], float(step.weight))
@@ -180,6 +187,19 @@ def _function(
         ),
         done=math.fsum(float(step.weight) for step in state.next if step.target == DONE),
     )
+
+
+def _part(state: FunctionState, part: LatentPart, class_of: Mapping[str, int]) -> Part:
+    classes = tuple(dict.fromkeys(class_of[unit] for unit in part.units))
+    if part.spares is None:
+        return Part(classes, part.threshold)
+    if len(classes) > 1:
+        raise ModelError(
+            f"state '{state.name}': the group with spares of '{part.units[0]}' has units that "
+            "other states use without the rest of it; give it the same units in every state"
+        )
+    units = len(part.units)
+    return Part(classes, part.threshold, SpareGroup(units, units - part.threshold + 1, part.spares))
 
 
 def _enumerate(

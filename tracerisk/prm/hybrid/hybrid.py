@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.hybrid.latent_units import check_latent
 from tracerisk.prm.notebook.display import DisplayedGraph
 from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.spares import Spares
 
 if TYPE_CHECKING:
     from tracerisk.prm.hybrid.building import Following
@@ -49,6 +50,8 @@ class FunctionState:
     `probabilities` gives each parameter of the fault tree the probability that one unit fails
     during one visit.
     `next` holds the distribution of what follows, given that nothing failed.
+    `spares` names the gates of latent units some of which wait as spares, and says how; the units
+    below any other gate all work.
     """
 
     name: str
@@ -56,6 +59,7 @@ class FunctionState:
     tree: FaultTree
     probabilities: Mapping[str, float]
     next: tuple[NextStep, ...]
+    spares: Mapping[str, Spares] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,8 +93,9 @@ class HybridModel(DisplayedGraph):
         for state in self.states:
             _check_probabilities(state, {entry.name: entry.theta for entry in self.parameters})
             _check_next(state, names | {DONE})
-        if self.latent:
-            check_latent({state.name: state.tree for state in self.states}, self.latent)
+        spares = {state.name: state.spares for state in self.states if state.spares}
+        if self.latent or spares:
+            check_latent({state.name: state.tree for state in self.states}, self.latent, spares)
         steps = {state.name: state.next for state in self.states}
         caught = endless_states(steps, self.entry)
         if caught:

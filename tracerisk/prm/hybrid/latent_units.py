@@ -12,20 +12,27 @@ from dataclasses import dataclass
 from tracerisk.errors import ModelError
 from tracerisk.prm.trees.fault_tree import FaultTree, HouseEvent
 from tracerisk.prm.trees.gates import Gate
+from tracerisk.prm.trees.spares import Spares
 
 
 @dataclass(frozen=True, slots=True)
 class LatentPart:
-    """Units of which `threshold` failed ones, hidden before or not, fail the visit."""
+    """Units of which `threshold` failed ones, hidden before or not, fail the visit.
+
+    With `spares` the units not required wait, and one whose take-over fails does so too.
+    """
 
     units: tuple[str, ...]
     threshold: int
+    spares: Spares | None = None
 
 
-def latent_parts(tree: FaultTree, latent: Collection[str]) -> tuple[LatentPart, ...]:
+def latent_parts(
+    tree: FaultTree, latent: Collection[str], spares: Mapping[str, Spares] | None = None
+) -> tuple[LatentPart, ...]:
     """Return the parts that latent units make of a tree: each fails the top by itself.
 
-    Units of which one alone fails the top are one part.
+    Units of which one alone fails the top are one part. `spares` are those of the gates.
     Raises ModelError when a unit feeds two gates, stands under one gate with other events, or
     under a gate between its group and the top that is no OR.
     """
@@ -47,7 +54,8 @@ def latent_parts(tree: FaultTree, latent: Collection[str]) -> tuple[LatentPart, 
                     f"latent unit '{event.name}' stands under gate '{gate.name}' with {what}; "
                     "allowed is a gate and, or or atleast of latent units alone"
                 )
-            groups[gate.name] = LatentPart(gate.inputs, gate.threshold)
+            waiting = (spares or {}).get(gate.name)
+            groups[gate.name] = LatentPart(gate.inputs, gate.threshold, waiting)
             _check_alone(tree, gate.name)
             gate = above.get(gate.name)
         while gate is not None:
@@ -79,8 +87,15 @@ def without_latent(tree: FaultTree, parts: Iterable[LatentPart]) -> FaultTree:
     )
 
 
-def check_latent(trees: Mapping[str, FaultTree], latent: Iterable[str]) -> None:
-    """Raise ModelError, with the state, when `latent` names what no tree of `trees` can carry."""
+def check_latent(
+    trees: Mapping[str, FaultTree],
+    latent: Iterable[str],
+    spares: Mapping[str, Mapping[str, Spares]] | None = None,
+) -> None:
+    """Raise ModelError, with the state, when `latent` names what no tree of `trees` can carry.
+
+    `spares` gives the gates with spares by state.
+    """
     names = list(latent)
     wanted = set(names)
     if len(wanted) < len(names):
@@ -95,6 +110,21 @@ def check_latent(trees: Mapping[str, FaultTree], latent: Iterable[str]) -> None:
             latent_parts(tree, wanted)
         except ModelError as error:
             raise ModelError(f"state '{state}': {error.message}", error.location) from error
+        for gate in (spares or {}).get(state, ()):
+            _check_spares(state, tree, gate, wanted)
+
+
+def _check_spares(state: str, tree: FaultTree, name: str, latent: set[str]) -> None:
+    where = f"state '{state}': spares of '{name}'"
+    gate = next((gate for gate in tree.gates if gate.name == name), None)
+    if gate is None or not latent.issuperset(gate.inputs) or _is_or(gate):
+        raise ModelError(f"{where}: allowed is a gate and or atleast of latent units alone")
+    parameters = {event.parameter for event in tree.events if event.name in gate.inputs}
+    if len(parameters) > 1:
+        raise ModelError(
+            f"{where}: its units have the parameters {', '.join(sorted(parameters))}; units of a "
+            "group with spares are alike"
+        )
 
 
 def _is_or(gate: Gate) -> bool:

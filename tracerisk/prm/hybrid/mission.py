@@ -11,7 +11,8 @@ from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain
 from tracerisk.prm.hybrid.hidden_states import MOST_STATES, HiddenStates, hidden_states
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.numbers.elimination import Elimination
-from tracerisk.prm.numbers.probability import Probability, at_least
+from tracerisk.prm.numbers.probability import Probability, at_least, pair_of
+from tracerisk.prm.trees.spares import SpareGroup, Spares
 
 _MOST_SQUARED = 32
 """Up to how many hidden states many cycles are told by squaring the way from cycle to cycle."""
@@ -197,16 +198,20 @@ def _log_survival_as_run(chain: HiddenChain, visits: Sequence[float]) -> float:
     """Return the logarithm of survival when each function is visited exactly so often.
 
     Latent units fail over all visits together; of functions that tolerate different numbers of
-    the same failed units the strictest decides.
+    the same failed units the strictest decides, and of their spares the least reliable.
     """
     states = chain.states
     total = [count * _log_survival(pair) for count, pair in zip(visits, chain.rest, strict=True)]
     survival = [0.0] * len(states.classes)
     for count, units in zip(visits, chain.units, strict=True):
         for number, p in units.items():
-            survival[number] += count * _log_survival(Probability.of(p))
+            survival[number] += count * _log_survival(pair_of(p))
     failed = [Probability(-math.expm1(log), math.exp(log)) for log in survival]
     for classes, threshold in _joined_parts(states):
+        group = _joined_spares(states, classes, threshold)
+        if group is not None:
+            total.append(_log_survival(group.visit(failed[classes[0]], 0).pair))
+            continue
         units_failed = [failed[c] for c in classes for _ in states.classes[c]]
         total.append(_log_survival(at_least(threshold, units_failed)))
     return math.fsum(total)
@@ -226,6 +231,25 @@ def _joined_parts(states: HiddenStates) -> list[tuple[tuple[int, ...], int]]:
                 apart.append((other, least))
         joined = [*apart, (classes, threshold)]
     return [(tuple(sorted(classes)), threshold) for classes, threshold in joined]
+
+
+def _joined_spares(
+    states: HiddenStates, classes: tuple[int, ...], threshold: int
+) -> SpareGroup | None:
+    """Return the group with spares that classes are in every part, `None` where some part has none.
+
+    Of parts that differ it has the greatest dormancy and the least reliable switch.
+    """
+    parts = {part for c in classes for part in states.parts_of[c]}
+    groups = [part.spares for part in parts if part.spares is not None]
+    if len(groups) < len(parts) or len(classes) > 1:
+        return None
+    spares = [group.spares for group in groups]
+    return SpareGroup(
+        groups[0].units,
+        groups[0].units - threshold + 1,
+        Spares(max(each.dormancy for each in spares), max(each.switch for each in spares)),
+    )
 
 
 def _log_survival(probability: Probability) -> float:

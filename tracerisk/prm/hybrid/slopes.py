@@ -56,11 +56,17 @@ class Slopes:
         return found
 
     def _of_unit(self, number: int, unit_class: int) -> float:
-        """Return what the failure of a latent unit costs, over all visits and working units."""
+        """Return what the failure of a latent unit costs, over all visits and working units.
+
+        Units of a group with spares share it alike: the chain counts them, and names none.
+        """
         parts = []
         for layer, row in enumerate(self._visits):
             units = self._chain.states.working(layer, unit_class)
             if row[number] != 0.0 and units > 0:
+                if unit_class in self._chain.spares[number]:
+                    parts.append(row[number] * self._adjoint.spare_loss(number, layer, unit_class))
+                    continue
                 loss = self._adjoint.unit_loss(number, layer, unit_class)
                 parts.append(row[number] * units * loss)
         return total(parts)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from tracerisk.prm.hybrid.assessment import (
     GEOMETRIC_CYCLES,
@@ -16,7 +16,7 @@ from tracerisk.prm.hybrid.assessment import (
     StateAssessment,
     bounded,
 )
-from tracerisk.prm.hybrid.component_tree import is_spare_group
+from tracerisk.prm.hybrid.component_tree import in_one_visit, is_spare_group
 from tracerisk.prm.hybrid.contributions import mean_drops
 from tracerisk.prm.hybrid.hidden_chain import tree_probability
 from tracerisk.prm.hybrid.hidden_states import MOST_STATES
@@ -82,6 +82,7 @@ def top_event(state: FunctionState) -> Probability:
 
     Raises ModelError when its fault tree cannot be solved.
     """
+    state = in_one_visit(state)
     return tree_probability(state.name, state.tree, state.probabilities)
 
 
@@ -113,7 +114,7 @@ def _state_assessments(model: HybridModel, solved: SolvedMission) -> list[StateA
             top, drops = solved.tops[name], mean_drops(solved, number_of[name])
         else:
             top = top_event(state).p
-            drops = {each: state.tree.drop_without(each, values) for each in values}
+            drops = _drops(state)
         found.append(
             StateAssessment(
                 name=name,
@@ -134,6 +135,17 @@ def _state_assessments(model: HybridModel, solved: SolvedMission) -> list[StateA
                 ),
             )
         )
+    return found
+
+
+def _drops(state: FunctionState) -> dict[str, float]:
+    """Return by how much one visit's top falls without each parameter, no unit failed before."""
+    here = in_one_visit(state)
+    found = {}
+    for name in state.probabilities:
+        without = replace(state, probabilities={**state.probabilities, name: 0.0})
+        values = in_one_visit(without).probabilities
+        found[name] = here.tree.difference(here.probabilities, values)
     return found
 
 

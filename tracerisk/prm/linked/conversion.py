@@ -9,7 +9,7 @@ from fractions import Fraction
 from itertools import product
 from typing import TYPE_CHECKING
 
-from tracerisk.errors import TooLargeError
+from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.expressions import Expression, Number, Product, Reference, Sum
 from tracerisk.prm.hybrid.hybrid import DONE, FunctionState, HybridModel
 from tracerisk.prm.linked.elements import (
@@ -40,8 +40,15 @@ def linked(model: HybridModel) -> LinkedModel:
     of it, named after its failure state.
     With latent units each function stands in the chain once for each number of them that can
     have failed unnoticed, with a fault tree in which these have failed.
-    Raises TooLargeError when that makes more than `MOST_STATES` states.
+    Raises TooLargeError when that makes more than `MOST_STATES` states, ModelError for groups with
+    spares whose failures stay hidden, of which no expression tells how many fail in a visit.
     """
+    waiting = [f"'{gate}' of {state.name}" for state in model.states for gate in state.spares]
+    if waiting:
+        raise ModelError(
+            f"{waiting[0]} has spares, and no expression of a linked model tells how many of them "
+            "fail in a visit; solve the model of functions itself, or convert its chain"
+        )
     thetas = {parameter.name: parameter.theta for parameter in model.parameters}
     reached = set(model.reachable)
     failures = model.failure_states

@@ -5,32 +5,46 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 
+from tracerisk.prm.numbers.probability import PairedFloat
+
 _EXACT_POWER = 16
 _EXACT_CHOICE = 1_000
 
 
-@lru_cache(maxsize=65_536)
 def failure_counts(units: int, p: float, most: int) -> tuple[float, ...]:
     """Return the probabilities that 0, 1, ... up to `most` of the units fail."""
-    return tuple(_count(units, p, failed) for failed in range(min(units, most) + 1))
+    return _counts(units, p, _complement(p), most)
+
+
+def failure_tails(units: int, p: float, most: int) -> tuple[float, ...]:
+    """Return the probabilities that at least 1, 2, ... up to `most` of the units fail."""
+    return _tails(units, p, _complement(p), most)
+
+
+def _complement(p: float) -> float:
+    return p.q if isinstance(p, PairedFloat) else 1.0 - p
 
 
 @lru_cache(maxsize=65_536)
-def failure_tails(units: int, p: float, most: int) -> tuple[float, ...]:
-    """Return the probabilities that at least 1, 2, ... up to `most` of the units fail."""
+def _counts(units: int, p: float, q: float, most: int) -> tuple[float, ...]:
+    return tuple(_count(units, p, q, failed) for failed in range(min(units, most) + 1))
+
+
+@lru_cache(maxsize=65_536)
+def _tails(units: int, p: float, q: float, most: int) -> tuple[float, ...]:
     most = min(units, most)
     if most < 1:
         return ()
-    tails = [_tail(units, p, most)]
+    tails = [_tail(units, p, q, most)]
     for failed in range(most - 1, 0, -1):
-        tails.append(tails[-1] + _count(units, p, failed))
+        tails.append(tails[-1] + _count(units, p, q, failed))
     return tuple(reversed(tails))
 
 
-def _tail(units: int, p: float, least: int) -> float:
+def _tail(units: int, p: float, q: float, least: int) -> float:
     total = 0.0
     for failed in range(least, units + 1):
-        term = _count(units, p, failed)
+        term = _count(units, p, q, failed)
         total += term
         # Past the mean the terms fall faster and faster.
         if failed > units * abs(p) and abs(term) < 1e-20 * abs(total):
@@ -38,25 +52,24 @@ def _tail(units: int, p: float, least: int) -> float:
     return total
 
 
-def _count(units: int, p: float, failed: int) -> float:
+def _count(units: int, p: float, q: float, failed: int) -> float:
     working = units - failed
-    if p in (0.0, 1.0):
+    if p == 0.0 or q == 0.0:
         return 1.0 if failed == units * p else 0.0
     if isinstance(p, complex):
-        return math.comb(units, failed) * p**failed * (1.0 - p) ** working
+        return math.comb(units, failed) * p**failed * q**working
     if units > _EXACT_CHOICE:
         choices = math.lgamma(units + 1) - math.lgamma(failed + 1) - math.lgamma(working + 1)
-        return math.exp(choices + failed * math.log(p) + working * math.log1p(-p))
-    survival = (1.0 - p) ** working if working <= _EXACT_POWER else _power(p, working)
+        return math.exp(choices + failed * math.log(p) + working * _log(p, q))
+    survival = q**working if working <= _EXACT_POWER else math.exp(working * _log(p, q))
     return math.comb(units, failed) * p**failed * survival
 
 
-def _power(p: float, working: int) -> float:
-    """Return (1-p)^working; 1-p rounded first would be off by the sum of its errors."""
-    return math.exp(working * math.log1p(-p))
+def _log(p: float, q: float) -> float:
+    """Return log(1-p) from the more precise half; 1-p rounded first is off by the sum of errors."""
+    return math.log1p(-p) if p < 0.5 else math.log(q)
 
 
-@lru_cache(maxsize=65_536)
 def group_failures(
     units: tuple[tuple[int, float], ...], room: int
 ) -> tuple[tuple[float, ...], float]:
@@ -64,12 +77,19 @@ def group_failures(
 
     `units` gives how many there are of each failure probability.
     """
+    return _group(tuple((number, p, _complement(p)) for number, p in units), room)
+
+
+@lru_cache(maxsize=65_536)
+def _group(
+    units: tuple[tuple[int, float, float], ...], room: int
+) -> tuple[tuple[float, ...], float]:
     if room <= 0:
         return (), 1.0
     counts, reached = [1.0], 0.0
-    for number, p in units:
-        own = failure_counts(number, p, room - 1)
-        tails = (1.0, *failure_tails(number, p, room))
+    for number, p, q in units:
+        own = _counts(number, p, q, room - 1)
+        tails = (1.0, *_tails(number, p, q, room))
         grown = [0.0] * min(room, len(counts) + len(own) - 1)
         for before, share in enumerate(counts):
             if room - before < len(tails):

@@ -92,6 +92,17 @@ def _visit(
     fails: list[Probability] = []
     spread: list[tuple[Hidden, Values]] = [(hidden, 1.0)]
     for part in states.functions[number].parts:
+        if part.spares is not None:
+            unit_class, group = part.classes[0], part.spares
+            lost = hidden[unit_class]
+            survived, gone = group.visits(np.atleast_1d(units[unit_class]), lost)
+            fails.append(Probability(gone, sum(survived)))  # type: ignore[arg-type]
+            spread = [
+                (_with_more(state, unit_class, more_failed), share * left)
+                for state, share in spread
+                for more_failed, left in enumerate(survived)
+            ]
+            continue
         room = part.threshold - sum(hidden[c] for c in part.classes)
         working = [len(states.classes[c]) - hidden[c] for c in part.classes]
         p: Values = 0.0
@@ -113,6 +124,10 @@ def _visit(
         spread = grown
         fails.append(Probability(p, q))  # type: ignore[arg-type]
     return fails, spread
+
+
+def _with_more(hidden: Hidden, unit_class: int, failed: int) -> Hidden:
+    return (*hidden[:unit_class], hidden[unit_class] + failed, *hidden[unit_class + 1 :])
 
 
 def _binomial(units: int, failed: int, p: Values) -> Values:

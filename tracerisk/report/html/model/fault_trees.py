@@ -10,6 +10,7 @@ from markupsafe import Markup
 from tracerisk.prm.drawing.fault_tree import NEGATED, gate_mark
 from tracerisk.prm.drawing.layout import Size, layered
 from tracerisk.prm.hybrid.assessment import StateAssessment
+from tracerisk.prm.hybrid.component_tree import in_one_visit
 from tracerisk.prm.hybrid.hybrid import FunctionState
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, GateKind
@@ -55,7 +56,8 @@ def fault_trees_section(report: ReportInput) -> Section:
     """Return the fault tree of each function, folded, the riskiest unfolded."""
     found = {state.name: state for state in report.assessment.states}
     trees = [
-        _shown(index, state, found[state.name]) for index, state in enumerate(report.model.states)
+        _shown(index, in_one_visit(state), found[state.name])
+        for index, state in enumerate(report.model.states)
     ]
     riskiest = max(found.values(), key=lambda each: each.absorption_probability, default=None)
     html = rendered(
