@@ -113,6 +113,16 @@ def test_a_mission_without_a_time_cannot_be_compared_with_a_test_interval(power)
     assert "write 'detected: mission_start'" in str(caught.value)
 
 
-def test_spares_tested_more_rarely_than_missions_come_are_an_error(power):
-    with pytest.raises(HardwareError, match="spares that failed in an earlier mission"):
-        power(trace_of(100.0), f"{TESTED}, spare: cold")
+@pytest.mark.parametrize("missions", [1.5, 4.0])
+def test_spares_tested_more_rarely_than_missions_come_tell_the_mean_as_well(power, missions):
+    def hazard(p, times):
+        h = -times * math.log1p(-p)
+        return h - math.log1p(h)
+
+    entry, assumptions = power(trace_of(360.0 / missions), f"{TESTED}, spare: cold")
+    alone, _ = power(trace_of(360.0 / missions), ", spare: cold")
+    # One unit after the other fails over n missions, as often as one of n times the hazard.
+    p, found = alone.probability.value, entry.probability.value
+    assert hazard(found, 1) == pytest.approx(hazard(p, missions) / missions, rel=2e-3)
+    assert entry.redundancy.text == "true, spare cold"
+    assert assumptions[0].startswith(f"power: of {missions:.4g} missions between two tests")

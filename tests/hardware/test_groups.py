@@ -43,7 +43,7 @@ def groups(draw, *, spares=False):
     if spares:
         dormancy, switch = draw(st.sampled_from([0.0, 0.2, 1.0])), draw(shares)
         assume(dormancy < 1.0 or switch > 0.0)
-        return visits, Redundancy(True, required, beta, dormancy, switch)
+        return visits, Redundancy(True, required, beta, dormancy, switch, draw(detections))
     if draw(st.booleans()):
         return visits, Redundancy(True, required, beta, detected=draw(detections))
     return visits, ALL_NEEDED
@@ -89,12 +89,11 @@ def test_like_units_at_the_groups_value_fail_as_the_unlike_units_do(group):
     assert relative_error(failure_over_visits(like, redundancy), expected) < TOLERANCE
 
 
-def spares_failure(ps, redundancy):
-    """Return the failure probability of a visit of spares, from the matrix of their chain."""
-    units, required = len(ps), redundancy.required
+def spares_failure(hazards, redundancy):
+    """Return the failure probability of spares with these hazards, from the matrix of their chain."""
+    units, required = len(hazards), redundancy.required
     states = [s for s in range(2**units) if s.bit_count() <= units - required]
     rates = mpmath.matrix(len(states) + 1)
-    hazards = [-mpmath.log1p(-p) for p in ps]
     for number, state in enumerate(states):
         sound = [u for u in range(units) if not state >> u & 1]
         for place, unit in enumerate(sound):
@@ -113,11 +112,15 @@ def spares_failure(ps, redundancy):
 def spares_over_visits(visits, redundancy):
     alive = mpmath.mpf(1)
     beta = mpmath.mpf(redundancy.common_cause)
+    hazards = []
     for units in visits:
         exact = [mpmath.mpf(p) for p in units]
-        own = [(1 - beta) * p for p in exact]
-        alive *= 1 - spares_failure(own, redundancy)
+        hazards.append([-mpmath.log1p(-(1 - beta) * p) for p in exact])
         alive *= 1 - beta * mpmath.fsum(exact) / len(exact)
+    if redundancy.detected == "mission_start":
+        hazards = [[mpmath.fsum(column) for column in zip(*hazards, strict=True)]]
+    for each in hazards:
+        alive *= 1 - spares_failure(each, redundancy)
     return 1 - alive
 
 
@@ -229,7 +232,16 @@ def halves(units):
 
 
 @pytest.mark.parametrize(
-    "redundancy", [ALL_NEEDED, Redundancy(True), Redundancy(True, 2), Redundancy(True, 1, 0.1)]
+    "redundancy",
+    [
+        ALL_NEEDED,
+        Redundancy(True),
+        Redundancy(True, 2),
+        Redundancy(True, 1, 0.1),
+        Redundancy(True, dormancy=0.0),
+        Redundancy(True, 2, 0.0, 0.3, 0.1),
+        Redundancy(True, 1, 0.1, 0.2),
+    ],
 )
 def test_cutting_visits_moves_no_figure(redundancy):
     visits = [[1e-7, 3e-6, 2e-9], [4e-8, 1e-7, 1e-6]]
@@ -241,7 +253,16 @@ def test_cutting_visits_moves_no_figure(redundancy):
     assert -math.expm1(2 * math.log1p(-part)) == pytest.approx(whole, rel=tolerance)
 
 
-@pytest.mark.parametrize("redundancy", [ALL_NEEDED, Redundancy(True), Redundancy(True, 2)])
+@pytest.mark.parametrize(
+    "redundancy",
+    [
+        ALL_NEEDED,
+        Redundancy(True),
+        Redundancy(True, 2),
+        Redundancy(True, dormancy=0.0),
+        Redundancy(True, 2, 0.0, 0.3, 0.1),
+    ],
+)
 def test_cutting_a_function_in_two_moves_no_figure_of_the_mission(redundancy):
     first, second, third = [1e-3, 3e-2, 2e-5], [4e-2, 1e-7, 1e-3], [0.0, 0.0, 5e-3]
     whole = group_unit_probabilities(

@@ -31,11 +31,7 @@ def needs_all(redundancy: Redundancy, quantity: int) -> bool:
 
 def stays_hidden(redundancy: Redundancy, quantity: int) -> bool:
     """Return whether the first failures of a group stay hidden until the mission ends."""
-    return (
-        not needs_all(redundancy, quantity)
-        and not redundancy.has_spares
-        and redundancy.detected == "mission_start"
-    )
+    return not needs_all(redundancy, quantity) and redundancy.detected == "mission_start"
 
 
 def _outcome(p: float) -> Outcome:
@@ -55,22 +51,33 @@ def unlike_visit(
     own = [_outcome(p).share(ONE - beta) for p in units]
     if without is not None:
         own[without] = NEVER
-    if redundancy.has_spares:
-        apart = unlike_spares([each.hazard for each in own], redundancy)
-    else:
-        apart = at_least(threshold_of(redundancy, len(units)), own)
-    return apart.either(_common(units, redundancy, without))
+    return unlike_apart(own, redundancy).either(_common(units, redundancy, without))
 
 
 def like_visit(unit: Outcome, redundancy: Redundancy, quantity: int) -> Outcome:
     """Return the same for like units, as the model has it."""
     beta = common_share(redundancy)
     own = unit.share(ONE - beta)
-    if redundancy.has_spares:
-        apart = like_spares(own.hazard, quantity, redundancy)
-    else:
-        apart = at_least_of_like(threshold_of(redundancy, quantity), quantity, own)
-    return apart.either(unit.share(beta))
+    return like_apart(own, redundancy, quantity).either(unit.share(beta))
+
+
+def unlike_apart(own: Sequence[Outcome], redundancy: Redundancy) -> Outcome:
+    """Return the outcome of a group by its units' own failures, whole at first.
+
+    The hazards of units with spares run in proportion. One that fails with its whole `SURE`
+    hazard fails as soon as it works.
+    """
+    if not redundancy.has_spares or needs_all(redundancy, len(own)):
+        return at_least(threshold_of(redundancy, len(own)), own)
+    hazards = [each.hazard for each in own]
+    return unlike_spares([h if h < SURE else Decimal("Infinity") for h in hazards], redundancy)
+
+
+def like_apart(own: Outcome, redundancy: Redundancy, quantity: int) -> Outcome:
+    """Return the same for like units."""
+    if not redundancy.has_spares or needs_all(redundancy, quantity):
+        return at_least_of_like(threshold_of(redundancy, quantity), quantity, own)
+    return like_spares(own.hazard, quantity, redundancy)
 
 
 def common_share(redundancy: Redundancy) -> Decimal:

@@ -61,9 +61,7 @@ def _of_one_unit(each: FunctionUse, redundancy: Redundancy) -> float | None:
     if len(values) == 1:
         return values.pop()
     plain = not redundancy.is_redundant or (
-        redundancy.detected == "mission_start"
-        and not redundancy.has_spares
-        and not redundancy.common_cause
+        redundancy.detected == "mission_start" and not redundancy.common_cause
     )
     return mean_probability(each.visits) if plain else None
 

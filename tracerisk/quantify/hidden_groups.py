@@ -12,18 +12,18 @@ from decimal import Decimal
 
 from tracerisk.hardware.redundancy import Redundancy
 from tracerisk.quantify.function_use import FunctionUse
-from tracerisk.quantify.group_gates import SURE, common_share, threshold_of
-from tracerisk.quantify.outcome import (
-    ONE,
-    ZERO,
-    Outcome,
-    after,
-    at_least,
-    at_least_of_like,
-    fewer_than,
-    solve_hazard,
+from tracerisk.quantify.group_gates import (
+    SURE,
+    common_share,
+    like_apart,
+    threshold_of,
+    unlike_apart,
 )
+from tracerisk.quantify.outcome import ONE, ZERO, Outcome, after, fewer_than, solve_hazard
 from tracerisk.quantify.probability import survival_log
+
+_STEP = Decimal("1e-15")
+"""Of a difference of hazards, relative; they have 40 digits."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,26 +82,24 @@ def hidden_values(
     A function's part of the group's hazard is what it adds to it to first order: the hazards of
     its units, each by how much the group's failure depends on that unit.
     """
-    threshold = threshold_of(redundancy, quantity)
     hazards = [hidden_hazards(each, redundancy) for each in functions]
     own, common = over_mission(hazards)
     between_tests = Decimal(missions)
     if missions != 1.0:
         own = [after(unit.hazard * between_tests) for unit in own]
-    apart = at_least(threshold, own)
-    target = apart.hazard / between_tests + common
+    apart = unlike_apart(own, redundancy)
+    target = (apart.hazard if apart.q else SURE) / between_tests + common
     if target == ZERO:
         return (0.0,) * len(functions)
-    slopes = []
-    for number, unit in enumerate(own):
-        others = fewer_than(threshold, [*own[:number], *own[number + 1 :]])
-        slopes.append(others[-1] * unit.q / apart.q)
+    slopes = _slopes(own, redundancy, apart)
     weights = [
         sum((slope * h for slope, h in zip(slopes, each.own, strict=True)), each.common)
         for each in hazards
     ]
     whole = sum((weight * each.times for weight, each in zip(weights, hazards, strict=True)), ZERO)
     shares = [weight / whole for weight in weights]
+    if apart.q == ZERO:
+        return tuple(float(after(SURE * share).p) for share in shares)
     beta = common_share(redundancy)
 
     def like(x: Decimal) -> Decimal:
@@ -122,8 +120,34 @@ def hidden_values(
                 ),
                 ZERO,
             )
-        return at_least_of_like(threshold, quantity, after(own_hazard)).hazard + common_hazard
+        return like_apart(after(own_hazard), redundancy, quantity).hazard + common_hazard
 
     start = sum((unit.hazard for unit in own), common) / quantity / between_tests
     x = solve_hazard(like, target, start)
     return tuple(float(after(x * share).p) for share in shares)
+
+
+def _slopes(own: Sequence[Outcome], redundancy: Redundancy, apart: Outcome) -> list[Decimal]:
+    """Return the derivatives of the group's hazard by those of its units."""
+    if apart.q == ZERO:
+        return [ONE] * len(own)
+    if redundancy.has_spares:
+        units = range(len(own))
+        return [_slope_of_spares(own, redundancy, apart, number) for number in units]
+    threshold = threshold_of(redundancy, len(own))
+    slopes = []
+    for number, unit in enumerate(own):
+        others = fewer_than(threshold, [*own[:number], *own[number + 1 :]])
+        slopes.append(others[-1] * unit.q / apart.q)
+    return slopes
+
+
+def _slope_of_spares(
+    own: Sequence[Outcome], redundancy: Redundancy, apart: Outcome, number: int
+) -> Decimal:
+    """Return the derivative of the hazard of a group with spares by a difference."""
+    hazard = own[number].hazard
+    if hazard == ZERO or hazard >= SURE:
+        return ZERO
+    more = [*own[:number], after(hazard * (ONE + _STEP)), *own[number + 1 :]]
+    return (unlike_apart(more, redundancy).hazard - apart.hazard) / (_STEP * hazard)

@@ -17,11 +17,11 @@ from tracerisk.quantify.group_gates import (
     SURE,
     needs_all,
     stays_hidden,
-    threshold_of,
+    unlike_apart,
     unlike_visit,
 )
 from tracerisk.quantify.hidden_groups import hidden_hazards, over_mission
-from tracerisk.quantify.outcome import ZERO, at_least, with_digits
+from tracerisk.quantify.outcome import ZERO, with_digits
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,8 @@ def _mission_hazard(
         own, common = over_mission(
             [hidden_hazards(each, redundancy, without) for each in functions]
         )
-        return at_least(threshold_of(redundancy, quantity), own).hazard + common
+        apart = unlike_apart(own, redundancy)
+        return (apart.hazard if apart.q else SURE) + common
     return sum(
         (
             Decimal(each.scale) * times * min(unlike_visit(units, redundancy, without).hazard, SURE)

@@ -82,13 +82,14 @@ def group_lines(group: GroupDerivation) -> list[str]:
         hidden = group.hidden
         fails = "" if hidden.group is None else f", the group with {number(hidden.group)}"
         like = number(hidden.like)
+        always = " at work all the time" if group.redundancy.has_spares else ""
         until = "the mission ends, over which"
         alike = "  a group of like units fails alike if each fails with"
         if hidden.missions != 1.0:
             until = f"a test after {number(hidden.missions)} missions, over which"
             alike = "  a group of like units fails as in the mean mission if each fails with"
         return [
-            f"  failures stay hidden until {until} the units fail with",
+            f"  failures stay hidden until {until} the units{always} fail with",
             f"    {', '.join(map(number, hidden.units))}{fails}",
             f"{alike} {like}",
             f"  of -ln(1 - {like}) the share of this function is {number(hidden.share)}, "

@@ -96,9 +96,9 @@ class HiddenGroup:
 
     Over so many `missions` between two tests the units fail with `units`, in the order of the
     units, each of the quantity for itself, so that the group fails with `group`, `None` where a
-    common cause is in it. With the mean hazard of one of these missions fails a group of which
-    each unit fails with `like`. The function has the `share` of what
-    survives that: 1 - p = (1 - like)^(share / times), of `times` visits in a mission.
+    common cause or spares are in it. With the mean hazard of one of these missions fails a group
+    of which each unit fails with `like`. The function has the `share` of what survives that:
+    1 - p = (1 - like)^(share / times), of `times` visits in a mission.
     """
 
     units: tuple[float, ...]

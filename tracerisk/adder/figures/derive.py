@@ -146,7 +146,7 @@ def _group(
     is_mean = math.isclose(mean, value, rel_tol=1e-12, abs_tol=0.0)
     hidden: HiddenGroup | None = None
     renewed: tuple[float, ...] = ()
-    if not is_mean and redundancy.detected == "mission_start" and not redundancy.has_spares:
+    if not is_mean and redundancy.detected == "mission_start":
         hidden = _hidden(used, function, uses, values)
     elif not is_mean and not redundancy.has_spares and not redundancy.common_cause:
         renewed = tuple(_fails(list(map(failure_probability, row)), used) for row in rows)
@@ -168,9 +168,10 @@ def _hidden(
     )
     hazards = {ref: -uses[ref].times * survival_log(value) for ref, value in values.items()}
     whole = math.fsum(hazards.values())
+    group = used.component.redundancy
     return HiddenGroup(
         units=units,
-        group=None if used.component.redundancy.common_cause else _fails(units, used),
+        group=None if group.common_cause or group.has_spares else _fails(units, used),
         like=failure_probability(whole),
         share=hazards[function] / whole if whole else 0.0,
         times=round(uses[function].times),
