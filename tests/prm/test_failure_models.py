@@ -52,7 +52,12 @@ def test_an_exponential_keeps_its_digits_when_rare(hazard):
     assert_pair(Exponential(rate).probability(8760), 1 - mpmath.exp(-mpmath.mpf(rate) * 8760))
 
 
-@pytest.mark.parametrize("phases", [1, 2, 7, 900])
+def test_an_erlang_law_of_many_events_or_phases_takes_no_time_for_each():
+    assert Erlang(1e12, 3).probability(1e6) == (1.0, 0.0)
+    assert Erlang(1e-9, 10_000).probability(1.0) == (0.0, 1.0)
+
+
+@pytest.mark.parametrize("phases", [1, 2, 7, 900, 9000])
 @pytest.mark.parametrize("mean", [1e-7, 1e-2, 3.3, 40.0, 1000.0])
 def test_an_erlang_law_counts_poisson_events(phases, mean):
     found = Erlang(mean / 100, phases).probability(100.0)
@@ -271,6 +276,7 @@ def test_a_tree_takes_its_values_from_the_models():
         (lambda: Weibull(0.0, 1.0), "scale_h is 0.0 h; allowed: above 0, finite"),
         (lambda: Weibull(1.0, -1.0), "shape is -1.0; allowed: above 0, finite"),
         (lambda: Weibull(1.0, 1.0, age_h=-1.0), "age_h is -1.0 h; allowed: 0 or more"),
+        (lambda: Erlang(1e-3, 10**9), "1000000000 phases; allowed: 1 to 10000"),
         (lambda: Erlang(1e-3, 0), "phases is 0; allowed: whole numbers from 1 on"),
         (lambda: Lognormal(1.0, 0.0), "deviation is 0.0; allowed: above 0, finite"),
         (lambda: GLM(2.0, 0.0, 0.0), "failure_on_demand is 2.0; allowed: 0 to 1"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
 
 import pytest
 from hypothesis import given, settings
@@ -301,3 +302,26 @@ def test_a_kind_that_the_file_contradicts_and_too_many_states_are_refused():
         read(STORM_TRA, kind=ChainKind.CTMC)
     with pytest.raises(TooLargeError, match=r"m.tra:4: state 2; at most 2 states are read"):
         read(STORM_TRA, most_states=2)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            "1000000000000 1\n0 1 1\n",
+            "m.tra:1: 1000000000000 states are announced; at most 10000000 are read, and 1 "
+            "transitions name at most 2",
+        ),
+        ("9999999 1\n0 1 1\n", "m.tra:1: 9999999 states are announced"),
+        ("dtmc\n0 9999999 1\n", "m.tra:2: state 9999999, but 1 transitions name at most 2"),
+    ],
+)
+def test_states_that_no_transition_can_name_are_refused_before_memory_is_used(text, message):
+    tracemalloc.start()
+    try:
+        with pytest.raises(TooLargeError) as caught:
+            read(text)
+        assert str(caught.value).startswith(message)
+        assert tracemalloc.get_traced_memory()[1] < 1e6
+    finally:
+        tracemalloc.stop()

@@ -470,3 +470,14 @@ def test_a_spare_that_is_taken_in_vain_is_in_service_for_all_that_depends_on_it(
     made = galileo.loads(SPARE_IN_VAIN, "tree.dft")
     assert made.probability(1.0).p == pytest.approx(0.09843594103996683, rel=1e-12)
     assert storm_figures(path, made, 1.0) == pytest.approx([0.09843594103996683] * 2, rel=1e-9)
+
+
+@pytest.mark.parametrize("phases", ["1000000000", "1e300"])
+def test_phases_beyond_count_are_refused_at_once(phases):
+    with pytest.raises(ModelError, match=r"t.dft:2:1: .*phases; allowed: 1 to 10000"):
+        galileo.loads(f'toplevel "A";\n"A" lambda=0.1 phases={phases};', "t.dft")
+
+
+def test_a_number_of_inputs_too_long_to_read_is_refused():
+    with pytest.raises(ModelError, match=r"t.dft:2:5: cannot read a number of 5000 digits"):
+        galileo.loads(f'toplevel "A";\n"A" {"9" * 5000}of1 "B";\n"B" prob=0.1;', "t.dft")

@@ -22,6 +22,8 @@ from tracerisk.prm.formats.explicit_chain import (
 from tracerisk.text.bounded import whole_number
 
 MOST_STATES = 10_000_000
+_UNNAMED = 1_000
+"""How many states there may be that no transition names, so that small files need not be whole."""
 _DECLARED = re.compile(r'(\d+)="([^"]+)"')
 
 
@@ -130,6 +132,13 @@ def _read_transitions(
     elif len(words) == 2:
         declared = (_whole(words[0], file, first), _whole(words[1], file, first))
         del lines[0]
+    # Each transition names two states; a number beyond that is no state of this file.
+    named = max(2 * len(lines), _UNNAMED)
+    if declared is not None and declared[0] > min(named, most_states):
+        raise TooLargeError(
+            f"{file}:{first}: {declared[0]} states are announced; at most {most_states} are read, "
+            f"and {len(lines)} transitions name at most {2 * len(lines)}"
+        )
     entries: dict[tuple[int, int], float] = {}
     highest = -1
     for number, row in lines:
@@ -143,6 +152,11 @@ def _read_transitions(
             raise ModelError(
                 f"state {highest}, but the file has {declared[0]} states",
                 Location(file, number, row[0][0]),
+            )
+        if highest >= named:
+            raise TooLargeError(
+                f"{file}:{number}: state {highest}, but {len(lines)} transitions name at most "
+                f"{2 * len(lines)} states; number the states from 0 on"
             )
         if (source, target) in entries:
             raise ModelError(
@@ -263,18 +277,20 @@ def _prism_labels(
     first = lines[0][0]
     head = text.splitlines()[first - 1]
     declared: dict[int, str] = {}
+    names: set[str] = set()
     for column, word in lines[0][1]:
         match = _DECLARED.fullmatch(word)
         if match is None:
             raise ModelError(
                 f"'{word}' is not a declaration such as 0=\"init\"", Location(file, first, column)
             )
-        label = int(match[1])
-        if label in declared or match[2] in declared.values():
+        label = _whole((column, match[1]), file, first)
+        if label in declared or match[2] in names:
             raise ModelError(
                 f"{word} is declared twice", Location(file, first, head.index(word) + 1)
             )
         declared[label] = match[2]
+        names.add(match[2])
     sets: dict[str, set[int]] = {label: set() for label in declared.values()}
     for number, words in lines[1:]:
         column, word = words[0]

@@ -38,6 +38,7 @@ __all__ = [
 ]
 
 NEVER = Probability(0.0, 1.0)
+_MOST_PHASES = 10_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +85,7 @@ class Erlang:
     """So many phases of one constant rate, the last of which ends in failure, [1/h].
 
     Source: Rausand and Hoyland, chapter 2.
-    Raises ModelError when the rate is negative or `phases` not a whole number from 1 on.
+    Raises ModelError when the rate is negative or `phases` not a whole number from 1 to 10,000.
     """
 
     rate: float
@@ -93,6 +94,8 @@ class Erlang:
     def __post_init__(self) -> None:
         check_not_negative("rate", self.rate, "1/h")
         check_count("phases", self.phases, least=1)
+        if self.phases > _MOST_PHASES:
+            raise ModelError(f"{self.phases} phases; allowed: 1 to {_MOST_PHASES}")
 
     def probability(self, mission_time_h: float) -> Probability:
         """Return the probability that all phases end within the mission, [h]."""
@@ -100,6 +103,9 @@ class Erlang:
         mean = self.rate * mission_time_h
         if mean == 0.0:
             return NEVER
+        if mean > 2.0 * self.phases + 6_000.0:
+            # Fewer events than phases: below exp(-(mean - phases)^2 / (2 mean)), less than 1e-320.
+            return Probability(1.0, 0.0)
         # Poisson's terms, relative to the greatest: fewer than so many events, and the others.
         peak = int(mean)
         fewer = more = 0.0
@@ -110,8 +116,10 @@ class Erlang:
             else:
                 more += term
             term *= count / mean
+            if term == 0.0:
+                break
         term, count = mean / (peak + 1), peak + 1
-        while count <= self.phases or term > 1e-18 * more:
+        while term > 0.0 and (count <= self.phases or term > 1e-18 * more):
             if count < self.phases:
                 fewer += term
             else:

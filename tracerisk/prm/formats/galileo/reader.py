@@ -20,6 +20,7 @@ from tracerisk.prm.formats.galileo.statements import Statement, Word, read_state
 from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, Lognormal, Weibull
 from tracerisk.prm.trees.fault_tree import FailureModel
 from tracerisk.prm.trees.gates import Gate, GateKind
+from tracerisk.text.bounded import whole_number
 
 _VOTING = re.compile(r"(?P<k>\d+)of(?P<count>\d+)|vot(?P<least>\d+)")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
@@ -154,13 +155,12 @@ def _read_gate(
     if text in ("and", "or"):
         draft.gates[name] = Gate(name, GateKind(text), inputs)
     elif voting:
-        if voting["count"] and int(voting["count"]) != len(inputs):
+        least = _whole(voting["k"] or voting["least"], kind)
+        if voting["count"] and _whole(voting["count"], kind) != len(inputs):
             raise ModelError(
                 f"gate '{name}' is {kind.text} and has {len(inputs)} inputs", kind.place
             )
-        draft.gates[name] = Gate(
-            name, GateKind.ATLEAST, inputs, int(voting["k"] or voting["least"])
-        )
+        draft.gates[name] = Gate(name, GateKind.ATLEAST, inputs, least)
     elif text in _DYNAMIC:
         sort, inclusive = _DYNAMIC[text]
         draft.gates[name] = DynamicGate(name, sort, inputs, inclusive)
@@ -237,6 +237,13 @@ def _number(word: Word) -> float:
     if not _NUMBER.fullmatch(word.text):
         raise ModelError(f"'{word.text}' is not a number", word.place)
     return float(word.text)
+
+
+def _whole(digits: str, word: Word) -> int:
+    try:
+        return whole_number(digits)
+    except ValueError as error:
+        raise ModelError(f"cannot read {error}", word.place) from error
 
 
 def _check_inputs(draft: _Draft) -> None:
@@ -328,15 +335,21 @@ def _reached(draft: _Draft, top: str) -> set[str]:
 def _below(draft: _Draft) -> set[str]:
     """Return all that is below the top or tied to what is."""
     assert draft.top is not None
-    below = _reached(draft, draft.top.text)
-    waiting: list[Dependency | Restriction] = [*draft.dependencies.values()]
-    waiting += draft.restrictions.values()
-    while True:
-        tied = [tie for tie in waiting if not below.isdisjoint(tie.inputs)]
-        if not tied:
-            return below
-        waiting = [tie for tie in waiting if tie not in tied]
-        for tie in tied:
+    ties: list[Dependency | Restriction] = [*draft.dependencies.values()]
+    ties += draft.restrictions.values()
+    of: dict[str, list[Dependency | Restriction]] = {}
+    for tie in ties:
+        for name in tie.inputs:
+            of.setdefault(name, []).append(tie)
+    below: set[str] = set()
+    waiting = [draft.top.text]
+    while waiting:
+        name = waiting.pop()
+        if name in below:
+            continue
+        below.add(name)
+        waiting += draft.gates[name].inputs if name in draft.gates else ()
+        for tie in of.get(name, ()):
             below.add(tie.name)
-            for name in tie.inputs:
-                below |= _reached(draft, name)
+            waiting += tie.inputs
+    return below
