@@ -60,6 +60,10 @@ class ChainFile:
         whole = {name: int(n) if n.is_integer() else n for name, n in self.constants.items()}
         chain = read_model(self.files, self.kind, whole)
         assert isinstance(chain, ExplicitChain)
+        if chain.starts:
+            raise InputError(
+                f"the chain of '{self.name}' has {len(chain.starts)} starts; its figures need one"
+            )
         if chain.initial in chain.absorbing:
             raise InputError(f"the chain of '{self.name}' starts in a state that it never leaves")
         if self.time is not None:

@@ -284,7 +284,6 @@ def test_garbled_transitions_are_refused_with_their_position(text, message):
         ),
         ("#DECLARATION\ninit\n#END\ninit 0\n", "m.lab:4:1: 'init' is not a whole number"),
         ("#DECLARATION\na\n#END\n0 a\n", "m.lab:1: no state has the label 'init'; label one"),
-        ("#DECLARATION\ninit\n#END\n0 init\n1 init\n", "m.lab:1: 2 states have the label 'init'"),
         ('0="init" 1=x\n0: 0\n', "m.lab:1:10: '1=x' is not a declaration such as 0=\"init\""),
         ('0="init" 0="x"\n0: 0\n', 'm.lab:1:10: 0="x" is declared twice'),
         ('0="init"\n0 0\n', "m.lab:2:1: '0' where a state and a colon are expected"),
@@ -325,3 +324,11 @@ def test_states_that_no_transition_can_name_are_refused_before_memory_is_used(te
         assert tracemalloc.get_traced_memory()[1] < 1e6
     finally:
         tracemalloc.stop()
+
+
+def test_several_starts_come_back_from_all_formats():
+    chain = read(STORM_TRA, "#DECLARATION\ninit\n#END\n2 init\n1 init\n")
+    assert chain.starts == (1, 2)
+    again = read(write_transitions(chain), write_labels(chain))
+    assert (again.starts, again.rows) == (chain.starts, chain.rows)
+    assert len(read_prism(write_prism(chain)).starts) == 2

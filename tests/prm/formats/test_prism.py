@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.formats.explicit_chain import ChainKind
-from tracerisk.prm.formats.prism import read_prism
+from tracerisk.prm.formats.prism import read_prism, state_space
 
 DIE = """// Knuth and Yao's die, with faces 1 and the rest
 dtmc
@@ -35,7 +36,8 @@ def test_constants_variables_commands_formulas_and_labels_are_read():
     chain = read_prism(DIE, file="die.pm", constants={"N": 7})
     assert chain.kind is ChainKind.DTMC
     assert len(chain.rows) == 6
-    assert chain.notes == ('die.pm:16:1: rewards "flips" are not read',)
+    assert chain.notes == ()
+    assert chain.rewards["flips"].moves == [1.0] * 6
     absorption = chain.markov_chain().solve(chain.entry).absorption()
     assert absorption == {"s=3,d=0": 0.25, "one": 0.25, "s=4,d=0": 0.5}
     assert chain.labelled("over") == ("s=3,d=0", "one", "s=4,d=0")
@@ -173,11 +175,11 @@ label "x" = s=1;
         ('"x" = s=1', '"x" = s', 'm.pm:9:13: label "x" is 0, neither true nor false'),
         ('"x" = s=1', "x = s=1", "m.pm:9:7: 'x' where a label in quotes is expected"),
         ('"x" = s=1;', '"x" = s=1; label "x" = s=2;', 'm.pm:9:24: duplicate label "x"'),
-        ("label", "init", "m.pm:9:1: 'init' is not read; one start is"),
+        ("label", "init", "m.pm:9:15: ';' where 'endinit' is expected"),
         ("label", "lable", "m.pm:9:1: 'lable' where a declaration (const, "),
         ("endmodule", "endmodule module m endmodule", "m.pm:8:18: duplicate module 'm'"),
         ("endmodule", "endmodule module n=k [a=b] endmodule", "m.pm:8:20: no module 'k' before"),
-        ("endmodule", "endmodule rewards", "m.pm:10:1: the file ends where 'endrewards'"),
+        ("endmodule", "endmodule rewards true : 1;", "m.pm:9:7: '\"x\"' where"),
     ],
 )
 def test_a_garbled_text_is_refused_with_its_position(old, new, message):
@@ -241,3 +243,133 @@ def test_the_examples_of_stormpy_are_absorbed_as_storm_says(name, label):
     assert solution.absorption_from_each(targets)[chain.entry] == pytest.approx(
         answer.get_value(built.initial_states[0]), rel=1e-12
     )
+
+
+def one_state(expression, before=""):
+    return (
+        f"dtmc\n{before}\nmodule m\n  s : [0..20000] init {expression};\n  [] true -> true;\n"
+        "endmodule\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("expression", "value"),
+    [
+        ("(" * 20_000 + "7" + ")" * 20_000, 7),
+        ("(1+" * 100 + "1" + ")" * 100, 101),
+        ("+".join(["1"] * 20_000), 20_000),
+        ("1000" + "-1" * 500, 500),
+        ("".join(f"{n}>5 ? {n} : " for n in range(20_000)) + "3", 6),
+        ("(" + "|".join(["1=2"] * 5_000) + "|true) ? 1 : 2", 1),
+        ("2=3 ? 1 : 3=3 ? 4=4 ? 5 : 6 : 7", 5),
+        ("1 < 2 ? (2 < 1 ? 3 : 4) : 5", 4),
+        ("max(1, 2 > 1 ? 8 : 9, 3)", 8),
+        ("0 > 1 ? 1/0 : 2", 2),
+        ("8/2/2", 2),
+        ("2-(3-4)", 3),
+        ("-(-3)", 3),
+        ("!!(1=1) ? 1 : 2", 1),
+    ],
+)
+def test_chained_and_bracketed_expressions_of_any_length_are_read(expression, value):
+    assert read_prism(one_state(expression)).names == (f"s={value}",)
+
+
+def test_formulas_and_constants_that_stand_for_one_another_are_read_in_any_order():
+    count = 3_000
+    constants = "".join(f"const int c{n} = c{n + 1};\n" for n in range(count))
+    text = one_state("c0", f"{constants}const int c{count} = last;\nformula last = 5;")
+    assert read_prism(text).names == ("s=5",)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (one_state("-" * 3_000 + "1"), "an expression nests more than 200 operations"),
+        (one_state("(1+" * 300 + "1" + ")" * 300), "an expression nests more than 200 operations"),
+        (one_state("(" * 3_000), "where an expression is expected"),
+        (one_state("(1 ? 2) : 3"), "m.pm:4:29: ')' where ':' is expected"),
+        (one_state("(1, 2)"), "m.pm:4:25: ',' where ')' is expected"),
+        (one_state("max(1 ? 2, 3)"), "m.pm:4:32: ',' where ':' is expected"),
+        (one_state("pow(10, 1000000000)"), "no value: a power that is too large"),
+        (one_state("pow(-8, 1/2)"), "no value: a power that is no real number"),
+        (one_state("1" + "*1000000" * 1_000), "no value: a product that is too large"),
+        (one_state("a", "const int a = b;\nconst int b = a;"), "leads back to itself"),
+        (one_state("a", "const int a = f;\nformula f = a;"), "leads back to itself"),
+        (one_state("f", "formula f = g;\nformula g = f;"), "leads back to itself"),
+        (
+            one_state(
+                "f40",
+                "formula f0=1+s;\n" + "".join(f"formula f{n + 1}=f{n}+f{n};\n" for n in range(40)),
+            )
+            .replace("init f40", "")
+            .replace("] true", "] f40=1"),
+            "stands for more than 100000 operations",
+        ),
+        (
+            one_state(
+                "0",
+                "formula f0=1+s;\n" + "".join(f"formula f{n + 1}=f{n}+1;\n" for n in range(400)),
+            ).replace("] true", "] f400=1"),
+            "an expression nests more than 200 operations deep",
+        ),
+    ],
+)
+def test_what_would_take_too_deep_or_too_much_is_refused(text, message):
+    with pytest.raises(ModelError, match=re.escape(message)):
+        read_prism(text, file="m.pm")
+
+
+def test_moves_of_many_modules_together_are_counted_before_they_are_made(monkeypatch):
+    monkeypatch.setattr(state_space, "_MOST_WORK", 1_000_000)
+    modules = "".join(
+        f"module m{n}\n  x{n} : [0..1];\n  [go] true -> 0.5 : (x{n}'=0) + 0.5 : (x{n}'=1);\n"
+        "endmodule\n"
+        for n in range(60)
+    )
+    with pytest.raises(TooLargeError, match="more than 1000000 operations to put together"):
+        read_prism(f"dtmc\n{modules}")
+
+
+def test_the_states_of_init_are_the_starts_and_come_first():
+    text = """dtmc
+    module m
+      x : [0..2];
+      y : bool;
+      [] x<2 -> (x'=x+1);
+    endmodule
+    init x=1 | (x=0 & y) endinit
+    """
+    chain = read_prism(text)
+    assert [chain.names[state] for state in chain.starts] == [
+        *("x=0,y=true", "x=1,y=false", "x=1,y=true"),
+    ]
+    assert chain.labels["init"] == frozenset((0, 1, 2))
+    with pytest.raises(ModelError, match="no state holds in 'init"):
+        read_prism(text.replace("x=1 | (x=0 & y)", "x>2"))
+    with pytest.raises(ModelError, match="'x' has a start of its own beside 'init"):
+        read_prism(text.replace("[0..2]", "[0..2] init 0"))
+
+
+def test_rewards_are_those_of_states_and_of_moves_by_their_action():
+    text = """ctmc
+    module m
+      x : [0..2];
+      [go] x<2 -> 3 : (x'=x+1);
+      [] x=2 -> 0.5 : (x'=0);
+    endmodule
+    rewards "both" x>0 : x; true : 1; [go] x=1 : 10; [] true : 4; endrewards
+    rewards [go] true : 1; endrewards
+    """
+    rewards = read_prism(text).rewards
+    assert rewards["both"].states == [1.0, 2.0, 3.0]
+    assert rewards["both"].moves == [0.0, 30.0, 2.0]
+    assert rewards[""].moves == [3.0, 3.0, 0.0]
+    with pytest.raises(ModelError, match=r"-1 in x=0 is not a reward; allowed: 0 or more"):
+        read_prism(text.replace("x>0 : x", "true : x-1"))
+
+
+@pytest.mark.parametrize("word", ["system", "invariant", "observables", "player"])
+def test_what_is_not_read_is_refused_by_its_name(word):
+    with pytest.raises(ModelError, match=rf"m.pm:2:1: .*'{word}'"):
+        read_prism(f"dtmc\n{word} x end{word}\n", file="m.pm")

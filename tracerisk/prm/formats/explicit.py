@@ -88,12 +88,11 @@ def read_explicit(
     found, count, rows = _read_transitions(transitions, transitions_file, kind, most_states)
     sets = _read_labels(labels, labels_file, count)
     starts = sets.get(INITIAL, frozenset())
-    if len(starts) != 1:
-        what = f"{len(starts)} states have" if starts else "no state has"
-        raise ModelError(f"{what} the label '{INITIAL}'; label one", Location(labels_file, 1))
+    if not starts:
+        raise ModelError(f"no state has the label '{INITIAL}'; label one", Location(labels_file, 1))
     names = names_from_labels(count, sets)
-    (initial,) = starts
-    return ExplicitChain(found, initial, rows, sets, names)
+    several = tuple(sorted(starts)) if len(starts) > 1 else ()
+    return ExplicitChain(found, min(starts), rows, sets, names, starts=several)
 
 
 def _lines(text: str) -> Iterator[tuple[int, list[tuple[int, str]]]]:

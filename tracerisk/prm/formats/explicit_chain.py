@@ -24,12 +24,24 @@ class ChainKind(enum.Enum):
 
 
 @dataclass(frozen=True, slots=True)
+class Rewards:
+    """What each state earns: in one step, or in continuous time per unit of it.
+
+    `moves` is the part that goes with the moves out of the state, in the mean.
+    """
+
+    states: list[float]
+    moves: list[float]
+
+
+@dataclass(frozen=True, slots=True)
 class ExplicitChain:
     """A chain with numbered states, as PRISM and Storm hold it.
 
     `rows[i][j]` is the probability or rate of going from state i to j; a state is absorbing when
     its row is empty or leads to nothing but itself.
-    `labels` give sets of states a name; `notes` tell what of a file was left out.
+    `labels` give sets of states a name; `notes` tell what of a file was left out; `starts` are
+    the states in which the chain can begin, where these are more than the `initial` one.
     """
 
     kind: ChainKind
@@ -38,6 +50,8 @@ class ExplicitChain:
     labels: Mapping[str, frozenset[int]]
     names: tuple[str, ...]
     notes: tuple[str, ...] = field(default=(), compare=False)
+    starts: tuple[int, ...] = ()
+    rewards: Mapping[str, Rewards] = field(default_factory=dict, compare=False)
 
     @property
     def absorbing(self) -> tuple[int, ...]:

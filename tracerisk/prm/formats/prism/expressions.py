@@ -1,10 +1,11 @@
-"""Expressions of the PRISM language: parsed to a tree, then compiled to functions of a state."""
+"""Expressions of the PRISM language, parsed with an explicit stack.
+
+What is chained (sums, products, conditions one after the other) is one node with many inputs.
+"""
 
 from __future__ import annotations
 
-import math
-import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from tracerisk.errors import Location, ModelError, one_of
@@ -12,55 +13,55 @@ from tracerisk.prm.formats.prism.tokens import Token
 from tracerisk.text.bounded import finite_number, whole_number
 
 Value = bool | int | float
-State = tuple[Value, ...]
-Compiled = Callable[[State], Value]
 
-_MOST_BITS = 2048  # of a whole power: more than any double has
-
-
-def _power(base: Value, exponent: Value) -> Value:
-    is_whole = isinstance(base, int) and isinstance(exponent, int) and exponent > 0
-    if is_whole and int(base).bit_length() * exponent > _MOST_BITS:
-        raise OverflowError("a power that is too large")
-    result: Value = pow(base, exponent)
-    return result
-
-
-_BINARY: Mapping[str, Callable[[Value, Value], Value]] = {
-    "=": operator.eq,
-    "!=": operator.ne,
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-    "+": operator.add,
-    "-": operator.sub,
-    "*": operator.mul,
-    "/": operator.truediv,
+MOST_DEPTH = 200
+"""How deeply operations may stand in one another, formulas counted with what they stand for."""
+FUNCTIONS = {
+    "min": None,
+    "max": None,
+    "floor": 1,
+    "ceil": 1,
+    "round": 1,
+    "pow": 2,
+    "mod": 2,
+    "log": 2,
 }
-_LEVELS: tuple[tuple[str, ...], ...] = (("=", "!="), ("<", "<=", ">", ">="), ("+", "-"), ("*", "/"))
-"""From the loosest to the tightest of those that take two numbers."""
-_FUNCTIONS: Mapping[str, tuple[int | None, Callable[..., Value]]] = {
-    "min": (None, min),
-    "max": (None, max),
-    "floor": (1, math.floor),
-    "ceil": (1, math.ceil),
-    "round": (1, lambda x: math.floor(x + 0.5)),
-    "pow": (2, _power),
-    "mod": (2, operator.mod),
-    "log": (2, lambda x, base: math.log(x) / math.log(base)),
+"""How many arguments each function takes; `None` is any number from one on."""
+_LEVELS = {
+    "=>": 1,
+    "<=>": 1,
+    "|": 2,
+    "&": 3,
+    "=": 5,
+    "!=": 5,
+    "<": 6,
+    "<=": 6,
+    ">": 6,
+    ">=": 6,
+    "+": 7,
+    "-": 7,
+    "*": 8,
+    "/": 8,
 }
+"""How tightly each sign between two inputs binds."""
+_BEFORE = {"!": 4, "-": 9}
 
 
 @dataclass(frozen=True, slots=True)
 class Expression:
-    """An operation, by its sign or name, on others; or a literal, or a name."""
+    """A literal, a name, a label, or an operation on others.
+
+    A `chain` is read from left to right: inputs[0] signs[0] inputs[1] signs[1] ...; a `?` has a
+    condition and a value in turn, and the last value.
+    """
 
     operation: str
     location: Location
     inputs: tuple[Expression, ...] = ()
     literal: Value = 0
     name: str = ""
+    signs: tuple[str, ...] = ()
+    depth: int = field(default=0, compare=False)
 
 
 @dataclass(slots=True)
@@ -107,63 +108,187 @@ class Cursor:
         return self.take()
 
 
-def parse_expression(cursor: Cursor) -> Expression:
-    """Return the expression that begins at the next word."""
-    condition = _implication(cursor)
-    if cursor.now.text == "?":
-        location = cursor.take().location
-        chosen = parse_expression(cursor)
-        cursor.expect(":")
-        return Expression("?", location, (condition, chosen, parse_expression(cursor)))
-    return condition
+@dataclass(slots=True)
+class _Open:
+    """What has begun and waits for inputs: a chain, a sign before, a choice, a bracket, a call."""
+
+    kind: str
+    location: Location
+    level: int = 0
+    signs: list[str] = field(default_factory=list)
+    name: str = ""
+    pairs: int = 0
+    chosen: bool = False
 
 
-def _implication(cursor: Cursor) -> Expression:
-    left = _either(cursor)
-    while cursor.now.text in ("=>", "<=>"):
-        sign = cursor.take()
-        left = Expression(sign.text, sign.location, (left, _either(cursor)))
-    return left
+Operand = Callable[[Cursor], Expression | None]
 
 
-def _either(cursor: Cursor) -> Expression:
-    left = _both(cursor)
-    while cursor.now.text == "|":
-        location = cursor.take().location
-        left = Expression("|", location, (left, _both(cursor)))
-    return left
+def parse_expression(cursor: Cursor, special: Operand | None = None) -> Expression:
+    """Return the expression that begins at the next word, and go on behind it.
+
+    `special` may read an operand that only some texts have; it returns `None` for any other.
+    Raises ModelError with the position of what is malformed or stands too deep.
+    """
+    return _Parser(cursor, special).parse()
 
 
-def _both(cursor: Cursor) -> Expression:
-    left = _negation(cursor)
-    while cursor.now.text == "&":
-        location = cursor.take().location
-        left = Expression("&", location, (left, _negation(cursor)))
-    return left
+class _Parser:
+    def __init__(self, cursor: Cursor, special: Operand | None) -> None:
+        self._cursor = cursor
+        self._special = special
+        self._values: list[Expression] = []
+        self._open: list[_Open] = []
+        self._brackets = 0
+
+    def parse(self) -> Expression:
+        while True:
+            self._operand()
+            while self._closes():
+                pass
+            if not self._continues():
+                break
+        self._reduce(0)
+        if self._open:
+            self._cursor.now.refuse("')'")
+        return self._values.pop()
+
+    def _operand(self) -> None:
+        """Read one operand, with all that stands before it."""
+        cursor = self._cursor
+        while True:
+            found = self._special(cursor) if self._special is not None else None
+            if found is not None:
+                self._values.append(found)
+                return
+            token = cursor.take()
+            if token.kind == "sign" and token.text in _BEFORE:
+                level = _BEFORE[token.text]
+                self._open.append(_Open("before", token.location, level, [token.text]))
+            elif token.kind == "sign" and token.text == "(":
+                self._open.append(_Open("bracket", token.location, -1))
+                self._brackets += 1
+            elif (
+                token.kind == "name" and cursor.now.text == "(" and token.text not in _TRUTH_VALUES
+            ):
+                if token.text not in FUNCTIONS:
+                    raise ModelError(
+                        f"no function '{token.text}'; {one_of(FUNCTIONS, token.text)}",
+                        token.location,
+                    )
+                cursor.expect("(")
+                self._open.append(_Open("call", token.location, -1, name=token.text, pairs=1))
+                self._brackets += 1
+            else:
+                self._values.append(_leaf(token))
+                return
+
+    def _closes(self) -> bool:
+        """Read a bracket that ends; return whether there was one."""
+        cursor = self._cursor
+        if cursor.now.text != ")" or not self._brackets:
+            return False
+        self._reduce(0)
+        last = self._open[-1]
+        if last.level >= 0:
+            cursor.now.refuse("':'")
+        cursor.take()
+        self._open.pop()
+        self._brackets -= 1
+        if last.kind == "call":
+            count = FUNCTIONS[last.name]
+            if count is not None and last.pairs != count:
+                raise ModelError(f"{last.name} takes {count} arguments", last.location)
+            self._put("call", last.location, last.pairs, name=last.name)
+        return True
+
+    def _continues(self) -> bool:
+        """Read what joins the operand to a further one; return whether there is such."""
+        token = self._cursor.now
+        if token.kind != "sign":
+            return False
+        if token.text in _LEVELS:
+            level = _LEVELS[token.text]
+            self._reduce(level + 1)
+            last = self._open[-1] if self._open else None
+            if last is not None and last.kind == "chain" and last.level == level:
+                last.signs.append(token.text)
+            else:
+                self._open.append(_Open("chain", token.location, level, [token.text]))
+        elif token.text == "?":
+            self._reduce(1)
+            last = self._open[-1] if self._open else None
+            if last is not None and last.kind == "?" and last.chosen:
+                last.chosen = False
+                last.pairs += 1
+            else:
+                self._open.append(_Open("?", token.location, 0, pairs=1))
+        elif token.text == ":":
+            self._reduce(0)
+            last = self._open[-1] if self._open else None
+            if last is None or last.kind != "?":
+                return False
+            last.chosen = True
+        elif token.text == ",":
+            if not self._brackets:
+                return False
+            self._reduce(0)
+            last = self._open[-1]
+            if last.kind != "call":
+                token.refuse("')'" if last.kind == "bracket" else "':'")
+            last.pairs += 1
+        else:
+            return False
+        self._cursor.take()
+        return True
+
+    def _reduce(self, level: int) -> None:
+        """Make operations of all that binds at least as tightly, up to the last bracket."""
+        while self._open:
+            last = self._open[-1]
+            waiting = last.kind == "?" and not last.chosen
+            if last.level < level or last.level < 0 or waiting:
+                return
+            self._open.pop()
+            if last.kind == "chain":
+                self._put("chain", last.location, len(last.signs) + 1, signs=tuple(last.signs))
+            elif last.kind == "before":
+                self._put("minus" if last.signs == ["-"] else "!", last.location, 1)
+            else:
+                self._put("?", last.location, 2 * last.pairs + 1)
+
+    def _put(
+        self,
+        operation: str,
+        location: Location,
+        count: int,
+        *,
+        name: str = "",
+        signs: tuple[str, ...] = (),
+    ) -> None:
+        inputs = tuple(self._values[-count:])
+        del self._values[-count:]
+        depth = 1 + max(part.depth for part in inputs)
+        if depth > MOST_DEPTH:
+            raise too_deep(location)
+        made = Expression(operation, location, inputs, name=name, signs=signs, depth=depth)
+        self._values.append(made)
 
 
-def _negation(cursor: Cursor) -> Expression:
-    if cursor.now.text == "!":
-        location = cursor.take().location
-        return Expression("!", location, (_negation(cursor),))
-    return _level(cursor, 0)
+_TRUTH_VALUES = ("true", "false")
 
 
-def _level(cursor: Cursor, level: int) -> Expression:
-    if level == len(_LEVELS):
-        return _unary(cursor)
-    left = _level(cursor, level + 1)
-    while cursor.now.kind == "sign" and cursor.now.text in _LEVELS[level]:
-        sign = cursor.take()
-        left = Expression(sign.text, sign.location, (left, _level(cursor, level + 1)))
-    return left
+def too_deep(location: Location) -> ModelError:
+    """Return the error of an expression that nests beyond the limit."""
+    return ModelError(
+        f"an expression nests more than {MOST_DEPTH} operations deep; "
+        "compute parts of it as constants or variables",
+        location,
+    )
 
 
-def _unary(cursor: Cursor) -> Expression:
-    if cursor.now.text == "-":
-        location = cursor.take().location
-        return Expression("minus", location, (_unary(cursor),))
-    token = cursor.take()
+def _leaf(token: Token) -> Expression:
+    """Return what one word means."""
     if token.kind == "number":
         read = whole_number if token.text.isdigit() else finite_number
         try:
@@ -171,120 +296,10 @@ def _unary(cursor: Cursor) -> Expression:
         except ValueError as error:
             raise ModelError(f"cannot read {error}", token.location) from error
         return Expression("literal", token.location, literal=literal)
-    if token.text in ("true", "false"):
+    if token.text in _TRUTH_VALUES and token.kind == "name":
         return Expression("literal", token.location, literal=token.text == "true")
-    if token.text == "(" and token.kind == "sign":
-        inner = parse_expression(cursor)
-        cursor.expect(")")
-        return inner
+    if token.kind == "text":
+        return Expression("label", token.location, name=token.text.strip('"'))
     if token.kind != "name":
         token.refuse("an expression")
-    if cursor.now.text != "(":
-        return Expression("name", token.location, name=token.text)
-    if token.text not in _FUNCTIONS:
-        raise ModelError(
-            f"no function '{token.text}'; {one_of(_FUNCTIONS, token.text)}", token.location
-        )
-    cursor.expect("(")
-    inputs = [parse_expression(cursor)]
-    while cursor.accept(","):
-        inputs.append(parse_expression(cursor))
-    cursor.expect(")")
-    count, _ = _FUNCTIONS[token.text]
-    if count is not None and len(inputs) != count:
-        raise ModelError(f"{token.text} takes {count} arguments", token.location)
-    return Expression("call", token.location, tuple(inputs), name=token.text)
-
-
-@dataclass(slots=True)
-class Scope:
-    """What names mean: constants, the places of variables in a state, formulas."""
-
-    constants: dict[str, Value] = field(default_factory=dict)
-    places: dict[str, int] = field(default_factory=dict)
-    formulas: dict[str, Expression] = field(default_factory=dict)
-    _open: list[str] = field(default_factory=list)
-
-    def compile(self, expression: Expression) -> Compiled:
-        """Return a function from a state to the value of an expression.
-
-        Raises ModelError, here or from the function, with the position of what has no value.
-        """
-        if expression.operation == "literal":
-            literal = expression.literal
-            return lambda _: literal
-        if expression.operation == "name":
-            return self._named(expression)
-        inputs = [self.compile(part) for part in expression.inputs]
-        return _guarded(_operation(expression, inputs), expression)
-
-    def constant(self, expression: Expression) -> Value:
-        """Return the value of an expression without variables."""
-        return Scope(self.constants, {}, self.formulas, self._open).compile(expression)(())
-
-    def _named(self, expression: Expression) -> Compiled:
-        name = expression.name
-        if name in self.places:
-            place = self.places[name]
-            return lambda state: state[place]
-        if name in self.constants:
-            value = self.constants[name]
-            return lambda _: value
-        if name in self.formulas:
-            if name in self._open:
-                raise ModelError(f"formula '{name}' leads back to itself", expression.location)
-            self._open.append(name)
-            try:
-                return self.compile(self.formulas[name])
-            finally:
-                self._open.pop()
-        known = (*self.places, *self.constants, *self.formulas)
-        raise ModelError(
-            f"'{name}' is not a variable, constant or formula here; {one_of(known, name)}",
-            expression.location,
-        )
-
-
-def _operation(expression: Expression, inputs: list[Compiled]) -> Compiled:
-    sign = expression.operation
-    if sign == "call":
-        _, function = _FUNCTIONS[expression.name]
-        return lambda state: function(*(part(state) for part in inputs))
-    if sign == "minus":
-        (only,) = inputs
-        return lambda state: -only(state)
-    if sign == "!":
-        (only,) = inputs
-        return lambda state: not _truth(only(state), expression)
-    if sign == "?":
-        condition, chosen, other = inputs
-        return lambda state: chosen(state) if _truth(condition(state), expression) else other(state)
-    left, right = inputs
-    if sign == "&":
-        return lambda state: _truth(left(state), expression) and _truth(right(state), expression)
-    if sign == "|":
-        return lambda state: _truth(left(state), expression) or _truth(right(state), expression)
-    if sign == "=>":
-        return lambda state: not _truth(left(state), expression) or _truth(right(state), expression)
-    if sign == "<=>":
-        return lambda state: _truth(left(state), expression) == _truth(right(state), expression)
-    function = _BINARY[sign]
-    return lambda state: function(left(state), right(state))
-
-
-def _truth(value: Value, expression: Expression) -> bool:
-    if not isinstance(value, bool):
-        raise ModelError(f"{value!r} is neither true nor false", expression.location)
-    return value
-
-
-def _guarded(compiled: Compiled, expression: Expression) -> Compiled:
-    def evaluate(state: State) -> Value:
-        try:
-            return compiled(state)
-        except (ArithmeticError, ValueError, TypeError) as error:
-            if isinstance(error, ModelError):
-                raise
-            raise ModelError(f"no value: {error}", expression.location) from error
-
-    return evaluate
+    return Expression("name", token.location, name=token.text)

@@ -16,9 +16,14 @@ _KINDS = {
     "stochastic": ChainKind.CTMC,
 }
 _OTHER_KINDS = ("mdp", "nondeterministic", "pta", "pomdp", "popta", "smg", "imdp", "idtmc")
-_NOT_READ = ("init", "system", "invariant", "observables", "player")
+_NOT_READ = {
+    "system": "all modules run beside each other here; leave 'system' out",
+    "invariant": "'invariant' goes with clocks, which a dtmc or ctmc has none of",
+    "observables": "'observables' goes with pomdps, which are not read",
+    "player": "'player' goes with games, which are not read",
+}
 _TYPES = ("int", "double", "bool", "rate", "prob")
-_READ = ("const", "formula", "global", "label", "module", "rewards")
+_READ = ("const", "formula", "global", "init", "label", "module", "rewards")
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,9 +66,18 @@ class Command:
     location: Location
 
 
+@dataclass(frozen=True, slots=True)
+class Reward:
+    """What a state earns, or with an action ("" for commands that have none) a move of it."""
+
+    action: str | None
+    guard: Expression
+    value: Expression
+
+
 @dataclass(slots=True)
 class Program:
-    """The declarations of a text, in order; `commands` by module."""
+    """The declarations of a text, in order; `commands` by module, `rewards` by structure."""
 
     kind: ChainKind
     constants: list[Constant] = field(default_factory=list)
@@ -71,7 +85,8 @@ class Program:
     formulas: dict[str, Expression] = field(default_factory=dict)
     labels: dict[str, Expression] = field(default_factory=dict)
     commands: dict[str, list[Command]] = field(default_factory=dict)
-    notes: list[str] = field(default_factory=list)
+    rewards: dict[str, list[Reward]] = field(default_factory=dict)
+    starts: Expression | None = None
 
 
 def parse_program(text: str, file: str) -> Program:
@@ -92,10 +107,10 @@ def parse_program(text: str, file: str) -> Program:
     while cursor.now.kind != "end":
         word = cursor.take()
         if word.text in _NOT_READ:
-            raise ModelError(f"'{word.text}' is not read; one start is", word.location)
+            raise ModelError(_NOT_READ[word.text], word.location)
         match word.text:
             case "const":
-                program.constants.append(_constant(cursor))
+                program.constants.append(parse_constant(cursor))
             case "formula":
                 name = cursor.name("the name of a formula")
                 cursor.expect("=")
@@ -103,13 +118,20 @@ def parse_program(text: str, file: str) -> Program:
                 program.formulas[name.text] = parse_expression(cursor)
                 cursor.expect(";")
             case "label":
-                _label(cursor, program)
+                name, held = parse_label(cursor)
+                _once(name, program.labels, "label")
+                program.labels[name.text.strip('"')] = held
+            case "init":
+                if program.starts is not None:
+                    raise ModelError("duplicate 'init'; join the two by |", word.location)
+                program.starts = parse_expression(cursor)
+                cursor.expect("endinit")
             case "global":
                 program.variables.append(_variable(cursor))
             case "module":
                 _module(cursor, program, bodies)
             case "rewards":
-                _skip_rewards(cursor, program, word)
+                _rewards(cursor, program)
             case _:
                 word.refuse(f"a declaration ({', '.join(_READ)})")
     if not program.commands:
@@ -136,7 +158,8 @@ def _once(name: Token, known: dict[str, Expression], kind: str) -> None:
         raise ModelError(f"duplicate {kind} {name.text}; rename one", name.location)
 
 
-def _constant(cursor: Cursor) -> Constant:
+def parse_constant(cursor: Cursor) -> Constant:
+    """Return the constant whose declaration goes on at the next word."""
     kind = cursor.take().text if cursor.now.text in _TYPES else "int"
     name = cursor.name("the name of a constant")
     value = parse_expression(cursor) if cursor.accept("=") else None
@@ -144,14 +167,15 @@ def _constant(cursor: Cursor) -> Constant:
     return Constant(name.text, kind, value, name.location)
 
 
-def _label(cursor: Cursor, program: Program) -> None:
+def parse_label(cursor: Cursor) -> tuple[Token, Expression]:
+    """Return the name and the states of the label whose declaration goes on at the next word."""
     name = cursor.take()
     if name.kind != "text":
         name.refuse("a label in quotes")
     cursor.expect("=")
-    _once(name, program.labels, "label")
-    program.labels[name.text.strip('"')] = parse_expression(cursor)
+    states = parse_expression(cursor)
     cursor.expect(";")
+    return name, states
 
 
 def _variable(cursor: Cursor) -> Variable:
@@ -261,12 +285,20 @@ def _begins_assignments(cursor: Cursor) -> bool:
     return cursor.now.text == "(" and cursor.ahead(2).text == "'"
 
 
-def _skip_rewards(cursor: Cursor, program: Program, word: Token) -> None:
-    name = cursor.take().text if cursor.now.kind == "text" else ""
-    while cursor.now.text != "endrewards":
+def _rewards(cursor: Cursor, program: Program) -> None:
+    location = cursor.now.location
+    name = cursor.take().text.strip('"') if cursor.now.kind == "text" else ""
+    if name in program.rewards:
+        raise ModelError(f'duplicate rewards "{name}"; rename one', location)
+    rewards = program.rewards[name] = []
+    while not cursor.accept("endrewards"):
         if cursor.now.kind == "end":
             cursor.now.refuse("'endrewards'")
-        cursor.take()
-    cursor.expect("endrewards")
-    title = f"rewards {name}" if name else "rewards"
-    program.notes.append(f"{word.location}: {title} are not read")
+        action: str | None = None
+        if cursor.accept("["):
+            action = "" if cursor.now.text == "]" else cursor.name("an action").text
+            cursor.expect("]")
+        guard = parse_expression(cursor)
+        cursor.expect(":")
+        rewards.append(Reward(action, guard, parse_expression(cursor)))
+        cursor.expect(";")

@@ -14,13 +14,16 @@ def write_prism(chain: ExplicitChain) -> str:
     itself with 1. A comment tells the name of each state whose label differs from it.
     """
     lines = [chain.kind.value, "", "module chain"]
-    lines.append(f"  s : [0..{len(chain.rows) - 1}] init {chain.initial};")
+    start = "" if len(chain.starts) > 1 else f" init {chain.initial}"
+    lines.append(f"  s : [0..{len(chain.rows) - 1}]{start};")
     lines.append("")
     for state, row in enumerate(chain.rows):
         moves = sorted((t, p) for t, p in row.items() if p > 0.0) or [(state, 1.0)]
         text = " + ".join(f"{p!r} : (s'={target})" for target, p in moves)
         lines.append(f"  [] s={state} -> {text};")
     lines += ["endmodule", ""]
+    if len(chain.starts) > 1:
+        lines += [f"init {' | '.join(f's={state}' for state in chain.starts)} endinit", ""]
     own: dict[int, str] = {}
     for label, states in chain.labels.items():
         if len(states) == 1 and label != INITIAL:
