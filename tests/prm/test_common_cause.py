@@ -14,6 +14,7 @@ import pytest
 
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm import BasicEvent, FaultTree, Gate, GateKind
+from tracerisk.prm.numbers.probability import Probability, pair_of, value_of
 from tracerisk.prm.trees.common_cause import (
     CommonCauseGroup,
     CommonCauseLaw,
@@ -284,3 +285,16 @@ SHIPPED = Path("/usr/share/scram/input/TwoTrain/common_cause.xml")
 def test_scram_agrees_on_its_own_two_trains():
     expanded, values = trains(2, BETA, (0.2,), 0.1)
     assert expanded.tree.probability(values).p == pytest.approx(scram(SHIPPED), rel=1e-5)
+
+
+def test_shares_keep_the_complement_of_members_that_nearly_surely_fail():
+    tree, units = pumps(2, 1)
+    expanded = expand_common_cause(tree, [CommonCauseGroup("g", units, BETA, (0.25,))])
+    sure = value_of(Probability(1.0, 1e-30))
+    found = expanded.tree.probability(expanded.values({"pump": sure}))
+    assert found.q == pytest.approx(0.25**2 * 0.75, rel=1e-15)
+    nearly = expanded.values({"pump": 1.0 - 2.0**-52})
+    assert {name: pair_of(value).q for name, value in nearly.items()} == {
+        "pump {1 of 2}": 0.25 + 0.75 * 2.0**-52,
+        "pump {2 of 2}": 0.75 + 0.25 * 2.0**-52,
+    }

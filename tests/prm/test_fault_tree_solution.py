@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError
-from tracerisk.prm import BasicEvent, FaultTree, expressions, prime_implicants
+from tracerisk.prm import BasicEvent, FaultTree, HybridModel, expressions, prime_implicants
+from tracerisk.prm.dynamic import DynamicEvent, DynamicTree
 from tracerisk.prm.expressions import (
     Definitions,
     ExpressionModel,
@@ -19,6 +20,7 @@ from tracerisk.prm.expressions import (
     Number,
     Reference,
 )
+from tracerisk.prm.linked import LinkedModel
 from tracerisk.prm.numbers.probability import Probability, pair_of, value_of
 from tracerisk.prm.trees.failure_models import Exponential, PerDemand
 
@@ -218,3 +220,22 @@ def test_a_model_that_needs_no_mission_time_asks_for_none():
     assert event_of("share").solve().probability == 0.25
     with pytest.raises(ModelError, match="depends on the mission time"):
         event_of("late").solve()
+
+
+@pytest.mark.parametrize("hours", ["x", None, math.nan, -1.0, [8.0]])
+def test_a_mission_time_that_is_no_number_is_an_error_of_the_model(hours):
+    tree = FaultTree("a", (), (BasicEvent("a", model=Exponential(1e-3)),))
+    with pytest.raises(ModelError, match="mission time"):
+        tree.solve(mission_time_h=hours)
+
+
+def test_so_it_is_for_dynamic_trees_linked_models_and_visits():
+    tree = FaultTree("a", (), (BasicEvent("a", model=Exponential(1e-3)),))
+    dynamic = DynamicTree("a", (), (DynamicEvent("a", Exponential(1e-3)),))
+    for make in (
+        lambda: dynamic.solve(mission_time_h="x"),
+        lambda: LinkedModel("m", mission_time_h="x"),
+        lambda: HybridModel.of("m", {"a": tree}, visit_h="x"),
+    ):
+        with pytest.raises(ModelError, match="mission time"):
+            make()

@@ -146,7 +146,10 @@ def test_states_that_are_left_for_good_have_no_share():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: ContinuousChain({"a": {"b": 1.0}}), "state 'a': 'b' is not a state of the chain"),
+        (
+            lambda: ContinuousChain({"a": {"b": 1.0}}, ("c",)),
+            "state 'a': 'b' is not a state of the chain",
+        ),
         (lambda: ContinuousChain({"a": {"a": -1.0}}), "state 'a': -1.0 to 'a' is not a rate"),
         (lambda: ContinuousChain({"a": {"e": math.inf}}, ("e",)), "state 'a': inf to 'e'"),
         (lambda: ContinuousChain({"a": {}}, ("a",)), "duplicate state 'a'"),
@@ -180,3 +183,12 @@ def test_too_many_moves_of_a_large_chain_are_refused():
     rates = {f"s{i}": {f"s{(i + 1) % 2500}": 1.0} for i in range(2500)}
     with pytest.raises(TooLargeError, match=r"2500 states that move 1.1e\+12 times"):
         ContinuousChain(rates).transient("s0", 1e12)
+
+
+def test_states_without_a_row_absorb_where_none_is_named():
+    chain = ContinuousChain({"up": {"worn": 2.0, "down": 1.0}, "worn": {"down": 3.0}})
+    assert chain == ContinuousChain(chain.rates, ("down",))
+    assert chain.solve("up").absorption() == {"down": 1.0}
+    assert chain.transient("up", 0.1)["up"] == pytest.approx(math.exp(-0.3), rel=1e-14)
+    # A state with an empty row stays one that is not absorbing, as before.
+    assert ContinuousChain({"up": {"down": 1.0}, "down": {}}).absorbing == ()

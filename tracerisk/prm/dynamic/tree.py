@@ -18,6 +18,7 @@ from tracerisk.prm.dynamic.groups import find_groups
 from tracerisk.prm.dynamic.layout import AnyGate, lay_out
 from tracerisk.prm.notebook.display import AsGraph
 from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.numbers.quantities import check_mission_time
 from tracerisk.prm.trees.failure_chain import FailureChain
 from tracerisk.prm.trees.fault_tree import BasicEvent, FailureModel, FaultTree
 from tracerisk.prm.trees.gates import Gate, check_gate
@@ -119,8 +120,10 @@ class DynamicTree(AsGraph):
     def probability(self, mission_time_h: float) -> Probability:
         """Return the probability that the top happens within the mission, [h].
 
-        Raises TooLargeError when a group has too many states, ModelError as `static_tree` does.
+        Raises TooLargeError when a group has too many states, ModelError as `static_tree` does
+        and for a mission time that is no number from 0 on.
         """
+        check_mission_time(mission_time_h)
         tree = self.static_tree()
         if not tree.gates:
             # The whole tree is one event: its pair needs no rounding to one number.

@@ -12,6 +12,7 @@ from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.expressions import Expression
 from tracerisk.prm.linked.links import FAULT_TREE, MARKOV_CHAIN, PARAMETER, ElementKey
 from tracerisk.prm.numbers.distributions import Distribution
+from tracerisk.prm.numbers.quantities import is_number
 from tracerisk.prm.trees.fault_tree import FaultTree, Gate, HouseEvent
 
 TimeKind = Literal["discrete", "continuous"]
@@ -185,5 +186,7 @@ class Figure:
 
 def check_mission_time(mission_time_h: float | None) -> None:
     """Raise ModelError when a mission time is not a positive number of hours."""
-    if mission_time_h is not None and not 0.0 < mission_time_h < math.inf:
+    if mission_time_h is None:
+        return
+    if not (is_number(mission_time_h) and 0.0 < mission_time_h < math.inf):
         raise ModelError(f"mission time {mission_time_h!r}: give a finite number of hours above 0")

@@ -26,7 +26,8 @@ class ContinuousChain:
 
     `rates[s][t]` is the rate of going from `s` to `t`, per unit of time; what is not listed is
     zero, and a rate from a state to itself changes nothing.
-    `absorbing` states are never left, and have no row.
+    `absorbing` states are never left, and have no row; where none is named, all states that rates
+    lead to and that have no row are.
     Raises ModelError when a name is used twice or unknown, or a rate is negative or not finite.
     """
 
@@ -34,6 +35,10 @@ class ContinuousChain:
     absorbing: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        if not self.absorbing:
+            reached = dict.fromkeys(target for row in self.rates.values() for target in row)
+            ends = tuple(state for state in reached if state not in self.rates)
+            object.__setattr__(self, "absorbing", ends)
         known = distinct_names(self.rates, self.absorbing)
         for state, row in self.rates.items():
             check_targets(state, row, known, "rate")

@@ -4,25 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable
+from numbers import Real
 
 from tracerisk.errors import ModelError, one_of
 
 
 def check_share(name: str, value: float) -> None:
     """Raise ModelError when a probability or a share is not in [0, 1]."""
-    if not 0.0 <= value <= 1.0:
+    if not (is_number(value) and 0.0 <= value <= 1.0):
         raise ModelError(f"{name} is {value!r}; allowed: 0 to 1")
 
 
 def check_not_negative(name: str, value: float, unit: str) -> None:
     """Raise ModelError when a figure is negative, infinite or not a number."""
-    if not (value >= 0.0 and math.isfinite(value)):
+    if not (is_number(value) and value >= 0.0 and math.isfinite(value)):
         raise ModelError(f"{name} is {value!r}{_in(unit)}; allowed: 0 or more, finite")
 
 
 def check_positive(name: str, value: float, unit: str) -> None:
     """Raise ModelError when a figure is not above zero, infinite or not a number."""
-    if not (value > 0.0 and math.isfinite(value)):
+    if not (is_number(value) and value > 0.0 and math.isfinite(value)):
         raise ModelError(f"{name} is {value!r}{_in(unit)}; allowed: above 0, finite")
 
 
@@ -42,6 +43,11 @@ def check_parameters(names: Iterable[str], known: Collection[str]) -> None:
     for name in names:
         if name not in known:
             raise ModelError(f"value of '{name}', which is not a parameter; {one_of(known, name)}")
+
+
+def is_number(value: object) -> bool:
+    """Whether a figure is a number: what a caller gives need not be what its type says."""
+    return isinstance(value, Real)
 
 
 def _in(unit: str) -> str:

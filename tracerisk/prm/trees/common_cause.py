@@ -18,7 +18,7 @@ from math import comb, fsum
 from operator import mul
 
 from tracerisk.errors import ModelError, TooLargeError, one_of
-from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.numbers.probability import Probability, pair_of, value_of
 from tracerisk.prm.numbers.quantities import check_share
 from tracerisk.prm.trees.failure_models import Constant
 from tracerisk.prm.trees.fault_tree import BasicEvent, FailureModel, FaultTree, Gate, GateKind
@@ -137,8 +137,7 @@ class ShareOf:
 
     def probability(self, mission_time_h: float) -> Probability:
         """Return the share of the model's probability over the mission, [h]."""
-        p, q = self.model.probability(mission_time_h)
-        return Probability(self.share * p, (1.0 - self.share) + self.share * q)
+        return _share(self.model.probability(mission_time_h), self.share)
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,13 +153,13 @@ class CommonCauseTree:
     def values(self, values: Mapping[str, float]) -> dict[str, float]:
         """Return the values of the tree's parameters from those before the expansion.
 
-        Raises ModelError when a parameter has no value.
+        Raises ModelError when a parameter has no value or one outside [0, 1].
         """
         found = {name: values[name] for name in self.tree.parameters if name in values}
         for name, (whole, share) in self.shares.items():
             if whole not in values:
                 raise ModelError(f"parameter '{whole}' has no value; {one_of(values, whole)}")
-            found[name] = share * values[whole]
+            found[name] = value_of(_share(pair_of(values[whole]), share))
         return found
 
 
@@ -198,6 +197,10 @@ def expand_common_cause(tree: FaultTree, groups: Sequence[CommonCauseGroup]) -> 
     kept = [event for event in tree.events if event.name not in owners]
     expanded = FaultTree(tree.top, tuple(gates), (*kept, *added), tree.houses)
     return CommonCauseTree(expanded, shares)
+
+
+def _share(pair: Probability, share: float) -> Probability:
+    return Probability(share * pair.p, (1.0 - share) + share * pair.q)
 
 
 def _share_of(model: FailureModel, share: float) -> FailureModel:

@@ -15,6 +15,7 @@ from tracerisk.errors import ModelError, TooLargeError, one_of
 from tracerisk.prm.notebook.display import DisplayedGraph
 from tracerisk.prm.numbers.gc_pause import collection_paused
 from tracerisk.prm.numbers.probability import Probability, pair_of, total, value_of
+from tracerisk.prm.numbers.quantities import check_mission_time
 from tracerisk.prm.trees.gates import Gate, GateKind, gate_probability, gate_shares
 from tracerisk.prm.trees.numbering import Numbering, numbered
 
@@ -137,8 +138,11 @@ class FaultTree(DisplayedGraph):
 
         Each number keeps the complement that its model gives, see `PairedFloat`.
         Without a mission time, `None`, only of those whose model needs none.
-        Raises ModelError, with the event, when a model cannot be evaluated.
+        Raises ModelError, with the event, when a model cannot be evaluated, and for a mission time
+        that is no number from 0 on.
         """
+        if mission_time_h is not None:
+            check_mission_time(mission_time_h)
         values: dict[str, float] = {}
         for event in self.events:
             if event.model is None or event.parameter in values:
