@@ -31,7 +31,7 @@ ROOMS = (
 BELOW = (
     *("trace", "trace_display", "trace_json", "trace_log"),
     *("acceptances", "config", "dependencies", "errors", "geometry", "instance_name", "sandbox"),
-    *("limits", "text"),
+    *("limits", "strong_components", "text"),
 )
 """What every room may import, and what imports no room."""
 RANK = {room: rank for rank, room in enumerate(ROOMS)} | dict.fromkeys(BELOW, len(ROOMS))

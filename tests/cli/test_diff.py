@@ -22,7 +22,7 @@ def steps(annotated_source):
 
 @pytest.fixture
 def changed(repository, steps):
-    """A repository in which the mission's failure probability is 1.58 times what it was."""
+    """A repository in which the mission's failure probability is 1.59 times what it was."""
     repository.write("pick.py", steps())
     repository.commit()
     repository.write("pick.py", steps(gripper="= 4e-07"))
@@ -33,7 +33,7 @@ def test_the_text_begins_with_one_sentence(changed):
     outcome = changed.run("diff")
     assert (outcome.code, outcome.err) == (0, "")
     assert outcome.out.startswith(
-        "pick.py: mission failure rises from 3.419e-06 to 5.419e-06 (x1.58), mostly\n"
+        "pick.py: mission failure rises from 3.410e-06 to 5.410e-06 (x1.59), mostly\n"
         "through gripper in place: probability 2e-07 -> 4e-07 (x2) [edited by hand].\n\n"
     )
 
@@ -72,12 +72,12 @@ def test_the_markdown_has_its_tag(changed):
     ("options", "code", "told"),
     [
         (["--max-increase", "0.6"], 0, ""),
-        (["--max-increase", "0.5"], 1, "mission failure rises by 58.5 %, over --max-increase 0.5"),
+        (["--max-increase", "0.5"], 1, "mission failure rises by 58.7 %, over --max-increase 0.5"),
         (["--max-failure-probability", "1e-5"], 0, ""),
         (
             ["--max-failure-probability", "5e-6"],
             1,
-            "mission failure 5.419e-06 is over --max-failure-probability 5e-06",
+            "mission failure 5.41e-06 is over --max-failure-probability 5e-06",
         ),
     ],
 )
@@ -159,8 +159,8 @@ def test_plain_git_diff_shows_the_model_by_textconv(changed):
     changed.git("config", "diff.tracerisk.textconv", command)
     shown = changed.git("diff").splitlines()
     assert "-    # |   probability = 2e-07" in shown
-    assert "-risk model: mission failure 3.419e-06, per cycle 3.401e-07" in shown
-    assert "+risk model: mission failure 5.419e-06, per cycle 5.401e-07" in shown
+    assert "-risk model: mission failure 3.41e-06, per cycle 3.401e-07" in shown
+    assert "+risk model: mission failure 5.41e-06, per cycle 5.401e-07" in shown
     assert "+  place: 4e-07 a visit, next pick 9/10, done 1/10" in shown
     assert not [line for line in shown if "pick: " in line and line[0] in "+-"]
 

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from tracerisk.errors import InputError
-from tracerisk.instrument.helper_rule import helper_rule, strongly_connected
+from tracerisk.instrument.helper_rule import helper_rule
 from tracerisk.instrument.tracer import Frame
 from tracerisk.trace import FunctionRef, QualifiedName
 
@@ -335,10 +335,3 @@ def test_rules_look_at_the_set_of_stacks_only() -> None:
                 or stack[place + 1].function in rule.helpers
                 or (place == 0 and stack[0].function in rule.helpers)
             )
-
-
-def test_components_are_the_rings_of_calls() -> None:
-    a, b, c, d = (FunctionRef("c.py", QualifiedName(name)) for name in "abcd")
-    component = strongly_connected({a: {b}, b: {c}, c: {b, d}, d: set()})
-    assert component[b] == component[c]
-    assert len({component[a], component[b], component[d]}) == 3

@@ -41,13 +41,25 @@ def component() -> MakeComponent:
 
 @pytest.fixture(scope="session")
 def block() -> MakeBlock:
-    """Make one risk block; `after` gives its `next` as a mapping from target to fraction, or none."""
+    """Make one risk block; `after` gives its `next` as a mapping from target to fraction, or none.
 
-    def make(name, call_sequence, components: Sequence[ComponentEntry] = (), after=None, **marks):
+    It is written as a distribution, in decimals, or as `counts` are.
+    """
+
+    def make(
+        name,
+        call_sequence,
+        components: Sequence[ComponentEntry] = (),
+        after=None,
+        counts=False,
+        **marks,
+    ):
         following = None
         if after is not None:
             steps = tuple(Transition(t, Fraction(w)) for t, w in after.items())
-            following = Field(steps, ", ".join(f"{t} {w}" for t, w in after.items()))
+            shares = [str(step.weight) if counts else f"{float(step.weight):g}" for step in steps]
+            text = ", ".join(f"{t} {share}" for t, share in zip(after, shares, strict=True))
+            following = Field(steps, text)
         return RiskBlock(name, _field(call_sequence), following, tuple(components), **marks)
 
     return make

@@ -22,7 +22,7 @@ from tracerisk.prm import (
     build_model,
     solve,
 )
-from tracerisk.prm.hybrid.expanded_chain import expanded_chain
+from tracerisk.prm.formats.expanded_chain import expanded_chain
 from tracerisk.prm.hybrid.hidden_states import hidden_states
 from tracerisk.prm.hybrid.solve import solve_figures
 

@@ -11,8 +11,8 @@ import pytest
 from tracerisk.errors import BlockError, ModelError
 from tracerisk.prm import FaultTree, HybridModel, build_model, failure_probabilities, solve
 from tracerisk.prm.formats.conversion import logic_of_functions
+from tracerisk.prm.formats.expanded_chain import expanded_chain
 from tracerisk.prm.formats.model_json import dumps, loads
-from tracerisk.prm.hybrid.expanded_chain import expanded_chain
 from tracerisk.prm.linked import linked
 from tracerisk.prm.questions.pair_importance import pair_importances
 from tracerisk.prm.questions.what_if import with_values

@@ -127,8 +127,8 @@ def _functions_texts(
     model: HybridModel, target: ModelFormat, options: argparse.Namespace
 ) -> dict[str, str]:
     if target in CHAINS:
+        from tracerisk.prm.formats.expanded_chain import expanded_chain
         from tracerisk.prm.formats.explicit_chain import explicit_chain
-        from tracerisk.prm.hybrid.expanded_chain import expanded_chain
 
         chain = explicit_chain(expanded_chain(model), model.entry)
         return _chain_texts(chain, target, options.output)

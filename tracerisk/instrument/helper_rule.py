@@ -34,6 +34,7 @@ from dataclasses import dataclass, field
 
 from tracerisk.errors import InputError
 from tracerisk.instrument.tracer import Frame, Site
+from tracerisk.strong_components import strong_components
 from tracerisk.trace import FunctionRef
 
 
@@ -142,7 +143,11 @@ class _Calls:
                     calls.roots.add(function)
             for (caller, _, _), (callee, _, _) in itertools.pairwise(path):
                 edges[caller].add(callee)
-        component = strongly_connected(edges)
+        component = {
+            function: number
+            for number, found in enumerate(strong_components(edges))
+            for function in found
+        }
         for path in paths:
             calls._add(path, component)
         calls.functions = set(edges)
@@ -181,38 +186,3 @@ class _Calls:
             return True
         does_nothing_else = not others and not self.command_sites.get(caller)
         return does_nothing_else and len(self.call_sites.get(caller, ())) >= 2
-
-
-def strongly_connected(edges: dict[FunctionRef, set[FunctionRef]]) -> dict[FunctionRef, int]:
-    """Number the strongly connected component of every function (Tarjan 1972, no recursion)."""
-    index: dict[FunctionRef, int] = {}
-    low: dict[FunctionRef, int] = {}
-    component: dict[FunctionRef, int] = {}
-    path: list[FunctionRef] = []
-    for start in sorted(edges):
-        if start in index:
-            continue
-        index[start] = low[start] = len(index)
-        path.append(start)
-        work = [(start, iter(sorted(edges[start])))]
-        while work:
-            node, successors = work[-1]
-            for each in successors:
-                if each not in index:
-                    index[each] = low[each] = len(index)
-                    path.append(each)
-                    work.append((each, iter(sorted(edges[each]))))
-                    break
-                if each not in component:
-                    low[node] = min(low[node], index[each])
-            else:
-                work.pop()
-                if work:
-                    low[work[-1][0]] = min(low[work[-1][0]], low[node])
-                if low[node] == index[node]:
-                    while True:
-                        member = path.pop()
-                        component[member] = index[node]
-                        if member == node:
-                            break
-    return component

@@ -39,7 +39,7 @@ def functions_table(
         table.add_column(heading, justify="right", no_wrap=True)
     add_share_columns(table, width)
     for state in assessment.states:
-        for cells in _rows(state, assessment.mission.failure_probability, exposures, width):
+        for cells in _rows(state, assessment.mission.geometric_cycles, exposures, width):
             table.add_row(*cells)
     return table
 

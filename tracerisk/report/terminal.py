@@ -5,7 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from tracerisk.prm.hybrid.assessment import Assessment, ComponentImportance
+from tracerisk.prm.hybrid.assessment import (
+    FIXED,
+    GEOMETRIC,
+    Assessment,
+    ComponentImportance,
+    MissionFigures,
+)
 from tracerisk.report.functions_table import Exposures, functions_table
 from tracerisk.report.tables import (
     ROOMY,
@@ -99,17 +105,34 @@ def mission_sentence(assessment: Assessment) -> str:
     return f"{told}, {share_text(first.fussell_vesely)} of it through {first.name}."
 
 
+_SEEN = 1e-4
+"""How far readings differ, relative, where the digits shown may tell them apart."""
+
+
 def _readings(assessment: Assessment) -> str:
     mission = assessment.mission
     figures = {
-        "geometric cycles": mission.failure_probability,
-        counted(mission.expected_cycles, "fixed cycle"): mission.fixed_cycles,
+        GEOMETRIC: mission.geometric_cycles,
+        _fixed_cycles(mission): mission.fixed_cycles,
         "as executed": mission.visits_as_run,
     }
     spread = max(figures.values()) - min(figures.values())
-    relative = spread / mission.failure_probability if mission.failure_probability > 0.0 else 0.0
+    risk = mission.failure_probability
+    relative = spread / risk if risk > 0.0 else 0.0
     told = "; ".join(f"{name} {_probability(value)}" for name, value in figures.items())
-    return f"{told[0].upper()}{told[1:]}: they differ by {100.0 * relative:.2g} %."
+    told = f"{told[0].upper()}{told[1:]}: they differ by {100.0 * relative:.2g} %."
+    if relative < _SEEN:
+        return told
+    if mission.reading == GEOMETRIC:
+        return f"{told} The first holds: `next` is a distribution."
+    return f"{told} The second holds: `next` counts the cycles of a mission."
+
+
+def _fixed_cycles(mission: MissionFigures) -> str:
+    if mission.reading == FIXED and mission.expected_cycles < 1.5:
+        # The loops stand behind the entry, each with a number of its own.
+        return "fixed cycles"
+    return counted(mission.expected_cycles, "fixed cycle")
 
 
 def _components(components: Sequence[ComponentImportance], width: int) -> Table:

@@ -128,7 +128,7 @@ def _sweep(swept: Sweep) -> Table:
         table.add_column(heading, justify="right", overflow="fold")
     for point in swept.points:
         mission = point.mission
-        figures = (mission.failure_probability, mission.fixed_cycles, mission.visits_as_run)
+        figures = (mission.geometric_cycles, mission.fixed_cycles, mission.visits_as_run)
         table.add_row(*plain([f"{point.value:.4g}", *(f"{each:.4e}" for each in figures)]))
     return table
 

@@ -41,9 +41,9 @@ def test_by_default_head_is_compared_with_the_working_tree(committed, two_steps)
     committed.write("pick.py", two_steps(gripper="= 4e-07"))
     found = review([], committed.folder)
     assert (found.before, found.after) == ("HEAD", "working tree")
-    assert told(committed) == {"pick.py": 1.58}
+    assert told(committed) == {"pick.py": 1.59}
     committed.git("add", "pick.py")
-    assert told(committed) == {"pick.py": 1.58}, "staged or not"
+    assert told(committed) == {"pick.py": 1.59}, "staged or not"
 
 
 def test_revisions_ranges_and_merge_bases(committed, two_steps):
@@ -54,12 +54,12 @@ def test_revisions_ranges_and_merge_bases(committed, two_steps):
     committed.write("other.py", two_steps(gripper="= 8e-07"))
     committed.commit()
     assert told(committed) == {}
-    assert told(committed, "HEAD~1") == {"other.py": 2.75}
-    assert told(committed, "main") == {"pick.py": 0.63, "other.py": 2.75}
-    assert told(committed, "main..side") == {"pick.py": 0.63, "other.py": 2.75}
+    assert told(committed, "HEAD~1") == {"other.py": 2.76}
+    assert told(committed, "main") == {"pick.py": 0.63, "other.py": 2.76}
+    assert told(committed, "main..side") == {"pick.py": 0.63, "other.py": 2.76}
     assert told(committed, "main..") == told(committed, "main..side")
-    assert told(committed, "..main") == {"pick.py": 1.58, "other.py": 0.36}
-    assert told(committed, "main...side") == {"other.py": 2.75}
+    assert told(committed, "..main") == {"pick.py": 1.59, "other.py": 0.36}
+    assert told(committed, "main...side") == {"other.py": 2.76}
     assert told(committed, "main", "pick.py") == {"pick.py": 0.63}
     assert review(["main...side"], committed.folder).before == "merge base of main and side"
     commit = committed.git("rev-parse", "main").strip()
@@ -90,7 +90,7 @@ def test_a_renamed_file_is_the_same_controller(committed, two_steps):
     )
     committed.write("grab.py", two_steps(gripper="= 4e-07"))
     committed.commit()
-    assert told(committed, "HEAD~1..HEAD") == {"grab.py": 1.58}
+    assert told(committed, "HEAD~1..HEAD") == {"grab.py": 1.59}
 
 
 def test_no_commit_yet_makes_everything_new(repository, two_steps):
@@ -108,7 +108,7 @@ def test_names_that_git_would_quote(repository, two_steps):
     repository.commit()
     for name in names:
         repository.write(name, two_steps(gripper="= 4e-07"))
-    assert told(repository) == dict.fromkeys(names, 1.58)
+    assert told(repository) == dict.fromkeys(names, 1.59)
 
 
 def test_line_ends_make_no_difference(committed, two_steps):
@@ -156,7 +156,7 @@ def test_scripts_without_an_ending_and_c_sources_are_read(repository, two_steps)
     repository.commit()
     repository.write("scripts/node", "#!/usr/bin/env python3\n" + two_steps(gripper="= 4e-07"))
     repository.write("place.cpp", published % "3e-7")
-    assert told(repository) == {"scripts/node": 1.58, "place.cpp": 3.0}
+    assert told(repository) == {"scripts/node": 1.59, "place.cpp": 3.0}
 
 
 def test_in_a_subfolder_places_are_told_from_there(committed, two_steps):
@@ -165,10 +165,10 @@ def test_in_a_subfolder_places_are_told_from_there(committed, two_steps):
     committed.write("src/deep/x.py", two_steps(gripper="= 4e-07"))
     committed.write("pick.py", two_steps(gripper="= 4e-07"))
     src = committed.folder / "src"
-    assert told(committed, folder=src) == {"deep/x.py": 1.58, "../pick.py": 1.58}
-    assert told(committed, "deep", folder=src) == {"deep/x.py": 1.58}
-    assert told(committed, ".", folder=src) == {"deep/x.py": 1.58}
-    assert told(committed, "../pick.py", folder=src) == {"../pick.py": 1.58}
+    assert told(committed, folder=src) == {"deep/x.py": 1.59, "../pick.py": 1.59}
+    assert told(committed, "deep", folder=src) == {"deep/x.py": 1.59}
+    assert told(committed, ".", folder=src) == {"deep/x.py": 1.59}
+    assert told(committed, "../pick.py", folder=src) == {"../pick.py": 1.59}
     (found,) = review(["../pick.py"], src).controllers
     assert str(found.changes[0].fields[0].location).startswith("../pick.py:")
 
@@ -185,7 +185,7 @@ def test_git_settings_of_the_user_do_not_matter(committed, two_steps):
         committed.git("config", setting, value)
     committed.write("pick.py", two_steps(gripper="= 4e-07"))
     (committed.folder / "src").mkdir()
-    assert told(committed, folder=committed.folder / "src") == {"../pick.py": 1.58}
+    assert told(committed, folder=committed.folder / "src") == {"../pick.py": 1.59}
 
 
 def test_a_file_that_is_touched_or_made_executable_has_not_changed(committed):
@@ -225,7 +225,7 @@ def test_a_file_that_a_sparse_checkout_leaves_out_is_there_all_the_same(committe
     assert told(committed) == {}
     committed.write("pick.py", two_steps(gripper="= 4e-07"))
     assert told(committed, "HEAD", "left/out.py", "pick.py") == {
-        "pick.py": 1.58,
+        "pick.py": 1.59,
         "left/out.py": "same",
     }
 
@@ -235,7 +235,7 @@ def test_a_linked_working_tree_is_one_of_its_own(committed, two_steps, tmp_path)
     committed.git("worktree", "add", "--quiet", "-b", "side", str(linked))
     (linked / "pick.py").write_text(two_steps(gripper="= 4e-07"))
     assert told(committed) == {}
-    assert told(committed, folder=linked) == {"pick.py": 1.58}
+    assert told(committed, folder=linked) == {"pick.py": 1.59}
 
 
 def test_nothing_is_written(committed, two_steps):

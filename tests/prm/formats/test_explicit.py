@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm import MarkovChain, build_model, solve
+from tracerisk.prm.formats.expanded_chain import expanded_chain
 from tracerisk.prm.formats.explicit import (
     Dialect,
     read_explicit,
@@ -19,7 +20,6 @@ from tracerisk.prm.formats.explicit import (
 )
 from tracerisk.prm.formats.explicit_chain import ChainKind, explicit_chain
 from tracerisk.prm.formats.prism import read_prism, write_prism
-from tracerisk.prm.hybrid.expanded_chain import expanded_chain
 from tracerisk.prm.markov import ContinuousChain
 
 CHAIN = MarkovChain(

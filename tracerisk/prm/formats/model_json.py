@@ -24,7 +24,7 @@ _WEIGHT = re.compile(r"\d{1,40}(?:/\d{1,40}|\.\d{1,40})?")
 
 def model_data(model: HybridModel) -> dict[str, Any]:
     """Return the model as plain JSON values; weights of `next` are exact fractions, as strings."""
-    return {
+    written: dict[str, Any] = {
         "schema": SCHEMA,
         "version": VERSION,
         "name": model.name,
@@ -33,6 +33,9 @@ def model_data(model: HybridModel) -> dict[str, Any]:
         "states": [_state_to_json(state) for state in model.states],
         "latent": list(model.latent),
     }
+    if model.counted:
+        written["counted"] = True
+    return written
 
 
 def dumps(model: HybridModel) -> str:
@@ -119,13 +122,17 @@ def _gate_to_json(gate: Gate) -> dict[str, Any]:
 
 def _model(top: Element) -> HybridModel:
     _check_version(top.entries())
-    found = top.fields({"schema", "version", "name", "entry", "parameters", "states", "latent"})
+    found = top.fields(
+        {"schema", "version", "name", "entry", "parameters", "states", "latent"},
+        optional={"counted"},
+    )
     return HybridModel(
         name=found["name"].string(),
         entry=found["entry"].string(),
         states=found["states"].each(_state),
         parameters=found["parameters"].each(_parameter),
         latent=found["latent"].each(Element.string),
+        counted="counted" in found and found["counted"].boolean(),
     )
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final, Literal
 
 from tracerisk.prm.notebook.display import Displayed
 
@@ -33,6 +33,15 @@ HIDDEN_FAILURES = (
 GEOMETRIC_CYCLES = (
     "the number of cycles is geometric: it varies from mission to mission around its mean"
 )
+FIXED_CYCLES = (
+    "`next` counts one mission, so that its numbers of cycles are fixed; visits, shares and "
+    "importances are those of the chain, in which they vary around these (geometric cycles)"
+)
+
+Reading = Literal["geometric cycles", "fixed cycles"]
+"""How a mission's failure probability is read, where its functions repeat."""
+GEOMETRIC: Final = "geometric cycles"
+FIXED: Final = "fixed cycles"
 
 
 def bounded(most: int, least: float, failure: float) -> str:
@@ -84,8 +93,11 @@ class StateAssessment:
 class MissionFigures:
     """The mission's failure probability, read in three ways.
 
-    `failure_probability` is the chain's own: the number of cycles is geometric.
-    `fixed_cycles` is 1-(1-f)^N, with `cycle_failure_probability` f, the chain cut where it
+    `failure_probability` is the one that holds, by `reading`: limits and changes go by it;
+    `done_probability` is its complement.
+    `geometric_cycles` is the chain's own: the number of cycles varies around its mean.
+    `fixed_cycles` has each loop go round as often as `next` counts. Where `next` is a
+    distribution, it is 1-(1-f)^N, with `cycle_failure_probability` f, the chain cut where it
     comes back to the entry, and `expected_cycles` N, the entry's expected visits where nothing
     fails.
     `visits_as_run` is 1-prod(1-t_s)^(v0_s), with v0 the expected visits where nothing fails:
@@ -94,10 +106,22 @@ class MissionFigures:
 
     failure_probability: float
     done_probability: float
+    reading: Reading
+    geometric_cycles: float
     cycle_failure_probability: float
     expected_cycles: float
     fixed_cycles: float
     visits_as_run: float
+
+    def as_geometric(self) -> MissionFigures:
+        """Return the figures with the geometric reading for the one that holds."""
+        failure = self.geometric_cycles
+        return replace(
+            self,
+            failure_probability=failure,
+            done_probability=1.0 - failure,
+            reading=GEOMETRIC,
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,6 +42,8 @@ def build_model(
     A component that several blocks name is one parameter.
     Blocks without `next` lead to the block that follows in call sequence, the last to `done`.
     `profile` replaces the `next` of the functions it names.
+    The numbers of cycles are taken as fixed where every `next` was counted by the tool, as
+    `is_counted` says, and none comes from the profile.
     Raises BlockError with the block's place when blocks contradict each other or lead nowhere,
     ModelError when the profile names an unknown function or does not sum to one.
     """
@@ -64,7 +66,19 @@ def build_model(
         _check_components(block)
     states = [function_state(block, block.components, steps[block.name]) for block in ordered]
     entries = [entry for block in ordered for entry in block.components]
-    return model_of_states(name, names[0], states, entries)
+    model = model_of_states(name, names[0], states, entries)
+    return replace(model, counted=is_counted(blocks) and not chosen)
+
+
+def is_counted(blocks: Iterable[RiskBlock]) -> bool:
+    """Whether the tool counted each `next` in one mission: shares like 9/10, none set by hand."""
+    following = [block.next for block in blocks if block.next is not None]
+    shares = [line.rpartition(" ")[2] for each in following for line in each.text.split(", ")]
+    return (
+        bool(following)
+        and all(share.replace("/", "").isdigit() for share in shares)
+        and not any(each.pinned for each in following)
+    )
 
 
 def model_of_states(

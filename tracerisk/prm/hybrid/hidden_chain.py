@@ -29,8 +29,8 @@ class Flow:
     """What flows through the chain from a start: by layer and function, by layer, by function.
 
     `visits[l][f]` is how often function f is visited in layer l, `failures[l][f]` how often it
-    fails there, `done[l]` how often the mission ends well there, `back[l]` how often it comes back
-    to the entry, where that ends a cycle. The last layer is that of more failed units than
+    fails there, `done[l]` how often the mission ends well there, `back[l]` how often a round
+    ends there. The last layer is that of more failed units than
     `hidden` holds; `beyond[f]` is how often f is the first function visited in it.
     """
 
@@ -39,6 +39,18 @@ class Flow:
     done: tuple[float, ...]
     back: tuple[float, ...]
     beyond: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Round:
+    """A part of a chain from its head on, until that is visited next or the part is left."""
+
+    head: int
+    functions: frozenset[int]
+
+    def ends_at(self, function: int) -> bool:
+        """Whether going to a function ends the round."""
+        return function == self.head or function not in self.functions
 
 
 class HiddenChain:
@@ -65,7 +77,7 @@ class HiddenChain:
         self._drops: dict[tuple[int, str], float] = {}
         self._exceeding: list[dict[tuple[int, int | None], float]] = []
         self._worst: dict[int, Probability] = {}
-        self._layers: dict[tuple[int, bool], Elimination] = {}
+        self._layers: dict[tuple[int, Round | None], Elimination] = {}
         # How many units may fail at once in a visit that is survived.
         self.spares = [function.spares for function in states.functions]
         self._limits = [
@@ -101,10 +113,10 @@ class HiddenChain:
         function = self.states.functions[number]
         return tree_probability(function.state.name, function.rest, self.values[number])
 
-    def flow(self, start: Sequence[float] | None = None, *, cut: bool = False) -> Flow:
+    def flow(self, start: Sequence[float] | None = None, *, cut: Round | None = None) -> Flow:
         """Return the flow of missions that start at the entry, in layer l with `start[l]`.
 
-        Without `start`, no unit has failed. With `cut`, coming back to the entry ends it.
+        Without `start`, no unit has failed. With `cut`, it is one round, from its head on.
         """
         states = self.states
         functions = list(enumerate(states.functions))
@@ -120,12 +132,12 @@ class HiddenChain:
         for layer in range(layers + 1):
             arriving = [0.0] * size
             if layer < len(beginning):
-                arriving[states.entry] = beginning[layer]
-            self._follow(entering[layer], arriving, cut=cut)
+                arriving[states.entry if cut is None else cut.head] = beginning[layer]
+            self._follow(entering[layer], arriving, cut)
             here, failed = [0.0] * size, [0.0] * size
             leaving = entering[layer]
             if any(arriving):
-                here = self._layer(layer, cut=cut).visits(arriving)
+                here = self._layer(layer, cut).visits(arriving)
                 for number, count in enumerate(here):
                     if count == 0.0:
                         continue
@@ -143,21 +155,42 @@ class HiddenChain:
             visits.append(tuple(here))
             failures.append(tuple(failed))
             done[layer] = total(leaving[number] * function.done for number, function in functions)
-            if cut:
+            if cut is not None:
                 back[layer] = total(
                     leaving[number] * weight
                     for number, function in functions
                     for target, weight in function.steps
-                    if target == states.entry
+                    if cut.ends_at(target)
                 )
         return Flow(tuple(visits), tuple(failures), tuple(done), tuple(back), tuple(arriving))
 
-    def _follow(self, leaving: Sequence[float], arriving: list[float], *, cut: bool) -> None:
+    def pass_once(self, number: int, start: Sequence[float]) -> tuple[list[float], float]:
+        """Return what survives one visit, by layer, and what fails; `start` is by layer."""
+        layers = len(self.states.hidden)
+        after = [0.0] * (layers + 1)
+        failed = []
+        for layer, mass in enumerate(start):
+            if mass == 0.0:
+                continue
+            if layer == layers:
+                worst = self._beyond(number)
+                failed.append(mass * worst.p)
+                after[layers] += mass * worst.q
+                continue
+            failed.append(mass * self.visit(number, layer).p)
+            through = mass * self.rest[number].q
+            for reached, weight in self.spread(number, layer):
+                after[reached] += through * weight
+            if self.states.most is not None:
+                after[layers] += through * self.exceeding(number, layer)
+        return after, math.fsum(failed)
+
+    def _follow(self, leaving: Sequence[float], arriving: list[float], cut: Round | None) -> None:
         """Add to the arrivals at each function what leaves the others."""
         for mass, function in zip(leaving, self.states.functions, strict=True):
             if mass != 0.0:
                 for target, weight in function.steps:
-                    if not (cut and target == self.states.entry):
+                    if cut is None or not cut.ends_at(target):
                         arriving[target] += mass * weight
 
     def successes(self) -> tuple[tuple[float, ...], ...]:
@@ -174,7 +207,7 @@ class HiddenChain:
                     for to, weight in self.spread(number, layer)
                 ]
                 reward.append(self.rest[number].q * total(parts))
-            from_each = self._layer(layer, cut=False).values(reward)
+            from_each = self._layer(layer, None).values(reward)
             found[layer] = tuple(
                 function.done
                 + total(weight * from_each[target] for target, weight in function.steps)
@@ -316,7 +349,7 @@ class HiddenChain:
             part.threshold - sum(hidden[c] for c in part.classes),
         )
 
-    def _layer(self, layer: int, *, cut: bool) -> Elimination:
+    def _layer(self, layer: int, cut: Round | None) -> Elimination:
         key = (layer, cut)
         if key not in self._layers:
             rows, exits = [], []
@@ -324,7 +357,7 @@ class HiddenChain:
                 stay, leave = self._stay(number, layer)
                 row: dict[int, float] = {}
                 for target, weight in function.steps:
-                    if cut and target == self.states.entry:
+                    if cut is not None and cut.ends_at(target):
                         leave += stay * weight
                     elif target != number:
                         row[target] = stay * weight

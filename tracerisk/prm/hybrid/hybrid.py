@@ -12,6 +12,7 @@ from tracerisk.prm.hybrid.latent_units import check_latent
 from tracerisk.prm.notebook.display import DisplayedGraph
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.spares import Spares
+from tracerisk.strong_components import strong_components
 
 if TYPE_CHECKING:
     from tracerisk.prm.hybrid.building import Following
@@ -71,6 +72,8 @@ class HybridModel(DisplayedGraph):
     `latent` names the basic events that are units whose failure stays hidden: one that has
     failed without failing the visit stays failed, in every state whose tree has an event of
     this name, until the mission ends. All other units are as good as new at each visit.
+    `counted` says that each `next` was counted in one mission, so that the numbers of cycles are
+    fixed, and not drawn anew for each mission.
     Raises ModelError, naming the element, when names clash or are unknown, a probability is
     outside [0, 1], a `next` does not sum to one, `done` cannot be reached from a state that
     the entry leads to, or a tree cannot carry the latent units (see `latent_parts`).
@@ -81,6 +84,7 @@ class HybridModel(DisplayedGraph):
     states: tuple[FunctionState, ...]
     parameters: tuple[Parameter, ...]
     latent: tuple[str, ...] = ()
+    counted: bool = False
 
     def __post_init__(self) -> None:
         _check_names("state", [state.name for state in self.states], reserved=(DONE,))
@@ -137,12 +141,15 @@ class HybridModel(DisplayedGraph):
     @property
     def has_cycle(self) -> bool:
         """Whether a mission can come back to a state it has visited."""
-        steps = {state.name: state.next for state in self.states}
+        following = {
+            state.name: {step.target for step in state.next if step.weight > 0} - {DONE}
+            for state in self.states
+        }
+        reached = set(self.reachable)
         return any(
-            state in reachable_states(steps, step.target)
-            for state in self.reachable
-            for step in steps[state]
-            if step.weight > 0 and step.target != DONE
+            len(component) > 1 or component[0] in following[component[0]]
+            for component in strong_components(following)
+            if component[0] in reached
         )
 
     @property

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from tracerisk.prm.hybrid.assessment import MissionFigures
-from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain
+from tracerisk.prm.hybrid.assessment import FIXED, GEOMETRIC, MissionFigures, Reading
+from tracerisk.prm.hybrid.fixed_cycles import (
+    Loop,
+    counted_passage,
+    failure_of,
+    log_survival,
+    outcome_of,
+    rounds_of,
+)
+from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain, Round
 from tracerisk.prm.hybrid.hidden_states import MOST_STATES, HiddenStates, hidden_states
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.numbers.elimination import Elimination
 from tracerisk.prm.numbers.probability import Probability, at_least, pair_of
 from tracerisk.prm.trees.spares import SpareGroup, Spares
-
-_MOST_SQUARED = 32
-"""Up to how many hidden states many cycles are told by squaring the way from cycle to cycle."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,20 +77,42 @@ def solve_mission(model: HybridModel, *, limit: int = MOST_STATES) -> SolvedMiss
     )
 
 
-def mission_figures(solved: SolvedMission) -> MissionFigures:
-    """Return the mission's failure probability read in three ways."""
+def mission_figures(model: HybridModel, solved: SolvedMission) -> MissionFigures:
+    """Return the mission's failure probability read in three ways, and the one that holds."""
     chain = solved.chain
+    states = chain.states
     visits = _sound_visits(chain)
-    cycle = chain.flow(cut=True)
-    cycles = visits[chain.states.entry]
+    whole = Round(states.entry, frozenset(range(len(states.functions))))
+    cycle = chain.flow(cut=whole)
+    cycles = visits[states.entry]
+    counted = _as_counted(model, chain)
+    mission = solved.failure if counted is None else counted
     return MissionFigures(
-        failure_probability=solved.failure.p,
-        done_probability=solved.failure.q,
-        cycle_failure_probability=_cycle_failure(cycle),
+        failure_probability=mission.p,
+        done_probability=mission.q,
+        reading=GEOMETRIC if counted is None and model.has_cycle else FIXED,
+        geometric_cycles=solved.failure.p,
+        cycle_failure_probability=failure_of(cycle),
         expected_cycles=cycles,
-        fixed_cycles=_fixed_cycles(chain, cycle, cycles),
+        fixed_cycles=_mean_cycles(chain, cycle, whole, cycles) if counted is None else counted.p,
         visits_as_run=0.0 - math.expm1(_log_survival_as_run(chain, visits)),
     )
+
+
+def held_risk(model: HybridModel, solved: SolvedMission) -> tuple[Reading, float]:
+    """Return the reading that holds for a model, and the mission's failure probability in it."""
+    counted = _as_counted(model, solved.chain)
+    if counted is None:
+        return GEOMETRIC if model.has_cycle else FIXED, solved.failure.p
+    return FIXED, counted.p
+
+
+def _as_counted(model: HybridModel, chain: HiddenChain) -> Probability | None:
+    """Return the outcome of a mission with fixed numbers of cycles; `None` where they vary."""
+    if not model.counted or not model.has_cycle:
+        return None
+    passage = counted_passage(chain.states)
+    return None if passage is None else outcome_of(chain, passage)
 
 
 def _least(chain: HiddenChain, flow: Flow) -> float:
@@ -119,11 +146,7 @@ def _sound_visits(chain: HiddenChain) -> list[float]:
     return _visits(chain.states, [Probability(0.0, 1.0)] * size, start)
 
 
-def _cycle_failure(cycle: Flow) -> float:
-    return math.fsum(math.fsum(row) for row in cycle.failures)
-
-
-def _fixed_cycles(chain: HiddenChain, cycle: Flow, cycles: float) -> float:
+def _mean_cycles(chain: HiddenChain, cycle: Flow, whole: Round, cycles: float) -> float:
     """Return the failure probability of so many cycles, one after the other.
 
     A cycle begins with the units failed that the last one left so. Between whole numbers of
@@ -131,67 +154,18 @@ def _fixed_cycles(chain: HiddenChain, cycle: Flow, cycles: float) -> float:
     """
     if len(chain.states.hidden) == 1 and chain.states.most is None:
         good = math.fsum((*cycle.done, *cycle.back))
-        return 0.0 - math.expm1(cycles * _log_survival(Probability(_cycle_failure(cycle), good)))
-    whole = math.floor(cycles + 1e-9)
-    part = max(0.0, cycles - whole)
-    counts = (whole, whole + 1) if part > 1e-9 else (whole,)
-    ends = _after_cycles(chain, counts)
-    if len(ends) == 1:
-        return ends[0].p
-    before, after = map(_log_survival, ends)
-    return -math.expm1((1.0 - part) * before + part * after)
-
-
-def _after_cycles(chain: HiddenChain, counts: Sequence[int]) -> list[Probability]:
-    """Return the outcome of so many cycles, for each of the rising `counts`."""
-    if len(chain.states.hidden) < min(counts[-1], _MOST_SQUARED):
-        return [_after_squarings(chain, count) for count in counts]
-    now = [1.0]
-    failed: list[float] = []
-    ends = []
-    for number in range(1, counts[-1] + 1):
-        flow = chain.flow(now, cut=True)
-        failed.append(_cycle_failure(flow))
-        now = [back + done for back, done in zip(flow.back, flow.done, strict=True)]
-        if number in counts:
-            ends.append(Probability(math.fsum(failed), math.fsum(now)))
-    return ends
-
-
-def _after_squarings(chain: HiddenChain, count: int) -> Probability:
-    """Return the outcome of so many cycles, by the way from cycle to cycle squared again and again.
-
-    `step[i][j]` leads from layer i at the start of a cycle to layer j at its end.
-    """
-    layers = len(chain.states.hidden) + (chain.states.most is not None)
-    flows = [
-        chain.flow([float(layer == start) for layer in range(layers)], cut=True)
-        for start in range(layers)
+        return 0.0 - math.expm1(cycles * log_survival(Probability(failure_of(cycle), good)))
+    rounds = math.floor(cycles + 1e-9)
+    part = max(0.0, cycles - rounds)
+    now, failed = rounds_of(chain, Loop(whole, rounds, None), [1.0])
+    if part <= 1e-9:
+        return failed
+    after, lost = rounds_of(chain, Loop(whole, 1, None), now)
+    logs = [
+        log_survival(Probability(failed, math.fsum(now))),
+        log_survival(Probability(failed + lost, math.fsum(after))),
     ]
-    step = [
-        [b + d for b, d in zip(flow.back[:layers], flow.done[:layers], strict=True)]
-        for flow in flows
-    ]
-    fails = [_cycle_failure(flow) for flow in flows]
-    now = [1.0] + [0.0] * (layers - 1)
-    failed = 0.0
-    while count:
-        if count % 2:
-            failed += _dot(now, fails)
-            now = _times(now, step)
-        count //= 2
-        if count:
-            fails = [own + _dot(row, fails) for own, row in zip(fails, step, strict=True)]
-            step = [_times(row, step) for row in step]
-    return Probability(failed, math.fsum(now))
-
-
-def _dot(one: Iterable[float], other: Iterable[float]) -> float:
-    return math.fsum(a * b for a, b in zip(one, other, strict=True))
-
-
-def _times(row: Sequence[float], matrix: Sequence[Sequence[float]]) -> list[float]:
-    return [_dot(row, column) for column in zip(*matrix, strict=True)]
+    return -math.expm1((1.0 - part) * logs[0] + part * logs[1])
 
 
 def _log_survival_as_run(chain: HiddenChain, visits: Sequence[float]) -> float:
@@ -201,19 +175,19 @@ def _log_survival_as_run(chain: HiddenChain, visits: Sequence[float]) -> float:
     the same failed units the strictest decides, and of their spares the least reliable.
     """
     states = chain.states
-    total = [count * _log_survival(pair) for count, pair in zip(visits, chain.rest, strict=True)]
+    total = [count * log_survival(pair) for count, pair in zip(visits, chain.rest, strict=True)]
     survival = [0.0] * len(states.classes)
     for count, units in zip(visits, chain.units, strict=True):
         for number, p in units.items():
-            survival[number] += count * _log_survival(pair_of(p))
+            survival[number] += count * log_survival(pair_of(p))
     failed = [Probability(-math.expm1(log), math.exp(log)) for log in survival]
     for classes, threshold in _joined_parts(states):
         group = _joined_spares(states, classes, threshold)
         if group is not None:
-            total.append(_log_survival(group.visit(failed[classes[0]], 0).pair))
+            total.append(log_survival(group.visit(failed[classes[0]], 0).pair))
             continue
         units_failed = [failed[c] for c in classes for _ in states.classes[c]]
-        total.append(_log_survival(at_least(threshold, units_failed)))
+        total.append(log_survival(at_least(threshold, units_failed)))
     return math.fsum(total)
 
 
@@ -250,12 +224,3 @@ def _joined_spares(
         groups[0].units - threshold + 1,
         Spares(max(each.dormancy for each in spares), max(each.switch for each in spares)),
     )
-
-
-def _log_survival(probability: Probability) -> float:
-    """Return log(1-p) from the more precise half of the pair."""
-    if probability.q == 0.0:
-        return -math.inf
-    if probability.p < 0.5:
-        return math.log1p(-probability.p)
-    return math.log(probability.q)

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from tracerisk.prm.hybrid.assessment import (
+    FIXED_CYCLES,
+    GEOMETRIC,
     GEOMETRIC_CYCLES,
     HIDDEN_FAILURES,
     RENEWED_REDUNDANCY,
@@ -36,14 +38,15 @@ def solve(model: HybridModel, *, limit: int = MOST_STATES) -> Assessment:
     than the smallest number of double precision.
     """
     solved = solve_mission(model, limit=limit)
+    mission = mission_figures(model, solved)
     reached = {function.state.name for function in solved.states.functions}
     return Assessment(
         model=model.name,
         entry=model.entry,
         states=tuple(_state_assessments(model, solved)),
-        mission=mission_figures(solved),
+        mission=mission,
         components=importances(model, solved),
-        assumptions=_assumptions(model, solved),
+        assumptions=_assumptions(model, solved, mission),
         findings=tuple(
             f"{state.name} is never reached from {model.entry} and adds nothing to the mission"
             for state in model.states
@@ -68,7 +71,7 @@ def solve_figures(model: HybridModel) -> ModelFigures:
     """
     solved = solve_mission(model)
     return ModelFigures(
-        mission=mission_figures(solved),
+        mission=mission_figures(model, solved),
         top_events={
             state.name: solved.tops[state.name] if state.name in solved.tops else top_event(state).p
             for state in model.states
@@ -86,7 +89,9 @@ def top_event(state: FunctionState) -> Probability:
     return tree_probability(state.name, state.tree, state.probabilities)
 
 
-def _assumptions(model: HybridModel, solved: SolvedMission) -> tuple[str, ...]:
+def _assumptions(
+    model: HybridModel, solved: SolvedMission, mission: MissionFigures
+) -> tuple[str, ...]:
     told = []
     gates = [gate for state in model.states for gate in state.tree.gates]
     latent = set(model.latent)
@@ -100,7 +105,7 @@ def _assumptions(model: HybridModel, solved: SolvedMission) -> tuple[str, ...]:
     if solved.states.most is not None:
         told.append(bounded(solved.states.most, solved.least, solved.failure.p))
     if model.has_cycle:
-        told.append(GEOMETRIC_CYCLES)
+        told.append(GEOMETRIC_CYCLES if mission.reading == GEOMETRIC else FIXED_CYCLES)
     return tuple(told)
 
 

@@ -151,7 +151,7 @@ def propagate(
                 thetas[part] = total * share
         return failure_samples(model, thetas)
 
-    point = solve_figures(model).mission.failure_probability
+    point = solve_figures(model).mission.geometric_cycles
     return spread_of(figure, point, inputs, samples=samples, seed=seed)
 
 

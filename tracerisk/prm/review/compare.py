@@ -63,6 +63,9 @@ def compare(
     noisy = 0
     points: tuple[SinglePoint, ...] = ()
     if earlier is not None and after is not None:
+        if earlier.figures.mission.reading != after.figures.mission.reading:
+            # That cycles are counted now, or no longer, is no change of risk.
+            earlier, after = earlier.read_as_geometric(), after.read_as_geometric()
         points = _new_single_points(earlier, after)
         changes, causes, noisy = _changes(earlier, after, points, cause_of)
         total = _mission(after) - _mission(earlier)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from tracerisk.errors import InputError
-from tracerisk.prm.hybrid.mission import solve_mission
+from tracerisk.prm.hybrid.mission import held_risk, solve_mission
 from tracerisk.prm.review.flow_changes import Edit
 from tracerisk.prm.review.model_parts import ModelParts, RiskVersion
 
@@ -22,7 +22,13 @@ class Contributions:
         for edit in edits:
             edit(parts)
         try:
-            alone = solve_mission(parts.model()).failure.p
+            model = parts.model()
+            solved = solve_mission(model)
+            reading, alone = held_risk(model, solved)
         except InputError:
             return None
-        return alone - self._before.figures.mission.failure_probability
+        before = self._before.figures.mission
+        if reading != before.reading:
+            # The same edits make the numbers of cycles fixed, or vary: that is no cause of risk.
+            return solved.failure.p - before.geometric_cycles
+        return alone - before.failure_probability

@@ -28,6 +28,15 @@ class RiskVersion:
         model = build_model(blocks, name=name)
         return cls({block.name: block for block in blocks}, model, solve_figures(model))
 
+    def read_as_geometric(self) -> RiskVersion:
+        """Return the version with the mission read with a geometric number of cycles."""
+        mission = self.figures.mission.as_geometric()
+        return replace(
+            self,
+            model=replace(self.model, counted=False),
+            figures=replace(self.figures, mission=mission),
+        )
+
     def renamed(self, names: Mapping[str, str]) -> RiskVersion:
         """Return the version with new names for some of its functions."""
         if not names:
@@ -63,6 +72,7 @@ class ModelParts:
 
     def __init__(self, version: RiskVersion) -> None:
         self._name = version.model.name
+        self._counted = version.model.counted
         self.entry = version.model.entry
         self.blocks = dict(version.blocks)
         self.steps: dict[str, Steps] = {state.name: state.next for state in version.model.states}
@@ -72,7 +82,8 @@ class ModelParts:
         """Return the model that the parts make now; raise ModelError where they make none."""
         states = [self.state(name) for name in self.steps]
         entries = [each for name in self.steps for each in self.components[name].values()]
-        return model_of_states(self._name, self.entry, states, entries)
+        model = model_of_states(self._name, self.entry, states, entries)
+        return replace(model, counted=self._counted)
 
     def state(self, function: str) -> FunctionState:
         """Return one function's state as the parts make it now."""

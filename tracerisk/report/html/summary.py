@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from markupsafe import Markup
 
+from tracerisk.prm.hybrid.assessment import FIXED
 from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
@@ -47,7 +48,7 @@ def _cause(report: ReportInput) -> str:
     told = f"Without failures of {first.name}, {figures.percent(first.fussell_vesely)} of that "
     told += "probability would be gone"
     riskiest = max(assessment.states, key=lambda each: each.absorption_probability)
-    share = riskiest.absorption_probability / assessment.mission.failure_probability
+    share = riskiest.absorption_probability / assessment.mission.geometric_cycles
     return f"{told}; {figures.percent(share)} of it falls in {riskiest.name}."
 
 
@@ -90,16 +91,19 @@ def _readings(report: ReportInput) -> tuple[tuple[str, str, str], ...]:
     mission = report.assessment.mission
     cycles = figures.count(mission.expected_cycles)
     is_one = cycles == "1"
+    has_cycle = report.model.has_cycle
+    held = "; the figure above, for `next` counts the cycles"
     return (
         (
             "geometric cycles",
-            figures.probability(mission.failure_probability),
-            "the number of cycles varies around its mean" if report.model.has_cycle else "exact",
+            figures.probability(mission.geometric_cycles),
+            "the number of cycles varies around its mean" if has_cycle else "exact",
         ),
         (
             f"{cycles} fixed cycle{'' if is_one else 's'}",
             figures.probability(mission.fixed_cycles),
-            f"each fails with {figures.probability(mission.cycle_failure_probability)}",
+            f"each fails with {figures.probability(mission.cycle_failure_probability)}"
+            f"{held if has_cycle and mission.reading == FIXED else ''}",
         ),
         (
             "as executed",

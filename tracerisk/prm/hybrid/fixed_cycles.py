@@ -1,0 +1,207 @@
+"""A mission whose loops go round exactly as often as they were counted.
+
+Where `next` counts one mission, its chain falls into functions and loops that are passed one after
+the other, each once: a loop is entered at one function, its head, and goes round as often as that
+is visited. What happens within a round may fall apart in the same way, or be a chain of its own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain, Round
+from tracerisk.prm.hybrid.hidden_states import HiddenStates
+from tracerisk.prm.numbers.elimination import Elimination, Pattern
+from tracerisk.prm.numbers.probability import Probability, total
+from tracerisk.strong_components import strong_components
+
+_MOST_SQUARED = 32
+"""Up to how many hidden states many rounds are told by squaring the way from round to round."""
+
+_ROUNDING = 1e-9
+"""How far a count may be off through rounding, relative."""
+
+
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """A part of the chain that goes round `rounds` times.
+
+    `body` is what a round passes, each once; `None` where it is a chain with branches.
+    """
+
+    round: Round
+    rounds: int
+    body: tuple[int | Loop, ...] | None
+
+
+Passage = tuple[int | Loop, ...]
+"""What a mission passes, one after the other: functions, by number, and loops."""
+
+
+def counted_passage(states: HiddenStates) -> Passage | None:
+    """Return what each mission passes; `None` where `next` cannot be counts of one mission."""
+    return _passage(states, range(len(states.functions)), states.entry, is_round=False)
+
+
+def outcome_of(chain: HiddenChain, passage: Passage) -> Probability:
+    """Return the probability that a mission fails which passes just this."""
+    if len(chain.states.hidden) == 1 and chain.states.most is None:
+        log = _log_survival(chain, passage)
+        return Probability(0.0 - math.expm1(log), math.exp(log))
+    now, failed = _passed(chain, passage, [1.0])
+    return Probability(failed, math.fsum(now))
+
+
+def rounds_of(chain: HiddenChain, loop: Loop, start: Sequence[float]) -> tuple[list[float], float]:
+    """Return what survives all rounds of a loop, by layer, and what fails; `start` is by layer."""
+    layers = len(chain.states.hidden) + (chain.states.most is not None)
+    if loop.rounds == 1 or layers >= min(loop.rounds, _MOST_SQUARED):
+        now, failed = list(start), []
+        for _ in range(loop.rounds):
+            now, lost = _one_round(chain, loop, now)
+            failed.append(lost)
+        return now, math.fsum(failed)
+    return _squared(chain, loop, start, layers)
+
+
+def _passage(
+    states: HiddenStates, numbers: Iterable[int], entry: int, *, is_round: bool
+) -> Passage | None:
+    """Return what is passed from the entry on; a round ends where it comes back to it."""
+    inside = set(numbers)
+    following = {
+        number: {
+            target: weight
+            for target, weight in states.functions[number].steps
+            if target in inside and not (is_round and target == entry)
+        }
+        for number in sorted(inside, key=lambda each: (each != entry, each))
+    }
+    arriving = {entry: 1.0}
+    found: list[int | Loop] = []
+    for component in reversed(strong_components(following)):
+        heads = [number for number in component if number in arriving]
+        if len(heads) != 1 or abs(arriving[heads[0]] - 1.0) > _ROUNDING:
+            return None
+        head = heads[0]
+        if len(component) == 1 and head not in following[head]:
+            found.append(head)
+            visits = {head: 1.0}
+        else:
+            visits = _sound_visits(states, component, head)
+            rounds = round(visits[head])
+            if abs(visits[head] - rounds) > _ROUNDING * rounds:
+                return None
+            found.append(
+                Loop(
+                    Round(head, frozenset(component)),
+                    rounds,
+                    _passage(states, component, head, is_round=True),
+                )
+            )
+        for number, count in visits.items():
+            for target, weight in following[number].items():
+                if target not in visits:
+                    arriving[target] = arriving.get(target, 0.0) + count * weight
+    return tuple(found)
+
+
+def _sound_visits(states: HiddenStates, component: Sequence[int], head: int) -> dict[int, float]:
+    """Return how often each function of a loop is visited where nothing fails."""
+    place = {number: index for index, number in enumerate(component)}
+    rows, exits = [], []
+    for number in component:
+        function = states.functions[number]
+        rows.append({place[t]: w for t, w in function.steps if t in place and t != number})
+        exits.append(total((function.done, *(w for t, w in function.steps if t not in place))))
+    pattern = Pattern([states.functions[n].state.name for n in component], list(map(list, rows)))
+    start = [float(number == head) for number in component]
+    return dict(zip(component, Elimination(pattern, rows, exits).visits(start), strict=True))
+
+
+def _log_survival(chain: HiddenChain, passage: Passage) -> float:
+    """Return the logarithm of survival where nothing is latent."""
+    logs = []
+    for each in passage:
+        if isinstance(each, int):
+            logs.append(log_survival(chain.rest[each]))
+        elif each.body is not None:
+            logs.append(each.rounds * _log_survival(chain, each.body))
+        else:
+            flow = chain.flow(cut=each.round)
+            good = math.fsum((*flow.done, *flow.back))
+            logs.append(each.rounds * log_survival(Probability(failure_of(flow), good)))
+    return math.fsum(logs)
+
+
+def _passed(
+    chain: HiddenChain, passage: Passage, start: Sequence[float]
+) -> tuple[list[float], float]:
+    now, failed = list(start), []
+    for each in passage:
+        if isinstance(each, int):
+            now, lost = chain.pass_once(each, now)
+        else:
+            now, lost = rounds_of(chain, each, now)
+        failed.append(lost)
+    return now, math.fsum(failed)
+
+
+def _one_round(chain: HiddenChain, loop: Loop, now: Sequence[float]) -> tuple[list[float], float]:
+    if loop.body is not None:
+        return _passed(chain, loop.body, now)
+    flow = chain.flow(now, cut=loop.round)
+    return _survived(flow), failure_of(flow)
+
+
+def _squared(
+    chain: HiddenChain, loop: Loop, start: Sequence[float], layers: int
+) -> tuple[list[float], float]:
+    """Return what `rounds_of` does, by the way from round to round squared again and again.
+
+    `step[i][j]` leads from layer i at the start of a round to layer j at its end.
+    """
+    units = [[float(layer == begin) for layer in range(layers)] for begin in range(layers)]
+    ways = [_one_round(chain, loop, unit) for unit in units]
+    step = [after[:layers] for after, _ in ways]
+    fails = [lost for _, lost in ways]
+    now = [*start[:layers], *[0.0] * (layers - len(start))]
+    failed = []
+    count = loop.rounds
+    while count:
+        if count % 2:
+            failed.append(_dot(now, fails))
+            now = _times(now, step)
+        count //= 2
+        if count:
+            fails = [own + _dot(row, fails) for own, row in zip(fails, step, strict=True)]
+            step = [_times(row, step) for row in step]
+    return now, math.fsum(failed)
+
+
+def failure_of(flow: Flow) -> float:
+    """Return the probability of all failures in a flow."""
+    return math.fsum(math.fsum(row) for row in flow.failures)
+
+
+def _survived(flow: Flow) -> list[float]:
+    return [back + done for back, done in zip(flow.back, flow.done, strict=True)]
+
+
+def log_survival(probability: Probability) -> float:
+    """Return log(1-p) from the more precise half of the pair."""
+    if probability.q == 0.0:
+        return -math.inf
+    if probability.p < 0.5:
+        return math.log1p(-probability.p)
+    return math.log(probability.q)
+
+
+def _dot(one: Iterable[float], other: Iterable[float]) -> float:
+    return math.fsum(a * b for a, b in zip(one, other, strict=True))
+
+
+def _times(row: Sequence[float], matrix: Sequence[Sequence[float]]) -> list[float]:
+    return [_dot(row, column) for column in zip(*matrix, strict=True)]
