@@ -250,6 +250,16 @@ def test_failures_that_no_mode_has_are_told_as_harmless(compute):
     assert compute(MOVE, RATE, modes % "0.6", JOINTS).assumptions == ()
 
 
+def test_figures_with_an_error_factor_are_told_as_medians(compute):
+    rate = "failure_rate: {value: 570, unit: FIT, error_factor: 3%s}"
+    (line,) = compute(MOVE, rate % "", JOINTS).assumptions
+    assert line == (
+        "part: the figures with an error factor are medians, and so the mission's is about its "
+        "median; its mean is higher, and `solve --hardware --uncertainty` tells it"
+    )
+    assert compute(MOVE, rate % ", value_is: mean", JOINTS).assumptions == ()
+
+
 def test_a_description_of_nothing_that_the_robot_has_is_an_error(compute):
     camera = "twin: {sensors: camera, optional: true}"
     with pytest.raises(HardwareError, match="only optional components, of which the robot has no"):

@@ -29,6 +29,7 @@ from tracerisk.prm.questions.sampled_mission import failure_samples
 from tracerisk.prm.questions.sobol import first_order_shares
 from tracerisk.prm.questions.uncertainty import latin_hypercube, propagate
 from tracerisk.prm.questions.what_if import with_values
+from tracerisk.report.what_if import render_uncertainty
 
 LOOP = {"place": {"init": Fraction(9, 10), "done": Fraction(1, 10)}}
 SHARES = np.array([0.05, 0.5, 0.95])
@@ -347,3 +348,13 @@ def test_more_hidden_failures_than_are_held_count_as_failures(block, component, 
     assert (bound > whole).all()
     # Two failed units at most are held: three are no rarity here.
     assert (bound < 0.5).all()
+
+
+def test_a_mean_above_the_point_is_told_with_its_ratio(case_study):
+    model = build_model(case_study, name="case")
+    shown = [
+        render_uncertainty(propagate(model, samples=2000, distributions={"gripper": law}))
+        for law in (Lognormal(10.0), Lognormal(1.01))
+    ]
+    assert "times the point, in which" in shown[0]
+    assert "times the point" not in shown[1]

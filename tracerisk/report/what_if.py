@@ -119,7 +119,13 @@ def render_uncertainty(
         for each in found.inputs
         if each.cut
     ]
-    return render_parts([spread, inputs, *cut], width=width, color=color)
+    told = []
+    if found.point > 0.0 and abs(found.mean - found.point) > 0.01 * found.point:
+        told.append(
+            f"The mean is {found.mean / found.point:.3g} times the point, in which each parameter "
+            "has its own value: the median of its distribution, unless it says otherwise."
+        )
+    return render_parts([spread, *told, inputs, *cut], width=width, color=color)
 
 
 def _sweep(swept: Sweep) -> Table:

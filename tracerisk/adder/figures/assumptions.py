@@ -19,6 +19,7 @@ def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:
         *_own_speed(bound),
         *_ageing(bound),
         *_harmless(bound),
+        *_medians(bound),
     )
 
 
@@ -92,6 +93,23 @@ def _harmless(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
                 f"of the failures; the other {100.0 * rest:.4g} % are taken as harmless"
             )
     return tuple(lines)
+
+
+def _medians(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
+    names = sorted(
+        each.component.name
+        for each in bound
+        if any(
+            figure.error_factor is not None and figure.value_is == "median"
+            for figure in each.component.figures
+        )
+    )
+    if not names:
+        return ()
+    return (
+        f"{', '.join(names)}: the figures with an error factor are medians, and so the mission's "
+        "is about its median; its mean is higher, and `solve --hardware --uncertainty` tells it",
+    )
 
 
 _ROUNDING = 1e-9
