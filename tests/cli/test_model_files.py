@@ -534,7 +534,7 @@ def test_constants_of_prism_are_set_in_what_is_written(call):
         (["cooling.xml", "-o", "o.xml", "--set", "p=1"], "--set goes with constants of a PRISM"),
         (["repair.tra", "-o", "o.lab", "--to", "explicit"], "name it .tra"),
         (["rate.xml", "-o", "o.json"], "state the mission time to compute it for"),
-        (["x.py", "-o", "o.xml"], "x.py: is no model file; `tracerisk build` makes one"),
+        (["x.py", "-o", "o.xml"], "no risk block in x.py; `tracerisk run`"),
         (["cooling.xml", "-o", "no/o.xml"], "no/o.xml: cannot be written"),
     ],
 )
@@ -545,3 +545,16 @@ def test_what_a_format_cannot_hold_is_told_and_nothing_written(call, arguments, 
     assert outcome.code == 2
     assert message in outcome.err
     assert sorted(Path().iterdir()) == before
+
+
+def test_the_blocks_of_sources_are_converted_as_the_model_built_of_them(call, annotated_source):
+    source = annotated_source(
+        pick=("place 1", "gripper = 1e-7; power = 1e-5 of2"), place=("done 1", "gripper = 3e-7")
+    )
+    Path("cell.py").write_text(source)
+    assert call("build", "cell.py", "-o", "cell.json").code == 0
+    for output, kind in (("x.xml", "open-psa"), ("x.prism", "prism"), ("x.json", "openpra")):
+        assert call("convert", "cell.py", "-o", output, "--to", kind).code == 0
+        of_sources = Path(output).read_text()
+        assert call("convert", "cell.json", "-o", output, "--to", kind).code == 0
+        assert Path(output).read_text() == of_sources

@@ -215,3 +215,17 @@ def test_what_cannot_be_asked_is_told(model, arguments, message):
     assert outcome.code == 2
     assert message in outcome.err
     assert message in json.loads(outcome.out)["error"]["message"]
+
+
+def test_a_figure_is_set_by_a_factor_of_its_own(model):
+    def found(*call):
+        return json.loads(model.run("solve", "model.json", *call, "--json").out)
+
+    before = found()["assessment"]["components"]
+    theta = next(each["theta"] for each in before if each["name"] == "gripper")
+    by_factor, by_value = found("--set", "gripper=x2.5"), found("--set", f"gripper={2.5 * theta!r}")
+    assert by_factor["assessment"] == by_value["assessment"]
+    for text, message in (("gripper=xx", "is not a number"), ("gripper=x1e12", "0 to 1")):
+        outcome = model.run("solve", "model.json", "--set", text)
+        assert outcome.code == 2
+        assert message in outcome.err

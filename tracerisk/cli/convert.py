@@ -11,6 +11,7 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.model_files import format_of, labels_beside, read_model
 from tracerisk.cli.shared.model_format import SUFFIXES, ModelFormat
 from tracerisk.cli.shared.output import note, print_json
+from tracerisk.cli.shared.sources import model_of_sources
 from tracerisk.errors import InputError, Location, ModelError, one_of
 
 if TYPE_CHECKING:
@@ -26,7 +27,9 @@ _WRITTEN = (*TREES, *CHAINS, ModelFormat.LINKED)
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    parser.add_argument("files", metavar="FILE", nargs="+", help="a model of any format")
+    parser.add_argument(
+        "files", metavar="FILE", nargs="+", help="a model of any format, or sources with blocks"
+    )
     parser.add_argument(
         "-o", "--output", metavar="FILE", required=True, help="the file to write; of .tra, .lab too"
     )
@@ -53,21 +56,17 @@ def run(options: argparse.Namespace) -> int:
     from tracerisk.adder.sources.write import FileWrite, write_all
 
     kind = format_of(options.files)
-    if kind is None:
-        raise InputError(
-            "is no model file; `tracerisk build` makes one of the blocks in sources",
-            Location(options.files[0]),
-        )
     target = _target(options)
     try:
         texts = _converted(options, kind, target)
     except ModelError as error:
         error.location = error.location or Location(options.files[0])
         raise
+    told = "blocks" if kind is None else kind.value
     write_all(FileWrite(Path(name), text.encode()) for name, text in texts.items())
     if options.json:
-        print_json("convert", format=kind.value, to=target.value, files=list(texts))
-    note(f"{', '.join(texts)}: {kind.value} as {target.value}", quiet=options.quiet)
+        print_json("convert", format=told, to=target.value, files=list(texts))
+    note(f"{', '.join(texts)}: {told} as {target.value}", quiet=options.quiet)
     return 0
 
 
@@ -84,16 +83,20 @@ def _target(options: argparse.Namespace) -> ModelFormat:
 
 
 def _converted(
-    options: argparse.Namespace, kind: ModelFormat, target: ModelFormat
+    options: argparse.Namespace, kind: ModelFormat | None, target: ModelFormat
 ) -> dict[str, str]:
-    """Return the text of each file to write."""
+    """Return the text of each file to write; the blocks of sources where there is no `kind`."""
     from tracerisk.prm.dynamic import DynamicTree
     from tracerisk.prm.formats.explicit_chain import ExplicitChain
     from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.prm.logic.model import LogicModel
 
     constants = _constants(options, kind)
-    model = read_model(options.files, kind, constants)
+    model = (
+        model_of_sources(options.files, {})
+        if kind is None
+        else read_model(options.files, kind, constants)
+    )
     if isinstance(model, ExplicitChain) and target in CHAINS:
         return _chain_texts(model, target, options.output)
     if isinstance(model, HybridModel) and target is not ModelFormat.LINKED:
@@ -109,14 +112,14 @@ def _converted(
         ModelFormat.LINKED: "its chains, trees and the expressions that join them",
         ModelFormat.PRISM: "a chain",
         ModelFormat.EXPLICIT: "a chain",
-    }.get(kind, "fault or event trees")
+    }.get(kind or ModelFormat.OPEN_PSA, "fault or event trees")
     raise ModelError(
         f"holds {held}, which {target.value} cannot hold; trees go to "
         f"{_named(TREES)}, chains to {_named(CHAINS)}, models of functions to either"
     )
 
 
-def _constants(options: argparse.Namespace, kind: ModelFormat) -> dict[str, int | float]:
+def _constants(options: argparse.Namespace, kind: ModelFormat | None) -> dict[str, int | float]:
     values = asked.parse_set(options, asked.number)
     if values and kind is not ModelFormat.PRISM:
         raise InputError("--set goes with constants of a PRISM file; change the model instead")

@@ -37,7 +37,8 @@ def add_what_if(parser: argparse.ArgumentParser) -> None:
         metavar="NAME=P",
         action="append",
         default=[],
-        help="solve with a component's figure set, as gripper=1e-6; repeatable",
+        help="solve with a component's figure set, as gripper=1e-6, or times a factor, as "
+        "gripper=x2; repeatable",
     )
     group.add_argument(
         "--sweep",
@@ -85,10 +86,17 @@ def set_in(model: HybridModel, options: argparse.Namespace) -> tuple[HybridModel
 
     Raises InputError when a value is malformed, or a name unknown.
     """
-    values = parse_set(options, probability)
+    from tracerisk.prm.questions.what_if import set_values, value_of, with_values
+
+    def figure(text: str, where: str) -> float:
+        if not text.startswith("x") or text == "x":
+            return probability(text, where)
+        name = where.removeprefix("--set ").rpartition("=")[0]
+        return probability(repr(number(text[1:], where) * value_of(model, name)), where)
+
+    values = parse_set(options, figure)
     if not values:
         return model, []
-    from tracerisk.prm.questions.what_if import set_values, with_values
 
     return with_values(model, values), list(set_values(model, values))
 

@@ -43,6 +43,7 @@ from tracerisk.prm.logic.model import (
     LogicModel,
     Place,
 )
+from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, GateKind
 
 
@@ -620,3 +621,12 @@ def test_writing_is_the_same_each_time(tmp_path: Path):
     write_open_psa(read, first)
     write_open_psa(read, second)
     assert first.read_bytes() == second.read_bytes()
+
+
+def test_a_fault_tree_of_python_goes_out_with_its_values():
+    tree = FaultTree.of("top", {"top": ("or", "valve", "pumps"), "pumps": ("and", "p1", "p2")})
+    values = {"valve": 1e-6, "p1": 1e-3, "p2": 2e-3}
+    again = loads_open_psa(dumps_open_psa(tree, values), "tree.xml").fault_tree("top")
+    assert again.probability(again.values_at(0.0)).p == tree.probability(values).p
+    with pytest.raises(ModelError, match="'valv' is no parameter"):
+        dumps_open_psa(tree, {"valv": 1e-6})

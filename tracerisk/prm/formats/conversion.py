@@ -64,6 +64,46 @@ def logic_of_dynamic(tree: DynamicTree, mission_time_h: float | None = None) -> 
     )
 
 
+def logic_of_tree(
+    tree: FaultTree, values: Mapping[str, float] | None = None, *, name: str | None = None
+) -> LogicModel:
+    """Return a fault tree as a logic model; `values` are the probabilities of its parameters.
+
+    An event keeps its failure model; one with neither has no figure. The name is that of the top
+    unless one is given.
+    Raises ModelError for a value of a name that no event has, and for a law that Open-PSA has no
+    word for.
+    """
+    given = dict(values or {})
+    unknown = sorted(set(given) - set(tree.parameters))
+    if unknown:
+        raise ModelError(f"'{unknown[0]}' is no parameter; {one_of(tree.parameters, unknown[0])}")
+    written = _of_gates(tree)
+    shared = [name for name in tree.parameters if name in given]
+    taken = {each.name for each in written.gates} | {each.name for each in written.events}
+    taken |= {each.name for each in written.houses}
+    figures = {each: f"p_{each}" if each in taken else each for each in shared}
+    return LogicModel(
+        name=name or tree.top,
+        gates=tuple(GateDefinition(gate) for gate in reversed(written.upwards)),
+        events=tuple(
+            EventDefinition(
+                each.name,
+                Reference(figures[each.parameter])
+                if each.parameter in figures
+                else None
+                if each.model is None
+                else _expression(each.name, each.model, None),
+            )
+            for each in written.events
+        ),
+        houses=tuple(HouseDefinition(each) for each in written.houses),
+        parameters=tuple(
+            ParameterDefinition(figures[each], Number(given[each])) for each in shared
+        ),
+    )
+
+
 def logic_of_functions(model: HybridModel) -> LogicModel:
     """Return the fault trees of a model of functions, each in a fault tree of the function's name.
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 from tracerisk.errors import Location, ModelError
+from tracerisk.prm.formats.conversion import logic_of_tree
 from tracerisk.prm.formats.open_psa.names import Names
 from tracerisk.prm.formats.open_psa.rewriting import (
     GATE_MARK,
@@ -33,18 +34,21 @@ from tracerisk.prm.logic.model import (
     Place,
     Substitution,
 )
+from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, GateKind
 
 _DEEPEST = 50
 """How deep formulas nest at most; what is deeper is written as gates of their own."""
 
 
-def write_open_psa(model: LogicModel, path: Path | str) -> None:
-    """Write the model to an Open-PSA XML file.
+def write_open_psa(
+    model: LogicModel | FaultTree, path: Path | str, values: Mapping[str, float] | None = None
+) -> None:
+    """Write the model to an Open-PSA XML file, as `dumps_open_psa` does.
 
     Raises ModelError when Open-PSA cannot hold the model, or the file cannot be written.
     """
-    text = dumps_open_psa(model)
+    text = dumps_open_psa(model, values)
     try:
         Path(path).write_text(text, encoding="utf-8", newline="\n")
     except OSError as error:
@@ -53,13 +57,17 @@ def write_open_psa(model: LogicModel, path: Path | str) -> None:
         ) from error
 
 
-def dumps_open_psa(model: LogicModel) -> str:
-    """Return the model as Open-PSA XML.
+def dumps_open_psa(model: LogicModel | FaultTree, values: Mapping[str, float] | None = None) -> str:
+    """Return the model as Open-PSA XML; of a fault tree `values` are those of its parameters.
 
     Names that Open-PSA forbids are escaped, gates that SCRAM does not accept rewritten as equal
     ones; both carry marks from which the reader restores them.
     Raises ModelError when Open-PSA cannot hold the model.
     """
+    if isinstance(model, FaultTree):
+        model = logic_of_tree(model, values)
+    elif values is not None:
+        raise ModelError("values go with a fault tree; a logic model has its own")
     return _Writer(model).text()
 
 
