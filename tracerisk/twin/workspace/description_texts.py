@@ -11,7 +11,8 @@ from tracerisk.twin.robots.names_in_source import LaunchedDescription
 from tracerisk.twin.urdf.xacro_files import Expanded, expanded_xacro
 from tracerisk.twin.workspace.description_files import DescriptionFile
 
-_MOST_EXPANDED = 8  # xacro files a controller; each costs up to a second
+_MOST_EXPANDED = 12  # xacro files a controller; each costs up to a second
+_MOST_TRIED = 40  # with those that cannot be expanded: parts of others, which end soon
 _ROBOTS_NAME = "name"  # the argument of xacro that many files want and give no default
 _Key = tuple[Path, tuple[tuple[str, str], ...]]
 
@@ -46,9 +47,11 @@ class DescriptionTexts:
         given = dict(launched.arguments) if launched is not None else dict(arguments or {})
         key = (file.path, tuple(sorted(given.items())))
         if key not in self._expanded:
-            if len(self._expanded) >= _MOST_EXPANDED:
+            expanded = sum(isinstance(each, Expanded) for each in self._expanded.values())
+            if expanded >= _MOST_EXPANDED or len(self._expanded) >= _MOST_TRIED:
                 raise RobotError(
-                    f"not looked at: {_MOST_EXPANDED} xacro files were expanded before it"
+                    f"not looked at: {len(self._expanded)} xacro files were tried before it, of "
+                    f"which {expanded} could be expanded"
                 )
             try:
                 self._expanded[key] = self._expand_named(file, given)

@@ -1,0 +1,31 @@
+"""Which of a workspace's xacro files are expanded."""
+
+from __future__ import annotations
+
+from tracerisk.errors import RobotError
+from tracerisk.limits import DEFAULT_LIMITS
+from tracerisk.twin.workspace.description_files import DescriptionFile
+from tracerisk.twin.workspace.description_texts import DescriptionTexts
+
+XACRO = (
+    '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">{}<link name="base"/></robot>'
+)
+PART = XACRO.format('<xacro:arg name="side"/><link name="$(arg side)_hand"/>')
+
+
+def test_parts_that_cannot_be_expanded_do_not_hide_the_robot_behind_them(tmp_path, monkeypatch):
+    monkeypatch.setattr("tracerisk.twin.workspace.description_texts._MOST_EXPANDED", 2)
+    texts = DescriptionTexts({}, {}, DEFAULT_LIMITS)
+    found = []
+    for number, text in enumerate([PART] * 4 + [XACRO.format("")] * 3):
+        path = tmp_path / f"part{number}.urdf.xacro"
+        path.write_text(text)
+        try:
+            texts.of(DescriptionFile(path, path.name, path.read_bytes()))
+            found.append("expanded")
+        except RobotError as error:
+            found.append(str(error).partition(":")[0])
+    assert found[4:6] == ["expanded"] * 2
+    assert found[6] == "not looked at"
+    assert "expanded" not in found[:4]
+    assert "not looked at" not in found[:4]
