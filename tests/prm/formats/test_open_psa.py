@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import time
 import tracemalloc
@@ -630,3 +631,46 @@ def test_a_fault_tree_of_python_goes_out_with_its_values():
     assert again.probability(again.values_at(0.0)).p == tree.probability(values).p
     with pytest.raises(ModelError, match="'valv' is no parameter"):
         dumps_open_psa(tree, {"valv": 1e-6})
+
+
+WHOLE = '<opsa-mef xmlns:xi="http://www.w3.org/2001/XInclude">{}</opsa-mef>'
+INCLUDE = '<xi:include href="{}" xpointer="xpointer(/opsa-mef/*)"/>'
+
+
+def test_files_that_a_file_includes_are_read_with_it(tmp_path):
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "m.xml").write_text(WHOLE.format(INCLUDE.format("parts/tree.xml")))
+    (tmp_path / "parts/tree.xml").write_text(
+        WHOLE.format(
+            INCLUDE.format("../data.xml") + '<define-fault-tree name="T"><define-gate name="top">'
+            '<or><event name=" a " type=" basic-event "/><event name="b"/></or>'
+            "</define-gate></define-fault-tree>"
+        )
+    )
+    figure = '<define-basic-event name="{}"><float value="0.5"/></define-basic-event>'
+    data = "<model-data>" + figure.format("a") + figure.format("b") + "</model-data>"
+    (tmp_path / "data.xml").write_text(
+        '<opsa-mef xmlns:x="urn:x" x:made="today">' + data + "</opsa-mef>"
+    )
+    tree = read_open_psa(tmp_path / "m.xml").fault_tree("top")
+    assert tree.probability(tree.values_at(0.0)).p == 0.75
+
+
+@pytest.mark.parametrize(
+    ("href", "more", "message"),
+    [
+        ("m.xml", "", "m.xml' includes itself; break the cycle"),
+        ("none.xml", "", "none.xml: cannot be read"),
+        ("n.xml", 'parse="text"', "has the attribute 'parse'"),
+    ],
+)
+def test_what_cannot_be_included_is_told(href, more, message, tmp_path):
+    included = INCLUDE.format(href).replace("/>", f" {more}/>")
+    (tmp_path / "m.xml").write_text(WHOLE.format(included))
+    with pytest.raises(ModelError, match=re.escape(message)):
+        read_open_psa(tmp_path / "m.xml")
+
+
+def test_a_text_without_a_folder_includes_nothing():
+    with pytest.raises(ModelError, match="a text without a folder cannot"):
+        loads_open_psa(WHOLE.format(INCLUDE.format("other.xml")), "m.xml")

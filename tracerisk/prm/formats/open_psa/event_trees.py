@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -46,7 +46,9 @@ _INSTRUCTIONS = (
     "rule",
     "set-house-event",
 )
+_SEQUENCE = "define-sequence"
 _TARGETS = ("fork", "sequence", "branch")
+_TESTS = ("and", "bool", "not", "or", "test-functional-event", "test-initiating-event")
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +85,12 @@ def read_event_trees(elements: Sequence[Element], source: Source) -> EventTrees:
         if element.tag == "define-rule":
             element.check_attributes("name")
             source.place(element)
-            rules[source.name(element)] = element
+            name = source.name(element)
+            if name in rules:
+                element.fail(
+                    f"rule '{name}' is defined twice, first at {rules[name].location}; rename one"
+                )
+            rules[name] = element
         elif element.tag == "define-initiating-event":
             element.check_attributes("name", "event-tree")
             if "event-tree" not in element.attributes:
@@ -99,9 +106,16 @@ def read_event_trees(elements: Sequence[Element], source: Source) -> EventTrees:
             begun[tree] = (element, source.place(element))
     found.initiating_events = tuple(alone)
     trees = []
+    elsewhere = {
+        source.name(child): child
+        for element in elements
+        if element.tag == "define-event-tree"
+        for child in element.children
+        if child.tag == _SEQUENCE
+    }
     for element in elements:
         if element.tag == "define-event-tree":
-            reader = _TreeReader(element, source, rules, found.gates)
+            reader = _TreeReader(element, source, rules, found.gates, elsewhere)
             trees.append(reader.read(begun.pop(reader.name, None)))
     for name, (element, _) in begun.items():
         names = [each.name for each in trees]
@@ -114,13 +128,23 @@ class _TreeReader:
     """Reads one event tree."""
 
     def __init__(
-        self, element: Element, source: Source, rules: dict[str, Element], gates: list[Gate]
+        self,
+        element: Element,
+        source: Source,
+        rules: dict[str, Element],
+        gates: list[Gate],
+        elsewhere: Mapping[str, Element],
     ) -> None:
         element.check_attributes("name")
         self.name = source.name(element)
         self._element = element
         self._source = source
         self._rules = rules
+        # Sequences of other event trees, by name; those of this one; those read, borrowed or own.
+        self._elsewhere = elsewhere
+        self._own = {source.name(each) for each in element.children if each.tag == _SEQUENCE}
+        self._defined: set[str] = set()
+        self._sequences: list[EventSequence] = []
         self._gates = gates
         self._conditions = 0
         self._notes: list[tuple[str, str, Place]] = []
@@ -130,7 +154,6 @@ class _TreeReader:
         """Return the event tree, with its initiating event where one is given."""
         place = self._source.place(self._element)
         functions: list[str] = []
-        sequences: list[EventSequence] = []
         branches: list[Branch] = []
         start: Branch | None = None
         initiating = None
@@ -142,12 +165,8 @@ class _TreeReader:
         for child in self._element.children:
             if child.tag == "define-functional-event":
                 functions.append(self._named(child, "functional-event"))
-            elif child.tag == "define-sequence":
-                child.check_attributes("name")
-                name = self._source.name(child)
-                found, mark = _unmarked(self._source.place(child), END_STATE_MARK)
-                self._note("sequence", name, found)
-                self._sequence(child, name, mark.value if mark else "", sequences)
+            elif child.tag == _SEQUENCE:
+                self._sequence(child)
             elif child.tag == "define-branch":
                 name = self._named(child, "branch")
                 branches.append(self._branch(child, name))
@@ -157,7 +176,7 @@ class _TreeReader:
                 child.unexpected(
                     (
                         "define-functional-event",
-                        "define-sequence",
+                        _SEQUENCE,
                         "define-branch",
                         "initial-state",
                     )
@@ -166,7 +185,12 @@ class _TreeReader:
             self._element.fail(f"event tree '{self.name}' has no <initial-state>; give it one")
         try:
             tree = EventTree(
-                self.name, tuple(functions), start, tuple(sequences), tuple(branches), initiating
+                self.name,
+                tuple(functions),
+                start,
+                tuple(self._sequences),
+                tuple(branches),
+                initiating,
             )
         except ModelError as error:
             raise ModelError(error.message, self._element.location) from error
@@ -182,18 +206,35 @@ class _TreeReader:
         if place.label or place.attributes:
             self._notes.append((kind, name, place))
 
-    def _sequence(
-        self, element: Element, name: str, end_state: str, sequences: list[EventSequence]
-    ) -> None:
-        links = [child for child in element.children if child.tag == "event-tree"]
-        others = [child for child in element.children if child.tag != "event-tree"]
+    def _sequence(self, element: Element) -> None:
+        element.check_attributes("name")
+        name = self._source.name(element)
+        found, mark = _unmarked(self._source.place(element), END_STATE_MARK)
+        self._note("sequence", name, found)
+        if name in self._defined:
+            element.fail(f"sequence '{name}' is defined twice in '{self.name}'; rename one")
+        self._defined.add(name)
+        children = self._with_links(element.children, ())
+        links = [child for child in children if child.tag == "event-tree"]
+        others = [child for child in children if child.tag != "event-tree"]
         instructions = tuple(self._instructions(others))
         if not links:
-            sequences.append(EventSequence(name, end_state, instructions))
+            end_state = mark.value if mark else ""
+            self._sequences.append(EventSequence(name, end_state, instructions))
             return
         if len(links) > 1:
             links[1].fail(f"sequence '{name}' leads into two event trees; allowed: one")
         self._links[name] = (Link(self._source.name(links[0])), instructions)
+
+    def _with_links(self, elements: Sequence[Element], rules: tuple[str, ...]) -> list[Element]:
+        """Return the elements, rules that lead into an event tree replaced by what is in them."""
+        found = []
+        for element in elements:
+            name = self._source.name(element) if element.tag == "rule" else ""
+            rule = self._rules.get(name) if name not in rules else None
+            inner = [] if rule is None else self._with_links(rule.children, (*rules, name))
+            found += inner if any(each.tag == "event-tree" for each in inner) else [element]
+        return found
 
     def _branch(self, element: Element, name: str) -> Branch:
         target, instructions = self._course(element)
@@ -211,6 +252,8 @@ class _TreeReader:
             return Resume(self._source.name(last)), instructions
         if last.tag == "sequence":
             name = self._source.name(last)
+            if name not in (self._own | self._defined) and name in self._elsewhere:
+                self._sequence(self._elsewhere[name])
             if name in self._links:
                 link, more = self._links[name]
                 return link, (*instructions, *more)
@@ -247,7 +290,7 @@ class _TreeReader:
                 house = self._source.find(element, "house event")
                 yield SetHouse(house, read_bool(element.one_child()))
             elif element.tag == "if":
-                yield self._when(element, rules)
+                yield from self._when(element, rules)
             elif element.tag == "event-tree":
                 element.fail("a link to an event tree stands in a <define-sequence> only")
             else:
@@ -273,13 +316,31 @@ class _TreeReader:
             return Weight(expression.number)
         return Weight(ExpressionModel(expression, self._source.definitions, element.location))
 
-    def _when(self, element: Element, rules: tuple[str, ...]) -> When:
+    def _when(self, element: Element, rules: tuple[str, ...]) -> tuple[Instruction, ...]:
         if not 2 <= len(element.children) <= 3:
             element.fail("<if> takes a test, what is done if it holds, and what is done else")
         test, *arms = element.children
-        swapped = False
-        while test.tag == "not":
-            test, swapped = test.one_child(), not swapped
+        then, otherwise = (
+            tuple(self._instructions(arms[index : index + 1], rules)) for index in (0, 1)
+        )
+        return self._chosen(test, then, otherwise)
+
+    def _chosen(
+        self, test: Element, then: tuple[Instruction, ...], otherwise: tuple[Instruction, ...]
+    ) -> tuple[Instruction, ...]:
+        """Return the instructions that do `then` where a test holds."""
+        if test.tag == "not":
+            return self._chosen(test.one_child(), otherwise, then)
+        if test.tag == "bool":
+            return then if read_bool(test) else otherwise
+        if test.tag in ("and", "or") and test.children:
+            is_and = test.tag == "and"
+            for each in reversed(test.children):
+                if is_and:
+                    then = self._chosen(each, then, otherwise)
+                else:
+                    otherwise = self._chosen(each, then, otherwise)
+            return then if is_and else otherwise
         found: InState | Initiated
         if test.tag == "test-functional-event":
             state = self._source.read_name(test, "state")
@@ -287,11 +348,8 @@ class _TreeReader:
         elif test.tag == "test-initiating-event":
             found = Initiated(self._source.name(test))
         else:
-            test.unexpected(("not", "test-functional-event", "test-initiating-event"))
-        then, otherwise = (
-            tuple(self._instructions(arms[index : index + 1], rules)) for index in (0, 1)
-        )
-        return When(found, otherwise, then) if swapped else When(found, then, otherwise)
+            test.unexpected(_TESTS)
+        return (When(found, then, otherwise),)
 
 
 def _unmarked(place: Place, name: str) -> tuple[Place, Attribute | None]:

@@ -91,6 +91,7 @@ def kind_asked(element: Element) -> str | None:
     asked = element.attributes.get("type")
     if asked is None:
         return None
+    asked = asked.strip()
     if asked not in _TYPES:
         element.fail(f"<event> has the type '{asked}'; allowed: {', '.join(sorted(_TYPES))}")
     return EVENTS[asked]

@@ -6,9 +6,13 @@ from pathlib import Path
 
 from tracerisk.prm.formats.open_psa.collecting import CONTAINERS, ROOT, Collector
 from tracerisk.prm.formats.open_psa.linking import Linker
-from tracerisk.prm.formats.open_psa.xml_elements import parse
+from tracerisk.prm.formats.open_psa.xml_elements import Element, parse
 from tracerisk.prm.logic.model import LogicModel
 from tracerisk.prm.numbers.gc_pause import collection_paused
+
+_WHOLE = f"xpointer(/{ROOT}/*)"
+"""What of a file is included: all that its root holds."""
+_MOST_FILES = 1_000
 
 
 def read_open_psa(path: Path | str, *more: Path | str) -> LogicModel:
@@ -30,12 +34,34 @@ def loads_open_psa(text: str | bytes, file: str) -> LogicModel:
 
 def _read(sources: list[tuple[Path | bytes, str]]) -> LogicModel:
     collector = Collector()
+    # Each with the files that include it, the outermost first.
+    waiting: list[tuple[Path | bytes, str, tuple[Path, ...]]] = [(*each, ()) for each in sources]
     with collection_paused():
-        for source, file in sources:
-            root = parse(source, file, CONTAINERS, collector.enter, collector.take)
+        for count, (source, file, above) in enumerate(waiting, start=1):
+            includes: list[Element] = []
+            root = parse(source, file, CONTAINERS, collector.enter, collector.take, includes.append)
             if root.tag != ROOT:
                 root.fail(f"<{root.tag}> is no Open-PSA model; the root is <{ROOT}>")
+            if count > _MOST_FILES:
+                root.fail(f"more than {_MOST_FILES} files make up the model; join some")
             collector.finish_file(root)
+            chain = above if isinstance(source, bytes) else (*above, source.resolve())
+            waiting += [(*_included(each, source, chain), chain) for each in includes]
         model = Linker(collector).model()
         collector.release()
         return model
+
+
+def _included(element: Element, source: Path | bytes, above: tuple[Path, ...]) -> tuple[Path, str]:
+    """Return the file that an element includes, and its name in messages."""
+    element.check_attributes("href", "xpointer")
+    pointer = element.attributes.get("xpointer", _WHOLE)
+    if pointer.replace(" ", "") not in (_WHOLE, f"/{ROOT}/*"):
+        element.fail(f"the xpointer '{pointer}' is not read; allowed: {_WHOLE}")
+    if isinstance(source, bytes):
+        element.fail("includes a file, which a text without a folder cannot; read it from a file")
+    href = element.attribute("href")
+    path = source.parent / href
+    if path.resolve() in above:
+        element.fail(f"'{href}' includes itself; break the cycle")
+    return path, str(path)

@@ -73,11 +73,13 @@ def parse(
     containers: frozenset[str],
     enter: Callable[[Element], None],
     take: Callable[[Element], None],
+    include: Callable[[Element], None] | None = None,
 ) -> Element:
     """Parse XML and return its root; `file` is its name in messages.
 
     `enter` is called with each container, `take` with each child of one once it is whole, and
-    with the container itself after those; its label and attributes stay in it.
+    with the container itself after those; its label and attributes stay in it. `include` is
+    called with each `xi:include` in a container. Attributes of other namespaces are left out.
     Raises ModelError, with the position, when the file cannot be read, is not XML, declares
     entities or nests too deep.
     """
@@ -92,6 +94,11 @@ def parse(
         return Location(file, parser.CurrentLineNumber, parser.CurrentColumnNumber + 1)
 
     def start(tag: str, attributes: dict[str, str]) -> None:
+        if ":" in "".join(attributes):
+            attributes = {name: value for name, value in attributes.items() if ":" not in name}
+        name = attributes.get("name", "x")
+        if name and (name[0] <= " " or name[-1] <= " "):
+            attributes = {key: value.strip() for key, value in attributes.items()}
         element = Element(
             tag, attributes, file, parser.CurrentLineNumber, parser.CurrentColumnNumber
         )
@@ -110,7 +117,9 @@ def parse(
         if not stack:
             roots.append(element)
         parent = stack[-1] if stack else None
-        if parent is None or (parent.tag in containers and tag not in kept):
+        if tag == "xi:include" and include is not None:
+            include(element)
+        elif parent is None or (parent.tag in containers and tag not in kept):
             take(element)
         else:
             parent.children.append(element)
