@@ -1,7 +1,8 @@
 """The frames of the twin's links, published as `robot_state_publisher` does.
 
 `/tf` tells of links that joints move, while somebody subscribes; `/tf_static` of those that are
-fixed, and of the base in the world, to whoever subscribes.
+fixed, and of the base in the world, to whoever subscribes. The robot's description is the parameter
+`robot_description` where nothing else sets that, and in ROS 2 a topic of this name as well.
 """
 
 from __future__ import annotations
@@ -12,14 +13,17 @@ from typing import Any
 from tracerisk.ros.graph.graph import Change, Graph, Publication, Subscription
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.messages.dialect import set_time
+from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.ros.transforms.poses import ORIGIN, compose, inverse
 from tracerisk.twin.physics.motion import Pose
+from tracerisk.twin.urdf.text import urdf_text
 
 TF = "/tf"
 TF_STATIC = "/tf_static"
 TF_TYPE = "tf2_msgs/TFMessage"
 WORLD = "world"
+DESCRIPTION = "robot_description"
 RATE_HZ = 50.0
 """How often moving frames are published while somebody listens: with every joint state."""
 
@@ -52,6 +56,26 @@ class TwinFrames:
             TF_STATIC, TF_TYPE, node=_PUBLISHER, latch=True, on_connect=self._on_static_listener
         )
         graph.watch(self._on_change)
+        graph.parameters.offer(DESCRIPTION, self._description)
+        if isinstance(interfaces, Interfaces2):
+            self._described = graph.advertise(
+                f"/{DESCRIPTION}",
+                "std_msgs/String",
+                node=_PUBLISHER,
+                latch=True,
+                on_connect=self._on_reader,
+            )
+
+    def _description(self) -> str:
+        # That of a bring-up of the workspace has more in it than the twin's.
+        found = self._runtime.graph.parameters.beyond(f"/{DESCRIPTION}")
+        return found if isinstance(found, str) else urdf_text(self._runtime.twin.robot)
+
+    def _on_reader(self, subscription: Subscription) -> None:  # noqa: ARG002
+        if self._described.latched is None:
+            message: Any = self._interfaces.message("std_msgs/String")()
+            message.data = self._description()
+            self._described.latched = message
 
     def also(self, frames: Mapping[str, str]) -> None:
         """Publish frames that are where links are; those of links that are not there are left."""
