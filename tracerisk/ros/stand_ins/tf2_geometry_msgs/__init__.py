@@ -13,6 +13,7 @@ from .tf2_geometry_msgs import (
     from_msg_msg,
     to_msg_msg,
     transform_covariance,
+    transform_to_kdl,
 )
 
 __all__ = [
@@ -30,4 +31,5 @@ __all__ = [
     "from_msg_msg",
     "to_msg_msg",
     "transform_covariance",
+    "transform_to_kdl",
 ]

@@ -35,6 +35,14 @@ def from_msg_msg(msg: Any) -> Any:
     return msg
 
 
+def transform_to_kdl(t: Any) -> Any:
+    """Return the frame of PyKDL of a TransformStamped."""
+    import PyKDL  # most controllers have no use for it
+
+    frame = _frame(t)
+    return PyKDL.Frame(PyKDL.Rotation.Quaternion(*frame.orientation), PyKDL.Vector(*frame.position))
+
+
 def do_transform_point(point: Any, transform: Any) -> Any:
     """Return a PointStamped in the target frame."""
     result = PointStamped()

@@ -1,0 +1,1 @@
+"""Stand-in for kdl_parser_py: trees of PyKDL from descriptions of robots."""
