@@ -17,6 +17,7 @@ __all__ = ["TRAC_IK"]
 _ENDLESS = float(np.finfo(np.float32).max)  # the limit of a joint without an end
 _RESTARTS = 24
 _STEPS = 40
+_COMPARED = 4  # of what random starts lead to
 _LONGEST = 1.0  # step of a joint [rad], [m]
 _LOOSE = 0.01  # a miss that may be greater is left out of the steps [m], [rad]
 
@@ -24,8 +25,9 @@ _LOOSE = 0.01  # a miss that may be greater is left out of the steps [m], [rad]
 class TRAC_IK:
     """The inverse kinematics of the chain from `base_link` to `tip_link` of a URDF.
 
-    `timeout` and `solve_type` change nothing: the search has a bounded number of steps, begins at
-    the positions given and returns what it finds first, the same at every call.
+    `timeout` and `solve_type` change nothing: the search has a bounded number of steps and begins
+    at the positions given. Where these lead to none, the nearest to them is returned of the first
+    few that other starts lead to, the same at every call.
 
     Raises:
         ValueError: the URDF has no such chain.
@@ -110,13 +112,18 @@ class TRAC_IK:
         generator = np.random.default_rng(0)
         lower = np.where(self._lower > -_ENDLESS, self._lower, seed - math.pi)
         upper = np.where(self._upper < _ENDLESS, self._upper, seed + math.pi)
-        start = seed
-        for _ in range(1 + _RESTARTS):
-            found = self._search(start, goal, bounds)
+        found = self._search(seed, goal, bounds)
+        if found is not None:
+            return tuple(self._nearest(found, seed).tolist())
+        others: list[NDArray[np.float64]] = []
+        for _ in range(_RESTARTS):
+            found = self._search(generator.uniform(lower, upper), goal, bounds)
             if found is not None:
-                return tuple(self._nearest(found, seed).tolist())
-            start = generator.uniform(lower, upper)
-        return ()
+                others.append(self._nearest(found, seed))
+            if len(others) == _COMPARED:
+                break
+        others.sort(key=lambda each: float(np.linalg.norm(each - seed)))
+        return tuple(others[0].tolist()) if others else ()
 
     def _search(
         self, start: NDArray[np.float64], goal: Any, bounds: NDArray[np.float64]
