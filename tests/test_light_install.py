@@ -210,7 +210,7 @@ def test_samples_say_what_to_install(annotated, light):
         ),
         (
             "from tracerisk.prm import MarkovChain\n"
-            "n = 600\n"
+            "n = 20_001\n"
             "rows = {str(i): {str(i + 1): 0.5, str(i // 2): 0.5} for i in range(1, n)}\n"
             "MarkovChain.of({'0': {'1': 1.0}, **rows}).solve('0')",
             LARGE,

@@ -73,7 +73,7 @@ class MarkovChain(DisplayedGraph):
         probability of staying.
         Each result then has a relative error of a few units in the last place for each state,
         whatever the size of the numbers and however rarely the chain is absorbed.
-        Chains of more than 500 states go through compiled code, and where elimination would
+        Chains that are large, or fill in, go through compiled code, and where elimination would
         fill in through certified iteration; see `MatrixChain`.
         Raises ModelError when `entry` is not a transient state, or when some state is left less
         often than the smallest number of double precision; TooLargeError when an iteration

@@ -22,6 +22,10 @@ class StuckStateError(ArithmeticError):
         self.state = state
 
 
+class FilledInError(ArithmeticError):
+    """Elimination takes more products than it was given."""
+
+
 @dataclass(frozen=True, slots=True)
 class _Step:
     """One state leaving the chain: who led to it, and the shares of where it leads."""
@@ -69,15 +73,19 @@ class SmallFactors:
         return value
 
 
-def eliminate(ways: Sequence[Mapping[int, float]], slack: Sequence[float]) -> SmallFactors:
+def eliminate(
+    ways: Sequence[Mapping[int, float]], slack: Sequence[float], most_products: int | None = None
+) -> SmallFactors:
     """Take the states out of a chain, those with the fewest ways through them first.
 
     `ways[i][j]` is the weight of going from `i` to another state `j`, `slack[i]` that of leaving
     them all.
     Without a state k, i leads to j with W_ij + W_ik W_kj / S_k, where S_k is the sum of the ways
     out of k; the way back to oneself is never needed, for S_k holds all of it.
-    Raises StuckStateError when a state is left with less than the smallest normal double.
+    Raises StuckStateError when a state is left with less than the smallest normal double, and
+    FilledInError when more than `most_products` products of weights are needed.
     """
+    products = 0
     rows = [{target: p for target, p in row.items() if p > 0.0} for row in ways]
     ends = list(slack)
     columns: list[set[int]] = [set() for _ in rows]
@@ -99,6 +107,9 @@ def eliminate(ways: Sequence[Mapping[int, float]], slack: Sequence[float]) -> Sm
         leaving = math.fsum((*row.values(), ends[state]))
         if leaving < sys.float_info.min:
             raise StuckStateError(state)
+        products += cost
+        if most_products is not None and products > most_products:
+            raise FilledInError
         outgoing = {target: p / leaving for target, p in row.items()}
         end_share = ends[state] / leaving
         incoming = {}

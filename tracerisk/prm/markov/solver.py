@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Protocol
 
 from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.markov.elimination import StuckStateError, eliminate
+from tracerisk.prm.markov.elimination import FilledInError, StuckStateError, eliminate
 
 if TYPE_CHECKING:
     from tracerisk.prm.markov.large.certificate import Array, Certified
     from tracerisk.prm.markov.large.factors import Budget, Factors, Plan, Weights
 
-SMALL = 500
-"""Chains of up to so many states are solved with no array library imported."""
-SMALL_WAYS = 5_000
+SMALL = 20_000
+"""Chains of up to so many states are solved with no array library imported, if they stay sparse."""
+SMALL_WAYS = 200_000
+_SMALL_PRODUCTS = 2_000_000
+"""How many products plain elimination may take; so many take about a second."""
 _TRUSTED = 1e-13
 _BOUND = 1e-9
 """An iteration is an answer only with a certified relative error below this."""
@@ -135,10 +138,12 @@ def solver_of(
     Raises ModelError when a state is left with less than the smallest normal double.
     """
     if len(ways) <= SMALL and sum(map(len, ways)) <= SMALL_WAYS:
-        try:
-            return eliminate(ways, slack)
-        except StuckStateError as error:
-            raise stuck(label(error.state), kind) from error
+        # The count of products, and so the way taken, is the same on every machine.
+        with contextlib.suppress(FilledInError):
+            try:
+                return eliminate(ways, slack, _SMALL_PRODUCTS)
+            except StuckStateError as error:
+                raise stuck(label(error.state), kind) from error
     from tracerisk.prm.markov.large.factors import Weights
     from tracerisk.prm.numbers.arrays import np
 
