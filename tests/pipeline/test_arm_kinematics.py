@@ -79,3 +79,14 @@ def test_the_robots_description_is_a_topic_of_ros_2(example):
     example.write("reader.py", READER)
     outcome = example.run("trace", "reader.py", "--robot", "panda")
     assert "read panda 17" in outcome.out + outcome.err
+
+
+def test_the_description_is_that_of_the_twin_not_a_file_that_xacro_has_yet_to_read(example):
+    example.write("package.xml", "<package><name>cell</name></package>\n")
+    example.write("urdf/cell.xacro", '<robot name="cell"><link name="${side}_base"/></robot>\n')
+    launched = '<param name="robot_description" textfile="$(find cell)/urdf/cell.xacro"/>'
+    example.write("launch/bringup.launch", f"<launch>{launched}</launch>\n")
+    read = 'import rospy\nrospy.init_node("n")\nprint(rospy.get_param("/robot_description")[:20])\n'
+    example.write("read.py", read)
+    outcome = example.run("trace", "read.py", "--robot", "ur5e")
+    assert '<robot name="ur5e">' in outcome.out + outcome.err

@@ -67,9 +67,7 @@ class TwinFrames:
             )
 
     def _description(self) -> str:
-        # That of a bring-up of the workspace has more in it than the twin's.
-        found = self._runtime.graph.parameters.beyond(f"/{DESCRIPTION}")
-        return found if isinstance(found, str) else urdf_text(self._runtime.twin.robot)
+        return urdf_text(self._runtime.twin.robot)
 
     def _on_reader(self, subscription: Subscription) -> None:  # noqa: ARG002
         if self._described.latched is None:
