@@ -169,6 +169,8 @@ def test_a_chain_goes_up_a_tree_and_down_again(kdl):
     assert (way.getNrOfJoints(), names) == (3, ["s1", "s0", "camera"])
     assert list(frame.p) == near((-0.290299, 0.557091, -0.197602))
     assert (tree.getNrOfJoints(), tree.getNrOfSegments()) == (4, 4)
+    older = kdl.Joint("plate", getattr(kdl.Joint, "None"))
+    assert older.getTypeName() == "Fixed"
 
 
 @pytest.mark.parametrize(("name", "base", "tip"), ARMS)

@@ -108,6 +108,10 @@ class Joint:
         return f"{self._name}:[{self._type.name}, axis: {self._axis}, origin{self._origin}]"
 
 
+# What `Fixed` was called before 1.5, asked for by `getattr`, for Python has it as a word.
+setattr(Joint, "None", JointType.Fixed)
+
+
 class Segment:
     """A body behind a joint, up to the frame `f_tip` where the next one begins."""
 
