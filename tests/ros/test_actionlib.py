@@ -392,3 +392,19 @@ def test_the_next_goal_can_be_sent_from_the_done_callback(run_node):
         return seen
 
     assert run_node(main) == [1, 2, 3]
+
+
+def test_the_topics_of_actions_are_published_by_client_and_server(run_node):
+    def main():
+        import rospy
+
+        rospy.init_node("n")
+        make_client()
+        asked = rospy.get_published_topics()
+        serve()
+        return asked, [name for name, _ in rospy.get_published_topics("/count")]
+
+    asked, both = run_node(main)
+    goal, cancel = ["/count/goal", "actionlib/TestActionGoal"], "actionlib_msgs/GoalID"
+    assert asked == [["/count/cancel", cancel], goal]
+    assert both == [f"/count/{leaf}" for leaf in ("cancel", "feedback", "goal", "result", "status")]

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import enum
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -497,6 +497,26 @@ class Actions:
             *itertools.chain.from_iterable(self._clients.values()),
         ]
         return tuple(sorted({(end.name, end.type_name) for end in ends}))
+
+    def published_topics(self) -> set[tuple[str, str]]:
+        """Return name and type of the topics that clients and servers publish in ROS 1."""
+        sides: tuple[tuple[Mapping[str, Sequence[Any]], Mapping[str, str]], ...] = (
+            (self._clients, {"goal": "{}ActionGoal", "cancel": "actionlib_msgs/GoalID"}),
+            (
+                self._servers,
+                {
+                    "feedback": "{}ActionFeedback",
+                    "result": "{}ActionResult",
+                    "status": "actionlib_msgs/GoalStatusArray",
+                },
+            ),
+        )
+        return {
+            (f"{end.name}/{leaf}", kind.format(end.type_name))
+            for ends, leaves in sides
+            for end in itertools.chain.from_iterable(ends.values())
+            for leaf, kind in leaves.items()
+        }
 
     def stack(self) -> tuple[Any, ...]:
         """Return the stack of the running code: whoever sends a goal owns what comes of it."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from tracerisk.ros.controller.needs import Need
+from tracerisk.ros.graph.actions import Actions
 
-from ._node import node
+from ._node import NodeState, node
 from .names import resolve_name
 
 MASTER_URI = "http://localhost:11311/"
@@ -95,14 +96,12 @@ class MasterProxy:
         state = node()
         state.scheduler.touch()
         space = resolve_name(subgraph).rstrip("/") + "/"
-        topics = [
-            [name, kind] for name, kind in state.graph.published_topics() if name.startswith(space)
-        ]
+        topics = [list(pair) for pair in _published(state) if pair[0].startswith(space)]
         return 1, "current topics", topics
 
     def getTopicTypes(self) -> _Reply:
         """Return [name, type] of each topic."""
-        return 1, "current topics", [list(pair) for pair in node().graph.published_topics()]
+        return 1, "current topics", [list(pair) for pair in _published(node())]
 
     def getSystemState(self) -> _Reply:
         """Return who publishes, subscribes and serves what."""
@@ -139,3 +138,9 @@ class MasterProxy:
     def getPid(self) -> _Reply:
         """Return the master's process, which there is none of."""
         return 1, "", 1
+
+
+def _published(state: NodeState) -> list[tuple[str, str]]:
+    """Return name and type of every topic with a publisher, those of actions among them."""
+    topics = state.runtime.client(Actions).published_topics()
+    return sorted({*state.graph.published_topics(), *topics})
