@@ -558,3 +558,39 @@ def test_the_blocks_of_sources_are_converted_as_the_model_built_of_them(call, an
         of_sources = Path(output).read_text()
         assert call("convert", "cell.json", "-o", output, "--to", kind).code == 0
         assert Path(output).read_text() == of_sources
+
+
+def test_a_curve_goes_up_to_the_mission_time(call):
+    asked = ("--mission-time", "1000", "--curve", "4")
+    found = solved(call, "rate.xml", *asked)
+    (name,) = found["curve"]["figures"]
+    values = found["curve"]["figures"][name]
+    assert found["curve"]["times_h"] == [0.0, 250.0, 500.0, 750.0, 1000.0]
+    assert values[-1] == found["tops"][0]["probability"]
+    assert values == sorted(values)
+    assert found["curve"]["means"][name] == pytest.approx(
+        (values[0] / 2 + sum(values[1:4]) + values[4] / 2) / 4, rel=1e-12
+    )
+    shown = call("solve", "rate.xml", *asked).out
+    assert "Along the mission time" in shown
+    assert "mean" in shown
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("rate.xml", "--curve", "4"), "--curve goes up to the mission time; give --mission-time"),
+        (("rate.xml", "--mission-time", "9", "--curve", "1"), "1 steps; give at least 2"),
+    ],
+)
+def test_a_curve_that_cannot_be_is_told(call, arguments, message):
+    outcome = call("solve", *arguments)
+    assert outcome.code == 2
+    assert message in outcome.err
+
+
+def test_importances_tell_how_likely_an_event_is_where_the_top_is(call):
+    found = solved(call, "cooling.xml", "--importance", "--mission-time", "100")["tops"][0]
+    for each in found["importance"]:
+        expected = each["probability"] * each["risk_achievement_worth"]
+        assert each["diagnostic_importance"] == pytest.approx(expected, rel=1e-12)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -71,6 +71,10 @@ class ChainFile:
         if chain.kind is ChainKind.DTMC:
             return self._discrete(chain, figure)
         return self._continuous(chain, figure)
+
+    def at(self, mission_time_h: float) -> ChainFile:
+        """Return the chain with another time."""
+        return replace(self, time=mission_time_h)
 
     def spread(self, figure: str | None, samples: int, seed: int) -> Uncertainty:  # noqa: ARG002
         """Raise InputError: these files have no distributions."""

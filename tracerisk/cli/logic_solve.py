@@ -132,6 +132,10 @@ class LogicFile:
                 found.append({"name": name, "fraction": phase.fraction, "tops": tops})
         return found
 
+    def at(self, mission_time_h: float) -> LogicFile:
+        """Return the model with another mission time."""
+        return replace(self, mission_time_h=mission_time_h)
+
     def spread(self, figure: str | None, samples: int, seed: int) -> Uncertainty:
         """Return the uncertainty of a top: the one that is asked for, or the only one."""
         from tracerisk.prm.logic.what_if import propagate
@@ -207,6 +211,10 @@ class DynamicFile:
             top["importance"] = [asdict(each) for each in rows]
             shown.append((render_top_importance, (self.name, rows)))
         return Solved({self.name: pair.p}, {"tops": [top]}, tuple(shown), (), (self.name,))
+
+    def at(self, mission_time_h: float) -> DynamicFile:
+        """Return the tree with another mission time."""
+        return replace(self, mission_time_h=mission_time_h)
 
     def spread(self, figure: str | None, samples: int, seed: int) -> Uncertainty:  # noqa: ARG002
         """Raise InputError: Galileo has no distributions."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from tracerisk.cli import what_if as asked
@@ -14,6 +14,7 @@ from tracerisk.cli.shared.output import note, print_json, print_text, terminal_w
 from tracerisk.errors import ExitCode, InputError, one_of
 
 if TYPE_CHECKING:
+    from tracerisk.prm.questions.time_curve import Curve
     from tracerisk.prm.questions.uncertainty import Uncertainty
 
 CHAINS = (ModelFormat.PRISM, ModelFormat.EXPLICIT)
@@ -58,6 +59,10 @@ class Solvable(Protocol):
         """Return the uncertainty of a figure."""
         ...
 
+    def at(self, mission_time_h: float) -> Solvable:
+        """Return the model with another mission time."""
+        ...
+
 
 def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.Namespace) -> int:
     """Solve a model file as the options ask, print the result and return the exit code."""
@@ -85,15 +90,22 @@ def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.
     if asked.wants_uncertainty(options):
         samples = SAMPLES if options.samples is None else options.samples
         spread = model.spread(options.figure, samples, options.seed or 0)
+    curve = _curve(model, options)
     code = _risk_exit(solved, options)
     for text in solved.notes:
         note(text, quiet=options.quiet or options.json)
     if options.json:
         from tracerisk.prm.formats.assessment_json import finite
 
-        data = {"model": model.name, "format": kind.value, "notes": list(solved.notes)}
+        data: dict[str, Any] = {
+            "model": model.name,
+            "format": kind.value,
+            "notes": list(solved.notes),
+        }
         data |= {"mission_time_h": options.mission_time_h, **solved.data}
         data |= asked.what_if_data(changes, sweeps, spread)
+        if curve is not None:
+            data["curve"] = {**asdict(curve), "sil_bands": curve.sil_bands}
         print_json("solve", exit_code=int(code), **finite(data))
         return int(code)
     parts = list(solved.shown)
@@ -110,8 +122,24 @@ def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.
 
         figure = options.figure or next(iter(solved.figures))
         parts.append((render_uncertainty, (spread, figure)))
+    if curve is not None:
+        from tracerisk.report.model_files import render_curve
+
+        parts.append((render_curve, (curve,)))
     _show(parts)
     return int(code)
+
+
+def _curve(model: Solvable, options: argparse.Namespace) -> Curve | None:
+    if options.curve is None:
+        return None
+    from tracerisk.prm.questions.time_curve import time_curve
+
+    return time_curve(
+        lambda time: model.at(time).solve(options.figure, importance=False).figures,
+        options.mission_time_h,
+        options.curve,
+    )
 
 
 def chosen(figures: Collection[str], figure: str | None, model: str) -> tuple[str, ...]:
@@ -124,6 +152,8 @@ def chosen(figures: Collection[str], figure: str | None, model: str) -> tuple[st
 
 
 def _check_options(options: argparse.Namespace) -> None:
+    if options.curve is not None and options.mission_time_h is None:
+        raise InputError("--curve goes up to the mission time; give --mission-time H, in hours")
     if options.profile:
         raise InputError("--profile goes with sources; a model file says itself what follows")
     if options.pairs:

@@ -77,6 +77,12 @@ def add_what_if(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--seed", metavar="S", type=shared.count, help="seed of --uncertainty (0)")
     group.add_argument(
+        "--curve",
+        metavar="N",
+        type=shared.count,
+        help="the figures of a tree or chain at N times up to --mission-time, and their means",
+    )
+    group.add_argument(
         "--figure", metavar="NAME", help="of a model with several, the figure that is asked about"
     )
 

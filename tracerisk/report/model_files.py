@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from tracerisk.report.tables import plain, render_parts, table_of
+from tracerisk.report.tables import WIDE, plain, render_parts, table_of
 
 if TYPE_CHECKING:
     from tracerisk.prm.dynamic.solution import DynamicImportance
     from tracerisk.prm.event_trees.solution import EventTreeSolution
+    from tracerisk.prm.questions.time_curve import Curve
     from tracerisk.prm.trees.fault_tree_solution import EventImportance
 
 MOST_ROWS = 50
@@ -52,8 +53,11 @@ def render_top_importance(
         "fussell_vesely": "Fussell-V.",
         "risk_reduction_worth": "RRW",
         "risk_achievement_worth": "RAW",
+        "diagnostic_importance": "DIF",
         "tenfold": "tenfold",
     }
+    if width < WIDE:
+        del headings["diagnostic_importance"]
     used = [name for name in headings if kept and hasattr(kept[0], name)]
     for name in used:
         table.add_column(headings[name], justify="right", no_wrap=True)
@@ -104,6 +108,29 @@ def render_states(
     for state, value in shown:
         table.add_row(*plain([state, f"{value:.6e}"]))
     return render_parts([*plain([title]), table], width=width, color=color)
+
+
+def render_curve(curve: Curve, *, width: int = 80, color: bool = False) -> str:
+    """Return the figures along the mission time, their means, and the bands of these."""
+    table = table_of("")
+    table.add_column("hours", justify="right", no_wrap=True)
+    for name in curve.figures:
+        table.add_column(name, justify="right", overflow="fold")
+    for index, time in enumerate(curve.times_h):
+        cells = [f"{values[index]:.6e}" for values in curve.figures.values()]
+        table.add_row(*plain([f"{time:.6g}", *cells]))
+    table.add_row(*plain(["mean", *(f"{mean:.6e}" for mean in curve.means.values())]))
+    parts = [*plain(["Along the mission time"]), table]
+    bands = [f"{name}: SIL {band}" for name, band in curve.sil_bands.items() if band]
+    if bands:
+        parts += plain(
+            [
+                f"If such a mean is that of a failure on demand, it lies in the band of "
+                f"{', '.join(bands)} (IEC 61508-1, table 2). That is no SIL assessment: the band "
+                "of a mean says nothing of architecture, systematic capability and proof tests."
+            ]
+        )
+    return render_parts(parts, width=width, color=color)
 
 
 def render_line(text: str, *, width: int = 80, color: bool = False) -> str:

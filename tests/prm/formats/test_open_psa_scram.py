@@ -155,7 +155,7 @@ def test_importances_come_out_as_in_scram(files, scram, scram_inputs):
                 "MIF": ours.birnbaum,
                 "CIF": ours.criticality,
                 # Diagnostic importance: the chance that the event is there, given the top.
-                "DIF": ours.probability * ours.risk_achievement_worth,
+                "DIF": ours.diagnostic_importance,
                 "RAW": ours.risk_achievement_worth,
                 # What could not fail without the event has an infinite one, for which SCRAM prints 0.
                 "RRW": 0.0 if math.isinf(ours.risk_reduction_worth) else ours.risk_reduction_worth,

@@ -20,8 +20,10 @@ class EventImportance:
 
     `birnbaum` is dP/dp, `criticality` p/P times it; with P0 and P1 the top's probability at
     p = 0 and p = 1, `fussell_vesely` is (P-P0)/P, `risk_reduction_worth` P/P0, infinite where P0
-    is zero, and `risk_achievement_worth` P1/P.
-    Where P is zero, criticality and Fussell-Vesely are zero, the ratios one or infinite.
+    is zero, and `risk_achievement_worth` P1/P. `diagnostic_importance` is p P1/P: how probable it
+    is that the event has happened where the top has.
+    Where P is zero, criticality, Fussell-Vesely and the diagnostic importance are zero, the ratios
+    one or infinite.
     Source: M. van der Borst, H. Schoonakker, "An overview of PSA importance measures",
     Reliability Engineering and System Safety 72 (2001).
     """
@@ -33,6 +35,7 @@ class EventImportance:
     fussell_vesely: float
     risk_reduction_worth: float
     risk_achievement_worth: float
+    diagnostic_importance: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +106,7 @@ class FaultTreeSolution:
             fussell_vesely=drop / total if total > 0.0 else 0.0,
             risk_reduction_worth=_ratio(total, without),
             risk_achievement_worth=_ratio(failed, total),
+            diagnostic_importance=probability * failed / total if total > 0.0 else 0.0,
         )
 
     def _repr_html_(self) -> str:
