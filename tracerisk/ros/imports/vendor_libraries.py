@@ -18,7 +18,6 @@ from pathlib import Path
 
 VENDOR_LIBRARIES = frozenset(
     {
-        "PyKDL",
         "baxter_dataflow",
         "baxter_interface",
         "interbotix_common_modules",
@@ -32,8 +31,7 @@ VENDOR_LIBRARIES = frozenset(
         "smach_ros",
     }
 )
-"""The stand-ins that give way to a module of the same name, by their top names; beside those of
-makers PyKDL, which needs no ROS."""
+"""The stand-ins that give way to a module of the same name, by their top names."""
 
 # What each speaks to, after its own documentation; none of them goes through ROS.
 _HARDWARE = {
