@@ -44,6 +44,41 @@ def test_controllers_are_listed_loaded_and_switched(run_on_twin):
     assert ran["unloaded"] == (True, False)
 
 
+FOUND = """
+import rospy
+from controller_manager_msgs import utils
+
+rospy.init_node("finder")
+rospy.set_param("/arm/stiff_controller", {"type": "effort_controllers/Stiff", "gains": {"type": "p"}})
+managers = utils.get_controller_managers("/arm"), utils.ControllerManagerLister()()
+is_one = utils.is_controller_manager("/arm/controller_manager")
+listed = utils.ControllerLister("/arm/controller_manager")()
+none = utils.filter_by_name(listed, "panda_arm") + utils.filter_by_state(listed, "stopped")
+names = lambda found: [each.name for each in found]
+by_name = names(utils.filter_by_name(listed, "panda_arm", match_substring=True))
+by_type = names(utils.filter_by_type(listed, "position_controllers/JointTrajectoryController"))
+claims = names(utils.filter_by_resources(listed, ["panda_joint1", "panda_joint7"]))
+any_of = names(utils.filter_by_resources(listed, ["panda_joint1", "lift"], match_any=True))
+moved = utils.filter_by_hardware_interface(listed, "PositionJoint", match_substring=True)
+of_effort = utils.filter_by_hardware_interface(listed, "hardware_interface::EffortJointInterface")
+configured = utils.get_rosparam_controller_names("/arm")
+"""
+
+
+def test_managers_and_their_controllers_are_found_and_filtered(run_on_twin):
+    ran = run_on_twin(FOUND)
+    arms = "/arm/controller_manager"
+    assert ran["managers"] == ([arms], [arms, "/controller_manager"])
+    assert ran["is_one"]
+    assert ran["none"] == ran["of_effort"] == []
+    arm = ["panda_arm_controller"]
+    assert arm[0] in ran["by_name"]
+    assert set(arm) <= set(ran["by_type"])
+    assert set(arm) <= set(ran["claims"]) == set(ran["any_of"])
+    assert arm[0] in [each.name for each in ran["moved"]]
+    assert ran["configured"] == ["stiff_controller"]
+
+
 def test_in_ros_2_controllers_are_activated(world):
     from types import SimpleNamespace
 
