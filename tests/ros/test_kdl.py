@@ -134,6 +134,16 @@ def test_what_no_form_of_a_call_fits_is_an_error(kdl):
             beyond()
 
 
+def test_joints_and_bodies_are_made_by_names_too(kdl):
+    joint = kdl.Joint("lift", type=kdl.Joint.TransX, scale=2.0, offset=0.1)
+    segment = kdl.Segment(joint=joint, f_tip=kdl.Frame(kdl.Vector(0, 0, 1)))
+    assert segment.pose(0.5).p == kdl.Vector(1.0, 0.0, 1.0)
+    assert segment.twist(0.5, 0.25).vel == kdl.Vector(0.5, 0.0, 0.0)
+    moments = kdl.RotationalInertia(Ixx=1.0, Izz=2.0)
+    assert [moments[0], moments[4], moments[8]] == [1.0, 0.0, 2.0]
+    assert kdl.RigidBodyInertia(m=2.0, oc=kdl.Vector(x=1, y=2, z=3)).getCOG() == kdl.Vector(1, 2, 3)
+
+
 def test_dynamics_are_those_of_the_library(kdl):
     chain, q = three_joints(kdl), array(kdl, (0.3, -0.5, 0.7))
     parts = kdl.ChainDynParam(chain, kdl.Vector(0, 0, -9.81))

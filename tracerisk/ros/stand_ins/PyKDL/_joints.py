@@ -16,7 +16,6 @@ from ._values import (
     Wrench,
     is_number,
     near,
-    ordered,
     plain,
     reader,
     refused,
@@ -119,10 +118,16 @@ class RotationalInertia(Value):
 
     Zero = classmethod(plain)
 
-    def __init__(self, *args: float, **kwargs: float) -> None:
-        given = ordered(args, kwargs, "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
-        xx, yy, zz, xy, xz, yz = np.pad(given, (0, 6 - len(given))).tolist()
-        self._v = np.array((xx, xy, xz, xy, yy, yz, xz, yz, zz), dtype=np.float64)
+    def __init__(
+        self,
+        Ixx: float = 0,
+        Iyy: float = 0,
+        Izz: float = 0,
+        Ixy: float = 0,
+        Ixz: float = 0,
+        Iyz: float = 0,
+    ) -> None:
+        self._v = np.array((Ixx, Ixy, Ixz, Ixy, Iyy, Iyz, Ixz, Iyz, Izz), dtype=np.float64)
 
     def __add__(self, other: RotationalInertia) -> RotationalInertia:
         return RotationalInertia._of(self._v + other._v)
