@@ -10,10 +10,12 @@ import pytest
 
 from tracerisk.errors import BlockError, ModelError
 from tracerisk.prm import FaultTree, HybridModel, build_model, failure_probabilities, solve
+from tracerisk.prm.formats import linked_json
 from tracerisk.prm.formats.conversion import logic_of_functions
 from tracerisk.prm.formats.expanded_chain import expanded_chain
 from tracerisk.prm.formats.model_json import dumps, loads
 from tracerisk.prm.linked import linked
+from tracerisk.prm.linked.conversion import FAILURE
 from tracerisk.prm.questions.pair_importance import pair_importances
 from tracerisk.prm.questions.what_if import with_values
 from tracerisk.prm.trees.fault_tree import BasicEvent, Gate, GateKind
@@ -127,9 +129,21 @@ def test_a_function_that_is_never_reached_has_its_group_in_one_visit(block, comp
     assert other.components[0].contribution == pytest.approx(other.top_event, rel=1e-14)
 
 
-def test_a_linked_model_has_no_word_for_hidden_spares(cell):
-    with pytest.raises(ModelError, match="'power' of a has spares, and no expression"):
-        linked(cell())
+@pytest.mark.parametrize("kind", ["true, spare cold, switch 0.1", "true, spare cold, switch 1"])
+@pytest.mark.parametrize("p", [1e-8, 0.02, 0.5])
+def test_a_linked_model_has_the_figures_of_the_model(cell, p, kind):
+    model = cell(p, kind)
+    expected = solve(model)
+    found = linked(model).solve()
+    assert found.figures[FAILURE] == pytest.approx(expected.mission.failure_probability, rel=1e-12)
+    for state in expected.states:
+        assert found.figures[state.failure_state] == pytest.approx(
+            state.absorption_probability, rel=1e-12
+        )
+    assert (
+        found.figures
+        == linked_json.loads(linked_json.dumps(linked(model)), "m.json").solve().figures
+    )
 
 
 def test_spares_need_one_quantity_in_every_function(block, component):

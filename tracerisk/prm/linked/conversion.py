@@ -9,25 +9,36 @@ from fractions import Fraction
 from itertools import product
 from typing import TYPE_CHECKING
 
-from tracerisk.errors import ModelError, TooLargeError
-from tracerisk.prm.expressions import Expression, Number, Product, Reference, Sum
+from tracerisk.errors import TooLargeError
+from tracerisk.prm.expressions import (
+    Call,
+    Expression,
+    Negation,
+    Number,
+    Product,
+    Reference,
+    Sum,
+)
 from tracerisk.prm.hybrid.hybrid import DONE, FunctionState, HybridModel
 from tracerisk.prm.linked.elements import (
     Figure,
     LinkedChain,
+    LinkedEvent,
     LinkedTree,
     ModelParameter,
     Transition,
 )
-from tracerisk.prm.linked.links import Absorption, TopEvent, complement
+from tracerisk.prm.linked.links import Absorption, Occupancy, TopEvent, complement
 from tracerisk.prm.linked.model import LinkedModel
-from tracerisk.prm.trees.fault_tree import HouseEvent
+from tracerisk.prm.trees.fault_tree import Gate, GateKind, HouseEvent
 
 if TYPE_CHECKING:
     from tracerisk.prm.hybrid.hidden_states import Function, Hidden, HiddenStates
 
 MISSION = "mission"
 FAILURE = "mission failure"
+
+_GROUP_FAILED = "group failed"
 
 MOST_STATES = 2_000
 """How many states the chain of a converted model may have, with hidden failures."""
@@ -40,21 +51,19 @@ def linked(model: HybridModel) -> LinkedModel:
     of it, named after its failure state.
     With latent units each function stands in the chain once for each number of them that can
     have failed unnoticed, with a fault tree in which these have failed.
-    Raises TooLargeError when that makes more than `MOST_STATES` states, ModelError for groups with
-    spares whose failures stay hidden, of which no expression tells how many fail in a visit.
+    The visits of a group with spares are chains in continuous time of one hour, in which the rate
+    of a working unit is -log(1-p), one for each number of its units failed before.
+    Raises TooLargeError when that makes more than `MOST_STATES` states.
     """
-    waiting = [f"'{gate}' of {state.name}" for state in model.states for gate in state.spares]
-    if waiting:
-        raise ModelError(
-            f"{waiting[0]} has spares, and no expression of a linked model tells how many of them "
-            "fail in a visit; solve the model of functions itself, or convert its chain"
-        )
     thetas = {parameter.name: parameter.theta for parameter in model.parameters}
     reached = set(model.reachable)
     failures = model.failure_states
     absorbing = tuple(failures[state.name] for state in model.states if state.name in reached)
+    visits: tuple[LinkedChain, ...] = ()
     if model.latent:
-        trees, transitions = _Unfolded(model, thetas).parts()
+        unfolded = _Unfolded(model, thetas)
+        trees, transitions = unfolded.parts()
+        visits = tuple(unfolded.visits.values())
     else:
         trees = [_tree(state, thetas) for state in model.states]
         transitions = [
@@ -70,7 +79,7 @@ def linked(model: HybridModel) -> LinkedModel:
             for each in model.parameters
         ),
         trees=tuple(trees),
-        chains=(LinkedChain(MISSION, model.entry, tuple(transitions)),),
+        chains=(*visits, LinkedChain(MISSION, model.entry, tuple(transitions))),
         figures=(
             Figure(FAILURE, Absorption(MISSION, absorbing)),
             Figure(DONE, Absorption(MISSION, (DONE,))),
@@ -114,6 +123,7 @@ class _Unfolded:
                 "solve it as it is, or state `detected each_visit` for some components"
             )
         self._labels = _labels(self._states.classes)
+        self.visits: dict[tuple[int, int, int], LinkedChain] = {}
         self._number = {
             function.state.name: number for number, function in enumerate(self._states.functions)
         }
@@ -158,6 +168,7 @@ class _Unfolded:
         if not _survives(function, hidden):
             return
         classes = self._states.classes
+        number = self._number[function.state.name]
         used = sorted(function.parameters)
         sound: list[Expression] = []
         if function.parts:
@@ -168,9 +179,13 @@ class _Unfolded:
         for more in product(*(range(len(classes[c]) - hidden[c] + 1) for c in used)):
             grown = dict(zip(used, more, strict=True))
             after = tuple(count + grown.get(c, 0) for c, count in enumerate(hidden))
-            if _survives(function, after):
+            if _survives(function, after) and self._can_be(number, hidden, grown):
                 ways = list(sound)
                 for c, failed in grown.items():
+                    if c in function.spares:
+                        chain = self._visit(number, c, hidden[c])
+                        ways.append(Occupancy(chain.name, (_more(failed),), time_h=1.0))
+                        continue
                     p = _figure(function.state, function.parameters[c], self._thetas)
                     ways += _binomial(len(classes[c]) - hidden[c], failed, p)
                 yield after, ways
@@ -183,15 +198,74 @@ class _Unfolded:
             for unit in units[:count]
         }
         whole = _tree(function.state, self._thetas)
+        groups: dict[str, Expression | None] = {}
+        gates = []
+        for gate in whole.gates:
+            if gate.name in function.state.spares:
+                units, group = gate.inputs, f"{gate.name}[spares]"
+                groups[group] = self._group_failure(function, hidden, units[0])
+                gone |= set(units)
+                gate = Gate(gate.name, GateKind.OR, (group,))
+            gates.append(gate)
+        used = {name for gate in gates for name in gate.inputs}
         return replace(
             whole,
             name=name,
-            events=tuple(event for event in whole.events if event.name not in gone),
+            gates=tuple(gates),
+            events=(
+                *(event for event in whole.events if event.name not in gone),
+                *(LinkedEvent(group, value) for group, value in groups.items() if value),
+            ),
             houses=(
                 *whole.houses,
-                *(HouseEvent(event.name, True) for event in whole.events if event.name in gone),
+                *(
+                    HouseEvent(event.name, True)
+                    for event in whole.events
+                    if event.name in gone and event.name in used
+                ),
+                *(HouseEvent(group, True) for group, value in groups.items() if not value),
             ),
         )
+
+    def _group_failure(self, function: Function, hidden: Hidden, unit: str) -> Expression | None:
+        """Return how probably a group with spares fails a visit; `None` if it surely does."""
+        unit_class = next(c for c, units in enumerate(self._states.classes) if unit in units)
+        group = function.spares[unit_class]
+        if hidden[unit_class] > group.units - group.required:
+            return None
+        chain = self._visit(self._number[function.state.name], unit_class, hidden[unit_class])
+        return Occupancy(chain.name, (_GROUP_FAILED,), time_h=1.0)
+
+    def _can_be(self, number: int, hidden: Hidden, grown: Mapping[int, int]) -> bool:
+        """Return whether so many spares can fail in a visit: with a sure switch none takes over."""
+        spares = self._states.functions[number].spares
+        return all(
+            _more(failed) in self._visit(number, c, hidden[c]).states
+            for c, failed in grown.items()
+            if c in spares
+        )
+
+    def _visit(self, number: int, unit_class: int, lost: int) -> LinkedChain:
+        """Return the chain of one visit of a group with spares, so many units failed before."""
+        key = (number, unit_class, lost)
+        if key not in self.visits:
+            function = self._states.functions[number]
+            group = function.spares[unit_class]
+            p = _figure(function.state, function.parameters[unit_class], self._thetas)
+            hazard = Negation(Call("log", (complement(p),)))
+            steps = []
+            for more in range(group.units - group.required - lost + 1):
+                ways = zip((_more(more + 1), _GROUP_FAILED), group.rates(lost + more), strict=True)
+                rates = [(target, rate) for target, rate in ways if rate > 0.0]
+                steps += [
+                    Transition(_more(more), target, Product((Number(rate), hazard)))
+                    for target, rate in rates
+                ]
+                if _more(more + 1) not in dict(rates):
+                    break
+            name = f"{function.state.name} [{self._labels[unit_class]}, {lost} failed before]"
+            self.visits[key] = LinkedChain(name, _more(0), tuple(steps), "continuous")
+        return self.visits[key]
 
     def _name(self, number: int, hidden: Hidden) -> str:
         name = self._states.functions[number].state.name
@@ -203,6 +277,10 @@ class _Unfolded:
     @staticmethod
     def _rest(function: Function) -> str:
         return f"{function.state.name} [rest]"
+
+
+def _more(failed: int) -> str:
+    return f"{failed} more failed"
 
 
 def _survives(function: Function, hidden: Hidden) -> bool:

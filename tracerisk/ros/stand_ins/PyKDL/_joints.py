@@ -83,7 +83,7 @@ class Jacobian(_Sized):
         self._v[:, i] = t._v
 
     def changeRefPoint(self, base_AB: Vector) -> None:
-        """Let the twists be those of another point, `base_AB` away [m]."""
+        """Move the reference point of the twists by `base_AB` [m]."""
         for i in range(self.columns()):
             self.setColumn(i, self.getColumn(i).RefPoint(base_AB))
 
