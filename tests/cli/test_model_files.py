@@ -594,3 +594,48 @@ def test_importances_tell_how_likely_an_event_is_where_the_top_is(call):
     for each in found["importance"]:
         expected = each["probability"] * each["risk_achievement_worth"]
         assert each["diagnostic_importance"] == pytest.approx(expected, rel=1e-12)
+
+
+WALK = """dtmc
+module walk
+  x : [0..3] init 1;
+  [] x>0 & x<3 -> 0.5:(x'=x+1) + 0.5:(x'=x-1);
+  [] x=0 | x=3 -> true;
+endmodule
+label "won" = x=3;
+"""
+
+
+def test_properties_of_a_chain_are_answered(call):
+    Path("walk.prism").write_text(WALK)
+    Path("asked.props").write_text('const int k; "soon": P=? [F<=k "won"]; P>=0.5 [F "won"];')
+    asked = ("--property", 'P=? [F "won"]', "--properties", "asked.props", "--set", "k=2")
+    found = solved(call, "walk.prism", *asked)["answers"]
+    assert [each["name"] for each in found] == ["soon", "", ""]
+    assert [each["greatest"] for each in found] == pytest.approx([0.25, 1 / 3, 1 / 3], rel=1e-14)
+    assert [each["holds"] for each in found] == [None, False, None]
+    shown = call("solve", "walk.prism", *asked).out
+    assert "soon: P=? [F<=k" in shown
+    limit = call(
+        "solve", "walk.prism", *asked, "--figure", "soon", "--max-failure-probability", "0.2"
+    )
+    assert limit.code == 1
+    swept = solved(
+        call, "walk.prism", "--property", "const int k = 1; P=? [F<=k x=3]", "--sweep", "k=2:8:2"
+    )
+    assert len(swept["sweeps"][0]["points"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("cooling.xml", "--property", "P=? [F x]"), "--property goes with chains"),
+        (("chain.prism", "--property", "P=? [F"), "--property P=? [F:1:7: the file ends"),
+        (("chain.prism", "--properties", "none.props"), "none.props: cannot be read"),
+        (("repair.tra", "--property", "P=? [F x=1]"), "'x' is not a variable"),
+    ],
+)
+def test_what_cannot_be_asked_of_a_model_is_told(call, arguments, message):
+    outcome = call("solve", *arguments)
+    assert outcome.code == 2
+    assert message in outcome.err

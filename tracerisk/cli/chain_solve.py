@@ -8,12 +8,14 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.model_solve import Render, Solved, chosen
-from tracerisk.cli.shared.model_files import read_model
+from tracerisk.cli.shared.model_files import read_model, read_text
 from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.errors import InputError
 from tracerisk.prm.formats.explicit_chain import ChainKind, ExplicitChain
 
 if TYPE_CHECKING:
+    from tracerisk.prm.formats.prism.reader import PrismModel
+    from tracerisk.prm.properties import PropertyFile
     from tracerisk.prm.questions.uncertainty import Uncertainty
 
 
@@ -25,6 +27,7 @@ class ChainFile:
     kind: ModelFormat
     time: float | None
     constants: Mapping[str, float] = field(default_factory=dict)
+    questions: PropertyFile | None = None
 
     @property
     def name(self) -> str:
@@ -38,7 +41,7 @@ class ChainFile:
                 "--set and --sweep need names of figures, which a .tra file has none of; they go "
                 "with constants of PRISM, trees, linked models and models of functions"
             )
-        return ChainFile(self.files, self.kind, self.time, {**self.constants, **values})
+        return replace(self, constants={**self.constants, **values})
 
     def value_of(self, name: str) -> float:
         """Return what a constant is in the file; not a number where it is left open."""
@@ -58,11 +61,14 @@ class ChainFile:
                 "of functions; a chain has none"
             )
         whole = {name: int(n) if n.is_integer() else n for name, n in self.constants.items()}
+        if self.questions is not None:
+            return self._answered(self.questions, whole, figure)
         chain = read_model(self.files, self.kind, whole)
         assert isinstance(chain, ExplicitChain)
         if chain.starts:
             raise InputError(
-                f"the chain of '{self.name}' has {len(chain.starts)} starts; its figures need one"
+                f"the chain of '{self.name}' has {len(chain.starts)} starts; its figures need one: "
+                "ask with --property, which is answered by a range"
             )
         if chain.initial in chain.absorbing:
             raise InputError(f"the chain of '{self.name}' starts in a state that it never leaves")
@@ -81,6 +87,47 @@ class ChainFile:
         raise InputError(
             "--uncertainty needs distributions, which a file of a chain has none of; it goes with "
             "Open-PSA, linked models and models of functions"
+        )
+
+    def _answered(
+        self, questions: PropertyFile, constants: Mapping[str, float], figure: str | None
+    ) -> Solved:
+        """Answer the properties; the figure of one that differs by start is its greatest."""
+        from tracerisk.prm.formats.prism.reader import read_prism_model
+        from tracerisk.prm.properties import ask
+        from tracerisk.report.model_files import render_answers
+
+        if self.time is not None:
+            raise InputError("--mission-time: a property has times of its own, as F<=10; leave out")
+        own = {name: n for name, n in constants.items() if name in questions.constants}
+        rest = {name: n for name, n in constants.items() if name not in questions.constants}
+        chain: ExplicitChain | PrismModel
+        if self.kind is ModelFormat.PRISM:
+            text = read_text(self.files[0])
+            chain = read_prism_model(text, file=self.files[0], constants=rest)
+            notes = chain.chain.notes
+        else:
+            read = read_model(self.files, self.kind)
+            assert isinstance(read, ExplicitChain)
+            chain, notes = read, read.notes
+        answers = ask(chain, questions, own)
+        names = [each.question.name or each.question.text for each in answers]
+        figures = {name: each.greatest for name, each in zip(names, answers, strict=True)}
+        data = [
+            {
+                "name": each.question.name,
+                "property": each.question.text,
+                "least": each.least,
+                "greatest": each.greatest,
+                "holds": each.holds,
+            }
+            for each in answers
+        ]
+        return Solved(
+            {name: figures[name] for name in chosen(tuple(figures), figure, self.name)},
+            {"answers": data},
+            ((render_answers, (self.name, answers)),),
+            notes,
         )
 
     def _discrete(self, chain: ExplicitChain, figure: str | None) -> Solved:

@@ -8,12 +8,13 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from tracerisk.cli import what_if as asked
-from tracerisk.cli.shared.model_files import read_model
+from tracerisk.cli.shared.model_files import read_model, read_text
 from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.cli.shared.output import note, print_json, print_text, terminal_width, use_color
 from tracerisk.errors import ExitCode, InputError, one_of
 
 if TYPE_CHECKING:
+    from tracerisk.prm.properties import PropertyFile
     from tracerisk.prm.questions.time_curve import Curve
     from tracerisk.prm.questions.uncertainty import Uncertainty
 
@@ -70,7 +71,7 @@ def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.
     from tracerisk.prm.questions.uncertainty import SAMPLES
     from tracerisk.prm.questions.what_if import SetValue, log_spaced
 
-    _check_options(options)
+    _check_options(options, kind)
     given = _solvable(files, kind, options)
     values = asked.parse_set(options, asked.number)
     model = given.with_values(values) if values else given
@@ -151,7 +152,9 @@ def chosen(figures: Collection[str], figure: str | None, model: str) -> tuple[st
     return (figure,)
 
 
-def _check_options(options: argparse.Namespace) -> None:
+def _check_options(options: argparse.Namespace, kind: ModelFormat) -> None:
+    if (options.properties or options.property_file) and kind not in CHAINS:
+        raise InputError("--property goes with chains: PRISM files and .tra files")
     if options.curve is not None and options.mission_time_h is None:
         raise InputError("--curve goes up to the mission time; give --mission-time H, in hours")
     if options.profile:
@@ -169,7 +172,8 @@ def _solvable(files: Sequence[str], kind: ModelFormat, options: argparse.Namespa
     if kind in CHAINS:
         from tracerisk.cli.chain_solve import ChainFile
 
-        return ChainFile(tuple(files), kind, options.mission_time_h)
+        questions = _questions(options)
+        return ChainFile(tuple(files), kind, options.mission_time_h, questions=questions)
     from tracerisk.prm.logic.model import LogicModel
 
     model = read_model(files, kind)
@@ -182,6 +186,23 @@ def _solvable(files: Sequence[str], kind: ModelFormat, options: argparse.Namespa
 
     assert isinstance(model, DynamicTree)
     return DynamicFile(model, options.mission_time_h)
+
+
+def _questions(options: argparse.Namespace) -> PropertyFile | None:
+    """Return the properties of `--property` and `--properties`; `None` for none."""
+    if not options.properties and options.property_file is None:
+        return None
+    from tracerisk.prm.properties import PropertyFile, parse_properties
+
+    parts = [parse_properties(text, f"--property {text}") for text in options.properties]
+    if options.property_file is not None:
+        parts.insert(0, parse_properties(read_text(options.property_file), options.property_file))
+    return PropertyFile(
+        properties=tuple(each for part in parts for each in part.properties),
+        constants={name: value for part in parts for name, value in part.constants.items()},
+        formulas={name: value for part in parts for name, value in part.formulas.items()},
+        labels={name: value for part in parts for name, value in part.labels.items()},
+    )
 
 
 def _risk_exit(solved: Solved, options: argparse.Namespace) -> ExitCode:

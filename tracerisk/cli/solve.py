@@ -45,6 +45,8 @@ def run(options: argparse.Namespace) -> int:
 
         _forbid_hardware(options)
         return solve_model_file(options.files, kind, options)
+    if options.properties or options.property_file is not None:
+        raise InputError("--property goes with chains: PRISM files and .tra files")
     if options.curve is not None:
         raise InputError("--curve goes with trees and chains of other tools; leave it out")
     if options.mission_time_h is not None:

@@ -77,6 +77,20 @@ def add_what_if(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--seed", metavar="S", type=shared.count, help="seed of --uncertainty (0)")
     group.add_argument(
+        "--property",
+        dest="properties",
+        metavar="TEXT",
+        action="append",
+        default=[],
+        help="what is asked of a chain, in PRISM's words: 'P=? [F<=10 \"failed\"]'; repeatable",
+    )
+    group.add_argument(
+        "--properties",
+        dest="property_file",
+        metavar="FILE",
+        help="a file of such properties",
+    )
+    group.add_argument(
         "--curve",
         metavar="N",
         type=shared.count,

@@ -10,6 +10,7 @@ from tracerisk.report.tables import WIDE, plain, render_parts, table_of
 if TYPE_CHECKING:
     from tracerisk.prm.dynamic.solution import DynamicImportance
     from tracerisk.prm.event_trees.solution import EventTreeSolution
+    from tracerisk.prm.properties import Answer
     from tracerisk.prm.questions.time_curve import Curve
     from tracerisk.prm.trees.fault_tree_solution import EventImportance
 
@@ -107,6 +108,27 @@ def render_states(
     table.add_column(heading, justify="right", no_wrap=True)
     for state, value in shown:
         table.add_row(*plain([state, f"{value:.6e}"]))
+    return render_parts([*plain([title]), table], width=width, color=color)
+
+
+def render_answers(
+    name: str, answers: Sequence[Answer], *, width: int = 80, color: bool = False
+) -> str:
+    """Return the value of each property, a range where it differs by the start of the chain."""
+    title, table = name, table_of("")
+    table.add_column("property", overflow="fold")
+    table.add_column("value", justify="right", overflow="fold")
+    limited = any(each.holds is not None for each in answers)
+    if limited:
+        table.add_column("holds", no_wrap=True)
+    for each in answers:
+        text = each.question.text
+        label = f"{each.question.name}: {text}" if each.question.name else text
+        value = f"{each.greatest:.6e}"
+        cells = [label, value if each.single else f"{each.least:.6e} to {value}"]
+        if limited:
+            cells.append("" if each.holds is None else "yes" if each.holds else "no")
+        table.add_row(*plain(cells))
     return render_parts([*plain([title]), table], width=width, color=color)
 
 

@@ -56,7 +56,7 @@ def read_model(
         from tracerisk.prm.formats.openpra import read_openpra
 
         return read_openpra(first)
-    text = _text(first)
+    text = read_text(first)
     if kind is ModelFormat.GALILEO:
         from tracerisk.prm.formats import galileo
 
@@ -69,7 +69,7 @@ def read_model(
         from tracerisk.prm.formats.explicit import read_explicit
 
         labels = files[1] if len(files) == 2 else str(labels_beside(first))
-        return read_explicit(text, _text(labels), transitions_file=first, labels_file=labels)
+        return read_explicit(text, read_text(labels), transitions_file=first, labels_file=labels)
     if kind is ModelFormat.LINKED:
         from tracerisk.prm.formats import linked_json
 
@@ -84,7 +84,8 @@ def labels_beside(transitions: str) -> Path:
     return Path(transitions).with_suffix(".lab")
 
 
-def _text(name: str) -> str:
+def read_text(name: str) -> str:
+    """Return the text of a file; raise InputError where it cannot be read."""
     try:
         return read_file(name).decode("utf-8-sig")
     except UnicodeDecodeError as error:

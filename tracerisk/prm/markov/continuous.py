@@ -17,6 +17,7 @@ from tracerisk.prm.markov.chain import (
 )
 from tracerisk.prm.markov.solution import ChainSolution
 from tracerisk.prm.markov.solver import solver_of
+from tracerisk.prm.markov.stationary import stationary
 from tracerisk.prm.markov.uniformisation import distribution_at
 
 
@@ -103,18 +104,15 @@ class ContinuousChain:
         leaves: then the share depends on where it starts.
         """
         recurrent = self._recurrent()
-        reference, *others = recurrent
-        index = {state: number for number, state in enumerate(others)}
+        index = {state: number for number, state in enumerate(recurrent)}
+        rows = [
+            {index[target]: rate for target, rate in self.rates.get(state, {}).items() if rate}
+            for state in recurrent
+        ]
         shares = dict.fromkeys((*self.rates, *self.absorbing), 0.0)
-        shares[reference] = 1.0
-        if others:
-            rows = {state: self.rates[state] for state in others}
-            ways, slack = split_rows(rows, index)
-            solver = solver_of(ways, slack, lambda state: f"'{others[state]}'", "rate")
-            start = [self.rates[reference].get(state, 0.0) for state in others]
-            shares.update(zip(others, solver.left(start), strict=True))
-        total = math.fsum(shares.values())
-        return {state: share / total for state, share in shares.items()}
+        found = stationary(rows, lambda state: f"'{recurrent[state]}'", "rate")
+        shares.update(zip(recurrent, found, strict=True))
+        return shares
 
     def availability(self, up: Iterable[str]) -> float:
         """Return the long-run share of time in the states `up`.

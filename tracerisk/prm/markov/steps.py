@@ -27,18 +27,18 @@ def distribution_after(
         total = math.fsum(row.values())
         rows.append({index[t]: p / total for t, p in row.items() if p > 0.0})
     rows.extend({index[name]: 1.0} for name in absorbing)
-    found = power_of_rows(rows, index[entry], steps)
+    start = [0.0] * len(names)
+    start[index[entry]] = 1.0
+    found = after_steps(rows, start, steps)
     return dict(zip(names, found, strict=True))
 
 
-def power_of_rows(rows: Rows, entry: int, steps: int) -> list[float]:
-    """Return row `entry` of the `steps`-th power of a stochastic matrix.
+def after_steps(rows: Rows, start: list[float], steps: int) -> list[float]:
+    """Return a distribution after `steps` steps of a stochastic matrix.
 
     Each product is divided by its sum, which is one but for rounding: so what rounding does to
     all entries alike does not add up over the steps.
     """
-    start = [0.0] * len(rows)
-    start[entry] = 1.0
     ways = sum(map(len, rows))
     squaring = (len(rows) ** 3 + len(rows) ** 2) * max(1, steps).bit_length()
     if steps * ways <= squaring:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.markov.steps import Rows, multiplied, normalised
@@ -57,39 +58,68 @@ def distribution_at(
     """
     names = (*rates, *absorbing)
     index = {name: number for number, name in enumerate(names)}
-    leaving = [math.fsum(r for t, r in row.items() if t != s) for s, row in rates.items()]
-    fastest = max(leaving, default=0.0) * _HEADROOM
-    mean = fastest * time
+    rows = [{index[t]: r for t, r in row.items()} for row in rates.values()]
+    rows.extend({} for _ in absorbing)
     start = [0.0] * len(names)
     start[index[entry]] = 1.0
+    return dict(zip(names, after_time(rows, start, time), strict=True))
+
+
+def after_time(rates: Rows, start: list[float], time: float) -> list[float]:
+    """Return a distribution after a time; `rates[i][j]` is the rate of going from i to j.
+
+    Raises TooLargeError when the chain is large and moves too often.
+    """
+    fastest, rows = uniform(rates)
+    mean = fastest * time
     if mean == 0.0:
-        return dict(zip(names, start, strict=True))
+        return start
+    if stepped(rows, mean):
+        first, weights = poisson_weights(mean)
+        return series(start, rows, first, weights)
+    return _squared(start, rows, mean)
+
+
+def uniform(rates: Rows) -> tuple[float, Rows]:
+    """Return the common rate of all moves, and the probabilities of the moves at that rate."""
+    leaving = [math.fsum(r for t, r in row.items() if t != s) for s, row in enumerate(rates)]
+    fastest = max(leaving, default=0.0) * _HEADROOM
     rows: list[dict[int, float]] = []
-    for (state, row), total in zip(rates.items(), leaving, strict=True):
-        moves = {index[t]: r / fastest for t, r in row.items() if r > 0.0 and t != state}
-        moves[index[state]] = 1.0 - total / fastest
+    for state, (row, total) in enumerate(zip(rates, leaving, strict=True)):
+        if total == 0.0:
+            rows.append({state: 1.0})
+            continue
+        moves = {t: r / fastest for t, r in row.items() if r > 0.0 and t != state}
+        moves[state] = 1.0 - total / fastest
         rows.append(moves)
-    rows.extend({index[name]: 1.0} for name in absorbing)
+    return fastest, rows
+
+
+def halvings_of(mean: float) -> int:
+    """Return how often a time is halved until so many moves in it come to about one."""
+    return max(0, math.ceil(math.log2(mean)))
+
+
+def stepped(rows: Rows, mean: float) -> bool:
+    """Return whether a mean number of moves is taken one by one, else by squaring.
+
+    Raises TooLargeError when it is too many for either.
+    """
     ways = sum(map(len, rows))
-    # Squaring k times leaves a mean of about one for the series.
-    halvings = max(0, math.ceil(math.log2(mean)))
     stepping = (mean + 40.0 * math.sqrt(mean) + 200.0) * ways
-    squaring = float(len(names)) ** 3 * (halvings + 200)
-    if stepping <= squaring or len(names) > _DENSE:
-        if stepping > _WORK:
-            raise TooLargeError(
-                f"{len(names)} states that move {mean:.1e} times in the time asked for; "
-                "ask for a shorter time or the steady state, or leave out the fastest moves"
-            )
-        found = _series(start, rows, mean)
-    else:
-        found = _squared(index[entry], rows, mean, halvings)
-    return dict(zip(names, found, strict=True))
+    squaring = float(len(rows)) ** 3 * (halvings_of(mean) + 200)
+    if stepping > squaring and len(rows) <= _DENSE:
+        return False
+    if stepping > _WORK:
+        raise TooLargeError(
+            f"{len(rows)} states that move {mean:.1e} times in the time asked for; "
+            "ask for a shorter time or the steady state, or leave out the fastest moves"
+        )
+    return True
 
 
-def _series(start: list[float], rows: Rows, mean: float) -> list[float]:
-    """Sum the distributions after each number of moves, weighed with its probability."""
-    first, weights = poisson_weights(mean)
+def series(start: list[float], rows: Rows, first: int, weights: Sequence[float]) -> list[float]:
+    """Sum the distributions after `first` moves and on, each weighed; divided by the sum."""
     if sum(map(len, rows)) * len(weights) > 2_000_000:
         from tracerisk.prm.markov.large.array_steps import weighted_steps
 
@@ -105,17 +135,26 @@ def _series(start: list[float], rows: Rows, mean: float) -> list[float]:
     return normalised(total)
 
 
-def _squared(entry: int, rows: Rows, mean: float, halvings: int) -> list[float]:
+def dense(rows: Rows) -> Any:
+    """Return the matrix of rows."""
+    from tracerisk.prm.numbers.arrays import np
+
+    matrix = np.zeros((len(rows), len(rows)))
+    for state, row in enumerate(rows):
+        for target, p in row.items():
+            matrix[state, target] = p
+    return matrix
+
+
+def _squared(start: list[float], rows: Rows, mean: float) -> list[float]:
     """Square the matrix of a short time, each row divided by its sum each time."""
     from tracerisk.prm.numbers.arrays import np
 
-    size = len(rows)
-    one = np.zeros((size, size))
-    for state, row in enumerate(rows):
-        for target, p in row.items():
-            one[state, target] = p
+    # Squaring k times leaves a mean of about one for the series.
+    halvings = halvings_of(mean)
+    one = dense(rows)
     _, weights = poisson_weights(mean / 2.0**halvings)
-    now = np.eye(size)
+    now = np.eye(len(rows))
     total = weights[0] * now
     for weight in weights[1:]:
         now = now @ one
@@ -123,5 +162,6 @@ def _squared(entry: int, rows: Rows, mean: float, halvings: int) -> list[float]:
     for _ in range(halvings):
         total = total / total.sum(axis=1, keepdims=True)
         total = total @ total
-    found: list[float] = (total[entry] / total[entry].sum()).tolist()
+    last = np.array(start) @ total
+    found: list[float] = (last / last.sum()).tolist()
     return found
