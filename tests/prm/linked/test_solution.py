@@ -36,6 +36,7 @@ from tracerisk.prm.linked import (
     complement,
     linked,
 )
+from tracerisk.prm.markov import ContinuousChain
 from tracerisk.prm.trees.fault_tree import Gate, GateKind
 
 FIGURES = ("failure", "lost", "done", "after ten", "unavailable", "odd", "cost")
@@ -506,3 +507,30 @@ def test_a_chain_that_never_ends_is_told_when_its_end_is_asked_for():
         _ = model.solve().figures
     with pytest.raises(ModelError, match="no figure 'g' in 'm'; allowed: f"):
         model.solve().figure("g")
+
+
+def test_a_stiff_chain_has_the_figure_of_the_chain_alone():
+    # Repaired sixty times an hour, over a year.
+    rates = {"up": {"down": 1e-4}, "down": {"up": 60.0, "lost": 1e-3}}
+    model = LinkedModel(
+        "m",
+        (),
+        (),
+        (
+            LinkedChain(
+                "c",
+                "up",
+                tuple(
+                    Transition(source, target, Number(rate))
+                    for source, row in rates.items()
+                    for target, rate in row.items()
+                ),
+                "continuous",
+            ),
+        ),
+        (Figure("lost", Occupancy("c", ("lost",))), Figure("down", Occupancy("c", ("down",)))),
+        8760.0,
+    )
+    expected = ContinuousChain(rates, ("lost",)).transient("up", 8760.0)
+    for name in ("lost", "down"):
+        assert model.solve().figure(name).p == pytest.approx(expected[name], rel=1e-13)

@@ -21,6 +21,8 @@ from tracerisk.prm.linked.occupancy import (
     uniformised,
 )
 from tracerisk.prm.markov import ChainSolution, MarkovChain
+from tracerisk.prm.markov.steps import after_steps
+from tracerisk.prm.markov.uniformisation import after_time
 from tracerisk.prm.numbers.probability import Probability
 
 _ROW_TOLERANCE = 1e-9
@@ -110,7 +112,7 @@ class SolvedChain:
     def figure(self, link: Link) -> Probability:
         """Return a probability of absorption, or of being in some states at a time."""
         if isinstance(link, Occupancy):
-            return self._occupied(link).figure
+            return self._occupancy(link)
         return self._ending(self._targets(link))[self._made.chain.entry]
 
     def gradient(self, link: Link) -> Sequence[float]:
@@ -254,27 +256,51 @@ class SolvedChain:
             for row in self._made.rows.values()
         )
 
+    def _occupancy(self, link: Occupancy) -> Probability:
+        """Return the probability of being in some states at a time, and of being elsewhere."""
+        states = self._made.chain.states
+        start = [float(state == self._made.chain.entry) for state in states]
+        if self._made.chain.time == "discrete":
+            after = after_steps(self._step_rows(), start, link.steps or 0)
+        else:
+            after = after_time(self._rates(), start, self._time_of(link))
+        there = [p for p, state in zip(after, states, strict=True) if state in link.states]
+        rest = [p for p, state in zip(after, states, strict=True) if state not in link.states]
+        return Probability(math.fsum(there), math.fsum(rest))
+
+    def _time_of(self, link: Occupancy) -> float:
+        return self._mission_time_h if link.time_h is None else link.time_h
+
+    def _step_rows(self) -> list[dict[int, float]]:
+        index = {state: place for place, state in enumerate(self._made.chain.states)}
+        given = [self._row(state) if state in self._made.rows else {} for state in index]
+        return [
+            {index[target]: p / self._totals[state] for target, p in row.items()}
+            or {index[state]: 1.0}
+            for state, row in zip(index, given, strict=True)
+        ]
+
+    def _rates(self) -> list[dict[int, float]]:
+        index = {state: place for place, state in enumerate(self._made.chain.states)}
+        rates: list[dict[int, float]] = [{} for _ in index]
+        for state, made in self._made.rows.items():
+            for target, place in made.explicit.items():
+                rates[index[state]][index[target]] = self._inputs[place].p
+        return rates
+
     def _occupied(self, link: Occupancy, pace: float | None = None) -> Occupied:
+        """Return what the derivatives of an occupancy need: the chain step by step."""
         chain = self._made.chain
         index = {state: place for place, state in enumerate(chain.states)}
         scales: dict[str, float]
         if chain.time == "discrete":
-            given = [self._row(state) if state in self._made.rows else {} for state in index]
-            rows = [
-                {index[target]: p / self._totals[state] for target, p in row.items()}
-                or {index[state]: 1.0}
-                for state, row in zip(index, given, strict=True)
-            ]
+            rows = self._step_rows()
             check_steps(link.steps or 0, rows)
             weights = [0.0] * (link.steps or 0) + [1.0]
             scales = {state: 1.0 / total for state, total in self._totals.items()}
         else:
-            rates: list[dict[int, float]] = [{} for _ in index]
-            for state, made in self._made.rows.items():
-                for target, place in made.explicit.items():
-                    rates[index[state]][index[target]] = self._inputs[place].p
-            rows, each = uniformised(rates, self._fastest if pace is None else pace)
-            time_h = self._mission_time_h if link.time_h is None else link.time_h
+            rows, each = uniformised(self._rates(), self._fastest if pace is None else pace)
+            time_h = self._time_of(link)
             check_steps(each * time_h, rows)
             weights = poisson_weights(each * time_h, len(index))
             scales = dict.fromkeys(self._made.rows, 1.0 / each)

@@ -1,4 +1,4 @@
-"""Where a small chain is after some time, as pairs, with derivatives and exact changes.
+"""How the place of a small chain after some time changes with its transitions, and by how much.
 
 A chain in continuous time is taken in steps by uniformisation (A. Jensen, 1953): after a time t
 it has made k steps of a chain in discrete time with the Poisson probability of k events at Lambda
@@ -48,22 +48,12 @@ class Steps:
 
 
 class Occupied:
-    """The probability of being in the targets, with all that its derivatives need."""
+    """A chain step by step, with all that the derivatives of being in the targets need."""
 
     def __init__(self, steps: Steps) -> None:
         self._steps = steps
         self._forward = _forward(steps)
         self._backward: list[list[Probability]] | None = None
-
-    @property
-    def figure(self) -> Probability:
-        """The probability of being in the targets, and that of being elsewhere."""
-        there: list[float] = []
-        elsewhere: list[float] = []
-        for weight, state in zip(self._steps.weights, self._forward, strict=True):
-            for index, p in enumerate(state):
-                (there if index in self._steps.targets else elsewhere).append(weight * p)
-        return Probability(math.fsum(there), math.fsum(elsewhere))
 
     def gradient(self) -> list[float]:
         """Return the derivative of the figure by each place."""
