@@ -237,3 +237,20 @@ def test_the_parts_of_a_group_with_a_common_cause_show_its_seconds(annotated_sou
     rows = [line for line in table.splitlines() if line.strip().startswith("power {")]
     assert len(rows) >= 2
     assert all("12.34" in row for row in rows[:2])
+
+
+def test_of_very_many_functions_those_with_the_greatest_share_are_shown():
+    states = tuple(
+        series_state(
+            f"step_{number}",
+            number,
+            {"arm": 1e-6 if number % 2 else 1e-9},
+            {f"step_{number + 1}" if number < 400 else "done": 1},
+        )
+        for number in range(1, 401)
+    )
+    model = HybridModel("many", "step_1", states, (Parameter("arm", 1e-6),))
+    shown = render_assessment(solve(model), width=100)
+    assert "Functions (200 of 400, those with the greatest share)" in shown
+    assert "step_399" in shown
+    assert "step_400" not in shown

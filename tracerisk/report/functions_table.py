@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 MOST_OF_FUNCTION = 6
 """How many components of one function are shown, those that matter most first."""
 
+MOST_FUNCTIONS = 200
+"""How many functions are shown, those with the greatest share of the mission's failure."""
+
 Exposures = Mapping[str, Mapping[str, float]]
 """Seconds active, by function and component, over all visits of the run."""
 
@@ -27,8 +30,15 @@ def functions_table(
 
     The probability and the share of a component are by how much those of its function fall where
     it never fails; shares are parts of the mission's failure probability.
+    Of many functions those with the greatest shares are shown.
     """
-    table = table_of("Functions")
+    ranked = sorted(assessment.states, key=lambda each: -each.absorption_probability)
+    shown = {each.name for each in ranked[:MOST_FUNCTIONS]}
+    count = len(ranked)
+    title = "Functions"
+    if count > len(shown):
+        title += f" ({len(shown)} of {count}, those with the greatest share)"
+    table = table_of(title)
     table.add_column("#", justify="right", no_wrap=True)
     table.add_column("function and its components", overflow="fold")
     if width >= ROOMY:
@@ -39,6 +49,8 @@ def functions_table(
         table.add_column(heading, justify="right", no_wrap=True)
     add_share_columns(table, width)
     for state in assessment.states:
+        if state.name not in shown:
+            continue
         for cells in _rows(state, assessment.mission.geometric_cycles, exposures, width):
             table.add_row(*cells)
     return table

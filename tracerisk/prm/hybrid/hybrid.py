@@ -184,17 +184,18 @@ def reachable_states(steps: Mapping[str, Sequence[NextStep]], entry: str) -> set
 
 def endless_states(steps: Mapping[str, Sequence[NextStep]], entry: str) -> list[str]:
     """Return the states that `entry` leads to and that never lead to `done`, in order."""
+    before: dict[str, list[str]] = {}
+    for name, following in steps.items():
+        for step in following:
+            if step.weight > 0:
+                before.setdefault(step.target, []).append(name)
     ending = {DONE}
-    grown = True
-    while grown:
-        more = {
-            name
-            for name, following in steps.items()
-            if name not in ending
-            and any(step.weight > 0 and step.target in ending for step in following)
-        }
-        ending |= more
-        grown = bool(more)
+    waiting = [DONE]
+    while waiting:
+        for name in before.get(waiting.pop(), ()):
+            if name not in ending:
+                ending.add(name)
+                waiting.append(name)
     reached = reachable_states(steps, entry)
     return [name for name in steps if name in reached and name not in ending]
 
