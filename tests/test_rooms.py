@@ -46,7 +46,7 @@ SUB_ROOMS = {
         *("drafts", "transforms", "messages", "graph", "time", "controller", "homogeneous"),
     ),
     "twin": (
-        *("workspace", "simulation", "recording", "motion", "physics"),
+        *("workspace", "simulation", "recording", "motion", "faults", "physics"),
         *("model_files", "urdf", "robots"),
     ),
 }

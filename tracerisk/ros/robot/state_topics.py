@@ -111,7 +111,8 @@ class TwinTopics:
             message.header.seq = self._sequence
         set_time(message.header.stamp, EPOCH_NS + self._runtime.scheduler.now_ns)
         first = [state.names.index(name) for name in self._order if name in state.names]
-        places = [*first, *(i for i in range(len(state.names)) if i not in first)]
+        order = [*first, *(i for i in range(len(state.names)) if i not in first)]
+        places = [i for i in order if state.names[i] not in state.absent]
         message.name = [state.names[i] for i in places]
         message.position = [state.position[i] for i in places]
         message.velocity = [state.velocity[i] for i in places]
@@ -127,6 +128,7 @@ class TwinTopics:
 class TopicStream:
     """Publishes what `make` makes, `hz` times a second, while the topic has a subscription.
 
+    Where it makes `None`, nothing is published.
     One that `yields` is silent where somebody else publishes on the topic: a maker's driver.
     """
 
@@ -163,5 +165,7 @@ class TopicStream:
             self._is_ticking = False
             return
         if not self._yields or len(self._graph.publications(self._publication.topic)) == 1:
-            self._publication.publish(self._make())
+            message = self._make()
+            if message is not None:
+                self._publication.publish(message)
         self._schedule()

@@ -57,12 +57,12 @@ class WrenchTopics:
         TopicStream(self._runtime, publication, HZ, lambda: self._message(telling[0]))
 
     def _message(self, sensor: Sensor) -> Any:
-        twin = self._runtime.twin
-        link = sensor.link or sensor.part
-        wrench = twin.load_on(link) if sensor.kind == "wrench" else twin.touch_on(link)
+        wrench = self._runtime.twin.wrench(sensor)
+        if wrench is None:
+            return None
         message = self._messages.new(TYPE)
         self._messages.stamp(message.header, self._runtime.scheduler.now_ns)
-        message.header.frame_id = link
+        message.header.frame_id = sensor.link or sensor.part
         force, torque = message.wrench.force, message.wrench.torque
         force.x, force.y, force.z = wrench.force
         torque.x, torque.y, torque.z = wrench.torque

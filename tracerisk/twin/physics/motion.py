@@ -36,12 +36,16 @@ class LinkTarget:
 
 @dataclass(frozen=True, slots=True)
 class JointState:
-    """Positions [rad or m], velocities [rad/s or m/s] and efforts [N m or N] of named joints."""
+    """Positions [rad or m], velocities [rad/s or m/s] and efforts [N m or N] of named joints.
+
+    Of the joints in `absent` nothing is measured: the values are the last that were.
+    """
 
     names: tuple[str, ...]
     position: tuple[float, ...]
     velocity: tuple[float, ...]
     effort: tuple[float, ...]
+    absent: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,6 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import RobotError, one_of
+from tracerisk.twin.faults.armed import ArmedFaults
+from tracerisk.twin.faults.fault import Fault
+from tracerisk.twin.faults.sensing import SensorFaults
 from tracerisk.twin.physics.builder import STEP_NS
 from tracerisk.twin.physics.declared import Declared, logged_bodies, rebuild
 from tracerisk.twin.physics.motion import JointState, Pose
@@ -20,6 +23,7 @@ from tracerisk.twin.recording.contact_log import LOOK_EVERY, POSTURE_EVERY
 from tracerisk.twin.recording.contact_watch import FRESH_STEPS, ContactWatch, Points, points
 from tracerisk.twin.recording.samples import POSE_EVERY, SampleHeader, SampleWriter
 from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.sensors import Sensor
 
 # After the builder, which says that no window is needed.
 import mujoco  # isort: skip
@@ -84,6 +88,7 @@ class Simulation:
         self._wanted: tuple[SceneBody, ...] = ()
         self._watch: ContactWatch | None = None
         self._n_contacts = self._fresh_until = 0
+        self._faults, self._sensors = ArmedFaults(robot), SensorFaults(robot)
         if samples is not None:
             samples.begin(self._header())
             self._watch = ContactWatch(robot, samples.contacts(), overlaps)
@@ -112,6 +117,20 @@ class Simulation:
         """Take `bodies` for all that is declared, from the next step on."""
         self._wanted = tuple(bodies)
 
+    @property
+    def live_faults(self) -> tuple[Fault, ...]:
+        """The faults that have begun and were not cleared."""
+        return self._faults.live
+
+    def arm(self, fault: Fault) -> None:
+        """Let a unit fail at the fault's instant, or with the next step if that is past."""
+        self._faults.arm(fault)
+
+    def clear(self, fault: Fault) -> None:
+        """Let a unit work again from the next step on."""
+        self._faults.clear(fault, self._model)
+        self._sensors.clear(fault)
+
     def step(self, wanted: int, controls: Controls) -> None:
         """Run up to `wanted` physics steps and sample each.
 
@@ -119,6 +138,7 @@ class Simulation:
         """
         if self._wanted != self._declared.bodies:
             self._rebuild()
+        wanted = self._begin_faults(wanted)
         writer = self._samples
         if writer is None:
             rows = self._scratch[: min(wanted, _CHUNK)]
@@ -128,7 +148,7 @@ class Simulation:
                 if self._data.qpos.size > self._n_pose:
                     writer.declared().pose(self._steps, self._data.qpos[self._n_pose :])
                 if self._watch is not None and self._steps % POSTURE_EVERY == 0:
-                    self._watch.posture(self._steps, self.position())
+                    self._watch.posture(self._steps, self._data.qpos[self._qpos])
             rows = writer.rows(min(wanted, POSE_EVERY - self._steps % POSE_EVERY))
         n = len(rows)
         block = controls.set_points(n)
@@ -173,29 +193,43 @@ class Simulation:
     # What is measured
 
     def position(self, joints: Sequence[int] | None = None) -> Array:
-        """Return the positions of some joints, by their index (of all) [rad or m]."""
-        found: Array = self._data.qpos[self._qpos if joints is None else self._qpos[joints]]
-        return found
+        """Return the positions that are measured of some joints, by their index (of all) [rad, m].
+
+        Those of the recording are the true ones, whatever the sensors tell.
+        """
+        true = self._data.qpos[self._qpos if joints is None else self._qpos[joints]]
+        return self._sensors.position(true, joints)
 
     def velocity(self, joints: Sequence[int] | None = None) -> Array:
-        """Return the velocities of some joints, by their index (of all) [rad/s or m/s]."""
-        found: Array = self._data.qvel[self._dofs if joints is None else self._dofs[joints]]
-        return found
+        """Return the velocities of some joints, as `position` [rad/s or m/s]."""
+        true = self._data.qvel[self._dofs if joints is None else self._dofs[joints]]
+        return self._sensors.velocity(true, joints)
 
     def joint_state(self) -> JointState:
-        """Return positions, velocities and motor torques of all joints.
+        """Return positions, velocities and motor torques of all joints, as they are measured.
 
         A stop gives way a little in the simulation; what is measured there is the limit.
         """
-        position = self.position()
+        position = self._data.qpos[self._qpos]
         inside = np.clip(position, *self._stops)
         position = np.where(np.abs(position - inside) < _STOP_GIVES, inside, position)
         return JointState(
             names=tuple(self.joint_index),
-            position=tuple(position.tolist()),
+            position=tuple(self._sensors.position(position).tolist()),
             velocity=tuple(self.velocity().tolist()),
-            effort=tuple(self._data.qfrc_actuator[self._dofs].tolist()),
+            effort=tuple(self._sensors.effort(self._data.qfrc_actuator[self._dofs]).tolist()),
+            absent=self._sensors.absent,
         )
+
+    def wrench(self, sensor: Sensor) -> Wrench | None:
+        """Return what a sensor of forces tells, or what is estimated of the joints' torques.
+
+        `None` of one that tells nothing any more.
+        """
+        link = sensor.link or sensor.part
+        if sensor.kind != "wrench":
+            return self.touch_on(link)
+        return self._sensors.wrench(sensor.name, self.load_on(link))
 
     def load_on(self, link: str) -> Wrench:
         """Return what a link, with all that hangs on it, exerts on what holds it."""
@@ -240,10 +274,21 @@ class Simulation:
 
     # How
 
+    def _begin_faults(self, wanted: int) -> int:
+        """Begin the faults that are due; return how many steps come before another one."""
+        if self._faults.is_due(self._steps):
+            told = self.joint_state()
+            wrists = {each.name: each for each in self.robot.sensors if each.kind == "wrench"}
+            for fault in self._faults.begin(self._steps, self._model, self._data):
+                wrist = wrists.get(fault.unit)
+                self._sensors.begin(fault, told, None if wrist is None else self.wrench(wrist))
+        return self._faults.steps_before(self._steps, wanted)
+
     def _rebuild(self) -> None:
         self._declared, self._model, self._data = rebuild(
             self.robot, self.scene, self._declared, self._wanted, self._model, self._data
         )
+        self._faults.rebuilt(self._model)
         if self._samples is not None:
             self._samples.model_changed()
             simulated = logged_bodies(self._declared, self._model, self._data)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 
 from tracerisk.trace import Element, ObjectOffset
+from tracerisk.twin.faults.fault import Fault, check_faults
 from tracerisk.twin.motion.clearance import Clearance, PathRule
 from tracerisk.twin.motion.execution import GoalTolerance, Motion
 from tracerisk.twin.motion.kinematics import Kinematics
@@ -22,6 +23,7 @@ from tracerisk.twin.physics.scene_body import SceneBody
 from tracerisk.twin.physics.wrench import Wrench
 from tracerisk.twin.recording.samples import SampleWriter
 from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.sensors import Sensor
 from tracerisk.twin.simulation.motion_control import MotionControl
 from tracerisk.twin.simulation.simulation import Simulation
 
@@ -90,10 +92,29 @@ class Twin:
         """Close the samples, with the pose of everything at the end."""
         self._simulation.close()
 
+    # Faults
+
+    @property
+    def live_faults(self) -> tuple[Fault, ...]:
+        """The faults that have begun and were not cleared, in the order of their instants."""
+        return self._simulation.live_faults
+
+    def arm(self, fault: Fault) -> None:
+        """Let a unit fail at the fault's instant, or with the next step if that is past.
+
+        Raises InputError for a unit or a mode that the robot does not have.
+        """
+        check_faults((fault,), self.robot)
+        self._simulation.arm(fault)
+
+    def clear(self, fault: Fault) -> None:
+        """Let a unit work again from the next step on."""
+        self._simulation.clear(fault)
+
     # What is measured
 
     def joint_state(self) -> JointState:
-        """Return positions, velocities and motor torques of all joints."""
+        """Return positions, velocities and motor torques of all joints, as the sensors tell."""
         return self._simulation.joint_state()
 
     def link_pose(self, link: str) -> Pose:
@@ -104,18 +125,20 @@ class Twin:
         """Return where every link is, in the frame of the robot's base link."""
         return self._kinematics.forward_all(self._positions())
 
-    def load_on(self, link: str) -> Wrench:
-        """Return what a link, with all that hangs on it, exerts on what holds it: a wrist's load.
+    def wrench(self, sensor: Sensor) -> Wrench | None:
+        """Return what a sensor of forces tells, in the axes of its link, about its origin.
 
-        In the link's axes, about its origin, with weight, inertia and contacts.
+        A wrist's sensor tells weight, inertia and contacts of all that hangs on it; an estimate of
+        the torques of joints tells contacts alone. `None` of a sensor that tells nothing any more.
         """
+        return self._simulation.wrench(sensor)
+
+    def load_on(self, link: str) -> Wrench:
+        """Return what a link, with all that hangs on it, truly exerts on what holds it."""
         return self._simulation.load_on(link)
 
     def touch_on(self, link: str) -> Wrench:
-        """Return what the world exerts by touch on a link, its fellows and what hangs on them.
-
-        In the link's axes, about its origin, without their weight and inertia.
-        """
+        """Return what the world truly exerts by touch on a link and what moves as one with it."""
         return self._simulation.touch_on(link)
 
     def object_pose(self, name: str) -> Pose:

@@ -141,7 +141,7 @@ class InterbotixDriver:
         state = self._twin.joint_state()
         message = self._messages.new(JOINT_STATE_TYPE)
         self._messages.stamp(message.header, self._scheduler.now_ns)
-        message.name = self._joint_order()
+        message.name = [each for each in self._joint_order() if each not in state.absent]
         values = {
             name: (state.position[i], state.velocity[i], state.effort[i])
             for i, name in enumerate(state.names)

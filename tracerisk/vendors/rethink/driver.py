@@ -247,8 +247,11 @@ class BaxterDriver:
         message = self._messages.new("sensor_msgs/JointState")
         self._messages.stamp(message.header, self._scheduler.now_ns)
         state = self._twin.joint_state()
-        message.name, message.position = list(state.names), list(state.position)
-        message.velocity, message.effort = list(state.velocity), list(state.effort)
+        told = [i for i, name in enumerate(state.names) if name not in state.absent]
+        message.name = [state.names[i] for i in told]
+        message.position = [state.position[i] for i in told]
+        message.velocity = [state.velocity[i] for i in told]
+        message.effort = [state.effort[i] for i in told]
         return message
 
     def _endpoint(self, topic: str) -> Any:

@@ -1,0 +1,128 @@
+"""A fault as data: which unit fails, in which mode, at which instant."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, cast, get_args
+
+from tracerisk.errors import InputError, one_of
+
+if TYPE_CHECKING:
+    from tracerisk.twin.robots.robot import Robot
+
+FaultMode = Literal[
+    "dead",
+    "jam",
+    "offset",
+    "frozen",
+    "absent",
+    "no_force",
+    "opens",
+    "stuck",
+    "lost_with_brakes",
+    "lost_without_brakes",
+]
+"""How a unit fails; docs/faults.md says what each does."""
+
+POWER, CONTROL = "power", "control"
+"""The units that are no element of the robot: its power supply and its control unit."""
+
+_LATEST_S = 1e6
+_SYNTAX = "expected UNIT:MODE@SECONDS, such as panda_joint4:dead@3.5"
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """A unit that fails at an instant of simulated time [s], and stays failed.
+
+    `unit` is a joint (its motor), a gripper or a sensor by its name, or `power` or `control`.
+    """
+
+    unit: str
+    mode: FaultMode
+    time_s: float
+
+    def __str__(self) -> str:
+        return f"{self.unit}:{self.mode}@{self.time_s:g}"
+
+    @property
+    def words(self) -> str:
+        """The fault in words: `panda_joint4 dead at 3.500 s`."""
+        return f"{self.unit} {self.mode.replace('_', ' ')} at {self.time_s:.3f} s"
+
+
+def parse_fault(text: str) -> Fault:
+    """Read UNIT:MODE@SECONDS; raise InputError where the text is not that."""
+    rest, at, when = text.rpartition("@")
+    unit, colon, mode = rest.rpartition(":")
+    if not (at and colon and unit):
+        raise InputError(f"fault '{text}': {_SYNTAX}")
+    if mode not in get_args(FaultMode):
+        raise InputError(f"fault '{text}': unknown mode '{mode}'; {one_of(get_args(FaultMode))}")
+    try:
+        time_s = float(when)
+    except ValueError:
+        time_s = math.nan
+    if not 0.0 <= time_s <= _LATEST_S:
+        raise InputError(
+            f"fault '{text}': '{when}' is not a time in seconds from 0 to {_LATEST_S:g}; {_SYNTAX}"
+        )
+    return Fault(unit, cast(FaultMode, mode), time_s)
+
+
+def modes_of(robot: Robot) -> Mapping[str, tuple[FaultMode, ...]]:
+    """Return every unit of a robot that can fail, with its modes, in the robot's order.
+
+    Cameras are left out: the twin takes no pictures.
+    """
+    found: dict[str, tuple[FaultMode, ...]] = {
+        joint.name: ("dead", "jam") for joint in robot.arm_joints
+    }
+    found |= {gripper.name: ("no_force", "opens", "stuck") for gripper in robot.grippers}
+    found |= {
+        sensor.name: ("offset", "frozen", "absent")
+        for sensor in robot.sensors
+        if sensor.kind != "camera"
+    }
+    found.setdefault(POWER, ("lost_with_brakes", "lost_without_brakes"))
+    found.setdefault(CONTROL, ("frozen",))
+    return found
+
+
+def check_faults(
+    faults: Sequence[Fault], robot: Robot, *, before_s: float | None = None
+) -> tuple[Fault, ...]:
+    """Return the faults in the order of their instants.
+
+    Raises InputError for a unit or mode that the robot does not have, for an instant after
+    `before_s` [s], and for a unit that fails twice.
+    """
+    modes = modes_of(robot)
+    for fault in faults:
+        if fault.unit not in modes:
+            raise InputError(
+                f"fault '{fault}': robot '{robot.name}' has no unit '{fault.unit}' that can fail; "
+                f"{one_of(modes, fault.unit)}"
+            )
+        if fault.mode not in modes[fault.unit]:
+            raise InputError(
+                f"fault '{fault}': unit '{fault.unit}' of robot '{robot.name}' has no mode "
+                f"'{fault.mode}'; {one_of(modes[fault.unit], fault.mode)}"
+            )
+        if before_s is not None and not fault.time_s < before_s:
+            raise InputError(
+                f"fault '{fault}': the run without a fault ends at {before_s:.3f} s; "
+                "give an earlier instant"
+            )
+    _forbid_twice(fault.unit for fault in faults)
+    return tuple(sorted(faults, key=lambda each: each.time_s))
+
+
+def _forbid_twice(units: Iterable[str]) -> None:
+    seen: set[str] = set()
+    for unit in units:
+        if unit in seen:
+            raise InputError(f"unit '{unit}' fails twice; give it one fault")
+        seen.add(unit)

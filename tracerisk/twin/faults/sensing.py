@@ -1,0 +1,124 @@
+"""What faulty sensors tell of a robot whose true state is known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracerisk.twin.faults.armed import encoder_offset
+from tracerisk.twin.faults.fault import Fault, FaultMode
+from tracerisk.twin.physics.motion import JointState
+from tracerisk.twin.physics.wrench import Wrench
+from tracerisk.twin.robots.robot import Robot
+
+TORQUE_OFFSET = 0.1
+"""What a torque sensor with an offset reads too much, as a fraction of the motor's limit."""
+FORCE_OFFSET_N = 10.0
+"""What a wrist sensor with an offset reads too much along its z axis [N]."""
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class _Reading:
+    """What a sensor told when its fault began: of a joint, or a wrench."""
+
+    mode: FaultMode
+    position: float = 0.0
+    velocity: float = 0.0
+    effort: float = 0.0
+    wrench: Wrench | None = None
+
+
+class SensorFaults:
+    """The faults of a robot's sensors that have begun; without one all is told as it is."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._sensors = {each.name: each for each in robot.sensors}
+        self._places = {joint.name: at for at, joint in enumerate(robot.joints)}
+        self._faulty: dict[str, _Reading] = {}
+
+    def begin(self, fault: Fault, told: JointState, wrench: Wrench | None) -> None:
+        """Let a sensor fail that told `told`, or a wrench, until now."""
+        sensor = self._sensors.get(fault.unit)
+        if sensor is None:
+            return
+        if wrench is not None:
+            self._faulty[fault.unit] = _Reading(fault.mode, wrench=wrench)
+            return
+        at = self._places[sensor.part]
+        self._faulty[fault.unit] = _Reading(
+            fault.mode, told.position[at], told.velocity[at], told.effort[at]
+        )
+
+    def clear(self, fault: Fault) -> None:
+        """Let a sensor work again."""
+        self._faulty.pop(fault.unit, None)
+
+    def position(self, true: Array, joints: Sequence[int] | None = None) -> Array:
+        """Return what the encoders tell of some joints, by their index (of all) [rad or m].
+
+        `true`: (n_joints,), which may be changed. An encoder that tells nothing is read as it
+        was last.
+        """
+        for row, reading, joint in self._encoders(joints):
+            if reading.mode == "offset":
+                true[row] += encoder_offset(self._robot.joints[joint].type)
+            else:
+                true[row] = reading.position
+        return true
+
+    def velocity(self, true: Array, joints: Sequence[int] | None = None) -> Array:
+        """Return the velocities as `position` [rad/s or m/s]."""
+        for row, reading, _ in self._encoders(joints):
+            if reading.mode != "offset":
+                true[row] = reading.velocity
+        return true
+
+    def effort(self, true: Array) -> Array:
+        """Return what the torque sensors tell, (n_joints,) [N m or N]; 0 of one that is absent."""
+        for name, reading in self._faulty.items():
+            sensor = self._sensors[name]
+            if sensor.kind == "torque":
+                at = self._places[sensor.part]
+                if reading.mode == "offset":
+                    true[at] += TORQUE_OFFSET * self._robot.joints[at].torque_limit
+                else:
+                    true[at] = reading.effort if reading.mode == "frozen" else 0.0
+        return true
+
+    @property
+    def absent(self) -> frozenset[str]:
+        """The joints whose encoder tells nothing any more."""
+        return frozenset(
+            self._sensors[name].part
+            for name, reading in self._faulty.items()
+            if self._sensors[name].kind == "encoder" and reading.mode == "absent"
+        )
+
+    def wrench(self, sensor: str, true: Wrench) -> Wrench | None:
+        """Return what a sensor of forces tells; `None` where it is absent."""
+        reading = self._faulty.get(sensor)
+        if reading is None or self._sensors[sensor].kind != "wrench":
+            return true
+        if reading.mode == "offset":
+            x, y, z = true.force
+            return replace(true, force=(x, y, z + FORCE_OFFSET_N))
+        return reading.wrench if reading.mode == "frozen" else None
+
+    def _encoders(self, joints: Sequence[int] | None) -> list[tuple[int, _Reading, int]]:
+        """Return the row, the reading and the joint of each faulty encoder among some joints."""
+        if not self._faulty:
+            return []
+        rows = {joint: row for row, joint in enumerate(joints)} if joints is not None else None
+        found = []
+        for name, reading in self._faulty.items():
+            sensor = self._sensors[name]
+            joint = self._places.get(sensor.part, -1)
+            if sensor.kind == "encoder" and (rows is None or joint in rows):
+                found.append((joint if rows is None else rows[joint], reading, joint))
+        return found
