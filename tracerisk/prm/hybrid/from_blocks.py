@@ -51,10 +51,11 @@ def build_model(
         raise BlockError("no risk block; `tracerisk annotate` or `tracerisk run` writes them")
     _check_distinct(blocks)
     ordered = sorted(blocks, key=lambda block: block.call_sequence.value)
-    names = [block.name for block in ordered]
+    # In the order of the states, and found at once.
+    names = dict.fromkeys(block.name for block in ordered)
     chosen = _check_profile(profile or {}, names)
     steps = {}
-    for block, following in zip(ordered, [*names[1:], DONE], strict=True):
+    for block, following in zip(ordered, [*list(names)[1:], DONE], strict=True):
         if block.name in chosen:
             steps[block.name] = chosen[block.name]
         elif block.next is not None:
@@ -66,8 +67,8 @@ def build_model(
         _check_components(block)
     states = [function_state(block, block.components, steps[block.name]) for block in ordered]
     entries = [entry for block in ordered for entry in block.components]
-    model = model_of_states(name, names[0], states, entries)
-    return replace(model, counted=is_counted(blocks) and not chosen)
+    counted = is_counted(blocks) and not chosen
+    return model_of_states(name, ordered[0].name, states, entries, counted=counted)
 
 
 def is_counted(blocks: Iterable[RiskBlock]) -> bool:
@@ -82,7 +83,12 @@ def is_counted(blocks: Iterable[RiskBlock]) -> bool:
 
 
 def model_of_states(
-    name: str, entry: str, states: Sequence[FunctionState], components: Iterable[ComponentEntry]
+    name: str,
+    entry: str,
+    states: Sequence[FunctionState],
+    components: Iterable[ComponentEntry],
+    *,
+    counted: bool = False,
 ) -> HybridModel:
     """Return the model of the states; the parameters are what their trees name.
 
@@ -102,7 +108,7 @@ def model_of_states(
     states = [_with_renewed_spares(state, latent) for state in states]
     if groups:
         states = [_with_first_units(state, groups) for state in states]
-    return HybridModel(name, entry, tuple(states), _parameters(states), tuple(latent))
+    return HybridModel(name, entry, tuple(states), _parameters(states), tuple(latent), counted)
 
 
 def function_state(
@@ -222,7 +228,7 @@ def _check_distinct(blocks: Sequence[RiskBlock]) -> None:
 
 
 def _steps_of(
-    block: RiskBlock, following: Field[tuple[Transition, ...]], names: Sequence[str]
+    block: RiskBlock, following: Field[tuple[Transition, ...]], names: Collection[str]
 ) -> tuple[NextStep, ...]:
     place = following.location
     seen: set[str] = set()
@@ -242,7 +248,7 @@ def _steps_of(
     return tuple(NextStep(transition.target, transition.weight) for transition in following.value)
 
 
-def _check_profile(profile: Profile, names: Sequence[str]) -> dict[str, tuple[NextStep, ...]]:
+def _check_profile(profile: Profile, names: Collection[str]) -> dict[str, tuple[NextStep, ...]]:
     chosen = {}
     for function, row in profile.items():
         if function not in names:

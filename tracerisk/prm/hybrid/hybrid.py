@@ -94,9 +94,11 @@ class HybridModel(DisplayedGraph):
             raise ModelError(f"entry '{self.entry}' is not a state; {one_of(names, self.entry)}")
         for parameter in self.parameters:
             _check_probability(f"parameter '{parameter.name}': theta", parameter.theta)
+        thetas = {parameter.name: parameter.theta for parameter in self.parameters}
+        targets = names | {DONE}
         for state in self.states:
-            _check_probabilities(state, {entry.name: entry.theta for entry in self.parameters})
-            _check_next(state, names | {DONE})
+            _check_probabilities(state, thetas)
+            _check_next(state, targets)
         spares = {state.name: state.spares for state in self.states if state.spares}
         if self.latent or spares:
             check_latent({state.name: state.tree for state in self.states}, self.latent, spares)
@@ -184,18 +186,18 @@ def reachable_states(steps: Mapping[str, Sequence[NextStep]], entry: str) -> set
 
 def endless_states(steps: Mapping[str, Sequence[NextStep]], entry: str) -> list[str]:
     """Return the states that `entry` leads to and that never lead to `done`, in order."""
-    before: dict[str, list[str]] = {}
+    sources: dict[str, list[str]] = {}
     for name, following in steps.items():
         for step in following:
             if step.weight > 0:
-                before.setdefault(step.target, []).append(name)
+                sources.setdefault(step.target, []).append(name)
     ending = {DONE}
     waiting = [DONE]
     while waiting:
-        for name in before.get(waiting.pop(), ()):
-            if name not in ending:
-                ending.add(name)
-                waiting.append(name)
+        for source in sources.get(waiting.pop(), ()):
+            if source not in ending:
+                ending.add(source)
+                waiting.append(source)
     reached = reachable_states(steps, entry)
     return [name for name in steps if name in reached and name not in ending]
 
