@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from tracerisk.config import Settings
     from tracerisk.hardware.model import Hardware
     from tracerisk.pipeline import Annotated
+    from tracerisk.prm.hybrid.assessment import Assessment
+    from tracerisk.prm.hybrid.hybrid import HybridModel
 
 
 def explained(
@@ -36,11 +38,20 @@ def derivation_json(derivation: FunctionDerivation | None) -> dict[str, Any]:
     return {"derivation": derivation_data(derivation)}
 
 
-def print_derivation(derivation: FunctionDerivation | None) -> None:
-    """Print it on standard output, where it was asked for."""
+def print_derivation(
+    derivation: FunctionDerivation | None,
+    model: HybridModel | None = None,
+    assessment: Assessment | None = None,
+) -> None:
+    """Print it on standard output, where it was asked for; up to the mission of a solved model."""
     if derivation is None:
         return
     from tracerisk.report.explain import render_derivation
 
-    sys.stdout.buffer.write(render_derivation(derivation).encode())
+    text = render_derivation(derivation)
+    if model is not None and assessment is not None:
+        from tracerisk.report.explain_mission import render_mission
+
+        text += render_mission(model, assessment, derivation.function)
+    sys.stdout.buffer.write(text.encode())
     sys.stdout.flush()

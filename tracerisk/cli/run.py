@@ -245,7 +245,7 @@ def _show(options: argparse.Namespace, done: _Done) -> int:
         )
     if not options.diff:
         print_what_if(assessment, [], done.uncertainty, importance=False, pairs=None)
-    print_derivation(done.derivation)
+    print_derivation(done.derivation, assessed.model, assessment)
     return int(code)
 
 

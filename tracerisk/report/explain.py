@@ -90,7 +90,9 @@ def _component(component: ComponentDerivation, derivation: FunctionDerivation) -
         rows = [[number(math.fsum(unit.hazards))] for unit in component.units]
         total = [number(group.hazard)]
         several = group.quantity > 1
-        lines += _table(["h of each" if several else "h"], names, rows, total if several else None)
+        lines += aligned_table(
+            ["h of each" if several else "h"], names, rows, total if several else None
+        )
     if len(derivation.visits) > 1:
         lines += _visit_table(component, derivation)
     return [*lines, *group_lines(group), *block_lines(component)]
@@ -128,7 +130,7 @@ def _load_table(component: ComponentDerivation, names: Sequence[str]) -> list[st
                 number(math.fsum(load.wearing_s)),
             ]
         )
-    return _table(["wear [s]", "L", "v0", "W [s]"], names, rows, None)
+    return aligned_table(["wear [s]", "L", "v0", "W [s]"], names, rows, None)
 
 
 def _wears(load: LoadOfUnit | None) -> bool:
@@ -160,7 +162,7 @@ def _term_table(
         ]
         total = [*[""] * len(headings), number(math.fsum(hazards))]
     hazard = "h" if component.group.quantity == 1 else "h of each"
-    return _table([*headings, hazard], names, rows, total)
+    return aligned_table([*headings, hazard], names, rows, total)
 
 
 def _visit_table(component: ComponentDerivation, derivation: FunctionDerivation) -> list[str]:
@@ -179,10 +181,10 @@ def _visit_table(component: ComponentDerivation, derivation: FunctionDerivation)
         rows.append([*row, number(renewed[index])] if renewed else row)
     names = [f"visit {visit.number}" for visit in derivation.visits]
     total = [*[""] * (2 + is_weighted), number(component.group.hazard), *[""] * bool(renewed)]
-    return _table(headings, names, rows, total)
+    return aligned_table(headings, names, rows, total)
 
 
-def _table(
+def aligned_table(
     headings: Sequence[str],
     names: Sequence[str],
     rows: Sequence[Sequence[str]],

@@ -72,7 +72,7 @@ class ArmedFaults:
         return tuple(each.fault for each in self._live)
 
     def arm(self, fault: Fault) -> None:
-        """Let a unit fail at the fault's instant, or with the next step if that is past."""
+        """Arm a fault: its unit fails at its instant, or with the next step if that is past."""
         self._pending = sorted([*self._pending, fault], key=first_step)
 
     def clear(self, fault: Fault, model: Any) -> None:

@@ -34,7 +34,7 @@ class _Reading:
 
 
 class SensorFaults:
-    """The faults of a robot's sensors that have begun; without one all is told as it is."""
+    """The faults of a robot's sensors that have begun; without one all is reported as it is."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -43,7 +43,7 @@ class SensorFaults:
         self._faulty: dict[str, _Reading] = {}
 
     def begin(self, fault: Fault, told: JointState, wrench: Wrench | None) -> None:
-        """Let a sensor fail that told `told`, or a wrench, until now."""
+        """Arm a fault of a sensor that said `told`, or a wrench, until now."""
         sensor = self._sensors.get(fault.unit)
         if sensor is None:
             return
@@ -56,7 +56,7 @@ class SensorFaults:
         )
 
     def clear(self, fault: Fault) -> None:
-        """Let a sensor work again."""
+        """Clear a fault of a sensor."""
         self._faulty.pop(fault.unit, None)
 
     def position(self, true: Array, joints: Sequence[int] | None = None) -> Array:

@@ -1,0 +1,77 @@
+"""From the figures in blocks to a function and to the mission, as text to check by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from tracerisk.prm.hybrid.assessment import FIXED, Assessment
+from tracerisk.prm.hybrid.component_tree import in_one_visit
+from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel
+from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.report.explain import aligned_table
+from tracerisk.report.explain_words import number
+
+
+def render_mission(model: HybridModel, assessment: Assessment, function: str) -> str:
+    """Return how the blocks make the top event of a function, and that the mission's figure."""
+    state = next((each for each in model.states if each.name == function), None)
+    found = next((each for each in assessment.states if each.name == function), None)
+    if state is None or found is None:
+        return ""
+    first = in_one_visit(state)
+    top = first.tree.probability(first.probabilities).p
+    rows = list(_components(state, first))
+    headings, names = ["p of a unit", "fails with"], [row[0] for row in rows]
+    lines = [
+        "",
+        f"{function} fails in a visit before which no unit has failed:",
+        *aligned_table(headings, names, [row[1:] for row in rows], None),
+        f"  top event, 1 - product of (1 - fails with): {number(top)}",
+        "the mission:",
+        f"  visits expected: {number(found.expected_visits)}, each failing in the mean with "
+        f"{number(found.top_event)}",
+        f"  it ends here with their product: {number(found.absorption_probability)}",
+        f"  and in any function, the sum of these: {number(assessment.mission.geometric_cycles)}",
+    ]
+    if assessment.mission.reading == FIXED and model.has_cycle:
+        figure = number(assessment.mission.failure_probability)
+        lines.append(f"  with fixed numbers of cycles, as `next` counts them: {figure}")
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _components(state: FunctionState, first: FunctionState) -> Iterator[list[str]]:
+    """Yield each component's figures, with its own and its common part where it has both."""
+    gates = {gate.name: gate for gate in first.tree.gates}
+    parameters = {event.name: event.parameter for event in first.tree.events}
+    top = gates[first.tree.top]
+    for name in top.inputs:
+        units = sorted({v for k, v in state.probabilities.items() if _belongs(k, name)})
+        unit = number(sum(units)) if units else ""
+        yield [name, unit, number(_failure(first, name, parameters))]
+        parts = gates[name].inputs if name in gates else ()
+        if f"{name}[all]" in parts:
+            yield ["  own failures", "", number(_failure(first, parts[0], parameters))]
+            yield ["  common cause", "", number(_failure(first, parts[1], parameters))]
+
+
+def _belongs(parameter: str, component: str) -> bool:
+    return parameter == component or parameter.startswith(f"{component} {{")
+
+
+def _failure(state: FunctionState, node: str, parameters: dict[str, str]) -> float:
+    """Return the probability of a gate or event of a function's tree."""
+    if node in parameters:
+        return state.probabilities[parameters[node]]
+    gates = {gate.name: gate for gate in state.tree.gates}
+    below, waiting = {node}, [node]
+    while waiting:
+        gate = gates.get(waiting.pop())
+        new = set(gate.inputs) - below if gate is not None else set()
+        below |= new
+        waiting += new
+    tree = FaultTree(
+        node,
+        tuple(gate for name, gate in gates.items() if name in below),
+        tuple(event for event in state.tree.events if event.name in below),
+    )
+    return tree.probability({name: state.probabilities[name] for name in tree.parameters}).p
