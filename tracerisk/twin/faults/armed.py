@@ -72,11 +72,11 @@ class ArmedFaults:
         return tuple(each.fault for each in self._live)
 
     def arm(self, fault: Fault) -> None:
-        """Arm a fault: its unit fails at its instant, or with the next step if that is past."""
+        """Make a unit fail at the fault's instant, or with the next step if that is past."""
         self._pending = sorted([*self._pending, fault], key=first_step)
 
     def clear(self, fault: Fault, model: Any) -> None:
-        """Take a fault back: the unit works again from the next step on."""
+        """Clear a fault: the unit works again from the next step on."""
         self._pending = [each for each in self._pending if each != fault]
         self._live = [each for each in self._live if each.fault != fault]
         self._apply(model)

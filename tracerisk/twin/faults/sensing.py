@@ -34,7 +34,7 @@ class _Reading:
 
 
 class SensorFaults:
-    """The faults of a robot's sensors that have begun; without one all is reported as it is."""
+    """The faults of a robot's sensors that have begun; without one every reading is true."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -42,21 +42,24 @@ class SensorFaults:
         self._places = {joint.name: at for at, joint in enumerate(robot.joints)}
         self._faulty: dict[str, _Reading] = {}
 
-    def begin(self, fault: Fault, told: JointState, wrench: Wrench | None) -> None:
-        """Arm a fault of a sensor that said `told`, or a wrench, until now."""
+    def begin(self, fault: Fault, last: JointState, wrench: Wrench | None) -> None:
+        """Begin the fault of a sensor.
+
+        `last` are the last readings of the joints, `wrench` is that of a sensor of forces.
+        """
         sensor = self._sensors.get(fault.unit)
         if sensor is None:
             return
-        if wrench is not None:
+        if sensor.kind == "wrench":
             self._faulty[fault.unit] = _Reading(fault.mode, wrench=wrench)
             return
         at = self._places[sensor.part]
         self._faulty[fault.unit] = _Reading(
-            fault.mode, told.position[at], told.velocity[at], told.effort[at]
+            fault.mode, last.position[at], last.velocity[at], last.effort[at]
         )
 
     def clear(self, fault: Fault) -> None:
-        """Clear a fault of a sensor."""
+        """Clear the fault of a sensor, which works again."""
         self._faulty.pop(fault.unit, None)
 
     def position(self, true: Array, joints: Sequence[int] | None = None) -> Array:

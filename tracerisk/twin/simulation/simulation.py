@@ -123,11 +123,11 @@ class Simulation:
         return self._faults.live
 
     def arm(self, fault: Fault) -> None:
-        """Arm a fault: its unit fails at its instant, or with the next step if that is past."""
+        """Make a unit fail at the fault's instant, or with the next step if that is past."""
         self._faults.arm(fault)
 
     def clear(self, fault: Fault) -> None:
-        """Clear a fault: its unit works again from the next step on."""
+        """Clear a fault: the unit works again from the next step on."""
         self._faults.clear(fault, self._model)
         self._sensors.clear(fault)
 

@@ -100,7 +100,7 @@ class Twin:
         return self._simulation.live_faults
 
     def arm(self, fault: Fault) -> None:
-        """Arm a fault: its unit fails at its instant, or with the next step if that is past.
+        """Make a unit fail at the fault's instant, or with the next step if that is past.
 
         Raises InputError for a unit or a mode that the robot does not have.
         """
@@ -108,7 +108,7 @@ class Twin:
         self._simulation.arm(fault)
 
     def clear(self, fault: Fault) -> None:
-        """Clear a fault: its unit works again from the next step on."""
+        """Clear a fault: the unit works again from the next step on."""
         self._simulation.clear(fault)
 
     # What is measured
