@@ -6,7 +6,7 @@ named so. `docs/python.md` shows them at work.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.check.overrides import Override
     from tracerisk.pipeline.check.refresh import Refreshed
     from tracerisk.pipeline.run.controller_run import Progress
+    from tracerisk.pipeline.run.fault_run import FaultRun
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.trace import Trace
@@ -101,6 +102,44 @@ def assess(
     model = pipeline.build(sources, name=controller.path.name)
     assessment = pipeline.solve(model)
     return Assessed(controller, loaded, hardware, trace, annotated, sources, model, assessment)
+
+
+def run_with_faults(
+    path: str | Path,
+    faults: Sequence[str],
+    settings: Mapping[str, Any] | None = None,
+    *,
+    keep: Path | None = None,
+    progress: Progress | None = None,
+    on_nominal: Callable[[Trace], None] | None = None,
+) -> FaultRun:
+    """Run a controller on the twin, and once more with `faults`, each as UNIT:MODE@SECONDS.
+
+    `keep` is a folder for the recording of the run with the faults. `on_nominal` is told of the
+    run without as soon as it is over. Writes nothing but `keep`: no blocks, no lock, no trace.
+    Raises InputError for a fault that is none or that the robot cannot have, RunFailedError when
+    the run without a fault came to a bad end, and ControllerFailedError when it commanded nothing.
+    """
+    from tracerisk import pipeline
+    from tracerisk.dependencies import require_simulator
+    from tracerisk.twin.faults.fault import parse_fault
+
+    parsed = [parse_fault(each) for each in faults]
+    if not parsed:
+        raise InputError("no fault is given; expected UNIT:MODE@SECONDS")
+    controller = pipeline.load_controller(path)
+    loaded = pipeline.load_settings(controller, settings)
+    require_simulator("running a controller")
+    from tracerisk.pipeline.run.fault_run import nominal_run, run_with_faults
+
+    nominal = nominal_run(controller, loaded, hardware_of=pipeline.load_hardware, progress=progress)
+    if not nominal.trace.is_usable:
+        raise RunFailedError(nominal.trace)
+    if not nominal.trace.functions:
+        raise _nothing_commanded(nominal.trace, controller)
+    if on_nominal is not None:
+        on_nominal(nominal.trace)
+    return run_with_faults(controller, loaded, nominal, parsed, keep=keep, progress=progress)
 
 
 def write_blocks(assessed: Assessed) -> Assessed:

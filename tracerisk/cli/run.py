@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
-import tempfile
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.cli.against import add_against, check_against, review_against
 from tracerisk.cli.explain import derivation_json, explained, print_derivation
+from tracerisk.cli.fault import add_fault, check_fault_options, run_faults
 from tracerisk.cli.hardware_spread import (
     add_run_uncertainty,
     check_run_uncertainty,
@@ -39,6 +37,7 @@ from tracerisk.cli.shared.run_report import (
     note_draft,
     object_lines,
     print_failure,
+    recording_folder,
     write_outputs,
 )
 from tracerisk.cli.verdict import print_verdict, verdict_details, verdict_exit, verdict_json
@@ -64,6 +63,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     shared.add_profile(parser)
     shared.add_explain(parser)
     add_run_uncertainty(parser)
+    add_fault(parser)
     parser.add_argument("--trace", metavar="FILE", help="write the trace as JSON")
     parser.add_argument("--model", metavar="FILE", help="write the risk model as JSON")
     parser.add_argument("--report", metavar="OUT.html", help="write a report as one HTML page")
@@ -82,11 +82,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
+    check_fault_options(options)
     check_run_uncertainty(options)
     check_against(options)
     from tracerisk.api import RunFailedError
 
     try:
+        if options.faults:
+            return run_faults(options)
         with progress_bar(quiet=options.quiet) as progress:
             done = _done(options, progress)
     except RunFailedError as error:
@@ -115,7 +118,7 @@ def _done(options: argparse.Namespace, progress: Progress | None) -> _Done:
     from tracerisk.report.run_figures import run_figures, set_by_hand
 
     recorded = None
-    with _recording_folder(options) as keep:
+    with recording_folder(options) as keep:
         done = api.assess(
             options.controller,
             shared.run_settings(options),
@@ -258,15 +261,3 @@ def _notes(options: argparse.Namespace, done: Assessed) -> list[str]:
         is_changed=done.annotated.is_changed,
     )
     return [headline(done.trace), *object_lines(done.trace), blocks]
-
-
-@contextlib.contextmanager
-def _recording_folder(options: argparse.Namespace) -> Iterator[Path | None]:
-    """Give the folder in which the recording stays for as long as it is needed."""
-    if options.keep is not None:
-        yield Path(options.keep)
-    elif options.report is None:
-        yield None
-    else:
-        with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
-            yield Path(folder)

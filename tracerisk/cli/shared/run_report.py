@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Mapping
+import contextlib
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 from tracerisk.adder.blocks.model_names import model_names
@@ -185,3 +188,15 @@ def blocks_line(path: str, count: int, *, keeps_files: bool, is_changed: bool) -
     if is_changed:
         outcome = "would change" if keeps_files else "changed"
     return f"{path}: {count} risk block{'' if count == 1 else 's'}, {outcome}"
+
+
+@contextlib.contextmanager
+def recording_folder(options: argparse.Namespace) -> Iterator[Path | None]:
+    """Give the folder in which the recording stays for as long as it is needed."""
+    if options.keep is not None:
+        yield Path(options.keep)
+    elif options.report is None:
+        yield None
+    else:
+        with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
+            yield Path(folder)

@@ -141,6 +141,8 @@ def _run_recorded(
     scenario = Scenario() if request.scenario is None else read_scenario(Path(request.scenario))
     scene = with_objects(load_scene(request.scene), scenario.objects)
     twin = Twin.build(robot, scene, samples=samples)
+    for fault in request.faults:
+        twin.arm(fault)
     twin.on_unknown_joints = lambda names: recorder.note(JOINTS_ASKED, names=names)
     tracer = Tracer(recorder.function_ran)
     tracer.on_source = recorder.source_compiled

@@ -59,6 +59,7 @@ from tracerisk.trace import RunEnd, Trace
 if TYPE_CHECKING:
     from tracerisk.pipeline.launch.choose import LaunchChoice
     from tracerisk.pipeline.workspace.controller import Controller
+    from tracerisk.twin.faults.fault import Fault
     from tracerisk.twin.robots.robot import Robot
 
 Progress = Callable[[str, float], None]
@@ -73,10 +74,13 @@ _STACK_LINE = re.compile(r'  File "(?P<file>.*)", line (?P<line>\d+) in ')
 class ControllerRun:
     """What one run showed: its trace, joints that it moved and the robot lacks, unmet `needs`.
 
-    `drafts` are what a scenario could say for each need, where that was asked for.
+    `drafts` are what a scenario could say for each need, where that was asked for. `robot` and
+    `request` are what it ran with: enough to run it once more.
     """
 
     trace: Trace
+    robot: Robot
+    request: RunRequest
     joints_asked: tuple[str, ...] = ()
     needs: tuple[Need, ...] = ()
     drafts: tuple[Draft, ...] = ()
@@ -102,7 +106,6 @@ def run_controller(
     Raises SourceError, RobotError or another error of the input when nothing could run.
     """
     from tracerisk.pipeline.workspace.driver_files import driver_files
-    from tracerisk.twin.robots.file import dump_robot
 
     scene = settings.scene or robot.default_scene
     if scene is None:
@@ -131,33 +134,63 @@ def run_controller(
             drafts=drafts,
             packages={name: str(each) for name, each in workspace.packages.items()},
         )
-        if is_contained(settings.limits.sandbox):
-            reads = (*_workspace(request), *settings.readable, *settings.writable)
-            writes = (str(folder), str(written), *settings.writable)
-            request = replace(request, written=str(written), readable=reads, writable=writes)
-        (folder / ROBOT).write_text(dump_robot(robot), encoding="utf-8")
-        if progress is not None:
-            progress(_STARTING, 0.0)
-        process_end = _run_child(request, folder, settings, progress)
-        recording = _recording(folder, request)
-        _raise_failure(recording)
-        _raise_unstarted(recording, process_end, settings)
-        ran = controller.as_ran(recording.sources)
-        end = _run_end(recording, process_end, ran)
-        if progress is not None:
-            progress("attributing", end.simulated_s or 0.0)
-        trace = make_trace(ran, robot, scene, settings, recording, folder, end)
-        trace = trace.with_lines(lines_since(recording.sources, controller))
-        asked = [
-            name
-            for note in recording.notes
-            if note.kind == JOINTS_ASKED
-            for name in note.data["names"]
-        ]
-        told = recording.note(NEEDS) or {"needs": ()}
-        needs = tuple(Need(kind, name, type_name) for kind, name, type_name in told["needs"])
-        drafted = tuple(drafts_of((recording.note(DRAFTS) or {"drafts": ()})["drafts"]))
-        return ControllerRun(trace, tuple(dict.fromkeys(asked)), needs, drafted)
+        return _run(controller, robot, settings, request, written, progress)
+
+
+def run_again(
+    controller: Controller,
+    before: ControllerRun,
+    settings: Settings,
+    faults: tuple[Fault, ...],
+    *,
+    keep: Path | None = None,
+    progress: Progress | None = None,
+) -> ControllerRun:
+    """Run the controller once more as `before`, on a robot in which units fail.
+
+    Raises as `run_controller`.
+    """
+    with run_folders(keep) as (folder, written):
+        request = replace(before.request, folder=str(folder), faults=faults)
+        return _run(controller, before.robot, settings, request, written, progress)
+
+
+def _run(
+    controller: Controller,
+    robot: Robot,
+    settings: Settings,
+    request: RunRequest,
+    written: Path,
+    progress: Progress | None,
+) -> ControllerRun:
+    """Run the controller as the request says, whose folder is that of the recording."""
+    from tracerisk.twin.robots.file import dump_robot
+
+    folder, asked_for = Path(request.folder), request
+    if is_contained(settings.limits.sandbox):
+        reads = (*_workspace(request), *settings.readable, *settings.writable)
+        writes = (str(folder), str(written), *settings.writable)
+        request = replace(request, written=str(written), readable=reads, writable=writes)
+    (folder / ROBOT).write_text(dump_robot(robot), encoding="utf-8")
+    if progress is not None:
+        progress(_STARTING, 0.0)
+    process_end = _run_child(request, folder, settings, progress)
+    recording = _recording(folder, request)
+    _raise_failure(recording)
+    _raise_unstarted(recording, process_end, settings)
+    ran = controller.as_ran(recording.sources)
+    end = _run_end(recording, process_end, ran)
+    if progress is not None:
+        progress("attributing", end.simulated_s or 0.0)
+    trace = make_trace(ran, robot, request.scene, settings, recording, folder, end)
+    trace = trace.with_lines(lines_since(recording.sources, controller))
+    asked = [
+        name for note in recording.notes if note.kind == JOINTS_ASKED for name in note.data["names"]
+    ]
+    told = recording.note(NEEDS) or {"needs": ()}
+    needs = tuple(Need(kind, name, type_name) for kind, name, type_name in told["needs"])
+    drafted = tuple(drafts_of((recording.note(DRAFTS) or {"drafts": ()})["drafts"]))
+    return ControllerRun(trace, robot, asked_for, tuple(dict.fromkeys(asked)), needs, drafted)
 
 
 @dataclass(frozen=True, slots=True)

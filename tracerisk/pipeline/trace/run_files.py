@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from tracerisk.pipeline.launch_files.records import LaunchSetup
+from tracerisk.twin.faults.fault import Fault
 
 MOST_TEXT = 512 * 1024**2
 """How large a file of a recording may be that holds text [bytes]."""
@@ -100,6 +101,7 @@ class RunRequest:
     `drafts`: when what a scenario could say for every need is noted. `states` are the steps that
     settings name. `written` is the folder into which goes what the controller writes, `None`
     where it writes as it likes; `readable` and `writable` are what it may reach then.
+    `faults` are those of the robot's units that begin during the run.
     """
 
     controller: str
@@ -124,6 +126,7 @@ class RunRequest:
     written: str | None = None
     readable: tuple[str, ...] = ()
     writable: tuple[str, ...] = ()
+    faults: tuple[Fault, ...] = ()
 
     def dumps(self) -> str:
         """Return the request as JSON."""
@@ -137,7 +140,10 @@ class RunRequest:
         lists = {name: tuple(data[name]) for name in names}
         launch = None if data["launch"] is None else LaunchSetup.from_json(data["launch"])
         companions = tuple(Companion.from_json(each) for each in data["companions"])
-        return cls(**{**data, **lists, "launch": launch, "companions": companions})
+        faults = tuple(Fault(**each) for each in data["faults"])
+        return cls(
+            **{**data, **lists, "launch": launch, "companions": companions, "faults": faults}
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,158 @@
+"""`tracerisk run --fault`: the same run with a unit that fails, and the effect."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import note, print_json, progress_bar, show, write_file
+from tracerisk.cli.shared.run_report import finding_line, headline, object_lines, recording_folder
+from tracerisk.cli.verdict import verdict_json
+from tracerisk.errors import InputError
+from tracerisk.trace import Trace, verdict_line
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline.run.fault_run import FaultRun
+    from tracerisk.report.html.section import Section
+
+_SHOWN = 5
+_NOT_WITH_IT = {
+    "check": "--check",
+    "diff": "--diff",
+    "accept_edits": "--accept-edits",
+    "discard_edits": "--discard-edits",
+    "fresh": "--fresh",
+    "profile": "--profile",
+    "explain": "--explain",
+    "uncertainty": "--uncertainty",
+    "samples": "--samples",
+    "log": "--log",
+    "trace": "--trace",
+    "model": "--model",
+    "sarif": "--sarif",
+    "against": "--against",
+    "max_failure_probability": "--max-failure-probability",
+    "fail_on": "--fail-on",
+}
+"""The options of risk blocks and figures: a run with a fault has neither."""
+
+
+def add_fault(parser: argparse.ArgumentParser) -> None:
+    """Add the option."""
+    parser.add_argument(
+        "--fault",
+        dest="faults",
+        metavar="UNIT:MODE@SECONDS",
+        action="append",
+        default=[],
+        help="run once more with a unit that fails, such as panda_joint4:dead@3.5, and print the "
+        "effect; writes no block (docs/faults.md); repeatable",
+    )
+
+
+def check_fault_options(options: argparse.Namespace) -> None:
+    """Raise InputError for what does not go with `--fault`."""
+    if not options.faults:
+        return
+    for name, option in _NOT_WITH_IT.items():
+        if getattr(options, name) not in (None, False, []):
+            raise InputError(
+                f"{option} does not go with --fault: a run with a fault has no risk figures; "
+                "allowed: --report, --keep, --json, --quiet and the options of the run"
+            )
+
+
+def run_faults(options: argparse.Namespace) -> int:
+    """Run the controller without and with the faults, and print the effect.
+
+    Raises RunFailedError when the run without them came to a bad end.
+    """
+    from tracerisk import api
+    from tracerisk.pipeline.results.run_section import recorded_run
+
+    recorded = None
+    with progress_bar(quiet=options.quiet) as progress, recording_folder(options) as keep:
+        done = api.run_with_faults(
+            options.controller,
+            options.faults,
+            shared.run_settings(options),
+            keep=keep,
+            progress=progress,
+            on_nominal=lambda trace: note(
+                f"tracerisk: {headline(trace)}; now with {', '.join(options.faults)}",
+                quiet=options.quiet,
+            ),
+        )
+        if keep is not None and options.report is not None:
+            recorded = recorded_run(keep)
+    lines = _lines(done)
+    if options.report is not None:
+        from tracerisk.pipeline import load_controller, load_hardware, load_settings
+        from tracerisk.pipeline.results.run_section import run_section
+        from tracerisk.report.html.fault_report import render_fault_report
+
+        settings = load_settings(load_controller(options.controller), shared.run_settings(options))
+        hardware = load_hardware(settings, done.trace.robot)
+        section: Section | None = run_section(done.trace, hardware, recorded)
+        sections = () if section is None else (section,)
+        write_file(options.report, render_fault_report(done.trace, done.words, lines, sections))
+    if options.json:
+        trace = done.trace
+        print_json(
+            "run",
+            **verdict_json(trace.verdict),
+            assumptions=list(trace.assumptions),
+            changed=_other(done),
+            end={"cause": trace.end.cause, **_end(trace)},
+            faults=[asdict(each) for each in done.faults],
+            nominal={"verdict_line": verdict_line(done.nominal.verdict), **_end(done.nominal)},
+            objects=[asdict(each) for each in trace.objects],
+            reported=[
+                {"after_s": round(done.after_s(each), 6), "message": each.message}
+                for each in done.reported
+            ],
+        )
+        return 0
+    for line in lines:
+        show(line)
+    return 0
+
+
+def _end(trace: Trace) -> dict[str, str | float | None]:
+    return {"message": trace.end.message, "simulated_s": trace.end.simulated_s}
+
+
+def _lines(done: FaultRun) -> list[str]:
+    """Return the effect of the faults, a line each, most important first."""
+    lines = [f"run with a fault: {done.words}; risk blocks and lock stay unchanged"]
+    for name, trace in (("without the fault", done.nominal), ("with the fault", done.trace)):
+        lines += [f"{name}: {verdict_line(trace.verdict)}", f"  {headline(trace)}"]
+        lines += [f"  {line}" for line in object_lines(trace)]
+    if done.reported:
+        after = f"{done.after_s(done.reported[0]):.2f} s after the fault"
+        lines += [f"reported to the controller, first {after}:"]
+        lines += _first([finding_line(each) for each in done.reported])
+    else:
+        lines += ["reported to the controller: no failure beyond those without the fault"]
+    other = _other(done)
+    if other:
+        lines += ["other changes:", *_first(other)]
+    return lines
+
+
+def _other(done: FaultRun) -> list[str]:
+    """Return what changed beside the failures reported to the controller."""
+    return [
+        *(finding_line(each) for each in done.other_findings),
+        *(str(each) for each in done.other_reasons),
+    ]
+
+
+def _first(lines: Sequence[str]) -> list[str]:
+    """Return the first of some lines, indented, and how many more there are."""
+    more = len(lines) - _SHOWN
+    shown = [f"  {line}" for line in lines[:_SHOWN]]
+    return [*shown, f"  ... and {more} more, which --json lists"] if more > 0 else shown

@@ -1,0 +1,134 @@
+"""Run a controller without a fault and once more with faults, and compare the two."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.config import Settings
+from tracerisk.pipeline.run.attempts import trace_attempts
+from tracerisk.pipeline.run.controller_run import ControllerRun, Progress, run_again
+from tracerisk.pipeline.run.scenario_settings import with_scenario
+from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.trace import NOTES, Finding, Reason, Trace
+from tracerisk.twin.faults.fault import Fault, check_faults
+
+if TYPE_CHECKING:
+    from tracerisk.hardware.model import Hardware
+
+_REPORTED = frozenset(
+    {
+        "attach_failure",
+        "execution_failure",
+        "fk_failure",
+        "goal_rejected",
+        "ik_failure",
+        "lookup_failure",
+        "path_cut",
+        "planning_failure",
+        "service_refused",
+    }
+)
+"""The kinds of findings that an interface reports to the controller."""
+
+
+@dataclass(frozen=True, slots=True)
+class FaultRun:
+    """What a run with faults showed, beside the same run without: `nominal`.
+
+    `faults` are in the order of their instants.
+    """
+
+    faults: tuple[Fault, ...]
+    nominal: Trace
+    trace: Trace
+
+    @property
+    def words(self) -> str:
+        """The faults in words: `panda_joint4 dead at 3.500 s`."""
+        return ", ".join(each.words for each in self.faults)
+
+    @property
+    def reported(self) -> tuple[Finding, ...]:
+        """The failures reported to the controller, beyond those without the faults."""
+        return tuple(each for each in self._more_findings() if each.kind in _REPORTED)
+
+    @property
+    def other_findings(self) -> tuple[Finding, ...]:
+        """The other findings that the faults add: contacts, errors of callbacks."""
+        return tuple(each for each in self._more_findings() if each.kind not in _REPORTED | NOTES)
+
+    @property
+    def other_reasons(self) -> tuple[Reason, ...]:
+        """The other reasons that the faults add to the verdict: things that fell."""
+        before = _reasons(self.nominal)
+        known = {each.message for each in self.trace.findings}
+        return tuple(
+            each
+            for each in _reasons(self.trace)
+            if each not in before and not each.code.startswith("run-") and each.words not in known
+        )
+
+    def after_s(self, finding: Finding) -> float:
+        """Return how long after the first fault a finding came [s]."""
+        return (finding.time_s or 0.0) - self.faults[0].time_s
+
+    def _more_findings(self) -> tuple[Finding, ...]:
+        before = {_key(each) for each in self.nominal.findings}
+        return tuple(
+            each
+            for each in self.trace.findings
+            if (each.time_s or 0.0) >= self.faults[0].time_s and _key(each) not in before
+        )
+
+
+def nominal_run(
+    controller: Controller,
+    settings: Settings,
+    *,
+    hardware_of: Callable[[Settings, str], Hardware],
+    progress: Progress | None = None,
+) -> ControllerRun:
+    """Run a controller without a fault, as `trace_attempts`, and return the run it chose.
+
+    Nothing is drafted for it: a run with a fault must differ from it by the fault alone.
+    """
+    runs: list[ControllerRun] = []
+    trace = trace_attempts(
+        controller, settings, hardware_of=hardware_of, progress=progress, on_run=runs.append
+    )
+    return next(each for each in runs if each.trace is trace)
+
+
+def run_with_faults(
+    controller: Controller,
+    settings: Settings,
+    nominal: ControllerRun,
+    faults: Sequence[Fault],
+    *,
+    keep: Path | None = None,
+    progress: Progress | None = None,
+) -> FaultRun:
+    """Run a controller once more as in its nominal run, but that units of its robot fail.
+
+    `keep` is a folder for the recording of this run.
+    Raises InputError for a unit or mode that the robot does not have, and for an instant that the
+    nominal run does not reach.
+    """
+    checked = check_faults(faults, nominal.robot, before_s=nominal.trace.end.simulated_s)
+    done = run_again(
+        controller, nominal, with_scenario(settings), checked, keep=keep, progress=progress
+    )
+    lines = tuple(f"fault: {each.words}, as asked for" for each in checked)
+    trace = replace(done.trace, assumptions=(*lines, *done.trace.assumptions))
+    return FaultRun(checked, nominal.trace, trace)
+
+
+def _reasons(trace: Trace) -> tuple[Reason, ...]:
+    return () if trace.verdict is None else trace.verdict.reasons
+
+
+def _key(finding: Finding) -> tuple[object, ...]:
+    return finding.kind, finding.function, finding.object, finding.message, finding.location
