@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from fractions import Fraction
 
 import pytest
 
-from tracerisk.prm import build_model
+from tracerisk.adder.blocks.block import Field, Transition
+from tracerisk.prm import build_model, solve
+from tracerisk.prm.hybrid import importance
 from tracerisk.prm.hybrid.hybrid import DONE, endless_states
 from tracerisk.prm.hybrid.solve import solve_figures
 
@@ -85,3 +88,41 @@ def test_each_way_is_followed_once_to_find_what_never_ends(long_mission):
     steps = {state.name: Steps(state.next) for state in model.states}
     assert endless_states(steps, model.entry) == []
     assert Steps.read == 2 * len(steps)  # once for what leads to `done`, once from the entry on
+
+
+def test_importances_take_work_in_proportion_to_the_functions(long_mission):
+    def work(size):
+        model = build_model(long_mission(size), name="long")
+        return lambda: solve(model)
+
+    assert grows_linearly(work, sizes=(20, 40, 80))
+
+
+def test_importances_of_many_components_take_work_in_proportion_to_them(long_mission):
+    # The parts that grow with the square, for the components in a tree, would show here.
+    def work(size):
+        model = build_model(long_mission(3, components=size), name="wide")
+        return lambda: solve(model)
+
+    assert grows_linearly(work, sizes=(70, 140, 280))
+
+
+def test_parameters_of_one_function_have_the_importance_of_chains_solved_anew(
+    long_mission, monkeypatch
+):
+    # Ways back of 1/10 and figures of 1e-6; then a function that fails often, in a long loop.
+    blocks = long_mission(12)
+    often = replace(blocks[5].components[0], probability=Field(0.4, "0.4"))
+    seldom_left = (Transition("f5", Fraction(98, 100)), Transition("f6", Fraction(2, 100)))
+    blocks[5] = replace(
+        blocks[5],
+        components=(often, blocks[5].components[1]),
+        next=Field(seldom_left, "f5 0.98, f6 0.02"),
+    )
+    model = build_model(blocks, name="long")
+    found = solve(model).components
+    monkeypatch.setattr(importance, "_change_in_one", lambda *_: None)
+    expected = solve(model).components
+    for one, other in zip(found, expected, strict=True):
+        for measure in ("fussell_vesely", "without", "risk_achievement_worth", "tenfold"):
+            assert getattr(one, measure) == pytest.approx(getattr(other, measure), rel=2e-15)

@@ -80,7 +80,9 @@ class Adjoint:
         least with probability P(j): each step costs what `loss_after` says.
         """
         chain, parts = self.chain, []
-        for number, function in enumerate(chain.states.functions):
+        places = {n: None for name in zeros for n in chain.states.functions_with.get(name, ())}
+        for number in sorted(places):
+            function = chain.states.functions[number]
             drop = self._drop(number, zeros)
             classes = [c for c, name in function.parameters.items() if name in zeros]
             if drop == 0.0 and not classes:
@@ -133,9 +135,9 @@ class Adjoint:
 
     def _drop(self, number: int, zeros: Sequence[str]) -> float:
         rest, values = self.chain.states.functions[number].rest, self.chain.values[number]
-        named = [name for name in zeros if name in rest.parameters]
+        named = [name for name in zeros if self.chain.trees.events(number, name)]
         if len(named) < 2:
-            return self.chain.drop(number, named[0]) if named else 0.0
+            return self.chain.trees.drop(number, named[0]) if named else 0.0
         return rest.difference(values, {**values, **dict.fromkeys(named, 0.0)})
 
     def _spread_of_others(self, number: int, layer: int, unit_class: int) -> Spread:

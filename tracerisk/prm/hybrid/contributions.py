@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
-from tracerisk.prm.hybrid.hidden_chain import HiddenChain, tree_probability
+from tracerisk.prm.hybrid.hidden_chain import HiddenChain
 from tracerisk.prm.hybrid.hidden_states import Part
 from tracerisk.prm.hybrid.mission import SolvedMission
+from tracerisk.prm.hybrid.rest_trees import tree_probability
 from tracerisk.prm.numbers.binomial import failure_counts
 from tracerisk.prm.numbers.probability import Probability
 
@@ -20,7 +21,7 @@ def mean_drops(solved: SolvedMission, number: int) -> dict[str, float]:
     function = chain.states.functions[number]
     values = chain.values[number]
     if not function.parts:
-        return {name: chain.drop(number, name) for name in values}
+        return {name: chain.trees.drop(number, name) for name in values}
     met = [
         (layer, row[number])
         for layer, row in enumerate(solved.flow.visits[:-1])
@@ -32,7 +33,7 @@ def mean_drops(solved: SolvedMission, number: int) -> dict[str, float]:
     left = math.fsum(count / total * chain.latent_failure(number, layer).q for layer, count in met)
     for name in values:
         if name not in function.parameters.values():
-            found[name] = chain.drop(number, name) * left
+            found[name] = chain.trees.drop(number, name) * left
             continue
         rest = _rest(chain, number, name)
         found[name] = math.fsum(
@@ -51,7 +52,7 @@ def _rest(chain: HiddenChain, number: int, name: str) -> _Item:
     if name not in function.rest.parameters:
         return here, here, 0.0
     without = tree_probability(function.state.name, function.rest, {**values, name: 0.0})
-    return here, without, chain.drop(number, name)
+    return here, without, chain.trees.drop(number, name)
 
 
 def _drop(chain: HiddenChain, number: int, layer: int, name: str, rest: _Item) -> float:

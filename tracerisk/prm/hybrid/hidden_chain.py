@@ -12,12 +12,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from tracerisk.errors import ModelError
 from tracerisk.prm.hybrid.hidden_states import HiddenStates, Part
+from tracerisk.prm.hybrid.rest_trees import RestTrees
 from tracerisk.prm.numbers.binomial import failure_counts, group_failures
 from tracerisk.prm.numbers.elimination import Elimination
 from tracerisk.prm.numbers.probability import Probability, any_of, pair_of, total
-from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.spares import Outcome
 
 Spread = tuple[tuple[int, float], ...]
@@ -56,6 +55,8 @@ class Round:
 class HiddenChain:
     """The chain with its parameters multiplied by `factors`: 0 never fails, infinity always."""
 
+    kind_of_trees = RestTrees
+
     def __init__(
         self,
         states: HiddenStates,
@@ -70,11 +71,11 @@ class HiddenChain:
         self.states = states
         self._factors = factors or {}
         self.values = [self._values(f.state.probabilities) for f in states.functions]
+        self.trees = self.kind_of_trees(states.functions, self.values)
         self.rest: list[Probability] = []
         self.units: list[dict[int, float]] = []
         self._spreads: list[dict[int, Spread]] = []
         self._latent: list[dict[tuple[int, int | None], Probability]] = []
-        self._drops: dict[tuple[int, str], float] = {}
         self._exceeding: list[dict[tuple[int, int | None], float]] = []
         self._worst: dict[int, Probability] = {}
         self._layers: dict[tuple[int, Round | None], Elimination] = {}
@@ -89,17 +90,13 @@ class HiddenChain:
             units = {c: values[name] for c, name in function.parameters.items()}
             alike = base is not None and base.values[number] == values
             self.rest.append(
-                base.rest[number] if base is not None and alike else self._rest_failure(number)
+                base.rest[number] if base is not None and alike else self.trees.failure(number)
             )
             self.units.append(units)
             like = base if base is not None and base.units[number] == units else None
             self._spreads.append(like._spreads[number] if like else {})
             self._latent.append(like._latent[number] if like else {})
             self._exceeding.append(like._exceeding[number] if like else {})
-
-    def sensitivities(self, number: int) -> Mapping[str, float]:
-        """Return the derivative of the rest of a function's tree by each of its events."""
-        return self.states.functions[number].rest.sensitivities(self.values[number])
 
     def _values(self, values: Mapping[str, float]) -> dict[str, float]:
         """Return the probabilities of one function in this chain, from those of the model."""
@@ -108,10 +105,6 @@ class HiddenChain:
             if name in scaled:
                 scaled[name] = 1.0 if factor == math.inf else min(1.0, factor * scaled[name])
         return scaled
-
-    def _rest_failure(self, number: int) -> Probability:
-        function = self.states.functions[number]
-        return tree_probability(function.state.name, function.rest, self.values[number])
 
     def flow(self, start: Sequence[float] | None = None, *, cut: Round | None = None) -> Flow:
         """Return the flow of missions that start at the entry, in layer l with `start[l]`.
@@ -215,6 +208,10 @@ class HiddenChain:
             )
         return tuple(found)
 
+    def returns(self) -> list[float]:
+        """Return how often each function is visited from it on while no unit has failed unseen."""
+        return self._layer(0, None).returns()
+
     def visit(self, number: int, layer: int, fewer: int | None = None) -> Probability:
         """Return the probability that one visit fails; class `fewer` has one working unit less."""
         rest = self.rest[number]
@@ -285,15 +282,6 @@ class HiddenChain:
         if lost > group.units - group.required:
             return Outcome((), 1.0)
         return group.visit(unit_pair(self.units[number][unit_class]), lost)
-
-    def drop(self, number: int, name: str) -> float:
-        """Return how much less the rest of a function's tree fails without a parameter."""
-        key = (number, name)
-        if key not in self._drops:
-            rest = self.states.functions[number].rest
-            is_there = name in rest.parameters
-            self._drops[key] = rest.drop_without(name, self.values[number]) if is_there else 0.0
-        return self._drops[key]
 
     def exceeding(self, number: int, layer: int, fewer: int | None = None) -> float:
         """Return the probability that the latent units survive with more failed than is held."""
@@ -409,11 +397,3 @@ class HiddenChain:
 def unit_pair(p: float) -> Probability:
     """Return the pair of a unit's probability; it may carry a derivative, see `pair_importance`."""
     return Probability(p, 1.0 - p) if isinstance(p, complex) else pair_of(p)
-
-
-def tree_probability(state: str, tree: FaultTree, values: Mapping[str, float]) -> Probability:
-    """Return the top's probability; raise ModelError with the state where it cannot be had."""
-    try:
-        return tree.probability(values)
-    except ModelError as error:
-        raise ModelError(f"state '{state}': {error.message}", error.location) from error

@@ -87,6 +87,15 @@ class HiddenStates:
                     found[unit_class][part] = None
         return tuple(map(tuple, found))
 
+    @cached_property
+    def functions_with(self) -> Mapping[str, tuple[int, ...]]:
+        """The functions that each parameter is in, by number."""
+        found: dict[str, list[int]] = {}
+        for number, function in enumerate(self.functions):
+            for name in function.state.probabilities:
+                found.setdefault(name, []).append(number)
+        return {name: tuple(numbers) for name, numbers in found.items()}
+
     def working(self, layer: int, unit_class: int) -> int:
         """Return how many units of a class have not failed."""
         return len(self.classes[unit_class]) - self.hidden[layer][unit_class]

@@ -12,6 +12,9 @@ the two chains and solve for the difference). Both are sums of positive terms, s
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 from tracerisk.prm.hybrid.adjoint import Adjoint
 from tracerisk.prm.hybrid.assessment import ComponentImportance, ImportanceShare
@@ -37,6 +40,42 @@ class _Base:
         self.slopes = Slopes(solved.chain, solved.flow, self.adjoint)
         self.failure = solved.failure.p
         self.held = held_failure(solved.chain, solved.flow)
+        self.visits = solved.flow.visits[0]
+        states = solved.chain.states
+        self.is_plain = states.most is None and not any(f.parts for f in states.functions)
+
+    @cached_property
+    def returns(self) -> list[float]:
+        """How often each function is visited from a visit of it on, itself included."""
+        return self.chain.returns()
+
+    def rise(self, number: int, by: float) -> float | None:
+        """Return by how much F rises where a function's visits fail with `by` more, 0 or above.
+
+        With n visits from one on, of which (n-1) / q follow a visit that is survived, the visits
+        v become v / (1 + by (n-1) / q), and each costs `by` of the success that follows it.
+        `by` below zero is a fall; `None` where a difference would cost digits.
+        """
+        if by == 0.0:
+            return 0.0
+        q = self.chain.rest[number].q
+        if abs(by) > 2.0 * q:
+            return None
+        more = by * (self.returns[number] - 1.0) / q
+        if more < -0.5:
+            return None
+        cost = self.adjoint.success_after(((0, 1.0),), number)
+        return by * cost * self.visits[number] / (1.0 + more)
+
+
+@dataclass(frozen=True, slots=True)
+class _Change:
+    """F as it is less F without a parameter, and F without it, with ten times it, at one."""
+
+    fall: float
+    left: float
+    tenfold: float
+    surely: float
 
 
 def held_failure(chain: HiddenChain, flow: Flow) -> float:
@@ -52,7 +91,7 @@ def held_failure(chain: HiddenChain, flow: Flow) -> float:
 
 
 def _importance(base: _Base, parameter: Parameter) -> ComponentImportance:
-    name, states = parameter.name, base.chain.states
+    name = parameter.name
     slopes = base.slopes.of(parameter)
     birnbaum = math.fsum(slope for _, _, slope in slopes)
     by_state: dict[str, float] = {}
@@ -60,24 +99,58 @@ def _importance(base: _Base, parameter: Parameter) -> ComponentImportance:
     for state, unit, slope in slopes:
         by_state[state] = by_state.get(state, 0.0) + slope
         by_unit[unit] = by_unit.get(unit, 0.0) + slope
-    without = HiddenChain(states, {name: 0.0}, base=base.chain)
-    flow = without.flow()
-    left = _failure(flow)
+    change = _change(base, name)
     scale = parameter.theta / base.held if base.held > 0.0 else 0.0
-    fall = base.adjoint.fall((name,), without, flow)
     return ComponentImportance(
         name=name,
         theta=parameter.theta,
         birnbaum=birnbaum,
         criticality=birnbaum * scale,
-        fussell_vesely=fall / base.held if base.held > 0.0 else 0.0,
-        without=left,
-        risk_reduction_worth=_ratio(base.failure, left),
-        risk_achievement_worth=_ratio(_failure_at(base, name, math.inf), base.failure),
-        tenfold=_ratio(_failure_at(base, name, 10.0), base.failure),
+        fussell_vesely=change.fall / base.held if base.held > 0.0 else 0.0,
+        without=change.left,
+        risk_reduction_worth=_ratio(base.failure, change.left),
+        risk_achievement_worth=_ratio(change.surely, base.failure),
+        tenfold=_ratio(change.tenfold, base.failure),
         by_state=_shares(by_state, scale),
         by_unit=_shares(by_unit, scale),
     )
+
+
+def _change(base: _Base, name: str) -> _Change:
+    numbers = base.chain.states.functions_with.get(name, ())
+    found = _change_in_one(base, name, numbers) if base.is_plain and len(numbers) < 2 else None
+    if found is not None:
+        return found
+    without = HiddenChain(base.chain.states, {name: 0.0}, base=base.chain)
+    flow = without.flow()
+    return _Change(
+        fall=base.adjoint.fall((name,), without, flow),
+        left=_failure(flow),
+        tenfold=_failure_at(base, name, 10.0),
+        surely=_failure_at(base, name, math.inf),
+    )
+
+
+def _change_in_one(base: _Base, name: str, numbers: Sequence[int]) -> _Change | None:
+    """Return what comes of a parameter of one function at most, without solving the chain anew.
+
+    `None` where a figure would lose digits.
+    """
+    if not numbers:
+        return _Change(0.0, base.failure, base.failure, base.failure)
+    chain, number = base.chain, numbers[0]
+    now = chain.rest[number]
+    p = chain.values[number][name]
+    rises = [base.rise(number, -chain.trees.drop(number, name))]
+    for factor in (10.0, math.inf):
+        then = chain.trees.failure_at(
+            number, name, 1.0 if factor == math.inf else min(1.0, factor * p)
+        )
+        rises.append(base.rise(number, then.p - now.p if now.p < 0.5 else now.q - then.q))
+    known = [rise for rise in rises if rise is not None and rise >= -base.failure / 4.0]
+    if len(known) < len(rises):
+        return None
+    return _Change(0.0 - known[0], *(base.failure + rise for rise in known))
 
 
 def _failure_at(base: _Base, name: str, factor: float) -> float:

@@ -19,7 +19,7 @@ class Slopes:
         # The last layer, of more failed units than are held, has no success to lose.
         self._visits = flow.visits[:-1]
         functions = range(len(chain.states.functions))
-        self._sensitivities = [chain.sensitivities(number) for number in functions]
+        self._sensitivities = [chain.trees.sensitivities(number) for number in functions]
         # What a function that fails costs the mission, over all of its visits.
         self._cost = [
             total(
@@ -34,25 +34,23 @@ class Slopes:
         """Return dF/dtheta by state and unit."""
         chain, name = self._chain, parameter.name
         found = []
-        for number, function in enumerate(chain.states.functions):
+        for number in chain.states.functions_with.get(name, ()):
+            function = chain.states.functions[number]
             state = function.state
-            if name not in state.probabilities:
-                continue
             slopes = {
-                event.name: self._cost[number] * self._sensitivities[number][event.name]
-                for event in function.rest.events
-                if event.parameter == name
+                event: self._cost[number] * self._sensitivities[number][event]
+                for event in chain.trees.events(number, name)
             }
             for unit_class, of in function.parameters.items():
                 if of == name:
                     units = chain.states.classes[unit_class]
                     slopes |= dict.fromkeys(units, self._of_unit(number, unit_class) / len(units))
             share = share_of(parameter, state.probabilities[name])
-            found += [
-                (state.name, event.name, share * slopes[event.name])
-                for event in state.tree.events
-                if event.name in slopes
-            ]
+            if function.parts:
+                order = [event.name for event in state.tree.events if event.name in slopes]
+            else:
+                order = list(slopes)
+            found += [(state.name, event, share * slopes[event]) for event in order]
         return found
 
     def _of_unit(self, number: int, unit_class: int) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from tracerisk.prm.hybrid.assessment import (
@@ -20,13 +20,14 @@ from tracerisk.prm.hybrid.assessment import (
 )
 from tracerisk.prm.hybrid.component_tree import in_one_visit, is_spare_group
 from tracerisk.prm.hybrid.contributions import mean_drops
-from tracerisk.prm.hybrid.hidden_chain import tree_probability
 from tracerisk.prm.hybrid.hidden_states import MOST_STATES
 from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel
 from tracerisk.prm.hybrid.importance import importances
 from tracerisk.prm.hybrid.mission import SolvedMission, mission_figures, solve_mission
+from tracerisk.prm.hybrid.rest_trees import tree_probability
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.trees.gates import Gate
 
 
 def solve(model: HybridModel, *, limit: int = MOST_STATES) -> Assessment:
@@ -120,6 +121,11 @@ def _state_assessments(model: HybridModel, solved: SolvedMission) -> list[StateA
         else:
             top = top_event(state).p
             drops = _drops(state)
+        units = _units(state.tree)
+        gates: dict[str, list[Gate]] = {}
+        for gate in state.tree.gates:
+            for below in gate.inputs:
+                gates.setdefault(below, []).append(gate)
         found.append(
             StateAssessment(
                 name=name,
@@ -131,8 +137,8 @@ def _state_assessments(model: HybridModel, solved: SolvedMission) -> list[StateA
                 components=tuple(
                     ComponentContribution(
                         name=each,
-                        units=sum(event.parameter == each for event in state.tree.events),
-                        required=_required(state.tree, each),
+                        units=len(units[each]),
+                        required=_required(gates, units[each]),
                         probability=values[each],
                         contribution=drops[each],
                     )
@@ -154,13 +160,23 @@ def _drops(state: FunctionState) -> dict[str, float]:
     return found
 
 
-def _required(tree: FaultTree, parameter: str) -> int | None:
-    """Return how many units of a component must work; `None` where no single gate says so."""
-    units = {event.name for event in tree.events if event.parameter == parameter}
+def _units(tree: FaultTree) -> dict[str, set[str]]:
+    """Return the events of each parameter."""
+    found: dict[str, set[str]] = {}
+    for event in tree.events:
+        found.setdefault(event.parameter, set()).add(event.name)
+    return found
+
+
+def _required(gates: Mapping[str, Sequence[Gate]], units: set[str]) -> int | None:
+    """Return how many units of a component must work; `None` where no single gate says so.
+
+    `gates` are those above each event, in the order of the tree.
+    """
     if len(units) == 1:
         return 1
-    for gate in tree.gates:
-        if units <= set(gate.inputs):
+    for gate in gates.get(next(iter(units)), ()):
+        if units.issubset(gate.inputs):
             alone = len(units) == len(gate.inputs)
             if gate.threshold == 1 or alone:
                 return len(units) - gate.threshold + 1

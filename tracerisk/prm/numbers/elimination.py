@@ -123,3 +123,31 @@ class Elimination:
                 collected += mass[target] * way
             mass[state] = collected / leaving
         return mass
+
+    def returns(self) -> list[float]:
+        """Return how often each state is visited by a chain that starts there.
+
+        The diagonal of the inverse of I - P, from its entries where the pattern has ways after
+        elimination: those with a state follow from those with the states eliminated later.
+        K. Takahashi, J. Fagan and M.-S. Chin, 8th PICA Conference (1973).
+        """
+        # found[a][b] is how often b is visited from a.
+        found: list[dict[int, float]] = [{} for _ in self._done]
+        for state, sources, incoming, following, outgoing, leaving in reversed(self._done):
+            onward = found[state]
+            for source in sources:
+                onward[source] = (
+                    sum(
+                        way * found[target][source]
+                        for target, way in zip(following, outgoing, strict=True)
+                    )
+                    / leaving
+                )
+            for target in following:
+                there = found[target]
+                there[state] = (
+                    sum(there[s] * way for s, way in zip(sources, incoming, strict=True)) / leaving
+                )
+            back = (way * found[t][state] for t, way in zip(following, outgoing, strict=True))
+            onward[state] = (1.0 + sum(back)) / leaving
+        return [row[state] for state, row in enumerate(found)]

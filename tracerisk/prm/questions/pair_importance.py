@@ -24,6 +24,7 @@ from tracerisk.prm.hybrid.hidden_states import HiddenStates
 from tracerisk.prm.hybrid.hybrid import HybridModel, Parameter
 from tracerisk.prm.hybrid.importance import held_failure
 from tracerisk.prm.hybrid.mission import solve_mission
+from tracerisk.prm.hybrid.rest_trees import RestTrees
 from tracerisk.prm.hybrid.slopes import Slopes, share_of
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree
@@ -106,18 +107,36 @@ def _slopes_along(states: HiddenStates, parameter: Parameter) -> Slopes:
     return Slopes(chain, chain.flow(), Adjoint(chain))
 
 
+class _TiltedTrees(RestTrees):
+    """The trees of a `_TiltedChain`; values that are real numbers have no derivative."""
+
+    def failure(self, number: int) -> Probability:
+        rest, values = self._functions[number].rest, self._values[number]
+        here = {name: values[name].real for name in rest.parameters}
+        if all(isinstance(values[name], float) for name in here):
+            return rest.probability(here)
+        if not rest.shared:
+            return _sweep(rest, values)[rest.top]
+        top, slopes = rest.probability(here), rest.sensitivities(here)
+        tilt = math.fsum(slopes[event.name] * values[event.parameter].imag for event in rest.events)
+        return Probability(cast(float, complex(top.p, tilt)), cast(float, complex(top.q, -tilt)))
+
+    def sensitivities(self, number: int) -> Mapping[str, float]:
+        rest, values = self._functions[number].rest, self._values[number]
+        here = {name: values[name].real for name in rest.parameters}
+        if all(isinstance(values[name], float) for name in here):
+            return rest.sensitivities(here)
+        return _shared_slopes(rest, values) if rest.shared else _slopes(rest, values)
+
+
 class _TiltedChain(HiddenChain):
     """The chain whose numbers carry their derivative by one parameter as imaginary part."""
+
+    kind_of_trees = _TiltedTrees
 
     def __init__(self, states: HiddenStates, parameter: Parameter) -> None:
         self._parameter = parameter
         super().__init__(states)
-
-    def sensitivities(self, number: int) -> Mapping[str, float]:
-        rest, values = self.states.functions[number].rest, self.values[number]
-        if self._parameter.name not in rest.parameters:
-            return rest.sensitivities({name: values[name].real for name in rest.parameters})
-        return _shared_slopes(rest, values) if rest.shared else _slopes(rest, values)
 
     def _values(self, values: Mapping[str, float]) -> dict[str, float]:
         tilted = dict(values)
@@ -126,17 +145,6 @@ class _TiltedChain(HiddenChain):
             step = _STEP * share_of(self._parameter, tilted[name])
             tilted[name] = cast(float, complex(tilted[name], step))
         return tilted
-
-    def _rest_failure(self, number: int) -> Probability:
-        rest, values = self.states.functions[number].rest, self.values[number]
-        if self._parameter.name not in rest.parameters:
-            return rest.probability({name: values[name].real for name in rest.parameters})
-        if not rest.shared:
-            return _sweep(rest, values)[rest.top]
-        here = {name: value.real for name, value in values.items()}
-        top, slopes = rest.probability(here), rest.sensitivities(here)
-        tilt = math.fsum(slopes[event.name] * values[event.parameter].imag for event in rest.events)
-        return Probability(cast(float, complex(top.p, tilt)), cast(float, complex(top.q, -tilt)))
 
 
 def _sweep(tree: FaultTree, values: Mapping[str, float]) -> dict[str, Probability]:
