@@ -358,3 +358,31 @@ def test_a_mean_above_the_point_is_told_with_its_ratio(case_study):
     ]
     assert "times the point, in which" in shown[0]
     assert "times the point" not in shown[1]
+
+
+def test_the_standard_error_of_the_mean_is_told(one_part):
+    found = propagate(one_part, samples=10_000, distributions={"motor": Lognormal(3.0)})
+    assert found.standard_error == pytest.approx(found.deviation / 100.0, rel=1e-12)
+    exact = 1e-6 * math.exp((math.log(3.0) / 1.6448536269514722) ** 2 / 2.0)
+    assert abs(found.mean - exact) < 2.0 * found.standard_error
+    assert found.knows_mean
+    shown = render_uncertainty(found)
+    assert f"standard error of {found.standard_error:.2g}" in shown
+    assert "cannot tell the mean" not in shown
+
+
+@pytest.mark.parametrize("samples", [10_000, 100_000])
+def test_a_sample_that_cannot_know_the_mean_says_so(block, component, samples):
+    # The mean of a pair with the error factor 30 lies beyond 4 standard deviations.
+    pair = component("pair", 1e-9, 2, "true")
+    model = build_model([block("a", 1, (pair,))], name="m")
+    found = propagate(model, samples=samples, distributions={"pair": Lognormal(30.0)})
+    assert not found.knows_mean
+    assert "cannot tell the mean" in " ".join(render_uncertainty(found).split())
+
+
+def test_few_draws_of_a_narrow_figure_know_its_mean(one_part):
+    for samples in (2, 20, 100):
+        assert propagate(
+            one_part, samples=samples, distributions={"motor": Lognormal(3.0)}
+        ).knows_mean

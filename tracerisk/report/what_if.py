@@ -120,6 +120,18 @@ def render_uncertainty(
         if each.cut
     ]
     told = []
+    if found.mean > 0.0:
+        told.append(
+            f"The mean has a standard error of {found.standard_error:.2g} "
+            f"({100.0 * found.standard_error / found.mean:.2g} %)."
+        )
+    if not found.knows_mean:
+        told.append(
+            f"This sample cannot tell the mean: the greatest of its {found.samples} draws alone "
+            f"makes {100.0 * found.greatest_share:.2g} % of it, so that still greater ones, which "
+            "were not drawn, matter as much. The mean is likely higher, and its standard error "
+            "with it; go by the percentiles."
+        )
     if found.point > 0.0 and abs(found.mean - found.point) > 0.01 * found.point:
         told.append(
             f"The mean is {found.mean / found.point:.3g} times the point, in which each parameter "

@@ -163,18 +163,7 @@ def propagate(
         for (name, values), share in zip(inputs.items(), shares, strict=True)
     ]
     rows.sort(key=lambda each: (-each.share, each.name))
-    # Scaled by the largest, for the squares of 1e-200 are no numbers.
-    scale = float(results.max()) or 1.0
-    return Uncertainty(
-        samples=samples,
-        seed=seed,
-        point=point,
-        mean=float(results.mean()),
-        deviation=float((results / scale).std(ddof=1)) * scale,
-        levels=PERCENTILES,
-        percentiles=_percentiles(results),
-        inputs=tuple(rows),
-    )
+    return Uncertainty.of_draws(results, seed=seed, point=point, inputs=tuple(rows))
 
 
 def _tops(tree: FaultTree, drawn: Mapping[str, Array], samples: int) -> Array:

@@ -26,6 +26,9 @@ SAMPLES = 10_000
 """How many samples are drawn unless it is said."""
 PERCENTILES = (5.0, 50.0, 95.0)
 
+MOST_OF_GREATEST, FEW = 0.02, 10.0
+"""The share of the mean that the greatest draw may have; of few draws, so many times its own."""
+
 
 @dataclass(frozen=True, slots=True)
 class UncertainInput:
@@ -70,6 +73,8 @@ class Uncertainty:
 
     `point` is the figure with every parameter at its own value; `inputs` with the greatest share
     first.
+    `standard_error` is that of the mean of as many independent draws, which a Latin hypercube
+    hardly ever exceeds; `greatest_share` is what the greatest draw alone adds to the mean, 0 to 1.
     """
 
     samples: int
@@ -80,6 +85,40 @@ class Uncertainty:
     levels: tuple[float, ...]
     percentiles: tuple[float, ...]
     inputs: tuple[InputShare, ...]
+    standard_error: float
+    greatest_share: float
+
+    @classmethod
+    def of_draws(
+        cls, results: Samples, *, seed: int, point: float, inputs: tuple[InputShare, ...]
+    ) -> Uncertainty:
+        """Return the spread of a figure's draws, (n,)."""
+        from tracerisk.prm.numbers.arrays import np
+
+        # Scaled by the largest, for the squares of 1e-200 are no numbers.
+        scale = float(np.abs(results).max()) or 1.0
+        count, total = len(results), float(results.sum())
+        deviation = float((results / scale).std(ddof=1)) * scale
+        return cls(
+            samples=count,
+            seed=seed,
+            point=point,
+            mean=float(results.mean()),
+            deviation=deviation,
+            levels=PERCENTILES,
+            percentiles=_percentiles(results),
+            inputs=inputs,
+            standard_error=deviation / math.sqrt(count),
+            greatest_share=float(results.max()) / total if total > 0.0 else 0.0,
+        )
+
+    @property
+    def knows_mean(self) -> bool:
+        """Whether the mean is told by many draws, and not by a few of the greatest.
+
+        Where it hangs on the greatest, greater ones that were not drawn matter as much.
+        """
+        return self.greatest_share <= max(MOST_OF_GREATEST, FEW / self.samples)
 
 
 def latin_hypercube(count: int, names: tuple[str, ...], seed: int) -> dict[str, Samples]:
@@ -185,8 +224,6 @@ def spread_of(
         drawn[name] = np.minimum(found, 1.0) if each.is_probability else found
     results = figure(drawn)
     shares = first_order_shares(np.column_stack(list(drawn.values())), results)
-    # Scaled by the largest, for the squares of 1e-200 are no numbers.
-    scale = float(np.abs(results).max()) or 1.0
     found_inputs = [
         InputShare(
             name=name,
@@ -198,16 +235,7 @@ def spread_of(
         for (name, each), share in zip(inputs.items(), shares, strict=True)
     ]
     found_inputs.sort(key=lambda each: (-each.share, each.name))
-    return Uncertainty(
-        samples=samples,
-        seed=seed,
-        point=point,
-        mean=float(results.mean()),
-        deviation=float((results / scale).std(ddof=1)) * scale,
-        levels=PERCENTILES,
-        percentiles=_percentiles(results),
-        inputs=tuple(found_inputs),
-    )
+    return Uncertainty.of_draws(results, seed=seed, point=point, inputs=tuple(found_inputs))
 
 
 def _at_most_one(parts: Sequence[Samples], certain: float) -> Samples:
