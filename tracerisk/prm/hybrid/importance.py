@@ -16,12 +16,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from tracerisk.prm.hybrid.adjoint import Adjoint
+from tracerisk.prm.hybrid.adjoint import Adjoint, Slopes
 from tracerisk.prm.hybrid.assessment import ComponentImportance, ImportanceShare
 from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain
 from tracerisk.prm.hybrid.hybrid import HybridModel, Parameter
 from tracerisk.prm.hybrid.mission import SolvedMission
-from tracerisk.prm.hybrid.slopes import Slopes
 
 
 def importances(model: HybridModel, solved: SolvedMission) -> tuple[ComponentImportance, ...]:

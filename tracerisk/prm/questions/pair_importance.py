@@ -18,14 +18,13 @@ from itertools import combinations
 from typing import cast
 
 from tracerisk.errors import ModelError, one_of
-from tracerisk.prm.hybrid.adjoint import Adjoint
+from tracerisk.prm.hybrid.adjoint import Adjoint, Slopes, share_of
 from tracerisk.prm.hybrid.hidden_chain import HiddenChain
 from tracerisk.prm.hybrid.hidden_states import HiddenStates
 from tracerisk.prm.hybrid.hybrid import HybridModel, Parameter
 from tracerisk.prm.hybrid.importance import held_failure
 from tracerisk.prm.hybrid.mission import solve_mission
 from tracerisk.prm.hybrid.rest_trees import RestTrees
-from tracerisk.prm.hybrid.slopes import Slopes, share_of
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees.fault_tree import BasicEvent, FaultTree
 from tracerisk.prm.trees.gates import gate_probability, gate_shares
