@@ -608,12 +608,12 @@ label "won" = x=3;
 
 def test_properties_of_a_chain_are_answered(call):
     Path("walk.prism").write_text(WALK)
-    Path("asked.props").write_text('const int k; "soon": P=? [F<=k "won"]; P>=0.5 [F "won"];')
+    Path("asked.props").write_text('const int k; "soon": P=? [F<=k "won"]; P<0.5 [F "won"];')
     asked = ("--property", 'P=? [F "won"]', "--properties", "asked.props", "--set", "k=2")
     found = solved(call, "walk.prism", *asked)["answers"]
     assert [each["name"] for each in found] == ["soon", "", ""]
     assert [each["greatest"] for each in found] == pytest.approx([0.25, 1 / 3, 1 / 3], rel=1e-14)
-    assert [each["holds"] for each in found] == [None, False, None]
+    assert [each["holds"] for each in found] == [None, True, None]
     shown = call("solve", "walk.prism", *asked).out
     assert "soon: P=? [F<=k" in shown
     limit = call(
@@ -624,6 +624,13 @@ def test_properties_of_a_chain_are_answered(call):
         call, "walk.prism", "--property", "const int k = 1; P=? [F<=k x=3]", "--sweep", "k=2:8:2"
     )
     assert len(swept["sweeps"][0]["points"]) == 2
+
+
+def test_a_limit_that_does_not_hold_is_told_by_the_exit_code(call):
+    Path("walk.prism").write_text(WALK)
+    outcome = call("solve", "walk.prism", "--property", 'P>=0.5 [F "won"]')
+    assert outcome.code == 1
+    assert 'P>=0.5 [F "won"] does not hold' in outcome.err
 
 
 @pytest.mark.parametrize(

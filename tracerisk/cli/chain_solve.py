@@ -128,6 +128,9 @@ class ChainFile:
             {"answers": data},
             ((render_answers, (self.name, answers)),),
             notes,
+            broken=tuple(
+                name for name, each in zip(names, answers, strict=True) if each.holds is False
+            ),
         )
 
     def _discrete(self, chain: ExplicitChain, figure: str | None) -> Solved:

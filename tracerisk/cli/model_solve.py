@@ -26,7 +26,8 @@ Render = Callable[..., str]
 class Solved:
     """A solved model file: its figures by name, all of it as data, and what shows it.
 
-    `risks` are the figures that a limit is for, `None` where only a person knows.
+    `risks` are the figures that a limit is for, `None` where only a person knows; `broken` are
+    the limits of its own that do not hold.
     """
 
     figures: Mapping[str, float]
@@ -34,6 +35,7 @@ class Solved:
     shown: tuple[tuple[Render, tuple[Any, ...]], ...]
     notes: tuple[str, ...] = ()
     risks: tuple[str, ...] | None = None
+    broken: tuple[str, ...] = ()
 
 
 class Solvable(Protocol):
@@ -93,6 +95,9 @@ def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.
         spread = model.spread(options.figure, samples, options.seed or 0)
     curve = _curve(model, options)
     code = _risk_exit(solved, options)
+    for text in solved.broken:
+        note(f"tracerisk: {text} does not hold")
+        code = ExitCode.WOULD_CHANGE
     for text in solved.notes:
         note(text, quiet=options.quiet or options.json)
     if options.json:

@@ -170,6 +170,29 @@ def test_a_ring_that_may_start_anywhere_becomes_stable():
     assert found[1].value == pytest.approx(4 / 3, rel=1e-14)
 
 
+SENDER = """dtmc
+const int N = 16;   // pieces of a file
+const int MAX = 2;  // how often each may be sent again
+const double lost = 0.02 + 0.98 * 0.01;  // the piece, or its receipt
+module sender
+  piece : [0..N] init 0;
+  again : [0..MAX] init 0;
+  failed : bool init false;
+  [] !failed & piece<N & again<MAX -> 1-lost:(piece'=piece+1)&(again'=0) + lost:(again'=again+1);
+  [] !failed & piece<N & again=MAX -> 1-lost:(piece'=piece+1)&(again'=0) + lost:(failed'=true);
+  [] failed | piece=N -> true;
+endmodule
+"""
+
+
+def test_a_sender_that_gives_up_has_the_published_figure():
+    # D'Argenio and others, "Reachability analysis of probabilistic systems by successive
+    # refinements" (2001): the bounded retransmission protocol, N = 16, MAX = 2, 4.2333e-4.
+    (found,) = values(SENDER, "P=? [F failed]")
+    assert found == pytest.approx(1 - (1 - 0.0298**3) ** 16, rel=1e-12)
+    assert f"{found:.4e}" == "4.2333e-04"
+
+
 def test_random_chains_agree_with_stepping():
     random = Random(7)
     for _ in range(30):

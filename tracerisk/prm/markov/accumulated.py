@@ -17,7 +17,7 @@ from tracerisk.prm.markov.uniformisation import (
 )
 
 _IN_PYTHON = 2_000_000
-_WORK = 2e10
+_WORK = 1e9
 _DENSE = 2_000
 
 
