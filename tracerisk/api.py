@@ -115,8 +115,9 @@ def run_with_faults(
 ) -> FaultRun:
     """Run a controller on the twin, and once more with `faults`, each as UNIT:MODE@SECONDS.
 
-    `keep` is a folder for the recording of the run with the faults. `on_nominal` is told of the
-    run without as soon as it is over. Writes nothing but `keep`: no blocks, no lock, no trace.
+    `keep` is a folder for the recording of the run with the faults. `on_nominal` takes the
+    trace of the run without, as soon as it is over. Writes nothing but `keep`: no blocks, no
+    lock, no trace.
     Raises InputError for a fault that is none or that the robot cannot have, RunFailedError when
     the run without a fault came to a bad end, and ControllerFailedError when it commanded nothing.
     """

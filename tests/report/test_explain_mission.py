@@ -73,3 +73,10 @@ def test_the_missions_figure_follows(shown):
 def test_a_function_that_is_not_in_the_model_has_nothing_to_tell():
     model = tracerisk.build({"cell.py": SOURCE.encode()}, name="cell.py")
     assert render_mission(model, solve(model), "place") == ""
+
+
+def test_a_unit_has_the_sum_of_two_equal_parts():
+    source = SOURCE.replace("common_cause 0.1", "common_cause 0.5")
+    model = tracerisk.build({"cell.py": source.encode()}, name="cell.py")
+    unit, _ = figure(render_mission(model, solve(model), "pick"), "    power ")
+    assert unit == pytest.approx(0.01, rel=1e-7)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from tracerisk.prm.hybrid.assessment import FIXED, Assessment
 from tracerisk.prm.hybrid.component_tree import in_one_visit
 from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel
-from tracerisk.prm.trees.fault_tree import FaultTree
+from tracerisk.prm.review.model_parts import component_of
 from tracerisk.report.explain import aligned_table
 from tracerisk.report.explain_words import number
 
@@ -42,36 +42,11 @@ def render_mission(model: HybridModel, assessment: Assessment, function: str) ->
 def _components(state: FunctionState, first: FunctionState) -> Iterator[list[str]]:
     """Yield each component's figures, with its own and its common part where it has both."""
     gates = {gate.name: gate for gate in first.tree.gates}
-    parameters = {event.name: event.parameter for event in first.tree.events}
-    top = gates[first.tree.top]
-    for name in top.inputs:
-        units = sorted({v for k, v in state.probabilities.items() if _belongs(k, name)})
-        unit = number(sum(units)) if units else ""
-        yield [name, unit, number(_failure(first, name, parameters))]
+    fails = first.tree.node_probabilities(first.probabilities)
+    for name in gates[first.tree.top].inputs:
+        unit = [p for each, p in state.probabilities.items() if component_of(each) == name]
+        yield [name, number(sum(unit)) if unit else "", number(fails[name].p)]
         parts = gates[name].inputs if name in gates else ()
         if f"{name}[all]" in parts:
-            yield ["  own failures", "", number(_failure(first, parts[0], parameters))]
-            yield ["  common cause", "", number(_failure(first, parts[1], parameters))]
-
-
-def _belongs(parameter: str, component: str) -> bool:
-    return parameter == component or parameter.startswith(f"{component} {{")
-
-
-def _failure(state: FunctionState, node: str, parameters: dict[str, str]) -> float:
-    """Return the probability of a gate or event of a function's tree."""
-    if node in parameters:
-        return state.probabilities[parameters[node]]
-    gates = {gate.name: gate for gate in state.tree.gates}
-    below, waiting = {node}, [node]
-    while waiting:
-        gate = gates.get(waiting.pop())
-        new = set(gate.inputs) - below if gate is not None else set()
-        below |= new
-        waiting += new
-    tree = FaultTree(
-        node,
-        tuple(gate for name, gate in gates.items() if name in below),
-        tuple(event for event in state.tree.events if event.name in below),
-    )
-    return tree.probability({name: state.probabilities[name] for name in tree.parameters}).p
+            yield ["  own failures", "", number(fails[parts[0]].p)]
+            yield ["  common cause", "", number(fails[parts[1]].p)]

@@ -121,7 +121,7 @@ class DynamicTree(AsGraph):
         """Return the probability that the top happens within the mission, [h].
 
         Raises TooLargeError when a group has too many states, ModelError as `static_tree` does
-        and for a mission time that is no number from 0 on.
+        and for a mission time that is not a number of 0 or more.
         """
         check_mission_time(mission_time_h)
         tree = self.static_tree()

@@ -131,7 +131,7 @@ def _read_transitions(
     elif len(words) == 2:
         declared = (_whole(words[0], file, first), _whole(words[1], file, first))
         del lines[0]
-    # Each transition names two states; a number beyond that is no state of this file.
+    # Each transition names two states; a greater number is not a state of this file.
     named = max(2 * len(lines), _UNNAMED)
     if declared is not None and declared[0] > min(named, most_states):
         raise TooLargeError(

@@ -14,11 +14,11 @@ from dataclasses import dataclass
 from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain, Round
 from tracerisk.prm.hybrid.hidden_states import HiddenStates
 from tracerisk.prm.numbers.elimination import Elimination, Pattern
-from tracerisk.prm.numbers.probability import Probability, total
+from tracerisk.prm.numbers.probability import Probability, log_complement, total
 from tracerisk.strong_components import strong_components
 
 _MOST_SQUARED = 32
-"""Up to how many hidden states many rounds are told by squaring the way from round to round."""
+"""Up to how many hidden states many rounds are found by squaring the way from round to round."""
 
 _ROUNDING = 1e-9
 """How far a count may be off through rounding, relative."""
@@ -126,13 +126,13 @@ def _log_survival(chain: HiddenChain, passage: Passage) -> float:
     logs = []
     for each in passage:
         if isinstance(each, int):
-            logs.append(log_survival(chain.rest[each]))
+            logs.append(log_complement(chain.rest[each]))
         elif each.body is not None:
             logs.append(each.rounds * _log_survival(chain, each.body))
         else:
             flow = chain.flow(cut=each.round)
             good = math.fsum((*flow.done, *flow.back))
-            logs.append(each.rounds * log_survival(Probability(failure_of(flow), good)))
+            logs.append(each.rounds * log_complement(Probability(failure_of(flow), good)))
     return math.fsum(logs)
 
 
@@ -188,15 +188,6 @@ def failure_of(flow: Flow) -> float:
 
 def _survived(flow: Flow) -> list[float]:
     return [back + done for back, done in zip(flow.back, flow.done, strict=True)]
-
-
-def log_survival(probability: Probability) -> float:
-    """Return log(1-p) from the more precise half of the pair."""
-    if probability.q == 0.0:
-        return -math.inf
-    if probability.p < 0.5:
-        return math.log1p(-probability.p)
-    return math.log(probability.q)
 
 
 def _dot(one: Iterable[float], other: Iterable[float]) -> float:

@@ -11,7 +11,6 @@ from tracerisk.prm.hybrid.fixed_cycles import (
     Loop,
     counted_passage,
     failure_of,
-    log_survival,
     outcome_of,
     rounds_of,
 )
@@ -19,7 +18,7 @@ from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain, Round
 from tracerisk.prm.hybrid.hidden_states import MOST_STATES, HiddenStates, hidden_states
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.numbers.elimination import Elimination
-from tracerisk.prm.numbers.probability import Probability, at_least, pair_of
+from tracerisk.prm.numbers.probability import Probability, at_least, log_complement, pair_of
 from tracerisk.prm.trees.spares import SpareGroup, Spares
 
 
@@ -85,34 +84,27 @@ def mission_figures(model: HybridModel, solved: SolvedMission) -> MissionFigures
     whole = Round(states.entry, frozenset(range(len(states.functions))))
     cycle = chain.flow(cut=whole)
     cycles = visits[states.entry]
-    counted = _as_counted(model, chain)
-    mission = solved.failure if counted is None else counted
+    reading, mission = held_reading(model, solved)
     return MissionFigures(
         failure_probability=mission.p,
         done_probability=mission.q,
-        reading=GEOMETRIC if counted is None and model.has_cycle else FIXED,
+        reading=reading,
         geometric_cycles=solved.failure.p,
         cycle_failure_probability=failure_of(cycle),
         expected_cycles=cycles,
-        fixed_cycles=_mean_cycles(chain, cycle, whole, cycles) if counted is None else counted.p,
+        fixed_cycles=(mission.p if reading == FIXED else _mean_cycles(chain, cycle, whole, cycles)),
         visits_as_run=0.0 - math.expm1(_log_survival_as_run(chain, visits)),
     )
 
 
-def held_risk(model: HybridModel, solved: SolvedMission) -> tuple[Reading, float]:
-    """Return the reading that holds for a model, and the mission's failure probability in it."""
-    counted = _as_counted(model, solved.chain)
-    if counted is None:
-        return GEOMETRIC if model.has_cycle else FIXED, solved.failure.p
-    return FIXED, counted.p
-
-
-def _as_counted(model: HybridModel, chain: HiddenChain) -> Probability | None:
-    """Return the outcome of a mission with fixed numbers of cycles; `None` where they vary."""
-    if not model.counted or not model.has_cycle:
-        return None
-    passage = counted_passage(chain.states)
-    return None if passage is None else outcome_of(chain, passage)
+def held_reading(model: HybridModel, solved: SolvedMission) -> tuple[Reading, Probability]:
+    """Return the reading that holds for a model, and the outcome of a mission in it."""
+    if not model.has_cycle:
+        return FIXED, solved.failure
+    passage = counted_passage(solved.states) if model.counted else None
+    if passage is None:
+        return GEOMETRIC, solved.failure
+    return FIXED, outcome_of(solved.chain, passage)
 
 
 def _least(chain: HiddenChain, flow: Flow) -> float:
@@ -154,7 +146,7 @@ def _mean_cycles(chain: HiddenChain, cycle: Flow, whole: Round, cycles: float) -
     """
     if len(chain.states.hidden) == 1 and chain.states.most is None:
         good = math.fsum((*cycle.done, *cycle.back))
-        return 0.0 - math.expm1(cycles * log_survival(Probability(failure_of(cycle), good)))
+        return 0.0 - math.expm1(cycles * log_complement(Probability(failure_of(cycle), good)))
     rounds = math.floor(cycles + 1e-9)
     part = max(0.0, cycles - rounds)
     now, failed = rounds_of(chain, Loop(whole, rounds, None), [1.0])
@@ -162,8 +154,8 @@ def _mean_cycles(chain: HiddenChain, cycle: Flow, whole: Round, cycles: float) -
         return failed
     after, lost = rounds_of(chain, Loop(whole, 1, None), now)
     logs = [
-        log_survival(Probability(failed, math.fsum(now))),
-        log_survival(Probability(failed + lost, math.fsum(after))),
+        log_complement(Probability(failed, math.fsum(now))),
+        log_complement(Probability(failed + lost, math.fsum(after))),
     ]
     return -math.expm1((1.0 - part) * logs[0] + part * logs[1])
 
@@ -175,19 +167,19 @@ def _log_survival_as_run(chain: HiddenChain, visits: Sequence[float]) -> float:
     the same failed units the strictest decides, and of their spares the least reliable.
     """
     states = chain.states
-    total = [count * log_survival(pair) for count, pair in zip(visits, chain.rest, strict=True)]
+    total = [count * log_complement(pair) for count, pair in zip(visits, chain.rest, strict=True)]
     survival = [0.0] * len(states.classes)
     for count, units in zip(visits, chain.units, strict=True):
         for number, p in units.items():
-            survival[number] += count * log_survival(pair_of(p))
+            survival[number] += count * log_complement(pair_of(p))
     failed = [Probability(-math.expm1(log), math.exp(log)) for log in survival]
     for classes, threshold in _joined_parts(states):
         group = _joined_spares(states, classes, threshold)
         if group is not None:
-            total.append(log_survival(group.visit(failed[classes[0]], 0).pair))
+            total.append(log_complement(group.visit(failed[classes[0]], 0).pair))
             continue
         units_failed = [failed[c] for c in classes for _ in states.classes[c]]
-        total.append(log_survival(at_least(threshold, units_failed)))
+        total.append(log_complement(at_least(threshold, units_failed)))
     return math.fsum(total)
 
 

@@ -1,7 +1,7 @@
 """The trees of a chain's functions less the latent units: what each parameter does there.
 
 Where nothing is shared and a parameter has one event, the top is linear in it, and one pass over
-the tree tells of all of its parameters.
+the tree gives the effect of every parameter.
 """
 
 from __future__ import annotations

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -139,11 +138,12 @@ def solver_of(
     """
     if len(ways) <= SMALL and sum(map(len, ways)) <= SMALL_WAYS:
         # The count of products, and so the way taken, is the same on every machine.
-        with contextlib.suppress(FilledInError):
-            try:
-                return eliminate(ways, slack, _SMALL_PRODUCTS)
-            except StuckStateError as error:
-                raise stuck(label(error.state), kind) from error
+        try:
+            return eliminate(ways, slack, _SMALL_PRODUCTS)
+        except StuckStateError as error:
+            raise stuck(label(error.state), kind) from error
+        except FilledInError:
+            pass  # elimination with arrays is faster
     from tracerisk.prm.markov.large.factors import Weights
     from tracerisk.prm.numbers.arrays import np
 

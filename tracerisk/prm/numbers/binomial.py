@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 
-from tracerisk.prm.numbers.probability import PairedFloat
+from tracerisk.prm.numbers.probability import PairedFloat, log_complement
 
 _EXACT_POWER = 16
 _EXACT_CHOICE = 1_000
@@ -60,14 +60,9 @@ def _count(units: int, p: float, q: float, failed: int) -> float:
         return math.comb(units, failed) * p**failed * q**working
     if units > _EXACT_CHOICE:
         choices = math.lgamma(units + 1) - math.lgamma(failed + 1) - math.lgamma(working + 1)
-        return math.exp(choices + failed * math.log(p) + working * _log(p, q))
-    survival = q**working if working <= _EXACT_POWER else math.exp(working * _log(p, q))
+        return math.exp(choices + failed * math.log(p) + working * log_complement((p, q)))
+    survival = q**working if working <= _EXACT_POWER else math.exp(working * log_complement((p, q)))
     return math.comb(units, failed) * p**failed * survival
-
-
-def _log(p: float, q: float) -> float:
-    """Return log(1-p) from the more precise half; 1-p rounded first is off by the sum of errors."""
-    return math.log1p(-p) if p < 0.5 else math.log(q)
 
 
 def group_failures(

@@ -138,7 +138,7 @@ def any_of(inputs: Sequence[tuple[float, float]]) -> Probability:
         for p_input, q_input in inputs:
             p, q = p + q * p_input, q * q_input
         return Probability(p, q)
-    logarithm = math.fsum(_log_complement(pair) for pair in inputs)
+    logarithm = math.fsum(log_complement(pair) for pair in inputs)
     return Probability(-math.expm1(logarithm), math.exp(logarithm))
 
 
@@ -147,7 +147,8 @@ def _are_numbers(inputs: Sequence[tuple[float, float]]) -> bool:
     return all(isinstance(p, float) for p, _ in inputs)
 
 
-def _log_complement(pair: tuple[float, float]) -> float:
+def log_complement(pair: tuple[float, float]) -> float:
+    """Return log(1-p) from the more precise half of the pair."""
     p, q = pair
     if p < 0.5:
         return math.log1p(-p)
@@ -219,7 +220,7 @@ def log_products(pairs: Sequence[Probability]) -> list[float]:
     sums = [0.0]
     total, lost = 0.0, 0.0
     for pair in pairs:
-        term = _log_complement(pair)
+        term = log_complement(pair)
         if term == -math.inf:
             sums.extend([-math.inf] * (len(pairs) + 1 - len(sums)))
             break

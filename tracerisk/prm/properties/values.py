@@ -1,7 +1,7 @@
 """The values of paths, rewards and the long run, in each state of a chain.
 
 Probabilities are sums of products of probabilities: nothing is subtracted. What is certain or
-impossible is told by the arrows alone, and is 1 or 0 exactly.
+impossible follows from the arrows alone, and is 1 or 0 exactly.
 """
 
 from __future__ import annotations

@@ -114,7 +114,7 @@ class Uncertainty:
 
     @property
     def knows_mean(self) -> bool:
-        """Whether the mean is told by many draws, and not by a few of the greatest.
+        """Whether the mean rests on many draws, and not by a few of the greatest.
 
         Where it hangs on the greatest, greater ones that were not drawn matter as much.
         """

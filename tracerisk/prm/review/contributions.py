@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from tracerisk.errors import InputError
-from tracerisk.prm.hybrid.mission import held_risk, solve_mission
+from tracerisk.prm.hybrid.mission import held_reading, solve_mission
 from tracerisk.prm.review.flow_changes import Edit
 from tracerisk.prm.review.model_parts import ModelParts, RiskVersion
 
@@ -24,11 +24,11 @@ class Contributions:
         try:
             model = parts.model()
             solved = solve_mission(model)
-            reading, alone = held_risk(model, solved)
+            reading, alone = held_reading(model, solved)
         except InputError:
             return None
         before = self._before.figures.mission
         if reading != before.reading:
             # The same edits make the numbers of cycles fixed, or vary: that is no cause of risk.
             return solved.failure.p - before.geometric_cycles
-        return alone - before.failure_probability
+        return alone.p - before.failure_probability

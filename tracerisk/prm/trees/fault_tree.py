@@ -139,7 +139,7 @@ class FaultTree(DisplayedGraph):
         Each number keeps the complement that its model gives, see `PairedFloat`.
         Without a mission time, `None`, only of those whose model needs none.
         Raises ModelError, with the event, when a model cannot be evaluated, and for a mission time
-        that is no number from 0 on.
+        that is not a number of 0 or more.
         """
         if mission_time_h is not None:
             check_mission_time(mission_time_h)
@@ -187,6 +187,13 @@ class FaultTree(DisplayedGraph):
                 raise with_bounds(error, self, pairs) from error
         return self._swept(values)[self._numbering.top]
 
+    def node_probabilities(self, values: Mapping[str, float]) -> dict[str, Probability]:
+        """Return the probability of every event and gate of a tree that shares none.
+
+        Raises as `probability` does.
+        """
+        return dict(zip(self._numbering.names, self._swept(values), strict=True))
+
     def probabilities(self, values: Mapping[str, ArrayLike]) -> NDArray[np.float64]:
         """Return the top's probability and its complement for n samples at once, (n, 2).
 
@@ -228,7 +235,7 @@ class FaultTree(DisplayedGraph):
 
         if self._shared:
             return shared_conditional_tops(self._compiled(), self._event_values(values))
-        return conditional_tops(self, self._sweep(values))
+        return conditional_tops(self, self.node_probabilities(values))
 
     def drop_without(self, parameter: str, values: Mapping[str, float]) -> float:
         """Return how much the top's probability falls when `parameter` is set to zero.
@@ -292,10 +299,6 @@ class FaultTree(DisplayedGraph):
                     _pair(Probability, (value, 1.0 - value)) if plain else pair_of(value)
                 )
         return pairs
-
-    def _sweep(self, values: Mapping[str, float]) -> dict[str, Probability]:
-        """Return the probability of every event and gate of a tree that shares none."""
-        return dict(zip(self._numbering.names, self._swept(values), strict=True))
 
     def _swept(self, values: Mapping[str, float]) -> list[Probability]:
         """Return the probability of every event and gate, by number."""

@@ -16,7 +16,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, cast
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.numbers.probability import Probability, pair_of, total
+from tracerisk.prm.numbers.probability import Probability, log_complement, pair_of, total
 
 if TYPE_CHECKING:
     import numpy as np
@@ -162,8 +162,7 @@ def _outcome(
     if unit.q == 0.0:
         # A unit that fails at once takes every spare with it.
         return Outcome((0.0,) * len(rates), 1.0)
-    hazard = -math.log1p(-unit.p) if unit.p < 0.5 else -math.log(unit.q)
-    return _after(hazard, required, dormancy, rates)
+    return _after(-log_complement(unit), required, dormancy, rates)
 
 
 def _tilted(

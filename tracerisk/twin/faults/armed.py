@@ -141,7 +141,7 @@ class ArmedFaults:
             self._shift_servo(model, fault.unit)
 
     def _keep_to(self, model: Any, actuator: str, position: float) -> None:
-        """Make a servo keep to a position [rad or m], whatever it is told."""
+        """Make a servo keep to a position [rad or m], whatever the command."""
         at = model.actuator(actuator).id
         model.actuator_biasprm[at, 0] += model.actuator_gainprm[at, 0] * position
         model.actuator_gainprm[at, 0] = 0.0

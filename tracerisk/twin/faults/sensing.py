@@ -1,4 +1,4 @@
-"""What faulty sensors tell of a robot whose true state is known."""
+"""The readings of faulty sensors of a robot whose true state is known."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class SensorFaults:
         self._faulty.pop(fault.unit, None)
 
     def position(self, true: Array, joints: Sequence[int] | None = None) -> Array:
-        """Return what the encoders tell of some joints, by their index (of all) [rad or m].
+        """Return the encoder readings of some joints, by their index (of all) [rad or m].
 
         `true`: (n_joints,), which may be changed. An encoder that tells nothing is read as it
         was last.
