@@ -14,8 +14,11 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.errors import ControllerFailedError, InputError, Location, TraceRiskError
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from tracerisk.adder.merge.merge import MergePolicy
     from tracerisk.config import Settings
+    from tracerisk.evidence import Evidence
     from tracerisk.hardware.model import Hardware
     from tracerisk.limits import SandboxMode
     from tracerisk.pipeline import Annotated, Controller
@@ -102,6 +105,65 @@ def assess(
     model = pipeline.build(sources, name=controller.path.name)
     assessment = pipeline.solve(model)
     return Assessed(controller, loaded, hardware, trace, annotated, sources, model, assessment)
+
+
+def gather_evidence(
+    path: str | Path,
+    settings: Mapping[str, Any] | None = None,
+    *,
+    cells: int | None = None,
+    until: float | None = None,
+    most_s: float | None = None,
+    jobs: int | None = None,
+    executor: Executor | None = None,
+    shard: tuple[int, int] = (1, 1),
+    fresh: bool = False,
+    told: Callable[[int, int, float], None] | None = None,
+) -> Evidence:
+    """Fail each unit of the robot at drawn instants, and write what became of the mission.
+
+    `cells` is how many are drawn; `until` goes on until the 90 % interval of the mission's factor
+    is no wider. No cell begins after `most_s` [s]. `jobs` local processes work on it, or the
+    workers of an `executor`; `shard` (i, n) tries every n-th cell. `told` is called with the
+    cells done, of how many, and the seconds left. The file is `tracerisk.evidence` in the
+    controller's root; what it holds already is not tried again unless `fresh`.
+    Raises ControllerFailedError where the run without a failure came to a bad end.
+    """
+    from tracerisk.dependencies import require_simulator
+    from tracerisk.pipeline.evidence.campaign import gather
+
+    require_simulator("trying failures")
+    return gather(
+        Path(path),
+        settings,
+        cells=cells,
+        until=until,
+        most_s=most_s,
+        jobs=jobs,
+        executor=executor,
+        shard=shard,
+        fresh=fresh,
+        told=told,
+    )
+
+
+def evidence(path: str | Path) -> Evidence:
+    """Return the evidence that is kept of a controller, whether it is stale or not.
+
+    Raises InputError where there is none.
+    """
+    from tracerisk.evidence import EVIDENCE_NAME, read_evidence
+    from tracerisk.pipeline import load_controller
+
+    controller = load_controller(path)
+    kept = controller.root / EVIDENCE_NAME
+    found = read_evidence(kept).get(controller.file)
+    if found is None:
+        raise InputError(
+            f"holds no evidence of {controller.file}; `tracerisk evidence {path}` gathers it",
+            Location(str(kept)),
+        )
+    return found
 
 
 def run_with_faults(

@@ -69,6 +69,8 @@ class Settings:
     fraction of the functions that can command hardware which `check` lets pass.
     `sandbox` says whether what is run of a workspace is contained; `readable` and `writable` are
     files and folders that it may reach besides, `env` the names of variables that it gets.
+    `evidence`: whether the values of blocks take what failures on the twin showed;
+    `evidence_cells` is how many of them are drawn first.
     """
 
     robot: str | None = None
@@ -101,6 +103,8 @@ class Settings:
     readable: tuple[str, ...] = ()
     writable: tuple[str, ...] = ()
     env: tuple[str, ...] = ()
+    evidence: bool = False
+    evidence_cells: int = 200
 
     @property
     def run_duration_s(self) -> float:
@@ -347,7 +351,7 @@ class _Reader:
             return float(value)
         if key == "accept":
             return read_acceptances(value, lambda message: self.fail(key, message))
-        if key in ("require_reason", "companions", "draft"):
+        if key in ("require_reason", "companions", "draft", "evidence"):
             if not isinstance(value, bool):
                 self.fail(key, f"expected true or false, found {value!r}")
             return value
@@ -377,7 +381,7 @@ class _Reader:
         if isinstance(default, int):
             if isinstance(value, bool) or not isinstance(value, int) or value < 0:
                 self.fail(key, f"expected a whole number from 0 up, found {value!r}")
-            if key == "mission_cycles" and value < 1:
+            if key in ("mission_cycles", "evidence_cells") and value < 1:
                 self.fail(key, f"expected a whole number from 1 up, found {value!r}")
             return value
         if not isinstance(value, str):

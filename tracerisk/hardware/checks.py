@@ -8,10 +8,12 @@ from typing import NoReturn, Protocol
 
 from tracerisk.errors import HardwareError, Location, one_of
 from tracerisk.hardware.model import (
+    FAULTS,
     Basis,
     Component,
     FailureFigure,
     FailureMode,
+    FaultMode,
     State,
     TwinBinding,
 )
@@ -247,9 +249,27 @@ def _check_modes(component: Component, place: Place) -> None:
         )
 
 
+def _faults_of(component: Component) -> tuple[FaultMode, ...]:
+    """Return the faults that a unit of a component can have on the twin."""
+    twin = component.twin
+    if twin is None:
+        return ()
+    found: list[FaultMode] = []
+    if twin.joints or twin.actuators:
+        found += FAULTS["joint"]
+    if twin.gripper or twin.actuators:
+        found += FAULTS["gripper"]
+    if twin.sensors:
+        found += FAULTS["sensor"]
+    return tuple(found)
+
+
 def _check_mode(component: Component, mode: FailureMode, place: Place) -> None:
     keys = ("modes", mode.name, "when")
     twin = component.twin
+    if mode.fault is not None and mode.fault not in (allowed := _faults_of(component)):
+        message = f"'{mode.fault}' is not what the unit can have; {one_of(allowed, mode.fault)}"
+        _fail(component, place, ("modes", mode.name, "fault"), message)
     figures = [figure for figure in component.figures if _is_moded(figure)]
     for word in mode.when:
         if not any(_counts_word(figure, word) for figure in figures):

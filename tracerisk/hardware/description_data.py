@@ -123,6 +123,7 @@ def _mode(mode: FailureMode) -> dict[str, Any]:
     return {
         "fraction": mode.fraction,
         "when": list(mode.when),
+        **_given("fault", mode.fault),
         **_given("source", mode.source),
     }
 

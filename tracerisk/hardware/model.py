@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import enum
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
 from tracerisk.errors import Location
 from tracerisk.hardware.redundancy import ALL_NEEDED, Detection, Redundancy
-from tracerisk.trace import SensorKind
+from tracerisk.trace import ElementKind, SensorKind
 
 
 class Basis(enum.Enum):
@@ -29,6 +30,25 @@ State = Literal["moving", "holding", "grasping"]
 """A state of use that lasts, and so is exposure."""
 Demand = Literal["start", "grasp", "release"]
 """A use that is counted: a motion begun, a grasp closed, a grasp opened."""
+FaultMode = Literal[
+    "dead",
+    "jam",
+    "offset",
+    "frozen",
+    "absent",
+    "no_force",
+    "opens",
+    "stuck",
+    "lost_with_brakes",
+    "lost_without_brakes",
+]
+"""How a unit of the twin can be made to fail; docs/faults.md says what each does."""
+FAULTS: Mapping[ElementKind, tuple[FaultMode, ...]] = {
+    "joint": ("dead", "jam"),
+    "gripper": ("no_force", "opens", "stuck"),
+    "sensor": ("offset", "frozen", "absent"),
+}
+"""The faults that a unit of each kind can have."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,13 +96,14 @@ class FailureMode:
     """A share of a unit's failures, which counts only while it can matter.
 
     `when` are the states whose time counts for figures per time, and the demands that count for
-    figures per demand.
+    figures per demand. `fault` is how the twin shows the mode, `None` where it does not say.
     """
 
     name: str
     fraction: float
     when: tuple[State | Demand, ...]
     source: str | None = None
+    fault: FaultMode | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -168,6 +168,31 @@ def progress_bar(
         yield tell
 
 
+@contextlib.contextmanager
+def bar_of_cells(*, quiet: bool) -> Iterator[Callable[[int, int, float], None] | None]:
+    """Yield what shows how many cells of a campaign are done; `None` where there is no terminal."""
+    if quiet or not sys.stderr.isatty() or _is_dumb():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    columns = (
+        TextColumn("failures"),
+        BarColumn(bar_width=20),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[left]}"),
+    )
+    console = Console(stderr=True, no_color=bool(os.environ.get("NO_COLOR")))
+    with Progress(*columns, console=console, transient=True, redirect_stdout=False) as bar:
+        task = bar.add_task("failures", total=None, left="the run without a failure")
+
+        def tell(done: int, of: int, left_s: float) -> None:
+            bar.update(task, completed=done, total=of, left=f"{left_s:.0f} s left")
+
+        yield tell
+
+
 def _is_dumb() -> bool:
     return os.environ.get("TERM", "").lower() in ("dumb", "unknown")
 

@@ -162,7 +162,8 @@ def read_modes(found: list[Metadata], way: tuple[Symbol, ...]) -> tuple[FailureM
         fields = Fields.of(each, way)
         uses: Any = fields.words("uses", "Use")
         fraction = fields.positive("fraction", maximum=1.0)
-        modes[name] = FailureMode(name, fraction, uses, fields.text("source"))
+        fault: Any = fields.word("fault", "Fault") if "fault" in fields else None
+        modes[name] = FailureMode(name, fraction, uses, fields.text("source"), fault)
     return tuple(modes.values())
 
 

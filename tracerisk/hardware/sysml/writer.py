@@ -253,6 +253,7 @@ class _Writer:
         values = {
             "fraction": mode.fraction,
             "uses": _several(self._word("Use", each) for each in mode.when),
+            **({} if mode.fault is None else {"fault": self._word("Fault", mode.fault)}),
             "source": mode.source,
         }
         return self.metadata("FailureMode", values, mode.name)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import get_args
 
 from tracerisk.errors import HardwareError, one_of
 from tracerisk.hardware.load import unmeasured_exponent
-from tracerisk.hardware.model import Demand, FailureMode, LoadLaw, State
+from tracerisk.hardware.model import Demand, FailureMode, FaultMode, LoadLaw, State
 from tracerisk.hardware.yaml.figures import DEMANDS
 from tracerisk.text.yaml_reader import YamlMap
 from tracerisk.trace import WEAR_EXPONENTS
@@ -20,7 +21,7 @@ USES: Mapping[str, State | Demand] = {
 """The words for the uses in which a failure mode can matter."""
 
 _LAW_KEYS = frozenset({"reference_load", "wearing_share", "exponent", "reference_speed", "source"})
-_MODE_KEYS = frozenset({"fraction", "when", "source"})
+_MODE_KEYS = frozenset({"fraction", "when", "source", "fault"})
 
 
 def read_load_law(entry: YamlMap) -> LoadLaw | None:
@@ -67,7 +68,19 @@ def _mode(name: str, mode: YamlMap) -> FailureMode:
         _fraction(mode, "fraction"),
         tuple(USES[word] for word in words),
         mode.optional_string("source"),
+        _fault(mode),
     )
+
+
+def _fault(mode: YamlMap) -> FaultMode | None:
+    given = mode.optional_string("fault")
+    allowed: tuple[FaultMode, ...] = get_args(FaultMode)
+    for fault in allowed:
+        if given == fault:
+            return fault
+    if given is not None:
+        mode.fail("fault", f"'{given}' is not allowed; {one_of(allowed, given)}")
+    return None
 
 
 def _exponent(law: YamlMap) -> float:

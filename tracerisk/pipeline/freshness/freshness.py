@@ -34,7 +34,7 @@ _LIMITS = frozenset(
         *("max_failure_probability", "require_reason", "fail_on", "min_coverage", "sandbox"),
     }
 )
-_OF_VALUES = frozenset({"hardware", "active"})
+_OF_VALUES = frozenset({"hardware", "active", "evidence", "evidence_cells"})
 _NAMES_OF_FILES = ("robot", "scene", "scenario", "hardware", "launch")
 
 

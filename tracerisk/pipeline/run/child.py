@@ -39,6 +39,7 @@ from tracerisk.pipeline.trace.run_files import (
     ENTRY,
     EVENTS,
     GIVEN,
+    GRAPH_USE,
     JOINTS_ASKED,
     ROBOT,
     STACKS,
@@ -297,6 +298,7 @@ def _run_recorded(
         mark_start()
         began = wall_clock()
         end.run(lambda: scheduler.run_main(begin))
+        recorder.note(GRAPH_USE, counts=dict(sorted(runtime.graph.counts.items())))
         twin.close()
         WallTime(wall_clock() - began, world.seconds).write(folder)
 

@@ -145,14 +145,15 @@ def run_again(
     *,
     keep: Path | None = None,
     progress: Progress | None = None,
+    quiet: bool = False,
 ) -> ControllerRun:
     """Run the controller once more as `before`, on a robot in which units fail.
 
-    Raises as `run_controller`.
+    What it prints is dropped where the run is `quiet`. Raises as `run_controller`.
     """
     with run_folders(keep) as (folder, written):
         request = replace(before.request, folder=str(folder), faults=faults)
-        return _run(controller, before.robot, settings, request, written, progress)
+        return _run(controller, before.robot, settings, request, written, progress, quiet=quiet)
 
 
 def _run(
@@ -162,6 +163,8 @@ def _run(
     request: RunRequest,
     written: Path,
     progress: Progress | None,
+    *,
+    quiet: bool = False,
 ) -> ControllerRun:
     """Run the controller as the request says, whose folder is that of the recording."""
     from tracerisk.twin.robots.file import dump_robot
@@ -174,7 +177,7 @@ def _run(
     (folder / ROBOT).write_text(dump_robot(robot), encoding="utf-8")
     if progress is not None:
         progress(_STARTING, 0.0)
-    process_end = _run_child(request, folder, settings, progress)
+    process_end = _run_child(request, folder, settings, progress, quiet=quiet)
     recording = _recording(folder, request)
     _raise_failure(recording)
     _raise_unstarted(recording, process_end, settings)
@@ -219,7 +222,12 @@ def _workspace(request: RunRequest) -> tuple[str, ...]:
 
 
 def _run_child(
-    request: RunRequest, folder: Path, settings: Settings, progress: Progress | None
+    request: RunRequest,
+    folder: Path,
+    settings: Settings,
+    progress: Progress | None,
+    *,
+    quiet: bool = False,
 ) -> _ProcessEnd:
     request_path = folder / "request.json"
     request_path.write_text(request.dumps(), encoding="utf-8")
@@ -249,7 +257,7 @@ def _run_child(
     )
     assert child.stdout is not None
     # A controller that is run again and again for its drafts prints the same each time.
-    shown = request.drafts != "always"
+    shown = request.drafts != "always" and not quiet
     passing = PassingOn(child.stdout, is_drawn=progress is not None, is_shown=shown)
     passing.start()
     try:

@@ -18,7 +18,7 @@ from tracerisk.twin.faults.fault import Fault, check_faults
 if TYPE_CHECKING:
     from tracerisk.hardware.model import Hardware
 
-_REPORTED = frozenset(
+REPORTED = frozenset(
     {
         "attach_failure",
         "execution_failure",
@@ -53,12 +53,12 @@ class FaultRun:
     @property
     def reported(self) -> tuple[Finding, ...]:
         """The failures reported to the controller, beyond those without the faults."""
-        return tuple(each for each in self._more_findings() if each.kind in _REPORTED)
+        return tuple(each for each in self._more_findings() if each.kind in REPORTED)
 
     @property
     def other_findings(self) -> tuple[Finding, ...]:
         """The other findings that the faults add: contacts, errors of callbacks."""
-        return tuple(each for each in self._more_findings() if each.kind not in _REPORTED | NOTES)
+        return tuple(each for each in self._more_findings() if each.kind not in REPORTED | NOTES)
 
     @property
     def other_reasons(self) -> tuple[Reason, ...]:
@@ -76,11 +76,11 @@ class FaultRun:
         return (finding.time_s or 0.0) - self.faults[0].time_s
 
     def _more_findings(self) -> tuple[Finding, ...]:
-        before = {_key(each) for each in self.nominal.findings}
+        before = {finding_key(each) for each in self.nominal.findings}
         return tuple(
             each
             for each in self.trace.findings
-            if (each.time_s or 0.0) >= self.faults[0].time_s and _key(each) not in before
+            if (each.time_s or 0.0) >= self.faults[0].time_s and finding_key(each) not in before
         )
 
 
@@ -89,6 +89,7 @@ def nominal_run(
     settings: Settings,
     *,
     hardware_of: Callable[[Settings, str], Hardware],
+    keep: Path | None = None,
     progress: Progress | None = None,
 ) -> ControllerRun:
     """Run a controller without a fault, as `trace_attempts`, and return the run it chose.
@@ -97,7 +98,12 @@ def nominal_run(
     """
     runs: list[ControllerRun] = []
     trace = trace_attempts(
-        controller, settings, hardware_of=hardware_of, progress=progress, on_run=runs.append
+        controller,
+        settings,
+        hardware_of=hardware_of,
+        keep=keep,
+        progress=progress,
+        on_run=runs.append,
     )
     return next(each for each in runs if each.trace is trace)
 
@@ -130,5 +136,6 @@ def _reasons(trace: Trace) -> tuple[Reason, ...]:
     return () if trace.verdict is None else trace.verdict.reasons
 
 
-def _key(finding: Finding) -> tuple[object, ...]:
+def finding_key(finding: Finding) -> tuple[object, ...]:
+    """Return what tells a finding from others, whenever it happened."""
     return finding.kind, finding.function, finding.object, finding.message, finding.location

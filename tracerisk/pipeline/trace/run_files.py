@@ -52,6 +52,8 @@ DraftsNoted = Literal["never", "without_risk", "always"]
 COMPANION = "companion"
 """The note of a companion that `ended` before its time: how it is `told`, and how it ended."""
 _WALL_TIME = "wall_time.json"
+GRAPH_USE = "graph_use"
+"""The note of how many messages, calls and goals went to each name of the graph: `counts`."""
 UNMET = "unmet"
 """The note of what the controller asked for in vain and went on without."""
 GIVEN = "given"

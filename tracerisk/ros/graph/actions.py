@@ -363,6 +363,7 @@ class ActionClientEnd:
             scheduler.bound(on_feedback),
             data=data,
         )
+        self.actions.count_goal(self.name)
         if server is not None:
             server.is_called = True
             server.goals.append(goal)
@@ -410,6 +411,10 @@ class Actions:
         self._watchers: list[Callable[[ActionChange, str, str], None]] = []
         graph_listens = self.scheduler.listens
         self.scheduler.listens = lambda: graph_listens() or self._listens()
+
+    def count_goal(self, name: str) -> None:
+        """Count a goal that the controller sent."""
+        self._runtime.graph.counts[name] += 1
 
     def _listens(self) -> bool:
         return any(each.by_controller for known in self._servers.values() for each in known)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 import sys
+from collections import Counter
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, field
@@ -74,6 +75,8 @@ class Publication:
         scheduler.count_call()
         scheduler.raise_if_over()
         self.pace.keep(scheduler)
+        if self.by_controller and only is None:
+            self.graph.counts[self.topic] += 1
         receivers = self.subscriptions if only is None else (only,)
         if not receivers:
             self.graph._unheard.setdefault(self.topic, self)
@@ -175,6 +178,7 @@ class Graph:
 
     `tracer` makes each service handler a root. `warn` is told what a person should know, such as
     two types on one topic; by default it is an error line on standard error.
+    `counts` is how many messages, calls and goals of the controller went to each name.
     """
 
     def __init__(
@@ -189,6 +193,7 @@ class Graph:
         self.parameters = ParameterTree()
         self._warn = warn
         self._topics: dict[str, _Topic] = {}
+        self.counts: Counter[str] = Counter()
         self._unheard: dict[str, Publication] = {}
         self._services: dict[str, ServiceServer] = {}
         self._callers: dict[Need, Missed] = {}
@@ -449,6 +454,7 @@ class Graph:
         """
         self.scheduler.raise_if_over()
         server.is_called = True
+        self.counts[server.name] += 1
         if not server.is_callback:
             return server.handle(request)
         self.scheduler.ask(server.process)

@@ -17,6 +17,7 @@ from tracerisk.errors import Location, ScenarioError, one_of
 from tracerisk.ros.graph.parameter_files import Parameter, parameters_of
 from tracerisk.ros.scenario.marks import Unconfirmed, unconfirmed
 from tracerisk.ros.scenario.message import Written
+from tracerisk.ros.scenario.success import Condition, read_condition
 from tracerisk.text.yaml_reader import YamlMap, read_yaml
 from tracerisk.trace import Acceptance
 
@@ -122,6 +123,8 @@ class Scenario:
     arguments: tuple[str, ...] = ()
     """The controller's command line, where nobody gives another."""
     unconfirmed: tuple[Unconfirmed, ...] = ()
+    success: tuple[Condition, ...] = ()
+    """What a mission is; empty where the file does not say."""
 
 
 def read_scenario(path: Path) -> Scenario:
@@ -136,7 +139,7 @@ def read_scenario(path: Path) -> Scenario:
     top.forbid_unknown(
         {
             *("parameters", "publish", "services", "actions"),
-            *("calls", "frames", "objects", "answers", "accept", "arguments", "robot"),
+            *("calls", "frames", "objects", "answers", "accept", "arguments", "robot", "success"),
         }
     )
     parameters = top.optional_map("parameters") if top.get("parameters") is not None else None
@@ -154,6 +157,7 @@ def read_scenario(path: Path) -> Scenario:
         robot=_robot(top, path),
         arguments=_texts(top, "arguments", "one word of the command line each"),
         unconfirmed=unconfirmed(path, top),
+        success=_entries(top, "success", read_condition),
     )
     _forbid_twice(top, "services", "name")
     _forbid_twice(top, "actions", "name")

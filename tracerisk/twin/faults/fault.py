@@ -5,26 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, cast, get_args
+from typing import TYPE_CHECKING, cast, get_args
 
 from tracerisk.errors import InputError, one_of
+from tracerisk.hardware.model import FAULTS, FaultMode
 
 if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Robot
-
-FaultMode = Literal[
-    "dead",
-    "jam",
-    "offset",
-    "frozen",
-    "absent",
-    "no_force",
-    "opens",
-    "stuck",
-    "lost_with_brakes",
-    "lost_without_brakes",
-]
-"""How a unit fails; docs/faults.md says what each does."""
 
 POWER, CONTROL = "power", "control"
 """The units that are no element of the robot: its power supply and its control unit."""
@@ -78,14 +65,10 @@ def modes_of(robot: Robot) -> Mapping[str, tuple[FaultMode, ...]]:
     Cameras are left out: the twin takes no pictures.
     """
     found: dict[str, tuple[FaultMode, ...]] = {
-        joint.name: ("dead", "jam") for joint in robot.arm_joints
+        joint.name: FAULTS["joint"] for joint in robot.arm_joints
     }
-    found |= {gripper.name: ("no_force", "opens", "stuck") for gripper in robot.grippers}
-    found |= {
-        sensor.name: ("offset", "frozen", "absent")
-        for sensor in robot.sensors
-        if sensor.kind != "camera"
-    }
+    found |= {gripper.name: FAULTS["gripper"] for gripper in robot.grippers}
+    found |= {sensor.name: FAULTS["sensor"] for sensor in robot.sensors if sensor.kind != "camera"}
     found.setdefault(POWER, ("lost_with_brakes", "lost_without_brakes"))
     found.setdefault(CONTROL, ("frozen",))
     return found

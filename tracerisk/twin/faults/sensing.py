@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.hardware.model import FaultMode
 from tracerisk.twin.faults.armed import encoder_offset
-from tracerisk.twin.faults.fault import Fault, FaultMode
+from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.physics.motion import JointState
 from tracerisk.twin.physics.wrench import Wrench
 from tracerisk.twin.robots.robot import Robot

@@ -21,7 +21,7 @@ FEATURES: dict[str, tuple[str, ...]] = {
         "age",
         "loadLaw",
     ),
-    "FailureMode": ("fraction", "uses", "source"),
+    "FailureMode": ("fraction", "uses", "fault", "source"),
     "HardwareData": ("robot", "source"),
     "Redundancy": (
         "redundant",
@@ -58,6 +58,16 @@ ENUMERATIONS: dict[str, dict[str, str]] = {
         "torque": "torque",
         "wrench": "wrench",
         "camera": "camera",
+    },
+    "Fault": {
+        "dead": "dead",
+        "jam": "jam",
+        "offset": "offset",
+        "frozen": "frozen",
+        "absent": "absent",
+        "noForce": "no_force",
+        "opens": "opens",
+        "stuck": "stuck",
     },
     "Use": {
         "moving": "moving",

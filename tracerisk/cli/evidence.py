@@ -1,0 +1,158 @@
+"""`tracerisk evidence`: fail each unit of the robot at drawn instants, and keep the effects."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import (
+    bar_of_cells,
+    note,
+    print_json,
+    print_text,
+    show,
+    terminal_width,
+    use_color,
+    write_file,
+)
+from tracerisk.errors import ExitCode, InputError
+
+if TYPE_CHECKING:
+    from tracerisk.evidence import Evidence
+
+_MERGE = "merge"
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    shared.add_run_options(parser)
+    shared.add_hardware_options(parser)
+    group = parser.add_argument_group("the campaign")
+    group.add_argument(
+        "--cells",
+        metavar="N",
+        type=shared.count,
+        help="failures to draw from the hazard (default: evidence_cells of the settings, 200)",
+    )
+    group.add_argument(
+        "--until",
+        metavar="WIDTH",
+        type=shared.positive,
+        help="draw more until the 90 %% interval of the mission's factor is no wider than this",
+    )
+    group.add_argument(
+        "--time",
+        metavar="SECONDS",
+        type=shared.positive,
+        help="begin no further failure after this; the same command goes on from there",
+    )
+    group.add_argument(
+        "-j", "--jobs", metavar="N", type=shared.count, help="processes (default: one a core)"
+    )
+    group.add_argument(
+        "--shard",
+        metavar="I/N",
+        type=_shard,
+        default=(1, 1),
+        help="try every N-th failure; `tracerisk evidence merge FILE...` puts shards together",
+    )
+    group.add_argument("--fresh", action="store_true", help="try again what was tried before")
+    group.add_argument("--show", action="store_true", help="print what is there; try nothing")
+    output = parser.add_argument_group("output")
+    output.add_argument("--csv", metavar="OUT", help="write the table as CSV")
+    output.add_argument("--markdown", metavar="OUT", help="write the table as Markdown")
+    output.add_argument("-o", "--output", metavar="OUT", help="of merge: the file to write")
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb and return its exit code."""
+    if options.controller == _MERGE and not Path(_MERGE).exists():
+        return _merge(options)
+    if options.output is not None:
+        raise InputError("-o goes with `evidence merge`; --csv and --markdown write the table")
+    from tracerisk import api
+
+    if options.show:
+        found = api.evidence(options.controller)
+    else:
+        with bar_of_cells(quiet=options.quiet) as told:
+            found = api.gather_evidence(
+                options.controller,
+                shared.run_settings(options),
+                cells=options.cells,
+                until=options.until,
+                most_s=options.time,
+                jobs=options.jobs,
+                shard=options.shard,
+                fresh=options.fresh,
+                told=told,
+            )
+    _print(options, found)
+    return int(ExitCode.FINE)
+
+
+def _print(options: argparse.Namespace, found: Evidence) -> None:
+    from tracerisk.report import fmea
+
+    name = Path(options.controller).name
+    for path, text in (
+        (options.csv, fmea.csv_text(found)),
+        (options.markdown, fmea.markdown_text(found, name)),
+    ):
+        if path is not None:
+            write_file(path, text)
+    if options.json:
+        print_json(
+            "evidence",
+            complete=found.is_complete,
+            declared=found.declared,
+            drawn=found.drawn,
+            robot=found.robot,
+            rows=[
+                dict(zip(fmea.HEADINGS, row.values, strict=True)) for row in fmea.fmea_rows(found)
+            ],
+            seed=found.seed,
+            success=list(found.success),
+            tried=len(found.cells),
+        )
+        return
+    print_text(fmea.render_fmea(found, width=terminal_width(), color=use_color()))
+    for line in fmea.summary_lines(found):
+        show(line)
+    if not found.is_complete:
+        note(
+            f"{found.drawn} of {found.declared} drawn failures are tried: figures take evidence "
+            "when all are; run the same command again",
+            quiet=options.quiet,
+        )
+    if not found.success:
+        note(
+            "no scenario declares `success`: evidence raises figures and lowers none "
+            "(docs/evidence.md)",
+            quiet=options.quiet,
+        )
+
+
+def _merge(options: argparse.Namespace) -> int:
+    from tracerisk.evidence import EVIDENCE_NAME, dump_evidence, merge_evidence
+
+    if not options.argv:
+        raise InputError("evidence merge: name the files of the shards")
+    merged = merge_evidence([Path(each) for each in options.argv])
+    target = options.output or EVIDENCE_NAME
+    write_file(target, dump_evidence(merged))
+    for name, found in sorted(merged.items()):
+        note(f"{name}: {len(found.cells)} failures in {target}", quiet=options.quiet)
+    return int(ExitCode.FINE)
+
+
+def _shard(text: str) -> tuple[int, int]:
+    index, slash, of = text.partition("/")
+    with contextlib.suppress(ValueError):
+        if slash and 1 <= int(index) <= int(of) <= 10_000:
+            return int(index), int(of)
+    raise argparse.ArgumentTypeError(f"'{text}': expected I/N such as 1/4, I from 1 to N")

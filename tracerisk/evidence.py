@@ -1,0 +1,334 @@
+"""Evidence: what failures of single units did to a mission, as data and as a file.
+
+`tracerisk evidence` fails one unit of the twin at a time, at instants drawn by a seed, and keeps
+what became of each run in `tracerisk.evidence`, committed like a lock. See docs/evidence.md.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields, replace
+from pathlib import Path
+from typing import Any, Literal, cast, get_args
+
+from tracerisk.errors import InputError, Location, one_of
+
+EVIDENCE_NAME = "tracerisk.evidence"
+"""The file's name in a controller's root."""
+
+Effect = Literal[
+    "collision",
+    "dropped",
+    "not_placed",
+    "ended_badly",
+    "wrong_position",
+    "late",
+    "told",
+    "nothing",
+]
+"""What became of a mission, the worst first; docs/evidence.md says when each holds."""
+EFFECTS: tuple[Effect, ...] = get_args(Effect)
+Use = Literal["moving", "holding", "grasping", "active", "idle"]
+"""What a unit did at the instant of its failure; `active` where it is none of the first three."""
+
+_VERSION = 1
+_MOST_CELLS = 100_000
+_MOST_BYTES = 64 * 1024**2
+_ENTRY_KEYS = ("cells", "declared", "fingerprint", "robot", "seed", "success")
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One failure that was tried: a unit, its mode, the instant, and what became of the run."""
+
+    component: str
+    """What the hardware description calls the unit."""
+    unit: str
+    mode: str
+    time_s: float
+    """The instant of the failure, in simulated time [s]."""
+    use: Use
+    """What the unit did then."""
+    function: str
+    """The qualified name of the function whose visit it was."""
+    drawn: bool
+    """Whether it was drawn from the time in use or idle; else it only fills the table."""
+    active_s: float
+    """The time in use that the unit had before the instant [s]."""
+    states_s: tuple[float, float, float]
+    """The same time spent moving, holding and grasping [s]."""
+    fails: bool = False
+    """Whether the mission failed."""
+    effect: Effect = "nothing"
+    """The worst that happened."""
+    local: str = ""
+    """What the unit itself did, in words: `sagged by 0.31 rad`."""
+    told_after_s: float | None = None
+    """How long after the failure the controller was told of one [s]; `None`: never."""
+    told_by: str = ""
+    """The kind of the first report."""
+    effect_after_s: float | None = None
+    """How long after the failure the effect came [s]; `None` for the end of the run."""
+    lost: tuple[str, ...] = ()
+    """What the run without the failure reached and this one did not, in words."""
+    contact: str = ""
+    """The hardest touch that was not to be expected, in words with its force."""
+
+    @property
+    def key(self) -> tuple[str, str, float]:
+        """What tells it from others: unit, mode and instant."""
+        return self.unit, self.mode, self.time_s
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether the unit was not in use when it failed."""
+        return self.use == "idle"
+
+
+@dataclass(frozen=True, slots=True)
+class UnitClock:
+    """How long a unit was in use over the run in which failures were tried [s]."""
+
+    active_s: float
+    states_s: tuple[float, float, float]
+    """Moving, holding, grasping."""
+    run_s: float
+    """The time of the run."""
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """The evidence of one controller.
+
+    `fingerprint` is that of the run without failures, `declared` the number of cells to be drawn
+    before figures take it. `success` says in words what a mission is, empty where the scenario
+    declares nothing. `cells` are sorted by unit, mode and instant.
+    """
+
+    fingerprint: str
+    robot: str
+    seed: int
+    declared: int
+    success: tuple[str, ...] = ()
+    clocks: Mapping[str, UnitClock] = field(default_factory=dict)
+    cells: tuple[Cell, ...] = ()
+
+    @property
+    def drawn(self) -> int:
+        """How many cells were drawn."""
+        return sum(1 for each in self.cells if each.drawn)
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether as many cells were drawn as declared."""
+        return self.drawn >= self.declared
+
+
+def read_evidence(path: Path) -> dict[str, Evidence]:
+    """Return the evidence of each controller, by its file from the root; none without the file.
+
+    Raises InputError with the place of what is malformed.
+    """
+    try:
+        size = path.stat().st_size
+        if size > _MOST_BYTES:
+            raise InputError(
+                f"has {size} bytes, more than {_MOST_BYTES}; is it evidence?", Location(str(path))
+            )
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return {}
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"cannot be read: {error}", Location(str(path))) from error
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        line = getattr(error, "lineno", None)
+        raise InputError(
+            f"is no evidence: {error}; `git checkout {path.name}`, or remove it and run "
+            "`tracerisk evidence`",
+            Location(str(path), line),
+        ) from error
+    return _Reader(path).file(data)
+
+
+def dump_evidence(found: Mapping[str, Evidence]) -> str:
+    """Return the text of the file: sorted, a cell a line."""
+    lines = ["{", f' "version": {_VERSION},', ' "controllers": {']
+    for number, (name, entry) in enumerate(sorted(found.items())):
+        lines += [f"  {json.dumps(name)}: {{"]
+        head = {
+            "clocks": {unit: asdict(each) for unit, each in sorted(entry.clocks.items())},
+            "declared": entry.declared,
+            "fingerprint": entry.fingerprint,
+            "robot": entry.robot,
+            "seed": entry.seed,
+            "success": list(entry.success),
+        }
+        lines += [f"   {json.dumps(key)}: {json.dumps(head[key])}," for key in sorted(head)]
+        cells = [f"    {cell_line(each)}" for each in sorted(entry.cells, key=lambda c: c.key)]
+        lines += ['   "cells": [', ",\n".join(cells), "   ]"] if cells else ['   "cells": []']
+        lines += ["  }" if number == len(found) - 1 else "  },"]
+    return "\n".join([*lines, " }", "}"]) + "\n"
+
+
+def merge_evidence(files: Sequence[Path]) -> dict[str, Evidence]:
+    """Return the evidence of several files, such as those of shards, as one.
+
+    Raises InputError where two speak of other sources, robots, seeds or numbers of cells.
+    """
+    merged: dict[str, Evidence] = {}
+    for path in files:
+        if not path.exists():
+            raise InputError("does not exist", Location(str(path)))
+        for name, found in read_evidence(path).items():
+            ours = merged.get(name)
+            if ours is None:
+                merged[name] = found
+                continue
+            if replace(found, cells=()) != replace(ours, cells=()):
+                raise InputError(
+                    f"the evidence of {name} is of another campaign than that before it: its "
+                    "sources, robot, seed, success or number of cells differ",
+                    Location(str(path)),
+                )
+            cells = {each.key: each for each in (*ours.cells, *found.cells)}
+            ordered = tuple(cells[key] for key in sorted(cells))
+            merged[name] = replace(ours, cells=ordered)
+    return merged
+
+
+def cell_line(cell: Cell) -> str:
+    """Return a cell as one line of JSON: what is as by default is left out."""
+    data = asdict(cell)
+    return json.dumps({key: data[key] for key in data if data[key] != _DEFAULTS.get(key, _NONE)})
+
+
+def parse_cell(text: str, where: Location) -> Cell:
+    """Read a line of `cell_line`; raise InputError where it is none."""
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"is no cell of evidence: {error}", where) from error
+    return _cell(data, where)
+
+
+_NONE = object()
+_DEFAULTS: dict[str, Any] = {
+    "fails": False,
+    "effect": "nothing",
+    "local": "",
+    "told_after_s": None,
+    "told_by": "",
+    "effect_after_s": None,
+    "lost": (),
+    "contact": "",
+}
+
+
+_TEXTS = ("component", "unit", "mode", "function", "local", "told_by", "contact")
+
+
+class _Reader:
+    def __init__(self, path: Path) -> None:
+        self._where = Location(str(path))
+
+    def file(self, data: Any) -> dict[str, Evidence]:
+        if not isinstance(data, dict) or not isinstance(data.get("controllers"), dict):
+            raise self._error("expected an object with 'version' and 'controllers'")
+        if data.get("version") != _VERSION:
+            raise self._error(
+                f"is of version {data.get('version')!r}; this tracerisk reads version {_VERSION}"
+            )
+        return {name: self._entry(name, each) for name, each in data["controllers"].items()}
+
+    def _error(self, message: str) -> InputError:
+        return InputError(message, self._where)
+
+    def _entry(self, name: str, data: Any) -> Evidence:
+        if not isinstance(data, dict):
+            raise self._error(f"{name}: expected an object")
+        missing = [key for key in _ENTRY_KEYS if key not in data]
+        if missing:
+            raise self._error(f"{name}: {missing[0]} is missing")
+        cells, clocks, success = data["cells"], data.get("clocks", {}), data["success"]
+        if not isinstance(cells, list) or len(cells) > _MOST_CELLS:
+            raise self._error(f"{name}: cells: expected a list of at most {_MOST_CELLS}")
+        if not isinstance(clocks, dict) or not isinstance(success, list):
+            raise self._error(f"{name}: expected an object in 'clocks' and a list in 'success'")
+        for key in ("declared", "seed"):
+            if not isinstance(data[key], int) or isinstance(data[key], bool) or data[key] < 0:
+                raise self._error(f"{name}: {key}: expected a whole number, 0 or more")
+        read = tuple(_cell(each, self._where) for each in cells)
+        if len({each.key for each in read}) != len(read):
+            raise self._error(
+                f"{name}: duplicate cells; `tracerisk evidence --fresh` makes it anew"
+            )
+        return Evidence(
+            fingerprint=str(data["fingerprint"]),
+            robot=str(data["robot"]),
+            seed=data["seed"],
+            declared=data["declared"],
+            success=tuple(map(str, success)),
+            clocks={unit: self._clock(unit, each) for unit, each in clocks.items()},
+            cells=read,
+        )
+
+    def _clock(self, unit: str, data: Any) -> UnitClock:
+        if not isinstance(data, dict):
+            raise self._error(f"clock of '{unit}': expected an object")
+        return UnitClock(
+            _seconds(data.get("active_s"), "active_s", self._where),
+            _three(data.get("states_s"), self._where),
+            _seconds(data.get("run_s"), "run_s", self._where),
+        )
+
+
+def _cell(data: Any, where: Location) -> Cell:
+    if not isinstance(data, dict):
+        raise InputError("a cell: expected an object", where)
+    known = [each.name for each in fields(Cell)]
+    unknown = sorted(set(data) - set(known))
+    if unknown:
+        raise InputError(f"a cell: unknown key '{unknown[0]}'; {one_of(known, unknown[0])}", where)
+    given = {**_DEFAULTS, **data}
+    missing = [key for key in known if key not in given]
+    if missing:
+        raise InputError(f"a cell: {missing[0]} is missing", where)
+    for key, allowed in (("effect", EFFECTS), ("use", get_args(Use))):
+        if given[key] not in allowed:
+            raise InputError(f"a cell: {key} {given[key]!r}; {one_of(allowed)}", where)
+    for key in ("drawn", "fails"):
+        if not isinstance(given[key], bool):
+            raise InputError(f"a cell: {key}: expected true or false", where)
+    for key in ("told_after_s", "effect_after_s"):
+        if given[key] is not None:
+            given[key] = _seconds(given[key], key, where)
+    return Cell(
+        **{
+            **given,
+            **{key: str(given[key]) for key in _TEXTS},
+            "time_s": _seconds(given["time_s"], "time_s", where),
+            "active_s": _seconds(given["active_s"], "active_s", where),
+            "states_s": _three(given["states_s"], where),
+            "lost": tuple(map(str, given["lost"])),
+            "use": cast(Use, given["use"]),
+            "effect": cast(Effect, given["effect"]),
+        }
+    )
+
+
+def _seconds(value: Any, name: str, where: Location) -> float:
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not is_number or not math.isfinite(value) or not 0.0 <= value <= 1e9:
+        raise InputError(f"{name}: expected seconds from 0 to 1e9, not {value!r}", where)
+    return float(value)
+
+
+def _three(value: Any, where: Location) -> tuple[float, float, float]:
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 3:
+        raise InputError("states_s: expected three times in seconds", where)
+    moving, holding, grasping = (_seconds(each, "states_s", where) for each in value)
+    return moving, holding, grasping

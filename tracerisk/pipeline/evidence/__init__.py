@@ -1,0 +1,1 @@
+"""Campaigns of failures on the twin: draw, run, judge, keep."""

@@ -1,0 +1,344 @@
+"""A campaign of failures: draw its cells, run what is missing, keep each as it comes."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import multiprocessing
+import os
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from tracerisk.adder.sources.write import atomic_write
+from tracerisk.config import Settings
+from tracerisk.errors import ControllerFailedError, InputError, Location
+from tracerisk.evidence import (
+    EVIDENCE_NAME,
+    Cell,
+    Evidence,
+    cell_line,
+    dump_evidence,
+    parse_cell,
+    read_evidence,
+)
+from tracerisk.pipeline.evidence.cell_runs import (
+    CellBatch,
+    Nominal,
+    batches,
+    nominal_of,
+    run_batch,
+    trace_digest,
+)
+from tracerisk.pipeline.evidence.draw import Target, draw_cells
+from tracerisk.pipeline.evidence.targets import targets_of
+from tracerisk.pipeline.evidence.unit_use import UnitUse, unit_uses
+from tracerisk.pipeline.freshness.freshness import run_inputs
+from tracerisk.pipeline.history.file_lock import one_writer
+from tracerisk.pipeline.trace.cache import FOLDER
+from tracerisk.prm.numbers.share_interval import weighted_interval
+from tracerisk.twin.faults.fault import CONTROL, POWER
+
+BATCH = 4
+"""How many cells a worker is given at a time."""
+_POOLS = 3
+"""How often a pool of workers of which one died is started again."""
+_MOST_CELLS = 20_000
+
+Told = Callable[[int, int, float], None]
+"""Told how many cells are done, of how many, and the seconds left."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """What a campaign tries."""
+
+    nominal: Nominal
+    controller: str
+    options: tuple[tuple[str, Any], ...]
+    fingerprint: str
+    targets: tuple[Target, ...]
+    uses: Mapping[str, UnitUse]
+    cells: tuple[Cell, ...]
+    declared: int
+
+    @property
+    def settings(self) -> Settings:
+        """The settings of the campaign."""
+        return self.nominal.settings
+
+    @property
+    def evidence_path(self) -> Path:
+        """The file into which the evidence goes."""
+        return self.nominal.controller.root / EVIDENCE_NAME
+
+    @property
+    def journal(self) -> Path:
+        """The file in which cells are kept as they come, until the campaign is over."""
+        name = hashlib.sha256(self.nominal.controller.file.encode()).hexdigest()[:16]
+        kept = self.nominal.controller.root / FOLDER
+        return kept / f"evidence-{name}-{self.fingerprint[:16]}-{self.settings.seed}.jsonl"
+
+    def evidence(self, cells: Sequence[Cell]) -> Evidence:
+        """Return the evidence of these cells of the campaign."""
+        clocks = {unit: use.clock for unit, use in self.uses.items()}
+        tried = {each.unit for each in self.targets}
+        return Evidence(
+            fingerprint=self.fingerprint,
+            robot=self.nominal.trace.robot,
+            seed=self.settings.seed,
+            declared=self.declared,
+            success=tuple(each.words for each in self.nominal.success),
+            clocks={unit: clocks[unit] for unit in sorted(tried)},
+            cells=tuple(sorted(cells, key=lambda each: each.key)),
+        )
+
+
+def plan_campaign(
+    controller: Path, options: Mapping[str, Any] | None = None, *, cells: int | None = None
+) -> Plan:
+    """Run a controller without a failure, and draw what is to be tried.
+
+    `options` go before the settings of `pyproject.toml`; `cells` is how many are drawn, those of
+    the settings by default. Raises ControllerFailedError where the run came to a bad end or
+    commanded nothing, InputError where there is nothing to fail.
+    """
+    from tracerisk.pipeline.stages import load_hardware
+
+    given = tuple(sorted((k, v) for k, v in (options or {}).items() if v not in (None, (), [])))
+    nominal = nominal_of(str(controller), given)
+    trace = nominal.trace
+    if not trace.is_usable or not trace.functions:
+        message = trace.end.message if trace.functions else "it commanded no hardware"
+        raise ControllerFailedError(
+            f"there is no mission to fail: {message}", trace.end.location, trace.end.scenario
+        )
+    declared = nominal.settings.evidence_cells if cells is None else cells
+    if not 1 <= declared <= _MOST_CELLS:
+        raise InputError(f"{declared} cells; allowed: 1 to {_MOST_CELLS}")
+    robot = nominal.run.robot
+    hardware = load_hardware(nominal.settings, trace.robot)
+    targets = targets_of(trace, robot, hardware, nominal.settings)
+    uses = unit_uses(nominal.folder, trace, robot, nominal.settings, (POWER, CONTROL))
+    targets = tuple(each for each in targets if each.unit in uses)
+    if not targets:
+        raise InputError(
+            "the hardware description has no unit that the twin can fail; `tracerisk run --fault` "
+            "lists those of the robot"
+        )
+    inputs = run_inputs(nominal.controller, trace, nominal.settings, given=dict(given))
+    drawn = draw_cells(targets, uses, trace, cells=declared, seed=nominal.settings.seed)
+    return Plan(nominal, str(controller), given, inputs.fingerprint, targets, uses, drawn, declared)
+
+
+def gather(
+    controller: Path,
+    options: Mapping[str, Any] | None = None,
+    *,
+    cells: int | None = None,
+    until: float | None = None,
+    most_s: float | None = None,
+    jobs: int | None = None,
+    executor: Executor | None = None,
+    shard: tuple[int, int] = (1, 1),
+    fresh: bool = False,
+    told: Told | None = None,
+) -> Evidence:
+    """Plan a campaign and run it; with `until`, draw twice as many cells until the 90 % interval
+    of the mission's factor is no wider.
+
+    Raises as `plan_campaign`; see `run_campaign`.
+    """
+    began = time.monotonic()
+    while True:
+        plan = plan_campaign(controller, options, cells=cells)
+        left = None if most_s is None else most_s - (time.monotonic() - began)
+        found = run_campaign(
+            plan, jobs=jobs, executor=executor, shard=shard, fresh=fresh, most_s=left, told=told
+        )
+        low, high = mission_factor(plan, found)[1]
+        if until is None or high - low <= until or not found.is_complete:
+            return found
+        cells, fresh = min(2 * plan.declared, _MOST_CELLS), False
+        if cells == plan.declared:
+            return found
+
+
+def run_campaign(
+    plan: Plan,
+    *,
+    jobs: int | None = None,
+    executor: Executor | None = None,
+    shard: tuple[int, int] = (1, 1),
+    fresh: bool = False,
+    most_s: float | None = None,
+    told: Told | None = None,
+) -> Evidence:
+    """Run the cells of a plan that nobody has run yet, and return the evidence there is.
+
+    It is written into `plan.evidence_path` whatever ends the campaign; a killed one goes on from
+    its journal. `jobs` local processes work on it, one a core by default, or the workers of an
+    `executor`. `shard` (i, n) runs every n-th cell. After `most_s` [s] no further cell begins.
+    """
+    known = {} if fresh else _known(plan)
+    index, of = shard
+    todo = [
+        each
+        for number, each in enumerate(plan.cells)
+        if number % of == index - 1 and each.key not in known
+    ]
+    digest = trace_digest(plan.nominal.trace)
+    if fresh:
+        plan.journal.unlink(missing_ok=True)
+    try:
+        with _journal(plan.journal) as keep:
+            parts = batches(todo, plan.controller, plan.options, digest, BATCH)
+            for done in _run_batches(parts, jobs, executor, most_s, len(todo), told):
+                known.update((each.key, each) for each in done)
+                keep(done)
+    finally:
+        found = plan.evidence([known[each.key] for each in plan.cells if each.key in known])
+        write_evidence(plan.evidence_path, plan.nominal.controller.file, found)
+    plan.journal.unlink(missing_ok=True)
+    return found
+
+
+def write_evidence(path: Path, controller: str, found: Evidence) -> None:
+    """Put the evidence of one controller into the file; that of others stays."""
+    with one_writer(path.parent):
+        everything = read_evidence(path)
+        everything[controller] = found
+        text = dump_evidence(everything).encode()
+        if not path.exists() or path.read_bytes() != text:
+            atomic_write(path, text)
+
+
+def mission_factor(plan: Plan, found: Evidence) -> tuple[float, tuple[float, float]]:
+    """Return the share of the hazard in use that ends the mission, with its 90 % interval."""
+    return weighted_interval(
+        [
+            (target.hazard, sum(1 for each in cells if each.fails), len(cells))
+            for target in plan.targets
+            if (
+                cells := [
+                    each
+                    for each in found.cells
+                    if each.drawn
+                    and not each.is_idle
+                    and (each.unit, each.mode) == (target.unit, target.mode)
+                ]
+            )
+        ]
+    )
+
+
+# Cells that are there already
+
+
+def _known(plan: Plan) -> dict[tuple[str, str, float], Cell]:
+    """Return the cells of the plan that were run before, from the file and the journal."""
+    wanted = {each.key: each for each in plan.cells}
+    before = read_evidence(plan.evidence_path).get(plan.nominal.controller.file)
+    found: list[Cell] = []
+    if before is not None and (before.fingerprint, before.seed, before.success) == (
+        plan.fingerprint,
+        plan.settings.seed,
+        tuple(each.words for each in plan.nominal.success),
+    ):
+        found += before.cells
+    found += _journaled(plan.journal)
+    # Whether it was drawn is for this plan to say.
+    return {
+        each.key: replace(each, drawn=wanted[each.key].drawn)
+        for each in found
+        if each.key in wanted
+    }
+
+
+def _journaled(path: Path) -> list[Cell]:
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError):
+        return []
+    found = []
+    for number, line in enumerate(lines, start=1):
+        # The last line may have been cut by a kill.
+        with contextlib.suppress(InputError):
+            found.append(parse_cell(line, Location(str(path), number)))
+    return found
+
+
+@contextlib.contextmanager
+def _journal(path: Path) -> Iterator[Callable[[Sequence[Cell]], None]]:
+    path.parent.mkdir(exist_ok=True)
+    ignore = path.parent / ".gitignore"
+    if not ignore.exists():
+        atomic_write(ignore, b"*\n")
+    with path.open("a", encoding="utf-8") as stream:
+        # A line that a kill has cut stays one of its own.
+        stream.write("\n" if path.stat().st_size else "")
+
+        def keep(cells: Sequence[Cell]) -> None:
+            stream.writelines(f"{cell_line(each)}\n" for each in cells)
+            stream.flush()
+
+        yield keep
+
+
+# Workers
+
+
+def _run_batches(
+    parts: Sequence[CellBatch],
+    jobs: int | None,
+    executor: Executor | None,
+    most_s: float | None,
+    number: int,
+    told: Told | None,
+) -> Iterator[tuple[Cell, ...]]:
+    """Yield the cells of each batch as it is done; the order depends on the workers."""
+    began = time.monotonic()
+    left = list(parts)
+    done = 0
+    for attempt in range(_POOLS):
+        own = executor is None
+        workers = min(jobs or os.cpu_count() or 1, max(1, len(left)))
+        pool = executor or _pool(workers)
+        pending: dict[Future[tuple[Cell, ...]], CellBatch] = {}
+        try:
+            while left or pending:
+                is_over = most_s is not None and time.monotonic() - began >= most_s
+                while left and len(pending) < 2 * workers and not is_over:
+                    pending[pool.submit(run_batch, left[0])] = left[0]
+                    left.pop(0)
+                if not pending:
+                    return
+                finished, _ = wait(pending, return_when=FIRST_COMPLETED)
+                for future in sorted(finished, key=lambda each: pending[each].cells[0].key):
+                    cells = future.result()
+                    pending.pop(future)
+                    done += len(cells)
+                    yield cells
+                    if told is not None:
+                        seconds = time.monotonic() - began
+                        told(done, number, seconds / done * (number - done))
+            return
+        except BrokenProcessPool:
+            left = [*pending.values(), *left]
+            if not own or attempt == _POOLS - 1:
+                raise ControllerFailedError(
+                    f"a worker died {_POOLS} times, for want of memory maybe; what was done is "
+                    "kept: run it again with fewer workers (-j 1)"
+                ) from None
+        finally:
+            if own:
+                pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _pool(workers: int) -> ProcessPoolExecutor:
+    # Forked processes would share the threads and files of this one.
+    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))

@@ -1,0 +1,283 @@
+"""What a failure did to a mission: a run with it beside the same run without."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import zip_longest
+
+from tracerisk.evidence import EFFECTS, Cell, Effect
+from tracerisk.pipeline.evidence.mission_run import MissionRun, Position
+from tracerisk.pipeline.run.fault_run import REPORTED, finding_key
+from tracerisk.ros.scenario.success import Condition
+from tracerisk.trace import GOOD_ENDS, Contact, ObjectOffset, Reason, RunEnd, Visit
+
+FALLS = frozenset({"object-dropped", "object-knocked"})
+ARRIVAL = 0.02
+"""How far off a joint may be at the end of a visit [rad, or m of a sliding one]."""
+PLACED_M = 0.01
+"""How much further from its goal a thing may end than without the failure [m]."""
+MOVED_M = 0.02
+"""How far from where it ended without the failure a thing without a goal may end [m]."""
+LATE_SHARE, LATE_S = 1.1, 1.0
+"""A mission is late that takes more than this share of its time, and so many seconds [s], more."""
+_ENDED_BY_ITSELF = frozenset({"ended", "quiescent"})
+_OF_THE_MISSION: frozenset[Effect] = frozenset(
+    {"collision", "dropped", "not_placed", "ended_badly", "wrong_position"}
+)
+"""The effects with which a mission failed that does not declare what it is."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Seen:
+    """One thing that happened: what, when [s] (`None`: found at the end), and in words."""
+
+    effect: Effect
+    time_s: float | None
+    words: str
+
+
+def judge(
+    nominal: MissionRun, failed: MissionRun, cell: Cell, success: Sequence[Condition] = ()
+) -> Cell:
+    """Return the cell with what became of the mission in its run, beside the run without.
+
+    A mission failed that did not reach what it reached without the failure; where `success`
+    declares what it is, one that misses a condition, collides or ends badly.
+    """
+    seen = [
+        *_collisions(nominal, failed, cell.time_s),
+        *_falls(nominal, failed, cell.time_s),
+        *_things(nominal, failed),
+        *_end(nominal, failed),
+        *_positions(nominal, failed),
+    ]
+    if success:
+        missed = [each.words for each in success if not _is_met(each, failed)]
+        fails = bool(missed) or any(each.effect in ("collision", "ended_badly") for each in seen)
+        lost = tuple(f"missed: {each}" for each in missed)
+    else:
+        fails = any(each.effect in _OF_THE_MISSION for each in seen)
+        lost = ()
+    told = _first_report(nominal, failed, cell.time_s)
+    if told is not None:
+        seen.append(_Seen("told", told[0], told[1]))
+    worst = min(seen, key=lambda each: EFFECTS.index(each.effect), default=None)
+    same = [each for each in seen if worst is not None and each.effect == worst.effect]
+    times = [each.time_s for each in same if each.time_s is not None]
+    contact = max(_new_contacts(nominal, failed, cell.time_s), key=_force, default=None)
+    lost += tuple(each.words for each in seen if each.effect not in ("told", "collision"))
+    return replace(
+        cell,
+        fails=fails,
+        effect="nothing" if worst is None else worst.effect,
+        local=_local(failed, cell),
+        told_after_s=None if told is None else round(max(0.0, told[0] - cell.time_s), 6),
+        told_by="" if told is None else told[1],
+        effect_after_s=round(max(0.0, min(times) - cell.time_s), 6) if times else None,
+        lost=tuple(dict.fromkeys(lost)),
+        contact="" if contact is None else _told_contact(contact),
+    )
+
+
+# What happened
+
+
+def _collisions(nominal: MissionRun, failed: MissionRun, fault_s: float) -> Iterator[_Seen]:
+    for each in _new_contacts(nominal, failed, fault_s):
+        yield _Seen("collision", max(each.start_s, fault_s), _told_contact(each))
+
+
+def _new_contacts(nominal: MissionRun, failed: MissionRun, fault_s: float) -> list[Contact]:
+    known = {(each.link, each.other) for each in _unexpected(nominal.trace.visits)}
+    return [
+        each
+        for each in _unexpected(failed.trace.visits)
+        if (each.link, each.other) not in known and each.start_s + each.touching_s >= fault_s
+    ]
+
+
+def _unexpected(visits: Sequence[Visit]) -> Iterator[Contact]:
+    return (each for visit in visits for each in visit.contacts if not each.expected)
+
+
+def _force(contact: Contact) -> tuple[float, str, str]:
+    return contact.force_n, contact.link, contact.other
+
+
+def _told_contact(contact: Contact) -> str:
+    return f"{contact.link} on {contact.other}, {contact.force_n:.3g} N"
+
+
+def _falls(nominal: MissionRun, failed: MissionRun, fault_s: float) -> Iterator[_Seen]:
+    before = {(each.code, each.object) for each in _reasons(nominal)}
+    for each in _reasons(failed):
+        if each.code in FALLS and (each.code, each.object) not in before:
+            yield _Seen("dropped", max(each.time_s or 0.0, fault_s), each.words)
+
+
+def _reasons(run: MissionRun) -> tuple[Reason, ...]:
+    return () if run.trace.verdict is None else run.trace.verdict.reasons
+
+
+def _things(nominal: MissionRun, failed: MissionRun) -> Iterator[_Seen]:
+    """Yield what of the scene is not where it ended without the failure."""
+    after = {each.name: each for each in failed.trace.objects}
+    with_goal = set()
+    for each in nominal.trace.objects:
+        if each.goal is None or not after:
+            continue
+        with_goal.add(each.name)
+        now = after.get(each.name)
+        if now is None or _is_worse(each, now):
+            yield _Seen("not_placed", None, f"{each.name} not at {each.goal}")
+    if nominal.things is None or failed.things is None:
+        return
+    for name, place in nominal.things.items():
+        now_at = failed.things.get(name)
+        if name not in with_goal and (now_at is None or _distance(place, now_at) > MOVED_M):
+            yield _Seen("not_placed", None, f"{name} not where it ended without the failure")
+
+
+def _is_worse(before: ObjectOffset, now: ObjectOffset) -> bool:
+    if before.goal != now.goal or (before.upright and not now.upright):
+        return True
+    return now.offset_m > before.offset_m + PLACED_M
+
+
+def _distance(first: Position, second: Position) -> float:
+    return math.dist(first, second)
+
+
+def _end(nominal: MissionRun, failed: MissionRun) -> Iterator[_Seen]:
+    before, now = nominal.trace.end, failed.trace.end
+    if now.cause not in GOOD_ENDS:
+        yield _Seen("ended_badly", now.simulated_s, f"ended by {now.cause}: {now.message}")
+    elif before.cause in _ENDED_BY_ITSELF and now.cause not in _ENDED_BY_ITSELF:
+        yield _Seen("ended_badly", None, f"did not end by itself: {now.cause}")
+    elif (late_s := _late_s(before, now)) > 0.0:
+        yield _Seen("late", None, f"{late_s:.1f} s later")
+
+
+def _late_s(before: RunEnd, now: RunEnd) -> float:
+    """Return by how much a run is late [s], 0 where it is not."""
+    before_s, now_s = before.simulated_s or 0.0, now.simulated_s or 0.0
+    return now_s - before_s if now_s > LATE_SHARE * before_s + LATE_S else 0.0
+
+
+def _positions(nominal: MissionRun, failed: MissionRun) -> Iterator[_Seen]:
+    """Yield the first visit that did not happen as without the failure, or ended elsewhere."""
+    pairs = zip_longest(nominal.trace.visits, failed.trace.visits)
+    for number, (before, now) in enumerate(pairs):
+        if before is None:
+            return
+        name = before.function.name
+        if now is None or now.function != before.function:
+            instead = "nothing" if now is None else now.function.name
+            time_s = None if now is None else now.start_s
+            yield _Seen("wrong_position", time_s, f"{name} was not visited, but {instead}")
+            return
+        if before.outcome == "succeeded" and now.outcome != "succeeded":
+            yield _Seen("wrong_position", _visit_end(failed, number), f"{name} {now.outcome}")
+            return
+        if number >= min(len(nominal.arrivals), len(failed.arrivals)):
+            continue
+        off = _furthest(nominal.arrivals[number], failed.arrivals[number])
+        if off is not None:
+            joint, far = off
+            words = f"{joint} off by {far:.3g} after {name}"
+            yield _Seen("wrong_position", _visit_end(failed, number), words)
+            return
+
+
+def _visit_end(run: MissionRun, number: int) -> float | None:
+    visits = run.trace.visits
+    if number + 1 < len(visits):
+        return visits[number + 1].start_s
+    return run.trace.end.simulated_s
+
+
+def _furthest(before: Mapping[str, float], now: Mapping[str, float]) -> tuple[str, float] | None:
+    """Return the joint that is furthest off, and how far; `None` where all are as they should."""
+    off = {name: abs(now.get(name, math.inf) - position) for name, position in before.items()}
+    joint = max(off, key=lambda name: (off[name], name), default=None)
+    return (joint, off[joint]) if joint is not None and off[joint] > ARRIVAL else None
+
+
+def _first_report(
+    nominal: MissionRun, failed: MissionRun, fault_s: float
+) -> tuple[float, str] | None:
+    """Return when an interface first reported a failure that the run without did not have."""
+    known = {finding_key(each) for each in nominal.trace.findings}
+    found = [
+        (each.time_s or 0.0, each.kind)
+        for each in failed.trace.findings
+        if each.kind in REPORTED
+        and (each.time_s or 0.0) >= fault_s
+        and finding_key(each) not in known
+    ]
+    return min(found, default=None)
+
+
+def _local(failed: MissionRun, cell: Cell) -> str:
+    """Return what the unit itself did, in words."""
+    match cell.mode:
+        case "dead" | "jam":
+            far = failed.unit_moved
+            if far < 1e-3:
+                return "stayed on its way within a second"
+            return f"off its way by {far:.2g} within a second"
+        case "no_force":
+            return "no force between the fingers"
+        case "opens":
+            return "fingers opened"
+        case "stuck":
+            return "fingers stayed"
+        case "offset" | "frozen" | "absent":
+            return f"reading {cell.mode}" if cell.unit != "control" else "commands frozen"
+    return "no motor has torque"
+
+
+# What the mission is
+
+
+def _is_met(condition: Condition, run: MissionRun) -> bool:
+    match condition.kind:
+        case "object":
+            return _is_at(condition, run)
+        case "joints":
+            return bool(run.arrivals) and _are_at(condition, run.arrivals[-1])
+        case "reached":
+            return any(_are_at(condition, each) for each in run.arrivals)
+        case "visited":
+            done = sum(
+                1
+                for each in run.trace.visits
+                if each.function.name == condition.name and each.outcome == "succeeded"
+            )
+            return done >= condition.times
+        case "called" | "sent":
+            return (run.called or {}).get(condition.name, 0) >= condition.times
+        case "within_s":
+            return (run.trace.end.simulated_s or math.inf) <= condition.seconds
+
+
+def _is_at(condition: Condition, run: MissionRun) -> bool:
+    if condition.at is not None:
+        place = (run.things or {}).get(condition.name)
+        return place is not None and _distance(place, condition.at) <= condition.within
+    return any(
+        each.name == condition.name
+        and each.goal is not None
+        and each.upright
+        and each.offset_m <= condition.within
+        for each in run.trace.objects
+    )
+
+
+def _are_at(condition: Condition, positions: Mapping[str, float]) -> bool:
+    return all(
+        abs(positions.get(name, math.inf) - wanted) <= condition.within
+        for name, wanted in (condition.joints or {}).items()
+    )

@@ -1,0 +1,91 @@
+"""What a run came to, as far as its mission goes: enough to judge it beside another."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from tracerisk.trace import Trace
+from tracerisk.twin.recording.samples import Samples, has_samples, read_samples
+
+Position = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class MissionRun:
+    """One run, as `judge` compares it."""
+
+    trace: Trace
+    arrivals: tuple[Mapping[str, float], ...] = ()
+    """The positions of the robot's joints at the end of each visit of the trace [rad or m]."""
+    things: Mapping[str, Position] | None = None
+    """Where each thing that can be moved was at the end [m]; `None` where the run was cut."""
+    called: Mapping[str, int] | None = None
+    """How many messages and calls went to each name of the graph."""
+    unit_moved: float = 0.0
+    """How far the failed joint was from where it was without a failure, within a second [rad, m]"""
+
+
+def mission_run(
+    trace: Trace,
+    folder: Path,
+    *,
+    unit: str | None = None,
+    fault_s: float = 0.0,
+    nominal: Samples | None = None,
+    called: Mapping[str, int] | None = None,
+) -> MissionRun:
+    """Return a run whose recording is in `folder`; `unit` failed at `fault_s` [s].
+
+    Raises LogError where the recording is damaged.
+    """
+    if not has_samples(folder):
+        return MissionRun(trace, called=called)
+    samples = read_samples(folder)
+    return MissionRun(
+        trace,
+        _arrivals(trace, samples),
+        _things(samples),
+        called,
+        _moved(samples, nominal, unit, fault_s),
+    )
+
+
+def _arrivals(trace: Trace, samples: Samples) -> tuple[Mapping[str, float], ...]:
+    """Return the joints' positions as each visit ends: when the next begins, or the run is over."""
+    names = samples.header.joints
+    ends = [visit.start_s for visit in trace.visits[1:]]
+    ends.append(trace.end.simulated_s or 0.0)
+    found = []
+    for end_s in ends[: len(trace.visits)]:
+        step = min(max(0, round(end_s / samples.step_s)), samples.n_steps - 1)
+        found.append(dict(zip(names, map(float, samples.position[step]), strict=True)))
+    return tuple(found)
+
+
+def _things(samples: Samples) -> Mapping[str, Position] | None:
+    pose = samples.end_pose
+    if pose is None:
+        return None
+    header = samples.header
+    found: dict[str, Position] = {}
+    for name, at in zip(header.free_bodies, header.free_at, strict=True):
+        if at + 3 <= len(pose):
+            x, y, z = map(float, pose[at : at + 3])
+            found[name] = (x, y, z)
+    return found
+
+
+def _moved(samples: Samples, nominal: Samples | None, unit: str | None, fault_s: float) -> float:
+    if nominal is None or unit not in samples.header.joints:
+        return 0.0
+    column = samples.header.joints.index(unit)
+    first = round(fault_s / samples.step_s)
+    stop = min(first + round(1.0 / samples.step_s), samples.n_steps, nominal.n_steps)
+    if stop <= first:
+        return 0.0
+    off = samples.position[first:stop, column] - nominal.position[first:stop, column]
+    return float(np.abs(off).max())

@@ -1,0 +1,223 @@
+"""The failure modes of a controller and their effects, as a campaign on the twin showed them.
+
+The table has the columns of IEC 60812; severity is left to the engineer.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import statistics
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from tracerisk.evidence import EFFECTS, Cell, Effect, Evidence
+from tracerisk.prm.numbers.share_interval import clopper_pearson
+from tracerisk.report.tables import rendered, table_of
+
+HEADINGS = (
+    "component",
+    "failure mode",
+    "function",
+    "local effect",
+    "end effect",
+    "detected by",
+    "told after s",
+    "c",
+    "c 5 %",
+    "c 95 %",
+    "failed",
+    "cells",
+    "severity",
+    "occurrence",
+    "hardest contact",
+)
+"""The columns of the table that is written; those of occurrence and severity are the engineer's."""
+WORDS: dict[Effect, str] = {
+    "collision": "collision",
+    "dropped": "object dropped",
+    "not_placed": "object not placed",
+    "ended_badly": "ended badly",
+    "wrong_position": "wrong position",
+    "late": "late",
+    "told": "reported, no effect",
+    "nothing": "no effect",
+}
+"""The effects in words."""
+
+
+@dataclass(frozen=True, slots=True)
+class FmeaRow:
+    """One line: a component's mode in a function, over the instants at which it was tried."""
+
+    component: str
+    mode: str
+    function: str
+    cells: tuple[Cell, ...]
+
+    @property
+    def failed(self) -> int:
+        """In how many of the cells the mission failed."""
+        return sum(1 for each in self.cells if each.fails)
+
+    @property
+    def share(self) -> float:
+        """The share of the cells in which the mission failed: c."""
+        return self.failed / len(self.cells)
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """The 90 % interval of c (Clopper and Pearson)."""
+        return clopper_pearson(self.failed, len(self.cells))
+
+    @property
+    def worst(self) -> Cell:
+        """The cell with the worst effect, the soonest of several."""
+        return min(self.cells, key=lambda each: (EFFECTS.index(each.effect), each.time_s))
+
+    @property
+    def told_after_s(self) -> float | None:
+        """The median time until the controller was told, where it was [s]."""
+        told = [each.told_after_s for each in self.cells if each.told_after_s is not None]
+        return statistics.median(told) if told else None
+
+    @property
+    def detection(self) -> str:
+        """By what the failure was reported, and in how many of the cells."""
+        told = [each.told_by for each in self.cells if each.told_by]
+        if not told:
+            return "nothing"
+        kinds = ", ".join(sorted({each.replace("_", " ") for each in told}))
+        return f"{kinds} ({len(told)} of {len(self.cells)})"
+
+    @property
+    def hardest(self) -> str:
+        """The hardest touch that was not to be expected; empty for none."""
+        touched = [each for each in self.cells if each.contact]
+        return max((each.contact for each in touched), key=_newtons, default="")
+
+    @property
+    def values(self) -> tuple[str, ...]:
+        """The row as text, in the order of `HEADINGS`."""
+        low, high = self.interval
+        told = self.told_after_s
+        return (
+            self.component,
+            self.mode,
+            self.function,
+            self.worst.local,
+            WORDS[self.worst.effect],
+            self.detection,
+            "" if told is None else f"{told:.3g}",
+            f"{self.share:.4g}",
+            f"{low:.4g}",
+            f"{high:.4g}",
+            str(self.failed),
+            str(len(self.cells)),
+            "",
+            "",
+            self.hardest,
+        )
+
+
+def fmea_rows(found: Evidence) -> tuple[FmeaRow, ...]:
+    """Return the table, by component, mode and function in the order of their first cells."""
+    rows: dict[tuple[str, str, str], list[Cell]] = {}
+    order = {name: index for index, name in enumerate(_functions(found.cells))}
+    for cell in found.cells:
+        rows.setdefault((cell.component, cell.mode, cell.function), []).append(cell)
+    keys = sorted(rows, key=lambda key: (key[0], key[1], order[key[2]]))
+    return tuple(FmeaRow(*key, tuple(rows[key])) for key in keys)
+
+
+def confusion(cells: Iterable[Cell]) -> tuple[int, int, int, int]:
+    """Return how many cells were in use and failed, in use and harmless, idle and each."""
+    counts = [0, 0, 0, 0]
+    for each in cells:
+        counts[2 * each.is_idle + (not each.fails)] += 1
+    in_use, harmless, idle, idle_harmless = counts
+    return in_use, harmless, idle, idle_harmless
+
+
+def render_fmea(found: Evidence, *, width: int = 80, color: bool = False) -> str:
+    """Return the table for a terminal."""
+    table = table_of("Failures and their effects")
+    for heading in ("failure in function", "end effect", "told s", "failed", "c 90 %"):
+        is_text = heading in ("failure in function", "end effect")
+        table.add_column(heading, justify="left" if is_text else "right", overflow="fold")
+    of = None
+    for row in fmea_rows(found):
+        low, high = row.interval
+        told = row.told_after_s
+        if of != (row.component, row.mode):
+            of = row.component, row.mode
+            table.add_row(f"{row.component} {row.mode.replace('_', ' ')}")
+        table.add_row(
+            f"  {row.function}",
+            WORDS[row.worst.effect],
+            "never" if told is None else f"{told:.2f}",
+            f"{row.failed} of {len(row.cells)}",
+            f"{low:.2f}..{high:.2f}",
+        )
+    return rendered(lambda console: console.print(table), width=width, color=color)
+
+
+def summary_lines(found: Evidence) -> list[str]:
+    """Return what a campaign showed over all, a line each."""
+    cells = found.cells
+    needed, harmless, idle_needed, idle_harmless = confusion(cells)
+    told = [each.told_after_s for each in cells if each.told_after_s is not None]
+    lines = [
+        f"{len(cells)} failures tried, {found.drawn} of them drawn from the hazard; "
+        f"{sum(1 for each in cells if each.fails)} ended the mission",
+        f"in use: {needed} needed, {harmless} harmless; idle: {idle_needed} needed, "
+        f"{idle_harmless} harmless",
+    ]
+    if told:
+        lines.append(
+            f"reported to the controller in {len(told)}, after {statistics.median(told):.2f} s in "
+            "the median"
+        )
+    else:
+        lines.append("reported to the controller in none")
+    return lines
+
+
+def csv_text(found: Evidence) -> str:
+    """Return the table as CSV."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(HEADINGS)
+    writer.writerows(row.values for row in fmea_rows(found))
+    return stream.getvalue()
+
+
+def markdown_text(found: Evidence, name: str) -> str:
+    """Return the table as Markdown."""
+    lines = [f"# Failures of {name} and their effects", "", *_listed(summary_lines(found)), ""]
+    if not found.success:
+        lines += ["The mission is what the run without a failure reached.", ""]
+    else:
+        lines += ["The mission is:", "", *_listed(found.success), ""]
+    lines += [_row(HEADINGS), _row(["---"] * len(HEADINGS))]
+    lines += [_row(row.values) for row in fmea_rows(found)]
+    return "\n".join(lines) + "\n"
+
+
+def _row(values: Sequence[str]) -> str:
+    return "| " + " | ".join(each.replace("|", "\\|") for each in values) + " |"
+
+
+def _listed(lines: Iterable[str]) -> list[str]:
+    return [f"- {line}" for line in lines]
+
+
+def _functions(cells: Sequence[Cell]) -> list[str]:
+    return list(dict.fromkeys(each.function for each in sorted(cells, key=lambda c: c.time_s)))
+
+
+def _newtons(contact: str) -> float:
+    try:
+        return float(contact.rsplit(",", 1)[-1].split()[0])
+    except (ValueError, IndexError):
+        return 0.0
