@@ -30,15 +30,16 @@ ROOMS = (
 """From the top down."""
 BELOW = (
     *("trace", "trace_display", "trace_json", "trace_log"),
-    *("acceptances", "config", "dependencies", "errors", "geometry", "instance_name", "sandbox"),
-    *("limits", "strong_components", "text"),
+    *("acceptances", "config", "dependencies", "errors", "evidence", "geometry"),
+    *("instance_name", "sandbox", "limits", "strong_components", "text"),
 )
 """What every room may import, and what imports no room."""
 RANK = {room: rank for rank, room in enumerate(ROOMS)} | dict.fromkeys(BELOW, len(ROOMS))
 SUB_ROOMS = {
     "adder": ("annotate", "figures", "sources", "merge", "lock", "blocks"),
     "pipeline": (
-        *("results", "review", "check", "stages", "scenarios", "freshness", "run", "trace"),
+        *("results", "review", "check", "evidence", "stages", "scenarios", "freshness"),
+        *("run", "trace"),
         *("history", "robot", "launch", "launch_files", "workspace"),
     ),
     "ros": (

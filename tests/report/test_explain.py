@@ -16,7 +16,7 @@ from tracerisk.adder.figures.derivation_json import derivation_data
 from tracerisk.adder.figures.derive import derive_function, function_named
 from tracerisk.errors import InputError
 from tracerisk.hardware.yaml.reader import read_hardware
-from tracerisk.report.explain import render_derivation
+from tracerisk.report.explain.function import render_derivation
 from tracerisk.trace import (
     WEAR_EXPONENTS,
     Cycle,

@@ -8,7 +8,7 @@ import pytest
 
 import tracerisk
 from tracerisk.prm import solve
-from tracerisk.report.explain_mission import render_mission
+from tracerisk.report.explain.mission import render_mission
 
 SOURCE = """\
 def pick(arm):

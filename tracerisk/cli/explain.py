@@ -46,11 +46,11 @@ def print_derivation(
     """Print it on standard output, where it was asked for; up to the mission of a solved model."""
     if derivation is None:
         return
-    from tracerisk.report.explain import render_derivation
+    from tracerisk.report.explain.function import render_derivation
 
     text = render_derivation(derivation)
     if model is not None and assessment is not None:
-        from tracerisk.report.explain_mission import render_mission
+        from tracerisk.report.explain.mission import render_mission
 
         text += render_mission(model, assessment, derivation.function)
     sys.stdout.buffer.write(text.encode())

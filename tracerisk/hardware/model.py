@@ -49,6 +49,8 @@ FAULTS: Mapping[ElementKind, tuple[FaultMode, ...]] = {
     "sensor": ("offset", "frozen", "absent"),
 }
 """The faults that a unit of each kind can have."""
+POWER, CONTROL = "power", "control"
+"""The units of the twin that are no element of the robot: its power supply and control unit."""
 
 
 @dataclass(frozen=True, slots=True)

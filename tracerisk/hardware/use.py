@@ -37,12 +37,14 @@ class Use:
 
     `exposure` is `None` where the source of the trace does not tell it. `standby_s` is the time
     of the visit in which the unit is not in use [s], `None` where it is not known.
-    `is_active`: the component counts as active in the visit, for figures per visit.
+    `is_active`: the component counts as active in the visit, for figures per visit. `visit` is
+    its number in the trace.
     """
 
     exposure: Exposure | None
     is_active: bool = True
     standby_s: float | None = None
+    visit: int = 0
 
     @property
     def known_exposure(self) -> Exposure:

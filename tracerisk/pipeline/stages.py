@@ -29,6 +29,7 @@ from tracerisk.hardware.model import Hardware
 from tracerisk.pipeline.freshness.freshness import run_inputs
 from tracerisk.pipeline.freshness.known_controllers import with_moved
 from tracerisk.pipeline.freshness.known_functions import check_named_functions, check_steps
+from tracerisk.pipeline.freshness.used_evidence import used_evidence
 from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.trace.summary import trace_summary
 from tracerisk.pipeline.workspace.controller import Controller, lines_since, load_controller
@@ -223,7 +224,14 @@ def annotate(
     from tracerisk.pipeline.freshness.who_wrote import evidence_for
 
     check_named_functions(controller, settings, trace)
-    computed = compute_blocks(trace, hardware, active=settings.active, profile=profile)
+    inputs = run_inputs(controller, trace, settings, given=given)
+    computed = compute_blocks(
+        trace,
+        hardware,
+        active=settings.active,
+        profile=profile,
+        evidence=used_evidence(controller, settings, inputs.fingerprint),
+    )
     lock_path = controller.root / LOCK_NAME
     key = lock_key(controller.path, controller.root)
     # Another run of tracerisk writes lock and sources in turn; both are read between its writes.
@@ -233,7 +241,6 @@ def annotate(
         controller, trace = _as_on_disk(controller, trace)
         before = {file: controller.source_of(file) for file in files}
     _forbid_shared(key, files, lock, controller)
-    inputs = run_inputs(controller, trace, settings, given=given)
     policy = policy or MergePolicy()
     entry = lock.controllers.get(key)
     kept = entry.trace if entry is not None and not policy.fresh else None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from tracerisk.config import ActiveMode
@@ -20,6 +20,7 @@ from tracerisk.hardware.use import (
     time_counted,
     time_in_use,
 )
+from tracerisk.quantify.evidence_shares import EvidenceShares
 from tracerisk.quantify.probability import Term, UnitMission, terms_of, unit_hazard
 from tracerisk.trace import ElementKind, Exposure, FunctionRef, Trace, Visit
 
@@ -178,8 +179,15 @@ def missions_between_tests(component: Component, trace: Trace) -> float:
     return max(1.0, component.test_interval_s / mission_s) if mission_s else 1.0
 
 
-def component_use(bound: BoundComponent, trace: Trace, active: ActiveMode) -> ComponentUse:
+def component_use(
+    bound: BoundComponent,
+    trace: Trace,
+    active: ActiveMode,
+    evidence: EvidenceShares | None = None,
+) -> ComponentUse:
     """Return what the units of a component do in the visits of a trace.
+
+    With `evidence` each unit's hazard is that which ends the mission.
 
     Raises UnknownUseError where the trace does not tell what a figure needs.
     """
@@ -187,8 +195,9 @@ def component_use(bound: BoundComponent, trace: Trace, active: ActiveMode) -> Co
     times = visits_of_mission(trace)
     if component.always_active:
         is_active = (True,) * len(trace.visits)
-        uses = tuple(_always(visit) for visit in trace.visits)
+        uses = tuple(_always(number, visit) for number, visit in enumerate(trace.visits))
         unit = _unit_use(None, None, component, active, uses, trace.visits, times)
+        unit = _ending(unit, bound, evidence)
         return ComponentUse(
             bound, (unit,) * bound.quantity, is_active, missions_between_tests(component, trace)
         )
@@ -197,18 +206,24 @@ def component_use(bound: BoundComponent, trace: Trace, active: ActiveMode) -> Co
     units = []
     for name, same in itertools.groupby(bound.units()):
         uses = tuple(
-            Use(visit.exposures.get(name, _AT_REST), here)
-            for visit, here in zip(trace.visits, is_active, strict=True)
+            Use(visit.exposures.get(name, _AT_REST), here, visit=number)
+            for number, (visit, here) in enumerate(zip(trace.visits, is_active, strict=True))
         )
         unit = _unit_use(name, kinds[name], component, active, uses, trace.visits, times)
-        units += [unit] * len(list(same))
+        units += [_ending(unit, bound, evidence)] * len(list(same))
     return ComponentUse(bound, tuple(units), is_active, missions_between_tests(component, trace))
 
 
-def _always(visit: Visit) -> Use:
-    if visit.duration_s is None:
-        return Use(None, standby_s=0.0)
-    return Use(Exposure(active_s=visit.duration_s), standby_s=0.0)
+def _ending(unit: UnitUse, bound: BoundComponent, evidence: EvidenceShares | None) -> UnitUse:
+    """Return a unit whose hazard is that which ends the mission."""
+    if evidence is None:
+        return unit
+    return replace(unit, terms=evidence.applied(bound, unit.element, unit.terms, unit.uses))
+
+
+def _always(number: int, visit: Visit) -> Use:
+    exposure = None if visit.duration_s is None else Exposure(active_s=visit.duration_s)
+    return Use(exposure, standby_s=0.0, visit=number)
 
 
 def _is_active(
@@ -295,6 +310,6 @@ def _with_standby(
     positive = math.fsum(span for span in spans if span > 0.0)
     left = max(0.0, total) / positive if positive > 0.0 else 0.0
     return tuple(
-        Use(use.exposure, use.is_active, max(0.0, seconds) * left)
+        replace(use, standby_s=max(0.0, seconds) * left)
         for use, seconds in zip(uses, idle, strict=True)
     )

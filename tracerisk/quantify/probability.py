@@ -45,7 +45,8 @@ class Term:
 
     `rate` is the hazard per second, demand or visit, `share` the fraction that the mode is of
     it. `states` are those whose time counts, `None` for all, and `seconds` counts it; `demands`
-    are the uses that count.
+    are the uses that count. `ends` is for each visit the share of the hazard that ends the
+    mission, by its number; empty where all of it does.
     """
 
     figure: FailureFigure
@@ -56,6 +57,7 @@ class Term:
     demands: tuple[Demand, ...] = ()
     load: UnitLoad | None = None
     seconds: Seconds | None = None
+    ends: tuple[float, ...] = ()
 
     @property
     def share(self) -> float:
@@ -100,7 +102,11 @@ class Term:
         counted = self.amount(use)
         if self.load is not None:
             counted = self.load.counted_s(counted, self.wearing_s(use))
-        return hazard_of(self.rate, self.share, counted)
+        return self.ending(use, hazard_of(self.rate, self.share, counted))
+
+    def ending(self, use: Use, hazard: float) -> float:
+        """Return what of a visit's hazard ends the mission."""
+        return hazard * self.ends[use.visit] if self.ends else hazard
 
 
 @dataclass(frozen=True, slots=True)

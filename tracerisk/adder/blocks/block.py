@@ -74,6 +74,7 @@ class RiskBlock:
     `added` marks a block given by hand (`@Function := {`), with the person's `reason`.
     `digest` is that of the values that the tool wrote (see `block_digest.py`), `None` for a block
     of an earlier version or in the published form. It is no part of what the block says.
+    `has_evidence`: the computed values count only failures that ended the mission on the twin.
     """
 
     name: str
@@ -84,3 +85,4 @@ class RiskBlock:
     location: Location | None = field(default=None, compare=False)
     reason: str | None = None
     digest: str | None = field(default=None, compare=False)
+    has_evidence: bool = False

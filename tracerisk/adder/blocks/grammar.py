@@ -34,7 +34,12 @@ DIGEST = "[0-9A-Za-z]{6}(?:-[0-9A-Za-z]{6})*"
 DEFAULT_WIDTH = 79
 """The width that printed lines keep to, the indentation included, where words allow it."""
 
-_HEADER = re.compile(rf"{HEADER}(?:[ \t]+(?P<digest>{DIGEST}))?")
+WITH_EVIDENCE = "with evidence"
+"""What stands behind the header of a block whose values take evidence."""
+
+_HEADER = re.compile(
+    rf"{HEADER}(?:[ \t]+(?P<digest>{DIGEST}))?(?P<evidence>[ \t]+{WITH_EVIDENCE})?"
+)
 _SECTION = re.compile(r"@(?P<kind>\w*)\s*(?P<mark>:=\s*omit\b|:=)?\s*\{\s*(?P<rest>.*)")
 _ASSIGNMENT = re.compile(r"(?P<key>\w+)\s*(?P<operator>:?=)\s*(?P<rest>.*)")
 _IS_WORDS = re.compile(r"[^\W\d]")
@@ -124,7 +129,7 @@ class _Parser:
                     f"{seen[component.name]}; delete one",
                 )
             seen[component.name] = line
-        return self._function(functions[0], components, start, header["digest"])
+        return self._function(functions[0], components, start, header)
 
     def _sections(self, lines: Iterable[BlockLine]) -> list[_Section]:
         sections: list[_Section] = []
@@ -228,7 +233,7 @@ class _Parser:
         section: _Section,
         components: tuple[ComponentEntry, ...],
         start: int,
-        digest: str | None,
+        header: re.Match[str],
     ) -> RiskBlock:
         name = self._name(section)
         if not is_function_name(name.value):
@@ -244,7 +249,8 @@ class _Parser:
             added=section.by_hand,
             location=Location(self._file, start),
             reason=_joined(section.comment),
-            digest=digest,
+            digest=header["digest"],
+            has_evidence=header["evidence"] is not None,
         )
 
     def _component(self, section: _Section) -> ComponentEntry:
@@ -381,7 +387,8 @@ def print_block(block: RiskBlock, width: int = DEFAULT_WIDTH) -> tuple[str, ...]
     `width` is the room for a line; reasons are wrapped to it.
     Parsed again, the lines give the same block.
     """
-    lines = [HEADER if block.digest is None else f"{HEADER} {block.digest}"]
+    marks = [block.digest or "", WITH_EVIDENCE if block.has_evidence else ""]
+    lines = [" ".join([HEADER, *(each for each in marks if each)])]
     lines += _print_header("Function", block.added, False, block.reason, width)
     lines.append(f"  name = {block.name}")
     lines += _print_field(CALL_SEQUENCE, block.call_sequence, width)

@@ -25,6 +25,7 @@ from tracerisk.errors import HardwareError, InputError, Location, one_of
 from tracerisk.hardware.binding import BoundComponent, bind
 from tracerisk.hardware.model import Component, Hardware
 from tracerisk.hardware.use import UnknownUseError
+from tracerisk.quantify.evidence_shares import EvidenceShares
 from tracerisk.quantify.figure_shares import figure_shares
 from tracerisk.quantify.function_use import FunctionUse
 from tracerisk.quantify.groups import group_unit_probabilities
@@ -71,11 +72,17 @@ class ComputedBlocks:
 
 
 def compute_blocks(
-    trace: Trace, hardware: Hardware, *, active: ActiveMode, profile: ProfileText | None = None
+    trace: Trace,
+    hardware: Hardware,
+    *,
+    active: ActiveMode,
+    profile: ProfileText | None = None,
+    evidence: EvidenceShares | None = None,
 ) -> ComputedBlocks:
     """Return the block of each relevant function of the trace.
 
-    A profile pins the `next` of the functions it names.
+    A profile pins the `next` of the functions it names. With `evidence` the values count what
+    ends the mission, and the blocks say so.
     Raises HardwareError where the description does not fit the robot or describes nothing that
     it has, or a figure needs an exposure that the trace does not tell; InputError where the
     profile names a function that the trace does not.
@@ -93,7 +100,7 @@ def compute_blocks(
     names = model_names([function.ref for function in trace.functions])
     _check_profile(profile or {}, list(names.values()))
     visits = visits_by_function(trace)
-    used = [use_of(each, trace, active) for each in bound]
+    used = [use_of(each, trace, active, evidence) for each in bound]
     uses = [function_uses(each, visits) for each in used]
     entries = [_entries(*each) for each in zip(used, uses, strict=True)]
     blocks = {}
@@ -111,6 +118,7 @@ def compute_blocks(
             call_sequence=computed_count(function.call_sequence),
             next=following,
             components=tuple(entry[ref] for entry in entries if ref in entry),
+            has_evidence=evidence is not None and evidence.counts,
         )
         exposures[ref] = {
             each.component.name: seconds
@@ -141,13 +149,18 @@ def _figure_shares(
     return figure_shares(used, {number: times[number] for number in numbers}) if numbers else ()
 
 
-def use_of(bound: BoundComponent, trace: Trace, active: ActiveMode) -> ComponentUse:
+def use_of(
+    bound: BoundComponent,
+    trace: Trace,
+    active: ActiveMode,
+    evidence: EvidenceShares | None = None,
+) -> ComponentUse:
     """Return what the units of a component do over the run.
 
     Raises HardwareError where the trace does not tell what a figure needs.
     """
     try:
-        return component_use(bound, trace, active)
+        return component_use(bound, trace, active, evidence)
     except UnknownUseError as error:
         raise _unknown(bound.component, error) from error
 

@@ -50,7 +50,8 @@ class TermOfUnit:
     """What one term comes to for one unit, in each of the function's visits.
 
     `rate` is the hazard per second, demand or visit; `amounts` are what the term counts, and
-    `counted` the same by load. hazards[v] = rate x share x counted[v].
+    `counted` the same by load. hazards[v] = rate x share x counted[v] x ends[v], of which `ends`
+    is the share that ends the mission; empty where no evidence tells it.
     """
 
     rate: float
@@ -58,6 +59,7 @@ class TermOfUnit:
     counted: tuple[float, ...]
     hazards: tuple[float, ...]
     load: LoadOfUnit | None = None
+    ends: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

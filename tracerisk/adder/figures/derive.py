@@ -35,6 +35,7 @@ from tracerisk.errors import InputError, one_of
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.load import wear_s
 from tracerisk.hardware.model import Hardware
+from tracerisk.quantify.evidence_shares import EvidenceShares
 from tracerisk.quantify.function_use import FunctionUse, mission_probability
 from tracerisk.quantify.mission import ComponentUse, FunctionVisits, UnitUse, visits_by_function
 from tracerisk.quantify.outcome import Outcome, at_least
@@ -66,6 +67,7 @@ def derive_function(
     *,
     active: ActiveMode,
     block: RiskBlock | None = None,
+    evidence: EvidenceShares | None = None,
 ) -> FunctionDerivation:
     """Return where the figures of a function come from; `block` is what stands in the source.
 
@@ -75,7 +77,7 @@ def derive_function(
     here = visits[function]
     components = []
     for bound in bind(hardware, trace.elements):
-        used = use_of(bound, trace, active)
+        used = use_of(bound, trace, active, evidence)
         uses = function_uses(used, visits)
         if function in uses:
             group = _group(used, here, function, uses)
@@ -211,8 +213,12 @@ def _term(term: Term, unit: UnitUse, visits: Sequence[int]) -> TermOfUnit:
             tuple(use.known_exposure.travel_s if term.wears else 0.0 for use in uses),
             wearing,
         )
-    hazards = tuple(hazard_of(term.rate, term.share, each) for each in counted)
-    return TermOfUnit(term.rate, amounts, counted, hazards, load)
+    hazards = tuple(
+        term.ending(use, hazard_of(term.rate, term.share, each))
+        for use, each in zip(uses, counted, strict=True)
+    )
+    ends = tuple(term.ends[use.visit] for use in uses) if term.ends else ()
+    return TermOfUnit(term.rate, amounts, counted, hazards, load, ends)
 
 
 def _block_value(entry: ComponentEntry | None, value: float) -> BlockValue | None:

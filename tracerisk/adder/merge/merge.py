@@ -193,7 +193,13 @@ class _Merger:
         )
         following = self._next()
         components = self._components()
-        block = replace(current, call_sequence=call_sequence, next=following, components=components)
+        block = replace(
+            current,
+            call_sequence=call_sequence,
+            next=following,
+            components=components,
+            has_evidence=computed is not None and computed.has_evidence,
+        )
         if computed is None and not has_pins(block):
             return None
         return block

@@ -43,6 +43,7 @@ from tracerisk.pipeline.check.run import (
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons, values_reasons
 from tracerisk.pipeline.freshness.known_controllers import is_gone, lock_of, moved_from, with_moved
 from tracerisk.pipeline.freshness.known_functions import check_named_functions, check_steps
+from tracerisk.pipeline.freshness.used_evidence import evidence_gap
 from tracerisk.pipeline.freshness.who_wrote import evidence_for
 from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.history.many_at_once import shared_out
@@ -204,13 +205,19 @@ def _stale(
 ) -> Iterable[CheckFinding]:
     reasons = (
         *stale_reasons(recorded, controller, settings),
-        *values_reasons(recorded, settings),
+        *values_reasons(recorded, controller, settings),
     )
     place = Location(str(controller.path), 1)
     if reasons:
         yield CheckFinding("stale", f"{'; '.join(reasons)} since the last run", place)
     elif entry.others or entry.is_mixed:
         message = f"{LOCK_NAME} holds the last runs of several branches; `tracerisk refresh`"
+        yield CheckFinding("stale", message, place)
+    if gap := evidence_gap(controller, settings, recorded.fingerprint):
+        message = (
+            f"the settings ask for evidence, but {gap}; `tracerisk evidence {controller.file}`, "
+            "then `tracerisk refresh`"
+        )
         yield CheckFinding("stale", message, place)
 
 

@@ -26,6 +26,7 @@ from tracerisk.evidence import (
     parse_cell,
     read_evidence,
 )
+from tracerisk.hardware.model import CONTROL, POWER
 from tracerisk.pipeline.evidence.cell_runs import (
     CellBatch,
     Nominal,
@@ -41,7 +42,6 @@ from tracerisk.pipeline.freshness.freshness import run_inputs
 from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.trace.cache import FOLDER
 from tracerisk.prm.numbers.share_interval import weighted_interval
-from tracerisk.twin.faults.fault import CONTROL, POWER
 
 BATCH = 4
 """How many cells a worker is given at a time."""

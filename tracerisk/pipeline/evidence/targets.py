@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from tracerisk.adder.figures.computed import use_of
@@ -10,9 +11,10 @@ from tracerisk.hardware.binding import BoundComponent, bind
 from tracerisk.hardware.model import FAULTS, FaultMode
 from tracerisk.hardware.use import STATES, UnknownUseError
 from tracerisk.pipeline.evidence.draw import Target
+from tracerisk.quantify.evidence_shares import twin_units
 from tracerisk.quantify.mission import UnitUse, times_in_mission
 from tracerisk.trace import Trace
-from tracerisk.twin.faults.fault import CONTROL, POWER, modes_of
+from tracerisk.twin.faults.fault import modes_of
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings
@@ -32,25 +34,12 @@ def targets_of(
     kinds = {each.name: each.kind for each in trace.elements}
     found: list[Target] = []
     for bound in bind(hardware, trace.elements):
-        for unit in unit_names(bound):
+        for unit in twin_units(bound):
             allowed = modes.get(unit, ())
             if unit in kinds:
                 allowed = tuple(m for m in allowed if m in FAULTS.get(kinds[unit], ()))
             found += _of_unit(bound, unit, allowed, trace, settings)
     return tuple(found)
-
-
-def unit_names(bound: BoundComponent) -> tuple[str, ...]:
-    """Return the units of the twin in which a component is seen.
-
-    What is always active is the power supply or the control unit, by its name.
-    """
-    if not bound.component.always_active:
-        return tuple(dict.fromkeys(bound.elements))
-    name = bound.component.name.lower()
-    if "power" in name or "supply" in name:
-        return (POWER,)
-    return (CONTROL,) if "control" in name or "computer" in name else ()
 
 
 def _of_unit(
@@ -87,11 +76,11 @@ def _hazards(
         return 0.0, 0.0
 
 
-def _summed(unit: UnitUse, times: Sequence[object]) -> tuple[float, float]:
+def _summed(unit: UnitUse, times: Sequence[Fraction]) -> tuple[float, float]:
     in_use = idle = 0.0
     for visit, comes in enumerate(times):
         for term in unit.terms:
-            hazard = float(comes) * term.hazard(unit.uses[visit])  # type: ignore[arg-type]
+            hazard = float(comes) * term.hazard(unit.uses[visit])
             if term.counts == "standby":
                 idle += hazard
             else:

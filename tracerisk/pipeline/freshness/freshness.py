@@ -10,13 +10,15 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
+from tracerisk.evidence import EVIDENCE_NAME
 from tracerisk.hardware.source_files import source_files
+from tracerisk.pipeline.freshness.used_evidence import evidence_digest
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.libraries import Libraries
 from tracerisk.source.code_digest import code_digest
@@ -27,6 +29,7 @@ GONE = "gone"
 
 _SOURCES, _FILES, _SETTINGS, _GIVEN, _HARDWARE = "sources", "files", "settings", "given", "hardware"
 _LIBRARIES = "libraries"
+_EVIDENCE = "evidence"
 # Settings that change neither a run nor its values: how long it may take, what is demanded of it.
 _LIMITS = frozenset(
     {
@@ -56,6 +59,8 @@ class RunInputs:
     files: Mapping[str, str] = field(default_factory=dict)
     hardware: str = ""
     libraries: tuple[str, ...] = ()
+    evidence: str = ""
+    """A digest of the evidence that the values took; empty for none."""
 
     @property
     def fingerprint(self) -> str:
@@ -77,6 +82,8 @@ class RunInputs:
         }
         if self.libraries:
             data[_LIBRARIES] = list(self.libraries)
+        if self.evidence:
+            data[_EVIDENCE] = self.evidence
         return data
 
     @classmethod
@@ -94,6 +101,7 @@ class RunInputs:
             table(_FILES),
             str(data.get(_HARDWARE, "")),
             tuple(map(str, data.get(_LIBRARIES, ()))),
+            str(data.get(_EVIDENCE, "")),
         )
 
 
@@ -120,7 +128,7 @@ def run_inputs(
     named = (settings.scenario, scene, *settings.params, *drivers, *robot)
     listed = {*trace.inputs, *(_from(root, Path(file)) for file in named if file is not None)}
     sources = {controller.file, *trace.files}
-    return RunInputs(
+    inputs = RunInputs(
         settings=settings_data(settings, root),
         given=_given_data(given or {}, root),
         sources={file: code_digest(controller.source_of(file)) for file in sorted(sources)},
@@ -128,6 +136,8 @@ def run_inputs(
         hardware=hardware_digest(settings),
         libraries=_libraries(controller, settings, sources),
     )
+    used = evidence_digest(controller, settings, inputs.fingerprint)
+    return replace(inputs, evidence=used)
 
 
 def settings_data(settings: Settings, root: Path) -> dict[str, Any]:
@@ -184,11 +194,16 @@ def stale_reasons(
     )
 
 
-def values_reasons(recorded: RunInputs, settings: Settings) -> tuple[str, ...]:
-    """Return why the values no longer follow from the trace: another hardware description."""
-    if recorded.hardware == hardware_digest(settings):
-        return ()
-    return (f"{settings.hardware or 'the hardware description'} has changed",)
+def values_reasons(
+    recorded: RunInputs, controller: Controller, settings: Settings
+) -> tuple[str, ...]:
+    """Return why the values no longer follow from the trace: other hardware, other evidence."""
+    found = []
+    if recorded.hardware != hardware_digest(settings):
+        found.append(f"{settings.hardware or 'the hardware description'} has changed")
+    if recorded.evidence != evidence_digest(controller, settings, recorded.fingerprint):
+        found.append(f"{EVIDENCE_NAME} has changed")
+    return tuple(found)
 
 
 def _settings_reasons(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterable[str]:

@@ -30,7 +30,7 @@ def evidence_for(
             return False
         recorded = RunInputs.from_data(entry.inputs)
         reasons = stale_reasons(recorded, controller, settings)
-        return not (reasons or values_reasons(recorded, settings))
+        return not (reasons or values_reasons(recorded, controller, settings))
 
     @cache
     def of_file(file: str) -> Evidence:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.adder.figures.derive import derive_function, function_named
 from tracerisk.adder.sources.read import read_blocks
+from tracerisk.pipeline.freshness.used_evidence import used_evidence
 
 if TYPE_CHECKING:
     from tracerisk.adder.figures.derivation import FunctionDerivation
@@ -28,5 +29,10 @@ def explain(
         placed.function: placed.block for placed in read_blocks(annotated.sources[ref.file], name)
     }
     return derive_function(
-        annotated.trace, hardware, ref, active=settings.active, block=blocks.get(ref.name)
+        annotated.trace,
+        hardware,
+        ref,
+        active=settings.active,
+        block=blocks.get(ref.name),
+        evidence=used_evidence(annotated.controller, settings, annotated.fingerprint),
     )

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.twin.faults.fault import CONTROL, POWER, Fault
+from tracerisk.hardware.model import CONTROL, POWER
+from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.physics.builder import STEP_NS
 from tracerisk.twin.robots.robot import Gripper, Robot
 

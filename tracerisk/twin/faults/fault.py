@@ -8,13 +8,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast, get_args
 
 from tracerisk.errors import InputError, one_of
-from tracerisk.hardware.model import FAULTS, FaultMode
+from tracerisk.hardware.model import CONTROL, FAULTS, POWER, FaultMode
 
 if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Robot
-
-POWER, CONTROL = "power", "control"
-"""The units that are no element of the robot: its power supply and its control unit."""
 
 _LATEST_S = 1e6
 _SYNTAX = "expected UNIT:MODE@SECONDS, such as panda_joint4:dead@3.5"

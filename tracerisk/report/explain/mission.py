@@ -8,8 +8,8 @@ from tracerisk.prm.hybrid.assessment import FIXED, Assessment
 from tracerisk.prm.hybrid.component_tree import in_one_visit
 from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel
 from tracerisk.prm.review.model_parts import component_of
-from tracerisk.report.explain import aligned_table
-from tracerisk.report.explain_words import number
+from tracerisk.report.explain.function import aligned_table
+from tracerisk.report.explain.words import number
 
 
 def render_mission(model: HybridModel, assessment: Assessment, function: str) -> str:

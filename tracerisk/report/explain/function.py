@@ -8,6 +8,7 @@ the visits, summed over the units.
 from __future__ import annotations
 
 import math
+import operator
 import textwrap
 from collections.abc import Sequence
 
@@ -16,9 +17,10 @@ from tracerisk.adder.figures.derivation import (
     FunctionDerivation,
     LoadOfUnit,
     TermDerivation,
+    TermOfUnit,
     UnitDerivation,
 )
-from tracerisk.report.explain_words import (
+from tracerisk.report.explain.words import (
     block_lines,
     counted_line,
     figure_lines,
@@ -145,11 +147,15 @@ def _term_table(
     is_loaded = any(unit.load is not None for unit in term.units)
     headings = [amount]
     headings += ["counts [s]"] if is_loaded else []
+    # The share of what counts that ends the mission, by the failures tried on the twin.
+    has_evidence = any(unit.ends for unit in term.units)
+    headings += ["c"] if has_evidence else []
     headings += ["U [s]", "rate [1/s]"] if ages else []
     rows = []
     for unit, whole in zip(term.units, component.units, strict=True):
         row = [math.fsum(unit.amounts)]
         row += [math.fsum(unit.counted)] if is_loaded else []
+        row += [_ending_share(unit)] if has_evidence else []
         row += [whole.in_use_s, unit.rate] if ages else []
         rows.append([number(each) for each in (*row, math.fsum(unit.hazards))])
     total = None
@@ -163,6 +169,14 @@ def _term_table(
         total = [*[""] * len(headings), number(math.fsum(hazards))]
     hazard = "h" if component.group.quantity == 1 else "h of each"
     return aligned_table([*headings, hazard], names, rows, total)
+
+
+def _ending_share(unit: TermOfUnit) -> float:
+    """Return c over the visits: the share of what counts that ends the mission."""
+    counted = math.fsum(unit.counted)
+    if not unit.ends or counted <= 0.0:
+        return 1.0
+    return math.fsum(map(operator.mul, unit.counted, unit.ends)) / counted
 
 
 def _visit_table(component: ComponentDerivation, derivation: FunctionDerivation) -> list[str]:

@@ -1,0 +1,67 @@
+"""The evidence that the values of a controller's blocks take, and whether it fits its run."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from tracerisk.evidence import EVIDENCE_NAME, Evidence, dump_evidence, read_evidence
+from tracerisk.quantify.evidence_shares import EvidenceShares
+
+if TYPE_CHECKING:
+    from tracerisk.config import Settings
+    from tracerisk.pipeline.workspace.controller import Controller
+
+
+def kept_evidence(controller: Controller) -> Evidence | None:
+    """Return the evidence that is kept of a controller, `None` for none.
+
+    Raises InputError where the file is malformed.
+    """
+    return read_evidence(controller.root / EVIDENCE_NAME).get(controller.file)
+
+
+def used_evidence(
+    controller: Controller, settings: Settings, fingerprint: str
+) -> EvidenceShares | None:
+    """Return the evidence that values take: what the settings ask for, of this very run.
+
+    Raises as `kept_evidence`.
+    """
+    if not settings.evidence:
+        return None
+    found = kept_evidence(controller)
+    if found is None or found.fingerprint != fingerprint:
+        return None
+    shares = EvidenceShares(found)
+    return shares if shares.counts else None
+
+
+def evidence_digest(controller: Controller, settings: Settings, fingerprint: str) -> str:
+    """Return a digest of the evidence that values take; empty where they take none."""
+    used = used_evidence(controller, settings, fingerprint)
+    if used is None:
+        return ""
+    # Cells that fill the table alone change no figure.
+    drawn = replace(used.evidence, cells=tuple(c for c in used.evidence.cells if c.drawn))
+    return hashlib.sha256(dump_evidence({controller.file: drawn}).encode()).hexdigest()
+
+
+def evidence_gap(controller: Controller, settings: Settings, fingerprint: str) -> str:
+    """Return why values take no evidence although the settings ask for it; empty for no reason.
+
+    Raises as `kept_evidence`.
+    """
+    if not settings.evidence:
+        return ""
+    found = kept_evidence(controller)
+    if found is None:
+        return "there is none"
+    if found.fingerprint != fingerprint:
+        return "it is of another version of the controller, its settings or tracerisk"
+    if not found.is_complete:
+        return f"{found.drawn} of {found.declared} drawn failures are tried"
+    if not found.success:
+        return "no scenario declares `success`, what the mission is"
+    return ""

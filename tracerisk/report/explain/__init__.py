@@ -1,0 +1,1 @@
+"""Where figures come from, as text to be checked with a calculator."""
