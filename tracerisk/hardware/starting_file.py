@@ -37,11 +37,12 @@ _SENSOR_SOURCE = (
 )
 _LOAD_LAW = "load_law: {reference_load: 0.3, wearing_share: 0.6, exponent: 3}"
 _JOINT_MODES = (
-    "modes: {lost_torque: {fraction: 0.6, when: [moving, holding]}, "
-    "jam: {fraction: 0.4, when: [moving]}}"
+    "modes: {lost_torque: {fraction: 0.6, when: [moving, holding], fault: dead}, "
+    "jam: {fraction: 0.4, when: [moving], fault: jam}}"
 )
 _GRIPPER_MODES = (
-    "modes: {drops: {fraction: 0.6, when: [grasping]}, jam: {fraction: 0.4, when: [moving]}}"
+    "modes: {drops: {fraction: 0.6, when: [grasping], fault: no_force}, "
+    "jam: {fraction: 0.4, when: [moving], fault: stuck}}"
 )
 _EXAMPLE_PARTS = (
     Component(
@@ -54,8 +55,8 @@ _EXAMPLE_PARTS = (
         twin=TwinBinding(joints="*"),
         load_law=LoadLaw(0.3, 0.6),
         modes=(
-            FailureMode("lost_torque", 0.6, ("moving", "holding")),
-            FailureMode("jam", 0.4, ("moving",)),
+            FailureMode("lost_torque", 0.6, ("moving", "holding"), fault="dead"),
+            FailureMode("jam", 0.4, ("moving",), fault="jam"),
         ),
         age_s=12000 * 3600.0,
         source="assumed: an example",

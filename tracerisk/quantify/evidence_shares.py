@@ -137,7 +137,7 @@ def _shares(cells: Sequence[tuple[float, bool]], lengths: Sequence[float]) -> Sh
     bounds = [0.0, *((a + b) / 2.0 for a, b in itertools.pairwise(places)), total]
     stretches = [
         (min(low, total), min(high, total), fails)
-        for low, high, (_, fails) in zip(bounds, bounds[1:], ordered, strict=True)
+        for (low, high), (_, fails) in zip(itertools.pairwise(bounds), ordered, strict=True)
     ]
     shares, begin = [], 0.0
     for length in lengths:

@@ -37,9 +37,10 @@ DEFAULT_WIDTH = 79
 WITH_EVIDENCE = "with evidence"
 """What stands behind the header of a block whose values take evidence."""
 
-_HEADER = re.compile(
-    rf"{HEADER}(?:[ \t]+(?P<digest>{DIGEST}))?(?P<evidence>[ \t]+{WITH_EVIDENCE})?"
-)
+HEADER_LINE = rf"{HEADER}(?:[ \t]+(?P<digest>{DIGEST}))?(?P<evidence>[ \t]+{WITH_EVIDENCE})?"
+"""The line with which a block begins, as a regular expression."""
+
+_HEADER = re.compile(HEADER_LINE)
 _SECTION = re.compile(r"@(?P<kind>\w*)\s*(?P<mark>:=\s*omit\b|:=)?\s*\{\s*(?P<rest>.*)")
 _ASSIGNMENT = re.compile(r"(?P<key>\w+)\s*(?P<operator>:?=)\s*(?P<rest>.*)")
 _IS_WORDS = re.compile(r"[^\W\d]")

@@ -22,6 +22,7 @@ from tracerisk.adder.figures.assumptions import assumptions_of
 from tracerisk.adder.figures.instances import ComponentInstances, instances_of
 from tracerisk.config import ActiveMode
 from tracerisk.errors import HardwareError, InputError, Location, one_of
+from tracerisk.evidence import EVIDENCE_NAME
 from tracerisk.hardware.binding import BoundComponent, bind
 from tracerisk.hardware.model import Component, Hardware
 from tracerisk.hardware.use import UnknownUseError
@@ -139,7 +140,26 @@ def compute_blocks(
         )
         for each, use in zip(used, uses, strict=True)
     )
-    return ComputedBlocks(blocks, exposures, observed, assumptions_of(used), instances)
+    assumed = (*assumptions_of(used), *_evidence_words(evidence, used))
+    return ComputedBlocks(blocks, exposures, observed, assumed, instances)
+
+
+def _evidence_words(
+    evidence: EvidenceShares | None, used: Sequence[ComponentUse]
+) -> tuple[str, ...]:
+    """Return what a reader must know of figures that take evidence; nothing for others."""
+    names = sorted(
+        each.component.name
+        for each in used
+        if any(term.ends for unit in each.units for term in unit.terms)
+    )
+    if evidence is None or not names:
+        return ()
+    return (
+        f"evidence: {', '.join(names)} count only what ended the mission of the scenario in "
+        f"{evidence.evidence.drawn} drawn failures on the twin ({EVIDENCE_NAME}); redundant "
+        "components count in full",
+    )
 
 
 def _figure_shares(

@@ -23,7 +23,7 @@ from dataclasses import replace
 from pathlib import PurePath
 
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
-from tracerisk.adder.blocks.grammar import DIGEST, HEADER, BlockLine, is_header, parse_block
+from tracerisk.adder.blocks.grammar import HEADER, HEADER_LINE, BlockLine, is_header, parse_block
 from tracerisk.adder.sources.definitions import comment_lines, parse_python
 from tracerisk.errors import BlockError, Location
 
@@ -47,7 +47,7 @@ _C_LEAD = re.compile(r"[ \t]*\*+[ \t]?|[ \t]+")
 _PLAIN = re.compile(r"[ \t\f]*#(?![ \t]?\|)[ \t]?(?P<text>.*)")
 # Told from the bytes: most sources have blocks behind the gutter only, and are not read twice.
 _PLAIN_BLOCK = re.compile(rb"(?:\A(?:\xef\xbb\xbf)?|[\r\n])[ \t\f]*#(?![ \t]?\|)[^\r\n]*@Function")
-_BEGINS = re.compile(rf"\s*(?:{HEADER}(?:[ \t]+{DIGEST})?|@(?:Function|Component)\b.*)\s*")
+_BEGINS = re.compile(rf"\s*(?:{HEADER_LINE}|@(?:Function|Component)\b.*)\s*")
 
 
 def is_c_like(file: str) -> bool:

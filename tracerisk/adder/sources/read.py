@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from tracerisk.adder.blocks.block import RiskBlock
-from tracerisk.adder.blocks.grammar import DIGEST, GUTTER, HEADER, BlockLine, parse_block
+from tracerisk.adder.blocks.grammar import GUTTER, HEADER, HEADER_LINE, BlockLine, parse_block
 from tracerisk.adder.sources.definitions import (
     BYTE_ORDER_MARK,
     MODULE,
@@ -32,9 +32,7 @@ line of its `def`, or at the top of a module's code."""
 
 _GUTTER = re.compile(rb"[ \t\f]*#[ \t]?\|(?:[ \t].*)?")
 _SECTION = re.compile(rb"[ \t\f]*#[ \t]?\|[ \t]+@(?:Function|Component)\b.*")
-_HEADER = re.compile(
-    rb"[ \t\f]*#[ \t]?\|[ \t]+RiskAnnotation(?:[ \t]+" + DIGEST.encode() + rb")?[ \t]*"
-)
+_HEADER = re.compile(rb"[ \t\f]*#[ \t]?\|[ \t]+" + HEADER_LINE.encode() + rb"[ \t]*")
 _HEADER_WORD = HEADER.encode()
 _ANY_BLOCK = re.compile(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component)")
 

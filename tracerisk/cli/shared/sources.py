@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared.options import ProfileText, profile_fractions
+from tracerisk.cli.shared.output import note
 from tracerisk.errors import InputError, Location
 
 if TYPE_CHECKING:
     from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.prm.linked import LinkedModel
+
+
+_HAS_EVIDENCE = re.compile(rb"RiskAnnotation [^\n]*with evidence")
 
 
 def read_file(name: str) -> bytes:
@@ -30,6 +35,8 @@ def model_of_sources(files: Sequence[str], profile: ProfileText) -> HybridModel:
         raise InputError("a file is named twice; name each once")
     sources = {name: read_file(name) for name in files}
     name = "+".join(Path(each).name for each in files)
+    if any(_HAS_EVIDENCE.search(source) for source in sources.values()):
+        note("blocks take evidence: they count only failures that ended the mission on the twin")
     return build(sources, name=name, profile=profile_fractions(profile))
 
 

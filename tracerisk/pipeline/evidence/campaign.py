@@ -109,6 +109,7 @@ def plan_campaign(
     """
     from tracerisk.pipeline.stages import load_hardware
 
+    _check_cells(1 if cells is None else cells)
     given = tuple(sorted((k, v) for k, v in (options or {}).items() if v not in (None, (), [])))
     nominal = nominal_of(str(controller), given)
     trace = nominal.trace
@@ -118,8 +119,7 @@ def plan_campaign(
             f"there is no mission to fail: {message}", trace.end.location, trace.end.scenario
         )
     declared = nominal.settings.evidence_cells if cells is None else cells
-    if not 1 <= declared <= _MOST_CELLS:
-        raise InputError(f"{declared} cells; allowed: 1 to {_MOST_CELLS}")
+    _check_cells(declared)
     robot = nominal.run.robot
     hardware = load_hardware(nominal.settings, trace.robot)
     targets = targets_of(trace, robot, hardware, nominal.settings)
@@ -166,6 +166,11 @@ def gather(
         cells, fresh = min(2 * plan.declared, _MOST_CELLS), False
         if cells == plan.declared:
             return found
+
+
+def _check_cells(cells: int) -> None:
+    if not 1 <= cells <= _MOST_CELLS:
+        raise InputError(f"{cells} cells; allowed: 1 to {_MOST_CELLS}")
 
 
 def run_campaign(

@@ -35,9 +35,11 @@ _LIMITS = frozenset(
     {
         *("cpu_limit_s", "wall_limit_s", "stall_limit_s", "memory_limit_mb"),
         *("max_failure_probability", "require_reason", "fail_on", "min_coverage", "sandbox"),
+        # What evidence the values took has a digest of its own.
+        *("evidence", "evidence_cells"),
     }
 )
-_OF_VALUES = frozenset({"hardware", "active", "evidence", "evidence_cells"})
+_OF_VALUES = frozenset({"hardware", "active"})
 _NAMES_OF_FILES = ("robot", "scene", "scenario", "hardware", "launch")
 
 

@@ -1,0 +1,218 @@
+"""`tracerisk evidence`: failures tried on the twin, kept, resumed, merged, and in the blocks."""
+
+from __future__ import annotations
+
+import shutil
+from concurrent.futures import Executor, Future
+
+import pytest
+
+from tracerisk import api
+from tracerisk.evidence import dump_evidence, merge_evidence, read_evidence
+
+HARDWARE = """\
+robot: panda
+components:
+  motor:
+    failure_rate: {value: 1.0e-5, per: hour}
+    twin: {joints: [panda_joint1]}
+    quantity: 1
+"""
+SCENARIO = "success:\n  - {within_s: 100}\n"
+GATHER = ("evidence", "controller.py", "--cells", "6", "-j", "1")
+
+
+class Inline(Executor):
+    """An executor that does what it is given at once, in this process."""
+
+    def submit(self, function, /, *arguments, **named):
+        future: Future = Future()
+        future.set_result(function(*arguments, **named))
+        return future
+
+
+def settled(folder):
+    folder.write("controller.py", QUICK[0])
+    folder.write("one.yaml", HARDWARE)
+    folder.write("mission.yaml", SCENARIO)
+    folder.write(
+        "pyproject.toml", '[tool.tracerisk]\nhardware = "one.yaml"\nscenario = "mission.yaml"\n'
+    )
+    return folder
+
+
+QUICK: list[str] = []
+
+
+@pytest.fixture(scope="module")
+def gathered(tmp_path_factory, example_in):
+    """A controller with its evidence, and the outcome of the command that gathered it."""
+    from tests.conftest import quick_controller
+
+    QUICK[:] = [quick_controller()]
+    folder = settled(example_in(tmp_path_factory.mktemp("evidence")))
+    return folder, folder.run(*GATHER, "--json")
+
+
+def test_every_mode_and_function_is_tried(gathered):
+    folder, outcome = gathered
+    assert outcome.code == 0, outcome.err
+    data = outcome.json
+    assert (data["drawn"], data["declared"], data["complete"]) == (6, 6, True)
+    assert {row["failure mode"] for row in data["rows"]} == {"dead", "jam"}
+    assert all(int(row["cells"]) >= 3 for row in data["rows"])
+    assert read_evidence(folder.folder / "tracerisk.evidence").keys() == {"controller.py"}
+
+
+def test_a_joint_that_jams_on_its_way_does_not_arrive(gathered):
+    folder, _ = gathered
+    found = api.evidence(folder.folder / "controller.py")
+    jammed = [each for each in found.cells if each.mode == "jam" and each.use == "moving"]
+    assert jammed
+    assert any(each.effect == "wrong_position" and each.told_by for each in jammed)
+    # The scenario asks for nothing but an end in time.
+    assert not any(each.fails for each in jammed)
+
+
+def test_nothing_is_tried_twice_and_the_bytes_stay(gathered):
+    folder, _ = gathered
+    before = folder.read("tracerisk.evidence")
+    outcome = folder.run(*GATHER)
+    assert outcome.code == 0, outcome.err
+    assert folder.read("tracerisk.evidence") == before
+    assert "failures tried" in outcome.out
+    assert not list((folder.folder / ".tracerisk_cache").glob("evidence-*"))
+
+
+def test_shards_and_a_resumed_campaign_give_the_same_bytes(gathered, tmp_path, example_in):
+    whole, _ = gathered
+    first, second = (settled(example_in(tmp_path / each)) for each in ("a", "b"))
+    done = first.run(*GATHER, "--shard", "1/2", "-q")
+    assert done.code == 0, done.err
+    part = (first.folder / "tracerisk.evidence").read_bytes()
+    assert 0 < len(read_evidence(first.folder / "tracerisk.evidence")["controller.py"].cells) < 12
+    # A second machine with any executor does the rest.
+    api.gather_evidence(second.folder / "controller.py", cells=6, shard=(2, 2), executor=Inline())
+    merged = merge_evidence([each.folder / "tracerisk.evidence" for each in (first, second)])
+    assert dump_evidence(merged).encode() == whole.read("tracerisk.evidence")
+    out = first.run(
+        *("evidence", "merge", "tracerisk.evidence", "../b/tracerisk.evidence", "-o", "all")
+    )
+    assert out.code == 0, out.err
+    assert first.read("all") == whole.read("tracerisk.evidence")
+    assert part != first.read("all")
+
+
+def test_a_killed_campaign_goes_on_from_its_journal(gathered, tmp_path, example_in):
+    whole, _ = gathered
+    killed = example_in(tmp_path / "killed")
+    shutil.copytree(whole.folder, killed.folder)
+    path = killed.folder / "tracerisk.evidence"
+    lines = [line.strip().rstrip(",") for line in path.read_text().splitlines()]
+    cells = [line for line in lines if line.startswith('{"component"')]
+    from tracerisk.pipeline.evidence.campaign import plan_campaign
+
+    journal = plan_campaign(killed.folder / "controller.py", cells=6).journal
+    path.unlink()
+    # Of the last cell the kill left the beginning alone.
+    journal.write_text("\n".join([*cells[:-1], cells[-1][:40]]))
+    assert killed.run(*GATHER, "-q").code == 0
+    assert path.read_bytes() == whole.read("tracerisk.evidence")
+
+
+def test_blocks_take_evidence_where_the_settings_ask(gathered, tmp_path, example_in):
+    whole, _ = gathered
+    folder = example_in(tmp_path / "on")
+    shutil.copytree(whole.folder, folder.folder)
+    assert folder.run("run", "controller.py", "-q").code == 0
+    without = folder.read("controller.py").decode()
+    assert "with evidence" not in without
+    text = folder.read("pyproject.toml").decode()
+    folder.write("pyproject.toml", text + "evidence = true\n")
+    stale = folder.run("check", "controller.py")
+    assert stale.code == 1
+    assert "tracerisk.evidence has changed" in stale.out + stale.err
+    done = folder.run("refresh", "controller.py")
+    assert done.code == 0, done.err
+    source = folder.read("controller.py").decode()
+    assert "with evidence" in source
+    # No failure of it misses the mission that the scenario declares.
+    assert "probability = 0" in source
+    assert folder.run("check", "controller.py").code == 0
+    solved = folder.run("solve", "controller.py")
+    assert "blocks take evidence" in solved.err
+    explained = folder.run("run", "controller.py", "--check", "--explain", "act", "-q")
+    assert "evidence" in folder.run("run", "controller.py", "--check").out
+    assert " c " in explained.out
+    # Evidence of another mission is stale.
+    folder.write("mission.yaml", "success:\n  - {within_s: 99}\n")
+    assert folder.run("refresh", "controller.py").code == 0
+    assert "with evidence" not in folder.read("controller.py").decode()
+    assert "another version" in folder.run("check", "controller.py").out
+
+
+def test_the_table_is_written_as_csv_and_markdown(gathered):
+    folder, _ = gathered
+    outcome = folder.run(
+        "evidence", "controller.py", "--show", "--csv", "t.csv", "--markdown", "t.md"
+    )
+    assert outcome.code == 0, outcome.err
+    rows = folder.read("t.csv").decode().splitlines()
+    assert rows[0].startswith("component,failure mode,function,local effect,end effect")
+    assert "severity" in rows[0]
+    assert all(line.startswith("motor,") for line in rows[1:])
+    assert "| motor | jam |" in folder.read("t.md").decode()
+    assert "- over within 100 s" in folder.read("t.md").decode()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("controller.py", "--shard", "3/2"), "expected I/N"),
+        (("controller.py", "--cells", "0"), "allowed: 1 to"),
+        (("controller.py", "--cells", "1000000"), "allowed: 1 to"),
+        (("controller.py", "-o", "x"), "goes with `evidence merge`"),
+        (("merge",), "name the files"),
+        (("merge", "nothing.evidence"), "does not exist"),
+        (("other.py", "--show"), "other.py"),
+    ],
+)
+def test_what_is_asked_wrongly_is_said(gathered, arguments, message):
+    folder, _ = gathered
+    outcome = folder.run("evidence", *arguments)
+    assert outcome.code == 2
+    assert message in outcome.err
+
+
+def test_a_controller_without_evidence_is_said(tmp_path, example, quick):
+    example.write("controller.py", quick())
+    outcome = example.run("evidence", "controller.py", "--show")
+    assert outcome.code == 2
+    assert "holds no evidence of controller.py" in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ("{object: 3}", "object"),
+        ("{tube: x}", "expected exactly one of"),
+        ("{object: a, called: /b}", "expected exactly one of"),
+        ("{object: a, at: [1, 2]}", "at"),
+        ("{joints: {}}", "expected joints by name"),
+        ("{visited: place, times: 0}", "times"),
+        ("{within_s: -1}", "within_s"),
+        ("{sent: /a, within: 3}", "within"),
+    ],
+)
+def test_a_malformed_success_is_named_with_its_line(tmp_path, entry, message):
+    from pathlib import Path
+
+    from tracerisk.errors import ScenarioError
+    from tracerisk.ros.scenario.scenario import read_scenario
+
+    path = Path(tmp_path, "s.yaml")
+    path.write_text(f"success:\n  - {entry}\n")
+    with pytest.raises(ScenarioError, match=message) as raised:
+        read_scenario(path)
+    assert raised.value.location is not None
+    assert raised.value.location.line == 2

@@ -1,0 +1,145 @@
+"""The file of evidence: the same bytes for the same evidence, and clear errors for anything else."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from tracerisk.errors import InputError, Location
+from tracerisk.evidence import (
+    Cell,
+    Evidence,
+    UnitClock,
+    cell_line,
+    dump_evidence,
+    merge_evidence,
+    parse_cell,
+    read_evidence,
+)
+
+CELL = Cell(
+    component="motor",
+    unit="joint_1",
+    mode="dead",
+    time_s=1.25,
+    use="moving",
+    function="pick",
+    drawn=True,
+    active_s=1.0,
+    states_s=(0.75, 0.25, 0.0),
+    fails=True,
+    effect="collision",
+    local="off its way by 0.3 within a second",
+    told_after_s=0.5,
+    told_by="execution_failure",
+    effect_after_s=0.25,
+    lost=("tube not at slot",),
+    contact="link_4 on table, 31 N",
+)
+EVIDENCE = Evidence(
+    fingerprint="abc",
+    robot="panda",
+    seed=3,
+    declared=2,
+    success=("tube at its goal within 0.01 m",),
+    clocks={"joint_1": UnitClock(2.0, (1.5, 0.5, 0.0), 4.0)},
+    cells=(CELL, replace(CELL, time_s=2.0, drawn=False, fails=False)),
+)
+
+
+def written(tmp_path, text, name="tracerisk.evidence"):
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_what_is_written_is_read_again(tmp_path):
+    everything = {"a.py": EVIDENCE, "b.py": replace(EVIDENCE, cells=())}
+    path = written(tmp_path, dump_evidence(everything))
+    assert read_evidence(path) == everything
+    assert dump_evidence(read_evidence(path)) == path.read_text()
+
+
+def test_a_cell_is_a_line(tmp_path):
+    text = dump_evidence({"a.py": EVIDENCE})
+    assert sum(1 for line in text.splitlines() if '"unit"' in line) == 2
+    assert parse_cell(cell_line(CELL), Location("x")) == CELL
+
+
+def test_cells_are_sorted_whatever_their_order():
+    turned = replace(EVIDENCE, cells=EVIDENCE.cells[::-1])
+    assert dump_evidence({"a.py": turned}) == dump_evidence({"a.py": EVIDENCE})
+
+
+def test_no_file_is_no_evidence(tmp_path):
+    assert read_evidence(tmp_path / "tracerisk.evidence") == {}
+
+
+def changed(**values):
+    data = json.loads(dump_evidence({"a.py": EVIDENCE}))
+    data["controllers"]["a.py"].update(values)
+    return json.dumps(data)
+
+
+def with_cell(**values):
+    data = json.loads(dump_evidence({"a.py": EVIDENCE}))
+    cells = data["controllers"]["a.py"]["cells"]
+    return changed(cells=[{**cells[0], **values}])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", "is no evidence"),
+        ("[]", "expected an object"),
+        ('{"version": 9, "controllers": {}}', "version 9"),
+        ('{"version": 1, "controllers": {"a.py": 3}}', "a.py: expected an object"),
+        ('{"version": 1, "controllers": {"a.py": {}}}', "cells is missing"),
+        (changed(cells=3), "expected a list"),
+        (changed(seed=-1), "seed: expected a whole number"),
+        (changed(clocks=[]), "expected an object in 'clocks'"),
+        (changed(clocks={"joint_1": 3}), "clock of 'joint_1'"),
+        (changed(cells=[3]), "a cell: expected an object"),
+        (changed(cells=[{}]), "a cell: component is missing"),
+        (with_cell(effekt="x"), "unknown key 'effekt'"),
+        (with_cell(effect="explosion"), "effect 'explosion'"),
+        (with_cell(use="flying"), "use 'flying'"),
+        (with_cell(time_s="soon"), "time_s: expected seconds"),
+        (with_cell(time_s=-1.0), "time_s: expected seconds"),
+        (with_cell(states_s=[1.0]), "expected three times"),
+        (with_cell(fails="yes"), "fails: expected true or false"),
+        ("[" * 100_000, "is no evidence"),
+    ],
+)
+def test_what_is_malformed_is_named_with_its_file(tmp_path, text, message):
+    path = written(tmp_path, text)
+    with pytest.raises(InputError, match=message) as raised:
+        read_evidence(path)
+    assert raised.value.location is not None
+    assert raised.value.location.file == str(path)
+
+
+def test_duplicate_cells_are_an_error(tmp_path):
+    data = json.loads(dump_evidence({"a.py": EVIDENCE}))
+    cells = data["controllers"]["a.py"]["cells"]
+    path = written(tmp_path, changed(cells=[cells[0], cells[0]]))
+    with pytest.raises(InputError, match="duplicate"):
+        read_evidence(path)
+
+
+def test_shards_merge_to_the_whole(tmp_path):
+    parts = [
+        written(tmp_path, dump_evidence({"a.py": replace(EVIDENCE, cells=(cell,))}), f"{i}")
+        for i, cell in enumerate(EVIDENCE.cells)
+    ]
+    assert merge_evidence(parts) == {"a.py": EVIDENCE}
+    assert merge_evidence([*parts, parts[0]]) == {"a.py": EVIDENCE}
+
+
+def test_evidence_of_other_campaigns_is_not_merged(tmp_path):
+    one = written(tmp_path, dump_evidence({"a.py": EVIDENCE}), "one")
+    two = written(tmp_path, dump_evidence({"a.py": replace(EVIDENCE, seed=4)}), "two")
+    with pytest.raises(InputError, match="another campaign"):
+        merge_evidence([one, two])
+    with pytest.raises(InputError, match="does not exist"):
+        merge_evidence([one, tmp_path / "three"])

@@ -1,0 +1,189 @@
+"""What a failure did to a mission: each effect alone, and what a scenario declares."""
+
+from dataclasses import replace
+
+import pytest
+
+from tracerisk.evidence import Cell
+from tracerisk.pipeline.evidence.judgement import judge
+from tracerisk.pipeline.evidence.mission_run import MissionRun
+from tracerisk.ros.scenario.success import Condition
+from tracerisk.trace import (
+    Contact,
+    Finding,
+    FunctionRef,
+    ObjectOffset,
+    Reason,
+    RunEnd,
+    Trace,
+    TracedFunction,
+    Verdict,
+    Visit,
+)
+
+PICK, PLACE = FunctionRef("cell.py", "pick"), FunctionRef("cell.py", "place")
+CELL = Cell(
+    component="motor",
+    unit="joint_1",
+    mode="dead",
+    time_s=2.0,
+    use="moving",
+    function="pick",
+    drawn=True,
+    active_s=1.5,
+    states_s=(1.0, 0.5, 0.0),
+)
+
+
+def visit(ref, start_s, outcome="succeeded", contacts=()):
+    return Visit(ref, start_s, 2.0, outcome, {}, contacts=tuple(contacts))
+
+
+def run(**changes):
+    """A good run of two visits that puts a tube into its slot."""
+    arrivals = changes.pop("arrivals", ({"joint_1": 0.5}, {"joint_1": -0.5}))
+    things = changes.pop("things", {"tube": (0.1, 0.2, 0.3)})
+    called = changes.pop("called", {"/done": 1})
+    trace = Trace(
+        controller="cell.py",
+        robot="panda",
+        scene="empty",
+        end=RunEnd("ended", "the controller ended", 4.0),
+        elements=(),
+        functions=(TracedFunction(PICK, 1, 1), TracedFunction(PLACE, 5, 2)),
+        visits=(visit(PICK, 0.0), visit(PLACE, 2.0)),
+        objects=(ObjectOffset("tube", "slot", 0.001, 0.0, True),),
+        verdict=Verdict("complete"),
+    )
+    return MissionRun(replace(trace, **changes), arrivals, things, called)
+
+
+def judged(failed, success=()):
+    return judge(run(), failed, CELL, success)
+
+
+def test_the_same_run_shows_no_effect():
+    cell = judged(run())
+    assert (cell.effect, cell.fails, cell.told_after_s, cell.lost) == ("nothing", False, None, ())
+
+
+def test_a_new_touch_is_a_collision_with_its_force_and_time():
+    touch = Contact("link_4", "table", 2.5, 0.2, 31.0, expected=False)
+    cell = judged(run(visits=(visit(PICK, 0.0), visit(PLACE, 2.0, contacts=[touch]))))
+    assert (cell.effect, cell.fails, cell.effect_after_s) == ("collision", True, 0.5)
+    assert cell.contact == "link_4 on table, 31 N"
+
+
+def test_a_touch_that_the_run_without_had_too_is_none():
+    touch = Contact("link_4", "table", 2.5, 0.2, 31.0, expected=False)
+    both = (visit(PICK, 0.0), visit(PLACE, 2.0, contacts=[touch]))
+    assert judge(run(visits=both), run(visits=both), CELL).effect == "nothing"
+
+
+def test_what_fell_is_dropped():
+    fell = Reason("object-dropped", "faulted", "'tube' fell", object="tube", time_s=3.0)
+    cell = judged(run(verdict=Verdict("faulted", (fell,))))
+    assert (cell.effect, cell.fails, cell.effect_after_s) == ("dropped", True, 1.0)
+
+
+@pytest.mark.parametrize(
+    "offset",
+    [
+        ObjectOffset("tube", "slot", 0.02, 0.0, True),
+        ObjectOffset("tube", "slot", 0.001, 1.5, False),
+        ObjectOffset("tube", None, 0.001, 0.0, True),
+    ],
+)
+def test_a_thing_off_its_goal_is_not_placed(offset):
+    cell = judged(run(objects=(offset,)))
+    assert (cell.effect, cell.fails) == ("not_placed", True)
+    assert cell.lost == ("tube not at slot",)
+
+
+def test_a_thing_without_a_goal_is_to_end_where_it_ended():
+    nominal = run(objects=(), things={"cup": (0.0, 0.0, 0.0)})
+    failed = run(objects=(), things={"cup": (0.03, 0.0, 0.0)})
+    assert judge(nominal, failed, CELL).effect == "not_placed"
+
+
+@pytest.mark.parametrize("cause", ["raised", "deadlock", "wall_limit", "died", "duration"])
+def test_a_run_that_does_not_end_by_itself_ended_badly(cause):
+    cell = judged(run(end=RunEnd(cause, "it went wrong", 3.5)))
+    assert (cell.effect, cell.fails) == ("ended_badly", True)
+
+
+def test_a_visit_that_ends_elsewhere_is_a_wrong_position():
+    cell = judged(run(arrivals=({"joint_1": 0.55}, {"joint_1": -0.5})))
+    assert (cell.effect, cell.fails, cell.effect_after_s) == ("wrong_position", True, 0.0)
+    assert cell.lost == ("joint_1 off by 0.05 after pick",)
+
+
+@pytest.mark.parametrize(
+    "visits",
+    [
+        (visit(PICK, 0.0),),
+        (visit(PICK, 0.0), visit(PICK, 2.0)),
+        (visit(PICK, 0.0), visit(PLACE, 2.0, "aborted")),
+    ],
+)
+def test_a_visit_that_is_missing_or_aborted_is_a_wrong_position(visits):
+    cell = judged(run(visits=visits))
+    assert (cell.effect, cell.fails) == ("wrong_position", True)
+
+
+def test_late_alone_does_not_end_a_mission():
+    cell = judged(run(end=RunEnd("ended", "the controller ended", 9.0)))
+    assert (cell.effect, cell.fails, cell.lost) == ("late", False, ("5.0 s later",))
+
+
+def test_a_report_alone_does_not_end_a_mission_and_has_its_delay():
+    found = Finding("execution_failure", "the goal was aborted", 2.75)
+    before = Finding("execution_failure", "an earlier one", 0.5)
+    cell = judged(run(findings=(before, found)))
+    assert (cell.effect, cell.fails) == ("told", False)
+    assert (cell.told_after_s, cell.told_by) == (0.75, "execution_failure")
+
+
+def test_the_worst_effect_leads():
+    touch = Contact("link_4", "table", 2.5, 0.2, 31.0, expected=False)
+    cell = judged(run(visits=(visit(PICK, 0.0, contacts=[touch]),), objects=()))
+    assert cell.effect == "collision"
+    assert "place was not visited, but nothing" in cell.lost
+
+
+@pytest.mark.parametrize(
+    ("condition", "is_met"),
+    [
+        (Condition("object", "tube", within=0.01), True),
+        (Condition("object", "tube", within=0.0005), False),
+        (Condition("object", "cup", within=0.01), False),
+        (Condition("object", "tube", at=(0.1, 0.2, 0.305), within=0.01), True),
+        (Condition("object", "tube", at=(0.1, 0.2, 0.4), within=0.01), False),
+        (Condition("joints", joints={"joint_1": -0.51}, within=0.02), True),
+        (Condition("joints", joints={"joint_1": 0.5}, within=0.02), False),
+        (Condition("reached", joints={"joint_1": 0.5}, within=0.02), True),
+        (Condition("reached", joints={"joint_9": 0.5}, within=0.02), False),
+        (Condition("visited", "place"), True),
+        (Condition("visited", "place", times=2), False),
+        (Condition("called", "/done"), True),
+        (Condition("sent", "/done", times=2), False),
+        (Condition("within_s", seconds=4.0), True),
+        (Condition("within_s", seconds=3.9), False),
+    ],
+)
+def test_a_declared_mission_is_what_its_conditions_say(condition, is_met):
+    cell = judged(run(), [condition])
+    assert cell.fails is not is_met
+    assert cell.lost == (() if is_met else (f"missed: {condition.words}",))
+
+
+def test_a_declared_mission_that_is_met_survives_a_wrong_position():
+    failed = run(arrivals=({"joint_1": 0.9}, {"joint_1": -0.5}))
+    cell = judged(failed, [Condition("object", "tube", within=0.01)])
+    assert (cell.effect, cell.fails) == ("wrong_position", False)
+
+
+def test_a_declared_mission_fails_by_a_collision():
+    touch = Contact("link_4", "table", 2.5, 0.2, 31.0, expected=False)
+    failed = run(visits=(visit(PICK, 0.0), visit(PLACE, 2.0, contacts=[touch])))
+    assert judged(failed, [Condition("object", "tube", within=0.01)]).fails

@@ -1,0 +1,161 @@
+"""What of a hazard ends the mission: additive however visits are cut, and never lowered unasked."""
+
+from dataclasses import replace
+
+import pytest
+
+from tracerisk.adder.figures.computed import compute_blocks
+from tracerisk.evidence import Cell, Evidence, UnitClock
+from tracerisk.hardware.binding import bind
+from tracerisk.hardware.model import (
+    Basis,
+    Component,
+    FailureFigure,
+    FailureMode,
+    Hardware,
+    TwinBinding,
+)
+from tracerisk.hardware.redundancy import Redundancy
+from tracerisk.quantify.evidence_shares import EvidenceShares
+from tracerisk.quantify.mission import component_use
+from tracerisk.trace import (
+    Element,
+    Exposure,
+    FunctionRef,
+    RunEnd,
+    Trace,
+    TracedFunction,
+    Visit,
+)
+
+RATE = FailureFigure("failure_rate", 3.6e-3, Basis.HOUR)
+"""1e-6 a second."""
+MOTOR = Component("motor", (RATE,), twin=TwinBinding(joints=("joint_1",)))
+
+
+def trace(*seconds):
+    """A run of one function a visit, in which `joint_1` moves all the time."""
+    starts = [sum(seconds[:i]) for i in range(len(seconds))]
+    refs = [FunctionRef("cell.py", f"step_{i}") for i in range(len(seconds))]
+    visits = tuple(
+        Visit(ref, at, s, "succeeded", {"joint_1": moved(s)})
+        for ref, at, s in zip(refs, starts, seconds, strict=True)
+    )
+    return Trace(
+        controller="cell.py",
+        robot="panda",
+        scene="empty",
+        end=RunEnd("ended", "", sum(seconds)),
+        elements=(Element("joint_1", "joint"),),
+        functions=tuple(TracedFunction(ref, 1, i + 1) for i, ref in enumerate(refs)),
+        visits=visits,
+    )
+
+
+def moved(seconds):
+    return Exposure(
+        moving_s=seconds, active_s=seconds, longest_moving_s=seconds, longest_active_s=seconds
+    )
+
+
+def cell(at, fails, **more):
+    base = Cell("motor", "joint_1", "dead", at, "moving", "step_0", True, at, (at, 0.0, 0.0))
+    return replace(base, fails=fails, **more)
+
+
+def evidence(*cells, success=("tube at its goal",), declared=None):
+    return Evidence(
+        fingerprint="f",
+        robot="panda",
+        seed=0,
+        declared=len(cells) if declared is None else declared,
+        success=tuple(success),
+        clocks={"joint_1": UnitClock(10.0, (10.0, 0.0, 0.0), 10.0)},
+        cells=tuple(cells),
+    )
+
+
+FAILS_EARLY = evidence(cell(1.0, True), cell(3.0, True), cell(7.0, False), cell(9.0, False))
+"""Cells at 1, 3, 7 and 9 s: up to 5 s the mission ends, from then on it does not."""
+
+
+def hazards(found, component, *seconds):
+    run = trace(*seconds)
+    (bound,) = bind(Hardware("h.yaml", (component,)), run.elements)
+    used = component_use(bound, run, "moving+holding", EvidenceShares(found))
+    return [row[0] for row in used.hazards(range(len(seconds)))]
+
+
+def test_each_cell_stands_for_the_stretch_around_it():
+    assert hazards(FAILS_EARLY, MOTOR, 2.0, 4.0, 4.0) == pytest.approx([2e-6, 3e-6, 0.0])
+
+
+@pytest.mark.parametrize("cut", [(10.0,), (5.0, 5.0), (1.0, 2.5, 0.5, 6.0), (0.1,) * 100])
+def test_the_sum_does_not_change_however_visits_are_cut(cut):
+    assert sum(hazards(FAILS_EARLY, MOTOR, *cut)) == pytest.approx(5e-6, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "found",
+    [
+        replace(FAILS_EARLY, success=()),
+        replace(FAILS_EARLY, declared=5),
+        evidence(cell(1.0, False, drawn=False), declared=0),
+        evidence(cell(1.0, False, unit="joint_2")),
+    ],
+    ids=["no success", "not complete", "of the table alone", "of another unit"],
+)
+def test_what_is_not_shown_counts_in_full(found):
+    assert sum(hazards(found, MOTOR, 4.0, 6.0)) == pytest.approx(1e-5, rel=1e-12)
+
+
+def test_without_modes_the_worst_fault_counts():
+    found = evidence(cell(1.0, False), cell(1.0, True, mode="jam"))
+    assert hazards(found, MOTOR, 10.0) == pytest.approx([1e-5])
+
+
+def test_a_mode_counts_with_its_fault_and_one_without_in_full():
+    modes = (
+        FailureMode("jam", 0.25, ("moving",), fault="jam"),
+        FailureMode("dead", 0.25, ("moving",), fault="dead"),
+        FailureMode("noise", 0.5, ("moving",)),
+    )
+    found = evidence(cell(1.0, False), cell(1.0, True, mode="jam"))
+    assert hazards(found, replace(MOTOR, modes=modes), 10.0) == pytest.approx([7.5e-6])
+
+
+def test_redundant_units_count_in_full():
+    pair = replace(MOTOR, quantity=2, redundancy=Redundancy(True))
+    found = evidence(cell(1.0, False))
+    assert hazards(found, pair, 10.0) == pytest.approx([1e-5])
+
+
+def test_standby_hazard_counts_by_the_idle_cells():
+    standby = replace(RATE, standby=True)
+    both = replace(MOTOR, figures=(RATE, standby))
+    run = trace(4.0, 6.0)
+    still = replace(run.visits[1], exposures={})
+    run = replace(run, visits=(run.visits[0], still))
+    (bound,) = bind(Hardware("h.yaml", (both,)), run.elements)
+    found = evidence(
+        cell(1.0, True),
+        cell(5.0, True, use="idle", active_s=4.0),
+        cell(9.0, False, use="idle", active_s=4.0),
+    )
+    used = component_use(bound, run, "moving+holding", EvidenceShares(found))
+    # Idle for six seconds: the cells are one and five seconds in, so that three of six count.
+    assert [row[0] for row in used.hazards([0, 1])] == pytest.approx([4e-6, 3e-6])
+
+
+def test_blocks_say_that_they_take_evidence():
+    run, hardware = trace(4.0, 6.0), Hardware("h.yaml", (MOTOR,))
+    with_it = compute_blocks(
+        run, hardware, active="moving+holding", evidence=EvidenceShares(FAILS_EARLY)
+    )
+    without = compute_blocks(run, hardware, active="moving+holding")
+    assert all(block.has_evidence for block in with_it.blocks.values())
+    assert not any(block.has_evidence for block in without.blocks.values())
+    assert any(line.startswith("evidence: motor count") for line in with_it.assumptions)
+    last = run.functions[1].ref
+    (component,) = with_it.blocks[last].components
+    assert component.probability.value == pytest.approx(1e-6, rel=1e-3)
