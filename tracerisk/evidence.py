@@ -142,16 +142,21 @@ def read_evidence(path: Path) -> dict[str, Evidence]:
         return {}
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"cannot be read: {error}", Location(str(path))) from error
+    return loads_evidence(text, str(path))
+
+
+def loads_evidence(text: str, name: str) -> dict[str, Evidence]:
+    """Return what the text of a file holds; raise InputError, naming it, where it is malformed."""
     try:
         data = json.loads(text)
     except (ValueError, RecursionError) as error:
         line = getattr(error, "lineno", None)
         raise InputError(
-            f"is no evidence: {error}; `git checkout {path.name}`, or remove it and run "
+            f"is no evidence: {error}; restore it from git, or remove it and run "
             "`tracerisk evidence`",
-            Location(str(path), line),
+            Location(name, line),
         ) from error
-    return _Reader(path).file(data)
+    return _Reader(name).file(data)
 
 
 def dump_evidence(found: Mapping[str, Evidence]) -> str:
@@ -232,8 +237,8 @@ _TEXTS = ("component", "unit", "mode", "function", "local", "told_by", "contact"
 
 
 class _Reader:
-    def __init__(self, path: Path) -> None:
-        self._where = Location(str(path))
+    def __init__(self, name: str) -> None:
+        self._where = Location(name)
 
     def file(self, data: Any) -> dict[str, Evidence]:
         if not isinstance(data, dict) or not isinstance(data.get("controllers"), dict):

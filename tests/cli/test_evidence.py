@@ -8,7 +8,14 @@ from concurrent.futures import Executor, Future
 import pytest
 
 from tracerisk import api
-from tracerisk.evidence import dump_evidence, merge_evidence, read_evidence
+from tracerisk.evidence import (
+    Cell,
+    Evidence,
+    UnitClock,
+    dump_evidence,
+    merge_evidence,
+    read_evidence,
+)
 
 HARDWARE = """\
 robot: panda
@@ -216,3 +223,33 @@ def test_a_malformed_success_is_named_with_its_line(tmp_path, entry, message):
         read_scenario(path)
     assert raised.value.location is not None
     assert raised.value.location.line == 2
+
+
+def test_diff_says_what_a_change_did_to_failures(repository, quick):
+    from dataclasses import replace
+
+    repository.write("controller.py", quick())
+    repository.write("one.yaml", HARDWARE)
+    repository.write("pyproject.toml", '[tool.tracerisk]\nhardware = "one.yaml"\n')
+    assert repository.run("run", "controller.py", "-q").code == 0
+    cells = [
+        Cell(
+            *("motor", "panda_joint1", "jam", float(at), "moving", "act", True, float(at)),
+            states_s=(float(at), 0.0, 0.0),
+        )
+        for at in range(20)
+    ]
+    clock = UnitClock(20.0, (20.0, 0.0, 0.0), 20.0)
+    before = Evidence("f", "panda", 0, 20, (), {"panda_joint1": clock}, tuple(cells))
+    told = [replace(each, told_after_s=0.4, told_by="path_cut", fails=True) for each in cells]
+    after = replace(before, cells=tuple(told))
+    repository.write("tracerisk.evidence", dump_evidence({"controller.py": before}))
+    repository.git("add", "-A")
+    repository.git("commit", "-qm", "before")
+    repository.write("controller.py", repository.read("controller.py").decode() + "\n# more\n")
+    repository.write("tracerisk.evidence", dump_evidence({"controller.py": after}))
+    outcome = repository.run("diff")
+    assert outcome.code == 0, outcome.err
+    said = " ".join(outcome.out.split())
+    assert "a failure of motor (jam) is now reported after 0.4 s, before: never" in said
+    assert "now ends the mission in 20 of 20 tries, before: 0 of 20" in said

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import PurePosixPath
@@ -9,6 +10,7 @@ from typing import Protocol
 
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock, loads
 from tracerisk.errors import InputError, Location, TraceRiskError
+from tracerisk.evidence import EVIDENCE_NAME, Evidence, loads_evidence
 from tracerisk.pipeline.review.annotated_files import AnnotatedFiles, is_annotated
 from tracerisk.pipeline.review.git_versions import GitVersion
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
@@ -18,12 +20,14 @@ from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 class ControllerVersion:
     """A controller in one version: its annotated sources by path from the top, and its entry.
 
-    `folder` is that of its lock, from which the entry names files.
+    `folder` is that of its lock, from which the entry names files. `evidence` is what failures
+    of its hardware did on the twin, `None` where none is kept.
     """
 
     sources: Mapping[str, bytes]
     entry: ControllerLock | None
     folder: str
+    evidence: Evidence | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +56,7 @@ class _Locks:
     version: GitVersion
     shown: Callable[[str], str]
     _read: dict[str, dict[str, _Known]] = field(default_factory=dict)
+    _evidence: dict[str, dict[str, Evidence]] = field(default_factory=dict)
 
     def controllers_of(self, path: str) -> list[str]:
         """Return the controllers that a file belongs to, by the nearest lock that knows it."""
@@ -66,6 +71,21 @@ class _Locks:
             if controller in (known := self._in(str(folder))):
                 return known[controller]
         return None
+
+    def evidence_of(self, controller: str, folder: str) -> Evidence | None:
+        """Return what is kept beside the lock of a folder of a controller below it."""
+        if folder not in self._evidence:
+            path = _below(folder, EVIDENCE_NAME)
+            content = self.version.file(path)
+            try:
+                self._evidence[folder] = (
+                    {} if content is None else loads_evidence(content.decode(), self.shown(path))
+                )
+            except (TraceRiskError, UnicodeDecodeError) as error:
+                told = error if isinstance(error, TraceRiskError) else InputError("is not UTF-8")
+                raise in_version(told, self.version) from error
+        name = os.path.relpath(controller, folder)
+        return self._evidence[folder].get(PurePosixPath(name).as_posix())
 
     def _in(self, folder: str) -> dict[str, _Known]:
         if folder not in self._read:
@@ -156,8 +176,10 @@ def _version(
         for file, content in contents.items()
         if content is not None and is_annotated(file, content)
     }
-    folder = known.folder if known is not None else "."
-    return ControllerVersion(sources, known.entry if known is not None else None, folder)
+    if known is None:
+        return ControllerVersion(sources, None, ".")
+    evidence = locks.evidence_of(controller, known.folder)
+    return ControllerVersion(sources, known.entry, known.folder, evidence)
 
 
 class NamedVersion(Protocol):

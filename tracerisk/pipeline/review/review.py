@@ -106,7 +106,7 @@ class _Shown:
 
     def version(self, version: ControllerVersion) -> ControllerVersion:
         sources = {self.name(file): source for file, source in version.sources.items()}
-        return ControllerVersion(sources, version.entry, self.name(version.folder))
+        return replace(version, sources=sources, folder=self.name(version.folder))
 
 
 def _reviewed(

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import math
+import statistics
+from collections.abc import Iterator, Mapping, Sequence
 
+from tracerisk.evidence import Cell, Evidence
 from tracerisk.pipeline.review.controllers import ControllerVersion
 from tracerisk.pipeline.trace.last_run import kept_contacts, kept_uncovered
+
+_OTHER_DELAY, _OTHER_DELAY_S = 1.5, 0.2
+"""A delay is another one that is longer by this share and by so many seconds [s]."""
+_QUANTILE = 1.645
 
 
 def run_changes(
     before: ControllerVersion, after: ControllerVersion, renamed: Mapping[str, str]
 ) -> tuple[str, ...]:
-    """Return in words which contacts and motions without risk data are new.
+    """Return in words which contacts and motions without risk data are new, and what failures do.
 
     `renamed` gives the later name of functions by their earlier one. Nothing is told where the
     later version has no lock; without an earlier lock all of the later one is new.
@@ -19,7 +26,59 @@ def run_changes(
     if after.entry is None:
         return ()
     old = {} if before.entry is None else before.entry.trace
-    return tuple(_new(old, after.entry.trace, renamed))
+    found = list(_new(old, after.entry.trace, renamed))
+    if before.evidence is not None and after.evidence is not None:
+        found += _evidence_changes(before.evidence, after.evidence)
+    return tuple(found)
+
+
+def _evidence_changes(before: Evidence, after: Evidence) -> Iterator[str]:
+    """Yield of which failures the controller is now told sooner or later, or that end more."""
+    old, new = _by_mode(before), _by_mode(after)
+    for key in sorted(old.keys() & new.keys()):
+        was, now = old[key], new[key]
+        what = f"a failure of {key[0]} ({key[1].replace('_', ' ')})"
+        told = _told_after(was), _told_after(now)
+        if told[0] != told[1] and _is_other_delay(*told):
+            verb = "never reported" if told[1] is None else f"reported after {told[1]:.1f} s"
+            earlier = "never" if told[0] is None else f"after {told[0]:.1f} s"
+            yield f"{what} is now {verb}, before: {earlier}"
+        if _differ(was, now):
+            yield (
+                f"{what} now ends the mission in {_failed(now)} of {len(now)} tries, "
+                f"before: {_failed(was)} of {len(was)}"
+            )
+
+
+def _by_mode(found: Evidence) -> dict[tuple[str, str], list[Cell]]:
+    cells: dict[tuple[str, str], list[Cell]] = {}
+    for each in found.cells:
+        cells.setdefault((each.component, each.mode), []).append(each)
+    return cells
+
+
+def _failed(cells: Sequence[Cell]) -> int:
+    return sum(1 for each in cells if each.fails)
+
+
+def _told_after(cells: Sequence[Cell]) -> float | None:
+    """Return the median time until the controller was told [s]; `None` where it mostly was not."""
+    told = [each.told_after_s for each in cells if each.told_after_s is not None]
+    return statistics.median(told) if 2 * len(told) > len(cells) else None
+
+
+def _is_other_delay(before: float | None, after: float | None) -> bool:
+    if before is None or after is None:
+        return True
+    return max(before, after) > _OTHER_DELAY * min(before, after) + _OTHER_DELAY_S
+
+
+def _differ(before: Sequence[Cell], after: Sequence[Cell]) -> bool:
+    """Return whether two shares differ by more than chance, at the 10 % level of the z test."""
+    n, m = len(before), len(after)
+    share = (_failed(before) + _failed(after)) / (n + m)
+    spread = math.sqrt(share * (1.0 - share) * (1.0 / n + 1.0 / m))
+    return abs(_failed(before) / n - _failed(after) / m) > _QUANTILE * spread > 0.0
 
 
 def _new(
