@@ -151,6 +151,11 @@ def test_blocks_take_evidence_where_the_settings_ask(gathered, tmp_path, example
     explained = folder.run("run", "controller.py", "--check", "--explain", "act", "-q")
     assert "evidence" in folder.run("run", "controller.py", "--check").out
     assert " c " in explained.out
+    assert folder.run("report", "controller.py", "-o", "out.html", "-q").code == 0
+    page = folder.read("out.html").decode()
+    assert "The figures of this report count only failures that end the mission." in page
+    assert 'class="effect-wrong_position"' in page
+    assert "In use, but harmless" in page
     # Evidence of another mission is stale.
     folder.write("mission.yaml", "success:\n  - {within_s: 99}\n")
     assert folder.run("refresh", "controller.py").code == 0

@@ -147,10 +147,16 @@ def _kept_instances(
 ) -> Sequence[ComponentInstances] | None:
     from tracerisk.adder.figures.computed import compute_blocks
     from tracerisk.pipeline.check.cached_run import kept_run
+    from tracerisk.pipeline.freshness.used_evidence import used_evidence
 
     for file in files:
         kept = kept_run(file)
         if kept.trace is not None:
-            computed = compute_blocks(kept.trace, hardware, active=kept.settings.active)
+            computed = compute_blocks(
+                kept.trace,
+                hardware,
+                active=kept.settings.active,
+                evidence=used_evidence(kept.controller, kept.settings, kept.fingerprint),
+            )
             return computed.instances
     return None

@@ -115,7 +115,7 @@ def _run_of(
             return "No run is known of these sources."
         if kept.trace is None:
             return f"{kept.reason} {_HOW}"
-        trace = kept.trace
+        return run_shown(kept.trace, _settings(kept, options), kept)
     return run_shown(trace, _settings(kept, options))
 
 

@@ -27,7 +27,7 @@ from tracerisk.cli.shared.output import (
     write_file,
     write_sarif,
 )
-from tracerisk.cli.shared.report_input import RunShown, report_html
+from tracerisk.cli.shared.report_input import RunShown, evidence_shown, report_html
 from tracerisk.cli.shared.run_report import (
     blocks_line,
     failure_of,
@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.run.controller_run import Progress
     from tracerisk.prm.questions.uncertainty import Uncertainty
     from tracerisk.report.html.run.replay import RecordedRun
+    from tracerisk.report.html.section import Section
     from tracerisk.report.run_figures import RunFigures
 
 
@@ -171,7 +172,8 @@ def _write_files(options: argparse.Namespace, done: Assessed, recorded: Recorded
         from tracerisk.pipeline.results.run_section import run_section
 
         section = run_section(done.trace, done.hardware, recorded)
-        sections = () if section is None else (section,)
+        sections: tuple[Section, ...] = () if section is None else (section,)
+        sections += evidence_shown(done.controller, done.settings, done.annotated.fingerprint)
         page = report_html(
             done.assessment,
             done.model,

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from tracerisk.adder.figures.computed import ComputedBlocks
     from tracerisk.config import Settings
     from tracerisk.hardware.model import Hardware
+    from tracerisk.pipeline.check.cached_run import KeptRun
+    from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.prm.review.risk_change import Review
@@ -40,19 +42,43 @@ class RunShown:
     sections: tuple[Section, ...] = ()
 
 
-def run_shown(trace: Trace, settings: Settings) -> RunShown:
-    """Return what a report tells of a run whose trace is kept.
+def evidence_shown(
+    controller: Controller, settings: Settings, fingerprint: str
+) -> tuple[Section, ...]:
+    """Return the section of the evidence that is kept of this run of a controller, if any is.
+
+    Raises InputError where the file of evidence is malformed.
+    """
+    from tracerisk.pipeline.freshness.used_evidence import kept_evidence, used_evidence
+
+    found = kept_evidence(controller)
+    if found is None or found.fingerprint != fingerprint or not found.cells:
+        return ()
+    from tracerisk.report.html.evidence import evidence_section
+
+    is_used = used_evidence(controller, settings, fingerprint) is not None
+    return (evidence_section(found, is_used=is_used),)
+
+
+def run_shown(trace: Trace, settings: Settings, kept: KeptRun | None = None) -> RunShown:
+    """Return what a report tells of a run whose trace is kept, `kept` where it is that one.
 
     Raises HardwareError where the hardware description does not fit it.
     """
     from tracerisk.adder.figures.computed import compute_blocks
     from tracerisk.pipeline import load_hardware
+    from tracerisk.pipeline.freshness.used_evidence import used_evidence
     from tracerisk.pipeline.results.run_section import run_section
 
     hardware = load_hardware(settings, trace.robot)
-    computed = compute_blocks(trace, hardware, active=settings.active)
+    evidence = None
     section = run_section(trace, hardware)
-    return RunShown(trace, hardware, computed, () if section is None else (section,))
+    sections: tuple[Section, ...] = () if section is None else (section,)
+    if kept is not None:
+        evidence = used_evidence(kept.controller, settings, kept.fingerprint)
+        sections += evidence_shown(kept.controller, settings, kept.fingerprint)
+    computed = compute_blocks(trace, hardware, active=settings.active, evidence=evidence)
+    return RunShown(trace, hardware, computed, sections)
 
 
 def report_html(

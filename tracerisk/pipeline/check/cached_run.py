@@ -19,7 +19,7 @@ class KeptRun:
     """A controller, the settings of its last run, and the trace of that run.
 
     `files` are those with its risk blocks, as messages call them, the controller among them.
-    Where `trace` is `None`, `reason` says in a sentence why.
+    Where `trace` is `None`, `reason` says in a sentence why. `fingerprint` is that of the run.
     """
 
     controller: Controller
@@ -27,6 +27,7 @@ class KeptRun:
     files: tuple[str, ...]
     trace: Trace | None
     reason: str = ""
+    fingerprint: str = ""
 
 
 def kept_run(path: Path | str) -> KeptRun:
@@ -51,7 +52,7 @@ def kept_run(path: Path | str) -> KeptRun:
         return KeptRun(controller, settings, files, None, told)
     trace = TraceCache(controller.root).read(recorded.fingerprint, controller.file)
     told = "" if trace is not None else "The trace of its last run is not kept on this machine."
-    return KeptRun(controller, settings, files, trace, told)
+    return KeptRun(controller, settings, files, trace, told, recorded.fingerprint)
 
 
 def _files(controller: Controller, entry: ControllerLock) -> tuple[str, ...]:

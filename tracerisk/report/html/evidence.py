@@ -1,0 +1,173 @@
+"""What failures did on the twin: effects by function and component, delays, and the FMEA."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TypeVar
+from xml.etree.ElementTree import SubElement
+
+from tracerisk.evidence import EFFECTS, Cell, Evidence
+from tracerisk.report.fmea import WORDS, fmea_rows, summary_lines
+from tracerisk.report.html.page import asset, rendered
+from tracerisk.report.html.section import Section
+from tracerisk.report.html.svg import Drawing, number
+from tracerisk.report.html.tables import Cell as TableCell
+from tracerisk.report.html.tables import Column, Row, Table
+
+T = TypeVar("T")
+
+_MOST_UNFOLDED = 12
+_WIDTH, _ROW, _LABEL = 560.0, 22.0, 190.0
+_TICKS = 5
+
+
+def evidence_section(found: Evidence, *, is_used: bool) -> Section:
+    """Return the section; `is_used` says whether the figures take the evidence."""
+    cells = found.cells
+    harmless = [each for each in cells if not each.is_idle and not each.fails]
+    needed = [each for each in cells if each.is_idle and each.fails]
+    html = rendered(
+        "evidence.html.j2",
+        lines=summary_lines(found),
+        success=found.success,
+        is_used=is_used,
+        matrix=_matrix(found),
+        legend=[(each, WORDS[each]) for each in EFFECTS],
+        delays=_delays(cells),
+        harmless=_listed("evidence-harmless", "In use, but harmless", harmless),
+        needed=_listed("evidence-needed", "Idle, but needed", needed),
+        table=_table(found),
+        most=_MOST_UNFOLDED,
+    )
+    return Section("evidence", "Failures on the twin", html, css=asset("evidence.css"))
+
+
+def _matrix(found: Evidence) -> dict[str, object]:
+    """Return the worst effect of each component in each function, with its share of failures."""
+    functions = _ordered(each.function for each in _by_time(found.cells))
+    kinds = _ordered((each.component, each.mode) for each in found.cells)
+    rows = []
+    for component, mode in kinds:
+        entries = []
+        for function in functions:
+            cells = [
+                each
+                for each in found.cells
+                if (each.component, each.mode, each.function) == (component, mode, function)
+            ]
+            if not cells:
+                entries.append(("none", "", ""))
+                continue
+            worst = min((each.effect for each in cells), key=EFFECTS.index)
+            failed = sum(1 for each in cells if each.fails)
+            entries.append((worst, WORDS[worst], f"{failed} of {len(cells)}"))
+        rows.append((component, mode.replace("_", " "), entries))
+    return {"functions": functions, "rows": rows}
+
+
+def _delays(cells: Sequence[Cell]) -> object:
+    """Return a drawing of when the controller was told of each failure, a row for each mode."""
+    told = [each for each in cells if each.told_after_s is not None]
+    if not told:
+        return ""
+    most = max(each.told_after_s or 0.0 for each in told) or 1.0
+    kinds = _ordered((each.component, each.mode) for each in cells)
+    drawing = Drawing(
+        "evidence-delays",
+        "When the controller was told",
+        "A dot for each failure that was reported, by component and mode, over the seconds after "
+        "it; beside them how many were never reported.",
+    )
+    for index, (component, mode) in enumerate(kinds):
+        y = (index + 0.5) * _ROW
+        group = drawing.group("delays")
+        name = f"{component} {mode.replace('_', ' ')}"
+        label = SubElement(group, "text", {"x": "0", "y": number(y + 4.0)})
+        label.text = name if len(name) <= 26 else f"{name[:25]}…"
+        drawing.path(f"M{number(_LABEL)} {number(y)} H{number(_WIDTH)}", "edge")
+        mine = [each for each in cells if (each.component, each.mode) == (component, mode)]
+        for each in mine:
+            if each.told_after_s is not None:
+                x = _LABEL + (_WIDTH - _LABEL) * each.told_after_s / most
+                kind = "fails" if each.fails else "harmless"
+                place = {"cx": number(x), "cy": number(y), "r": "3.5", "class": kind}
+                SubElement(group, "circle", place)
+        never = sum(1 for each in mine if each.told_after_s is None)
+        if never:
+            note = SubElement(group, "text", {"x": number(_WIDTH + 12.0), "y": number(y + 4.0)})
+            note.text = f"{never} never"
+    bottom = len(kinds) * _ROW + 16.0
+    axis = drawing.group("axis")
+    for tick in range(_TICKS):
+        share = tick / (_TICKS - 1)
+        x = _LABEL + (_WIDTH - _LABEL) * share
+        text = SubElement(axis, "text", {"x": number(x), "y": number(bottom)})
+        text.set("text-anchor", "middle")
+        text.text = f"{share * most:.3g} s"
+    return drawing.markup(_WIDTH + 80.0, bottom + 6.0)
+
+
+def _listed(name: str, caption: str, cells: Sequence[Cell]) -> Table | None:
+    if not cells:
+        return None
+    columns = (
+        Column("failure"),
+        Column("function"),
+        Column("at s", "instant of the failure", is_number=True),
+        Column("end effect"),
+        Column("see it", "the option of tracerisk run"),
+    )
+    rows = tuple(
+        Row(
+            (
+                TableCell(f"{each.component} {each.mode.replace('_', ' ')}", note=each.unit),
+                TableCell(each.function),
+                TableCell(f"{each.time_s:.3f}"),
+                TableCell(WORDS[each.effect], note="; ".join(each.lost)),
+                TableCell(f"--fault {each.unit}:{each.mode}@{each.time_s:g}"),
+            ),
+            function=each.function,
+        )
+        for each in cells
+    )
+    return Table(name, caption, columns, rows)
+
+
+def _table(found: Evidence) -> Table:
+    columns = (
+        Column("failure"),
+        Column("function"),
+        Column("end effect", "the worst of the tries"),
+        Column("told after s", "median, of those reported", is_number=True),
+        Column("detected by"),
+        Column("failed", "of the tries", is_number=True),
+        Column("c", "share that ends the mission, with its 90 % interval", is_number=True),
+    )
+    rows = []
+    for row in fmea_rows(found):
+        low, high = row.interval
+        told = row.told_after_s
+        rows.append(
+            Row(
+                (
+                    TableCell(f"{row.component} {row.mode.replace('_', ' ')}"),
+                    TableCell(row.function),
+                    TableCell(WORDS[row.worst.effect], note=row.hardest),
+                    TableCell("never" if told is None else f"{told:.2f}"),
+                    TableCell(row.detection),
+                    TableCell(f"{row.failed} of {len(row.cells)}"),
+                    TableCell(f"{row.share:.2f}", note=f"{low:.2f} to {high:.2f}"),
+                ),
+                function=row.function,
+                component=row.component,
+            )
+        )
+    return Table("evidence-fmea", "Failure modes and effects", columns, tuple(rows))
+
+
+def _by_time(cells: Iterable[Cell]) -> list[Cell]:
+    return sorted(cells, key=lambda each: each.time_s)
+
+
+def _ordered(values: Iterable[T]) -> list[T]:
+    return list(dict.fromkeys(values))
