@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.check.finding import Checked
     from tracerisk.pipeline.check.overrides import Override
     from tracerisk.pipeline.check.refresh import Refreshed
+    from tracerisk.pipeline.evidence.sweep import SweepPoint
     from tracerisk.pipeline.run.controller_run import Progress
     from tracerisk.pipeline.run.fault_run import FaultRun
     from tracerisk.prm.hybrid.assessment import Assessment
@@ -144,6 +145,40 @@ def gather_evidence(
         shard=shard,
         fresh=fresh,
         told=told,
+    )
+
+
+def sweep(
+    path: str | Path,
+    over: Sequence[str] | Mapping[str, Sequence[Any]],
+    settings: Mapping[str, Any] | None = None,
+    *,
+    jobs: int | None = None,
+    executor: Executor | None = None,
+    most_s: float | None = None,
+    shard: tuple[int, int] = (1, 1),
+    fresh: bool = False,
+    told: Callable[[int, int, float], None] | None = None,
+) -> tuple[SweepPoint, ...]:
+    """Run a controller at every combination of values, and return the figure of each.
+
+    `over` names what to vary with its values: a setting, `param:/NAME` or `scenario:PATH`, as a
+    mapping or as texts NAME=VALUE,VALUE. See `gather_evidence` for the workers. Nothing but the
+    cache is written. Raises InputError for what cannot be varied.
+    """
+    from tracerisk.dependencies import require_simulator
+    from tracerisk.pipeline.evidence.sweep import Factor, parse_factor
+    from tracerisk.pipeline.evidence.sweep import sweep as run_sweep
+    from tracerisk.pipeline.evidence.workers import Workers
+
+    require_simulator("sweeping over runs")
+    if isinstance(over, Mapping):
+        factors = [Factor(name, tuple(values)) for name, values in over.items()]
+    else:
+        factors = [parse_factor(each) for each in over]
+    workers = Workers(jobs, executor, most_s)
+    return run_sweep(
+        Path(path), factors, settings, workers=workers, shard=shard, fresh=fresh, told=told
     )
 
 

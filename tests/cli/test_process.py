@@ -148,9 +148,9 @@ def test_a_run_whose_source_another_annotates_before_it_is_imported_gives_what_o
         path = example.write("controller.py", two_steps)
     begin = controller_run._run_child
 
-    def late(*arguments):
+    def late(*arguments, **named):
         path.write_bytes(whole[path.name])
-        return begin(*arguments)
+        return begin(*arguments, **named)
 
     monkeypatch.setattr(controller_run, "_run_child", late)
     controller = pipeline.load_controller(example.folder / "controller.py")

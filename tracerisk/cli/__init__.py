@@ -16,6 +16,7 @@ VERBS = {
     "run": "run a controller on the twin, annotate it, solve its risk model",
     "trace": "run a controller and print which hardware each function used",
     "evidence": "fail each unit on the twin and tabulate the effects (FMEA)",
+    "sweep": "run a controller over values of settings, parameters, scenario",
     "scenario": "list a controller's needs; write a scenario that meets them",
     "check": "check, without a simulation, whether blocks can be trusted",
     "refresh": "bring blocks up to date, simulating only what is stale",
@@ -47,7 +48,15 @@ GROUPS = {
         "strip",
     ),
     "for reviewers of changes": ("diff", "report", "overrides"),
-    "for safety engineers": ("hardware", "evidence", "build", "solve", "cut-sets", "convert"),
+    "for safety engineers": (
+        "hardware",
+        "evidence",
+        "sweep",
+        "build",
+        "solve",
+        "cut-sets",
+        "convert",
+    ),
     "to set up": ("robots", "drivers", "doctor", "lock-merge", "completion"),
 }
 """The verbs by who needs them."""

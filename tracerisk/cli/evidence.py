@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -43,23 +42,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         type=shared.positive,
         help="draw more until the 90 %% interval of the mission's factor is no wider than this",
     )
-    group.add_argument(
-        "--time",
-        metavar="SECONDS",
-        type=shared.positive,
-        help="begin no further failure after this; the same command goes on from there",
-    )
-    group.add_argument(
-        "-j", "--jobs", metavar="N", type=shared.count, help="processes (default: one a core)"
-    )
-    group.add_argument(
-        "--shard",
-        metavar="I/N",
-        type=_shard,
-        default=(1, 1),
-        help="try every N-th failure; `tracerisk evidence merge FILE...` puts shards together",
-    )
-    group.add_argument("--fresh", action="store_true", help="try again what was tried before")
+    shared.add_campaign_options(group, "failure")
     group.add_argument("--show", action="store_true", help="print what is there; try nothing")
     output = parser.add_argument_group("output")
     output.add_argument("--csv", metavar="OUT", help="write the table as CSV")
@@ -148,11 +131,3 @@ def _merge(options: argparse.Namespace) -> int:
     for name, found in sorted(merged.items()):
         note(f"{name}: {len(found.cells)} failures in {target}", quiet=options.quiet)
     return int(ExitCode.FINE)
-
-
-def _shard(text: str) -> tuple[int, int]:
-    index, slash, of = text.partition("/")
-    with contextlib.suppress(ValueError):
-        if slash and 1 <= int(index) <= int(of) <= 10_000:
-            return int(index), int(of)
-    raise argparse.ArgumentTypeError(f"'{text}': expected I/N such as 1/4, I from 1 to N")

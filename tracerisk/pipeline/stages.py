@@ -224,14 +224,6 @@ def annotate(
     from tracerisk.pipeline.freshness.who_wrote import evidence_for
 
     check_named_functions(controller, settings, trace)
-    inputs = run_inputs(controller, trace, settings, given=given)
-    computed = compute_blocks(
-        trace,
-        hardware,
-        active=settings.active,
-        profile=profile,
-        evidence=used_evidence(controller, settings, inputs.fingerprint),
-    )
     lock_path = controller.root / LOCK_NAME
     key = lock_key(controller.path, controller.root)
     # Another run of tracerisk writes lock and sources in turn; both are read between its writes.
@@ -240,6 +232,14 @@ def annotate(
         files = _annotated_files(controller, trace, lock)
         controller, trace = _as_on_disk(controller, trace)
         before = {file: controller.source_of(file) for file in files}
+    inputs = run_inputs(controller, trace, settings, given=given)
+    computed = compute_blocks(
+        trace,
+        hardware,
+        active=settings.active,
+        profile=profile,
+        evidence=used_evidence(controller, settings, inputs.fingerprint),
+    )
     _forbid_shared(key, files, lock, controller)
     policy = policy or MergePolicy()
     entry = lock.controllers.get(key)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import re
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, get_args
@@ -185,6 +186,31 @@ def add_profile(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="what follows a function, and how often: place:init=0.9,done=0.1",
     )
+
+
+def add_campaign_options(group: argparse._ActionsContainer, thing: str) -> None:
+    """Add what all that is run in many parts has: `--time`, `-j`, `--shard`, `--fresh`."""
+    group.add_argument(
+        "--time",
+        metavar="SECONDS",
+        type=positive,
+        help=f"begin no further {thing} after this; the same command goes on from there",
+    )
+    group.add_argument(
+        "-j", "--jobs", metavar="N", type=count, help="processes (default: one a core)"
+    )
+    group.add_argument(
+        "--shard", metavar="I/N", type=_shard, default=(1, 1), help=f"try every N-th {thing} alone"
+    )
+    group.add_argument("--fresh", action="store_true", help="try again what was tried before")
+
+
+def _shard(text: str) -> tuple[int, int]:
+    index, slash, of = text.partition("/")
+    with contextlib.suppress(ValueError):
+        if slash and 1 <= int(index) <= int(of) <= 10_000:
+            return int(index), int(of)
+    raise argparse.ArgumentTypeError(f"'{text}': expected I/N such as 1/4, I from 1 to N")
 
 
 def add_explain(parser: argparse.ArgumentParser) -> None:

@@ -170,7 +170,7 @@ def progress_bar(
 
 @contextlib.contextmanager
 def bar_of_cells(*, quiet: bool) -> Iterator[Callable[[int, int, float], None] | None]:
-    """Yield what shows how many cells of a campaign are done; `None` where there is no terminal."""
+    """Yield what shows how many parts of a campaign are done; `None` without a terminal."""
     if quiet or not sys.stderr.isatty() or _is_dumb():
         yield None
         return
@@ -178,7 +178,7 @@ def bar_of_cells(*, quiet: bool) -> Iterator[Callable[[int, int, float], None] |
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
     columns = (
-        TextColumn("failures"),
+        TextColumn("{task.description}"),
         BarColumn(bar_width=20),
         MofNCompleteColumn(),
         TextColumn("{task.fields[left]}"),

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
-import multiprocessing
-import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -28,7 +25,6 @@ from tracerisk.evidence import (
 )
 from tracerisk.hardware.model import CONTROL, POWER
 from tracerisk.pipeline.evidence.cell_runs import (
-    CellBatch,
     Nominal,
     batches,
     nominal_of,
@@ -38,6 +34,7 @@ from tracerisk.pipeline.evidence.cell_runs import (
 from tracerisk.pipeline.evidence.draw import Target, draw_cells
 from tracerisk.pipeline.evidence.targets import targets_of
 from tracerisk.pipeline.evidence.unit_use import UnitUse, unit_uses
+from tracerisk.pipeline.evidence.workers import Told, Workers
 from tracerisk.pipeline.freshness.freshness import run_inputs
 from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.trace.cache import FOLDER
@@ -45,12 +42,7 @@ from tracerisk.prm.numbers.share_interval import weighted_interval
 
 BATCH = 4
 """How many cells a worker is given at a time."""
-_POOLS = 3
-"""How often a pool of workers of which one died is started again."""
 _MOST_CELLS = 20_000
-
-Told = Callable[[int, int, float], None]
-"""Told how many cells are done, of how many, and the seconds left."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -202,7 +194,8 @@ def run_campaign(
     try:
         with _journal(plan.journal) as keep:
             parts = batches(todo, plan.controller, plan.options, digest, BATCH)
-            for done in _run_batches(parts, jobs, executor, most_s, len(todo), told):
+            workers = Workers(jobs, executor, most_s)
+            for _, done in workers.run(run_batch, parts, told and _of_cells(told, len(todo))):
                 known.update((each.key, each) for each in done)
                 keep(done)
     finally:
@@ -239,6 +232,11 @@ def mission_factor(plan: Plan, found: Evidence) -> tuple[float, tuple[float, flo
             )
         ]
     )
+
+
+def _of_cells(told: Told, number: int) -> Told:
+    """Return what is told of batches as what is told of cells."""
+    return lambda done, _, left_s: told(min(done * BATCH, number), number, left_s)
 
 
 # Cells that are there already
@@ -292,58 +290,3 @@ def _journal(path: Path) -> Iterator[Callable[[Sequence[Cell]], None]]:
             stream.flush()
 
         yield keep
-
-
-# Workers
-
-
-def _run_batches(
-    parts: Sequence[CellBatch],
-    jobs: int | None,
-    executor: Executor | None,
-    most_s: float | None,
-    number: int,
-    told: Told | None,
-) -> Iterator[tuple[Cell, ...]]:
-    """Yield the cells of each batch as it is done; the order depends on the workers."""
-    began = time.monotonic()
-    left = list(parts)
-    done = 0
-    for attempt in range(_POOLS):
-        own = executor is None
-        workers = min(jobs or os.cpu_count() or 1, max(1, len(left)))
-        pool = executor or _pool(workers)
-        pending: dict[Future[tuple[Cell, ...]], CellBatch] = {}
-        try:
-            while left or pending:
-                is_over = most_s is not None and time.monotonic() - began >= most_s
-                while left and len(pending) < 2 * workers and not is_over:
-                    pending[pool.submit(run_batch, left[0])] = left[0]
-                    left.pop(0)
-                if not pending:
-                    return
-                finished, _ = wait(pending, return_when=FIRST_COMPLETED)
-                for future in sorted(finished, key=lambda each: pending[each].cells[0].key):
-                    cells = future.result()
-                    pending.pop(future)
-                    done += len(cells)
-                    yield cells
-                    if told is not None:
-                        seconds = time.monotonic() - began
-                        told(done, number, seconds / done * (number - done))
-            return
-        except BrokenProcessPool:
-            left = [*pending.values(), *left]
-            if not own or attempt == _POOLS - 1:
-                raise ControllerFailedError(
-                    f"a worker died {_POOLS} times, for want of memory maybe; what was done is "
-                    "kept: run it again with fewer workers (-j 1)"
-                ) from None
-        finally:
-            if own:
-                pool.shutdown(wait=False, cancel_futures=True)
-
-
-def _pool(workers: int) -> ProcessPoolExecutor:
-    # Forked processes would share the threads and files of this one.
-    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))

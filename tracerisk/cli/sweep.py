@@ -1,0 +1,71 @@
+"""`tracerisk sweep`: the mission's figure over values of settings, parameters and the scenario."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.output import (
+    bar_of_cells,
+    print_json,
+    print_text,
+    terminal_width,
+    use_color,
+    write_file,
+)
+
+if TYPE_CHECKING:
+    from tracerisk.pipeline.evidence.sweep import SweepPoint
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the verb."""
+    shared.add_run_options(parser)
+    shared.add_hardware_options(parser)
+    group = parser.add_argument_group("the sweep")
+    group.add_argument(
+        "--over",
+        metavar="NAME=VALUES",
+        action="append",
+        default=[],
+        help="what to vary, such as seed=0..9, robot=panda,fr3, param:/speed=0.1,0.2 or "
+        "scenario:objects.cup.mass=0.1,0.5; repeatable: every combination is run",
+    )
+    shared.add_campaign_options(group, "point")
+    output = parser.add_argument_group("output")
+    output.add_argument("--csv", metavar="OUT", help="write the points as CSV")
+    output.add_argument("--plot", metavar="OUT.svg", help="draw the figure over the first factor")
+    shared.add_json(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb; 0 whatever the points show."""
+    from tracerisk import api
+    from tracerisk.report import sweep as report
+
+    with bar_of_cells(quiet=options.quiet) as told:
+        points = api.sweep(
+            options.controller,
+            options.over,
+            shared.run_settings(options),
+            jobs=options.jobs,
+            most_s=options.time,
+            shard=options.shard,
+            fresh=options.fresh,
+            told=told,
+        )
+    if options.csv is not None:
+        write_file(options.csv, report.csv_text(points))
+    if options.plot is not None:
+        write_file(options.plot, report.plot_svg(points))
+    if options.json:
+        print_json("sweep", points=[_data(each) for each in points])
+    else:
+        print_text(report.render_points(points, width=terminal_width(), color=use_color()))
+    return 0
+
+
+def _data(point: SweepPoint) -> dict[str, object]:
+    return asdict(point)

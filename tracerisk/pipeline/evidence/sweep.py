@@ -1,0 +1,331 @@
+"""Sweeps: the figure of a mission over values of settings, parameters and the scenario."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import io
+import itertools
+import json
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from tracerisk.adder.sources.write import atomic_write
+from tracerisk.config import Settings
+from tracerisk.errors import InputError, Location, TraceRiskError, one_of
+from tracerisk.pipeline.evidence.workers import Told, Workers
+from tracerisk.pipeline.freshness.freshness import RunInputs, run_inputs, stale_reasons
+from tracerisk.pipeline.stages import annotate, build, load_hardware, load_settings, solve
+from tracerisk.pipeline.stages import trace_controller as traced
+from tracerisk.pipeline.trace.cache import FOLDER
+from tracerisk.pipeline.workspace.controller import Controller, load_controller
+
+PARAMETER, SCENARIO = "param:", "scenario:"
+SETTINGS = (
+    *("active", "duration_s", "hardware", "mission_cycles", "robot", "scenario", "scene", "seed"),
+)
+"""The settings that a sweep varies."""
+_MOST_POINTS = 10_000
+
+
+@dataclass(frozen=True, slots=True)
+class Factor:
+    """What a sweep varies: a setting, `param:/NAME`, or `scenario:PATH`; and its values."""
+
+    name: str
+    values: tuple[Any, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SweepPoint:
+    """One point of a sweep: a value of each factor, and what the run with them gave."""
+
+    values: Mapping[str, Any]
+    failure_probability: float | None = None
+    """That of the mission; `None` where the run gave none."""
+    verdict: str = ""
+    """How far the run can be taken: `complete`, `partial`, `faulted`, `stuck`; empty for none."""
+    simulated_s: float | None = None
+    """How long the run lasted [s]."""
+    leading: str = ""
+    """The component with the greatest share."""
+    share: float = 0.0
+    """Its share, the Fussell-Vesely importance."""
+    error: str = ""
+    """Why there is no figure."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Job:
+    """A point to run, with all that a process needs for it."""
+
+    controller: str
+    options: tuple[tuple[str, Any], ...]
+    point: tuple[tuple[str, Any], ...]
+
+
+def sweep(
+    controller: Path,
+    factors: Sequence[Factor],
+    options: Mapping[str, Any] | None = None,
+    *,
+    workers: Workers | None = None,
+    shard: tuple[int, int] = (1, 1),
+    fresh: bool = False,
+    told: Told | None = None,
+) -> tuple[SweepPoint, ...]:
+    """Run a controller at every combination of the factors' values, and return the points.
+
+    `options` go before the settings of `pyproject.toml`. Points whose inputs have not changed are
+    taken from an earlier sweep unless `fresh`. `shard` (i, n) runs every n-th point. Points come
+    in the order of the factors, the last varied fastest; those not run are left out.
+    Raises InputError for a factor that is none. Sources, lock and blocks stay as they are.
+    """
+    _check(factors)
+    loaded = load_controller(controller)
+    given = tuple(sorted((k, v) for k, v in (options or {}).items() if v not in (None, (), [])))
+    names = [each.name for each in factors]
+    product = itertools.product(*(each.values for each in factors))
+    points = [tuple(zip(names, values, strict=True)) for values in product]
+    if len(points) > _MOST_POINTS:
+        raise InputError(f"{len(points)} points; a sweep has at most {_MOST_POINTS}")
+    _try_first(loaded, dict(given), points[0])
+    mine = [each for n, each in enumerate(points) if n % shard[1] == shard[0] - 1]
+    kept = _Kept(loaded.root / FOLDER, loaded, given)
+    found = {} if fresh else kept.read(mine)
+    todo = [_Job(str(controller), given, each) for each in mine if each not in found]
+    for job, (point, inputs) in (workers or Workers()).run(run_point, todo, told):
+        found[job.point] = point
+        kept.add(job.point, point, inputs)
+    return tuple(found[each] for each in points if each in found)
+
+
+def run_point(job: _Job) -> tuple[SweepPoint, dict[str, Any]]:
+    """Run one point; return it with what it depended on, as the lock keeps it."""
+    loaded = load_controller(job.controller)
+    with tempfile.TemporaryDirectory(prefix="tracerisk-sweep-") as folder:
+        settings = load_settings(loaded, dict(job.options))
+        settings = _varied(settings, job.point, Path(folder))
+        values = dict(job.point)
+        try:
+            with contextlib.redirect_stderr(io.StringIO()):
+                trace = traced(loaded, settings)
+        except TraceRiskError as error:
+            return SweepPoint(values, error=error.message), {}
+        inputs = run_inputs(loaded, trace, load_settings(loaded, dict(job.options))).data()
+        verdict = "" if trace.verdict is None else trace.verdict.kind
+        seconds = trace.end.simulated_s
+        if not trace.is_usable or not trace.functions:
+            told = trace.end.message if trace.functions else "it commanded no hardware"
+            return SweepPoint(values, None, verdict, seconds, error=told), inputs
+        try:
+            hardware = load_hardware(settings, trace.robot)
+            annotated = annotate(loaded, trace, hardware, settings)
+            sources = {str(loaded.path_of(f)): text for f, text in annotated.sources.items()}
+            assessment = solve(build(sources, name=loaded.path.name))
+        except TraceRiskError as error:
+            return SweepPoint(values, None, verdict, seconds, error=error.message), inputs
+        first = max(assessment.components, key=lambda each: each.fussell_vesely, default=None)
+        return (
+            SweepPoint(
+                values,
+                assessment.mission.failure_probability,
+                verdict,
+                seconds,
+                "" if first is None else first.name,
+                0.0 if first is None else first.fussell_vesely,
+            ),
+            inputs,
+        )
+
+
+def _check(factors: Sequence[Factor]) -> None:
+    if not factors:
+        raise InputError("nothing is varied; give --over NAME=VALUE,VALUE")
+    for number, factor in enumerate(factors):
+        if any(each.name == factor.name for each in factors[:number]):
+            raise InputError(f"{factor.name} is varied twice; give all of its values at once")
+        is_path = factor.name.startswith((PARAMETER, SCENARIO))
+        if not is_path and factor.name not in SETTINGS:
+            raise InputError(
+                f"'{factor.name}' cannot be varied; {one_of(SETTINGS, factor.name)}, or "
+                "param:/NAME, or scenario:PATH such as scenario:objects.cup.mass"
+            )
+        if not factor.values:
+            raise InputError(f"{factor.name} has no values")
+
+
+def _try_first(
+    controller: Controller, options: Mapping[str, Any], point: Sequence[tuple[str, Any]]
+) -> None:
+    """Raise what is wrong with the factors before anything runs."""
+    with tempfile.TemporaryDirectory(prefix="tracerisk-sweep-") as folder:
+        _varied(load_settings(controller, options), point, Path(folder))
+
+
+def _varied(settings: Settings, point: Sequence[tuple[str, Any]], folder: Path) -> Settings:
+    """Return the settings of a point; files that it needs are written into the folder."""
+    options: dict[str, Any] = {}
+    parameters: dict[str, Any] = {}
+    for name, value in point:
+        if name.startswith(PARAMETER):
+            _put(parameters, name.removeprefix(PARAMETER).strip("/").split("/"), value, name)
+        elif not name.startswith(SCENARIO):
+            options[name] = _setting(name, value)
+    settings = settings.with_options(options)
+    changes = [(n.removeprefix(SCENARIO), v) for n, v in point if n.startswith(SCENARIO)]
+    if changes:
+        if settings.scenario is None:
+            raise InputError(f"{SCENARIO}{changes[0][0]}: the controller has no scenario to vary")
+        text = _scenario_with(Path(settings.scenario), changes)
+        path = folder / "scenario.yaml"
+        path.write_text(text, encoding="utf-8")
+        settings = settings.with_options({"scenario": str(path)})
+    if parameters:
+        path = folder / "parameters.yaml"
+        path.write_text(json.dumps(parameters), encoding="utf-8")
+        settings = settings.with_options({"params": (*settings.params, str(path))})
+    return settings
+
+
+def _setting(name: str, value: Any) -> Any:
+    """Return the value of a setting in its type; raise InputError where it is none."""
+    default = {each.name: each.type for each in fields(Settings)}[name]
+    try:
+        if "int" in str(default):
+            return int(value)
+        if "float" in str(default):
+            return float(value)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: '{value}' is no number") from error
+    return str(value)
+
+
+def _scenario_with(path: Path, changes: Sequence[tuple[str, Any]]) -> str:
+    import yaml
+
+    try:
+        data = yaml.safe_load(path.read_text(encoding="utf-8")) or {}
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise InputError(f"cannot be read: {error}", Location(str(path))) from error
+    for dotted, value in changes:
+        _put(data, dotted.split("."), value, f"{SCENARIO}{dotted}")
+    text: str = yaml.safe_dump(data, sort_keys=False)
+    return text
+
+
+def _put(data: Any, keys: Sequence[str], value: Any, shown: str) -> None:
+    """Set what the keys lead to: of a table by key, of a list by number or by an entry's name."""
+    *way, last = keys
+    for key in way:
+        if isinstance(data, dict) and key not in data and shown.startswith(PARAMETER):
+            data[key] = {}
+        data = _step(data, key, shown)
+    if isinstance(data, dict):
+        data[last] = value
+    elif isinstance(data, list):
+        data[_index(data, last, shown)] = value
+    else:
+        raise InputError(f"{shown}: there is nothing at '{last}'")
+
+
+def _step(data: Any, key: str, shown: str) -> Any:
+    if isinstance(data, dict):
+        if key in data:
+            return data[key]
+        raise InputError(f"{shown}: there is no '{key}'; {one_of([str(k) for k in data], key)}")
+    if isinstance(data, list):
+        return data[_index(data, key, shown)]
+    raise InputError(f"{shown}: there is nothing below '{key}'")
+
+
+def _index(data: list[Any], key: str, shown: str) -> int:
+    if key.isdigit() and int(key) < len(data):
+        return int(key)
+    named = [each.get("name", each.get("topic")) for each in data if isinstance(each, dict)]
+    if key in named:
+        return next(
+            n
+            for n, each in enumerate(data)
+            if isinstance(each, dict) and key in (each.get("name"), each.get("topic"))
+        )
+    known = [str(each) for each in named if each is not None] or [f"0 to {len(data) - 1}"]
+    raise InputError(f"{shown}: there is no entry '{key}'; {one_of(known, key)}")
+
+
+class _Kept:
+    """Points of earlier sweeps of a controller, one a line, in its cache."""
+
+    def __init__(
+        self, folder: Path, controller: Controller, given: tuple[tuple[str, Any], ...]
+    ) -> None:
+        self._controller = controller
+        self._given = given
+        name = hashlib.sha256(repr((controller.file, given)).encode()).hexdigest()[:16]
+        self._path = folder / f"sweep-{name}.jsonl"
+
+    def read(
+        self, wanted: Sequence[tuple[tuple[str, Any], ...]]
+    ) -> dict[tuple[tuple[str, Any], ...], SweepPoint]:
+        """Return those of the points that are kept and whose inputs have not changed."""
+        try:
+            lines = self._path.read_text(encoding="utf-8").splitlines()
+        except (OSError, UnicodeDecodeError):
+            return {}
+        by_name = {json.dumps(each): each for each in wanted}
+        settings = load_settings(self._controller, dict(self._given))
+        found = {}
+        for line in lines:
+            with contextlib.suppress(ValueError, TypeError, KeyError, TraceRiskError):
+                data = json.loads(line)
+                point = by_name.get(json.dumps(data["of"]))
+                inputs = RunInputs.from_data(data["inputs"])
+                if point is not None and not stale_reasons(inputs, self._controller, settings):
+                    found[point] = SweepPoint(**{**data["point"], "values": dict(point)})
+        return found
+
+    def add(
+        self, of: tuple[tuple[str, Any], ...], point: SweepPoint, inputs: Mapping[str, Any]
+    ) -> None:
+        """Keep a point whose run came to an end; one that an error kept from running is tried
+        again.
+        """
+        if not inputs:
+            return
+        line = json.dumps({"of": of, "point": asdict(point), "inputs": inputs})
+        with contextlib.suppress(OSError, InputError):
+            self._path.parent.mkdir(exist_ok=True)
+            ignore = self._path.parent / ".gitignore"
+            if not ignore.exists():
+                atomic_write(ignore, b"*\n")
+            with self._path.open("a", encoding="utf-8") as stream:
+                stream.write(f"{line}\n")
+
+
+def parse_factor(text: str) -> Factor:
+    """Read NAME=VALUE,VALUE,... or NAME=FIRST..LAST of whole numbers.
+
+    Raises InputError where it is none.
+    """
+    name, equals, values = text.partition("=")
+    if not equals or not name or not values:
+        raise InputError(f"'{text}': expected NAME=VALUE,VALUE such as seed=0,1,2 or seed=0..9")
+    first, dots, last = values.partition("..")
+    if dots and first.lstrip("-").isdigit() and last.lstrip("-").isdigit():
+        span = range(int(first), int(last) + 1)
+        if not 1 <= len(span) <= _MOST_POINTS:
+            raise InputError(f"'{text}': the last is below the first, or there are too many")
+        return Factor(name, tuple(span))
+    return Factor(name, tuple(_plain(each.strip()) for each in values.split(",")))
+
+
+def _plain(text: str) -> Any:
+    """Return a number or a truth value for what is written as one, else the text."""
+    with contextlib.suppress(ValueError):
+        return int(text)
+    with contextlib.suppress(ValueError):
+        return float(text)
+    return {"true": True, "false": False}.get(text, text)

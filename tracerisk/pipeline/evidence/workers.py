@@ -1,0 +1,81 @@
+"""Jobs that any executor can do: local processes by default, and a pool that outlives a worker."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from typing import TypeVar
+
+from tracerisk.errors import ControllerFailedError
+
+J = TypeVar("J")
+R = TypeVar("R")
+
+Told = Callable[[int, int, float], None]
+"""Told how many are done, of how many, and the seconds left."""
+
+_POOLS = 3
+"""How often a pool of workers of which one died is started again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Workers:
+    """Who does jobs: `jobs` local processes, one a core by default, or those of an `executor`.
+
+    After `most_s` no further job begins [s].
+    """
+
+    jobs: int | None = None
+    executor: Executor | None = None
+    most_s: float | None = None
+
+    def run(
+        self, function: Callable[[J], R], todo: Sequence[J], told: Told | None = None
+    ) -> Iterator[tuple[J, R]]:
+        """Yield each job with its result as it is done; the order depends on the workers.
+
+        What a job raises is raised. Raises ControllerFailedError where workers die again and
+        again.
+        """
+        began = time.monotonic()
+        left, done = list(todo), 0
+        for attempt in range(_POOLS):
+            workers = min(self.jobs or os.cpu_count() or 1, max(1, len(left)))
+            pool = self.executor or _pool(workers)
+            pending: dict[Future[R], J] = {}
+            try:
+                while left or pending:
+                    is_over = self.most_s is not None and time.monotonic() - began >= self.most_s
+                    while left and len(pending) < 2 * workers and not is_over:
+                        pending[pool.submit(function, left[0])] = left[0]
+                        left.pop(0)
+                    if not pending:
+                        return
+                    for future in wait(pending, return_when=FIRST_COMPLETED).done:
+                        result = future.result()
+                        done += 1
+                        yield pending.pop(future), result
+                        if told is not None:
+                            seconds = time.monotonic() - began
+                            told(done, len(todo), seconds / done * (len(todo) - done))
+                return
+            except BrokenProcessPool:
+                left = [*pending.values(), *left]
+                if self.executor is not None or attempt == _POOLS - 1:
+                    raise ControllerFailedError(
+                        f"a worker died {_POOLS} times, for want of memory maybe; what was done is "
+                        "kept: run it again with fewer workers (-j 1)"
+                    ) from None
+            finally:
+                if self.executor is None:
+                    pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _pool(workers: int) -> ProcessPoolExecutor:
+    # Forked processes would share the threads and files of this one.
+    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
