@@ -13,6 +13,7 @@ MODULES: Mapping[str, str] = {
     "daqp": "daqp",
     "dm-control": "dm_control.mujoco",
     "etils": "etils.epath",
+    "greenlet": "greenlet",
     "jinja2": "jinja2",
     "lark": "lark",
     "libcst": "libcst",
@@ -36,8 +37,8 @@ MODULES: Mapping[str, str] = {
 
 EXTRAS: Mapping[str, tuple[str, ...]] = {
     "sim": (
-        *("daqp", "dm-control", "etils", "libcst", "mink", "mujoco", "numpy", "pillow"),
-        *("rosbags", "scipy", "six", "xacrodoc"),
+        *("daqp", "dm-control", "etils", "greenlet", "libcst", "mink", "mujoco", "numpy"),
+        *("pillow", "rosbags", "scipy", "six", "xacrodoc"),
     ),
     "large": ("numba", "numpy", "scipy"),
 }
@@ -93,9 +94,9 @@ def require_large(*distributions: str) -> None:
 def needed() -> tuple[str, ...]:
     """Return the distributions that this version of Python needs, with the extras that are here.
 
-    dm-control is used where it can be imported, and needed nowhere.
+    dm-control and greenlet are used where they can be imported, and needed nowhere.
     """
-    absent = {"dm-control"}
+    absent = {"dm-control", "greenlet"}
     if sys.version_info >= (3, 11):
         absent |= {"etils", "tomli"}
     missing = missing_extras()

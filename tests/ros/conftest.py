@@ -17,10 +17,14 @@ from tracerisk.ros.graph.runtime import Runtime, activate
 from tracerisk.ros.imports.finder import StandInFinder
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
+from tracerisk.ros.time.baton import Baton, ThreadBaton
+from tracerisk.ros.time.greenlet_baton import GreenletBaton
 from tracerisk.ros.time.patches import virtual_time
 from tracerisk.ros.time.scheduler import RunOver, Scheduler
 
 SECOND = 1_000_000_000
+ON_BOTH = ("test_actionlib", "test_patches_asyncio", "test_patches_threads", "test_virtual_time")
+"""The files whose tests run on threads and on greenlets."""
 
 
 class ClockWorld:
@@ -54,9 +58,22 @@ def world() -> ClockWorld:
     return ClockWorld()
 
 
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    file = metafunc.module.__name__.rpartition(".")[2]
+    if file in ON_BOTH and "baton" in metafunc.fixturenames:
+        metafunc.parametrize("baton", [ThreadBaton, GreenletBaton], indirect=True)
+
+
 @pytest.fixture
-def scheduler(world: ClockWorld) -> Scheduler:
-    return Scheduler(world, duration_ns=300 * SECOND)
+def baton(request: pytest.FixtureRequest) -> Baton:
+    """What the controller's threads are made of: real threads, where a file does not say."""
+    made: Baton = getattr(request, "param", ThreadBaton)()
+    return made
+
+
+@pytest.fixture
+def scheduler(world: ClockWorld, baton: Baton) -> Scheduler:
+    return Scheduler(world, duration_ns=300 * SECOND, baton=baton)
 
 
 @pytest.fixture

@@ -68,6 +68,7 @@ from tracerisk.ros.robot.state_topics import TwinTopics
 from tracerisk.ros.scenario.objects import with_objects
 from tracerisk.ros.scenario.scenario import Scenario, read_scenario
 from tracerisk.ros.scenario.world import ScenarioWorld
+from tracerisk.ros.time.greenlet_baton import GreenletBaton
 from tracerisk.ros.time.patches import virtual_time
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.twin_interfaces import TwinInterfaces
@@ -153,6 +154,7 @@ def _run_recorded(
         duration_ns=round(request.duration_s * 1e9),
         tracer=tracer,
         on_stuck=lambda over: end.kill(over),
+        baton=GreenletBaton() if request.greenlets else None,
     )
     clock[0] = lambda: scheduler.now_ns
     workspace = Workspace({name: Path(each) for name, each in request.packages.items()})

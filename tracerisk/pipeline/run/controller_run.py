@@ -146,13 +146,16 @@ def run_again(
     keep: Path | None = None,
     progress: Progress | None = None,
     quiet: bool = False,
+    greenlets: bool = False,
 ) -> ControllerRun:
     """Run the controller once more as `before`, on a robot in which units fail.
 
-    What it prints is dropped where the run is `quiet`. Raises as `run_controller`.
+    What it prints is dropped where the run is `quiet`. With `greenlets` these are what the
+    controller's threads are, in the place of real ones. Raises as `run_controller`.
     """
     with run_folders(keep) as (folder, written):
-        request = replace(before.request, folder=str(folder), faults=faults)
+        asked = before.request
+        request = replace(asked, folder=str(folder), faults=faults, greenlets=greenlets)
         return _run(controller, before.robot, settings, request, written, progress, quiet=quiet)
 
 

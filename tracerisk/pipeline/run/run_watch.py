@@ -5,7 +5,6 @@ See docs/theory.md#when-a-run-ends.
 
 from __future__ import annotations
 
-from _thread import get_ident
 from bisect import bisect
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -69,7 +68,7 @@ class RunWatch:
 
     def looped(self, file: str, line: int) -> None:
         """Note that an iteration of an endless loop begins."""
-        now_ns, thread = self._scheduler.now_ns, get_ident()
+        now_ns, thread = self._scheduler.now_ns, self._scheduler.baton.ident()
         key = (thread, file, line)
         loop = self._loops.pop(key, None)
         if loop is None:
@@ -106,7 +105,9 @@ class RunWatch:
         self._last_command_ns = self._scheduler.now_ns
         way = tuple((frame.function, frame.site, frame.instance) for frame in stack)
         is_callback = stack[0].root not in (None, "main", "thread")
-        loops = [loop for loop in self._loops.values() if loop.thread == get_ident()]
+        loops = [
+            loop for loop in self._loops.values() if loop.thread == self._scheduler.baton.ident()
+        ]
         if is_callback and self._callbacks is not None:
             loops.append(self._callbacks)
         for loop in loops:
@@ -203,7 +204,7 @@ class RunWatch:
     def _main_leaves_it_to_callbacks(self) -> bool:
         """Return whether the main thread loops without an end, and has never commanded anything."""
         loop = self._innermost_of_main()
-        if loop is None or loop.thread == get_ident():
+        if loop is None or loop.thread == self._scheduler.baton.ident():
             return False
         return not loop.past and not loop.current.ways
 

@@ -104,6 +104,7 @@ class RunRequest:
     settings name. `written` is the folder into which goes what the controller writes, `None`
     where it writes as it likes; `readable` and `writable` are what it may reach then.
     `faults` are those of the robot's units that begin during the run.
+    `greenlets` says that the controller's threads are greenlets, which can be forked.
     """
 
     controller: str
@@ -129,6 +130,7 @@ class RunRequest:
     readable: tuple[str, ...] = ()
     writable: tuple[str, ...] = ()
     faults: tuple[Fault, ...] = ()
+    greenlets: bool = False
 
     def dumps(self) -> str:
         """Return the request as JSON."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from _thread import allocate_lock
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -90,6 +89,7 @@ class Wait:
 class ControllerThread:
     """A thread under the baton; `process` is the companion whose code it runs, None for none.
 
+    `gate` is what it waits at for the baton.
     `is_undisturbed`: it reads the clock, and nobody else has a turn meanwhile.
     """
 
@@ -99,7 +99,7 @@ class ControllerThread:
     is_main: bool = False
     is_controllers: bool = True
     finished: bool = False
-    gate: Any = field(default_factory=allocate_lock)
+    gate: Any = None
     wait: Wait | None = None
     ident: int | None = None
     spins_since_ns: int | None = None

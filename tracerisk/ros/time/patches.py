@@ -48,7 +48,7 @@ def virtual_time(scheduler: Scheduler, *, seed: int = 0) -> Iterator[None]:
     undo: list[Callable[[], None]] = []
     scheduler.exit_calls.at_main_end(lambda: _stop_pools(scheduler))
     try:
-        for owner, name, value in _replacements(scheduler):
+        for owner, name, value in (*scheduler.baton.replacements(), *_replacements(scheduler)):
             undo.append(_replace(owner, name, value))
         with seeded_generators(seed):
             for owner, name, value in entropy_replacements(scheduler, seed):

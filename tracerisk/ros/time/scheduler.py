@@ -1,7 +1,8 @@
 """Virtual time: the controller's threads, one at a time, and a world that moves while all wait.
 
-Every thread of the controller is a real thread, and exactly one holds the baton. It passes it on
-only where it waits, or reads the clock twice at one instant. The thread that waits looks for who
+Every thread of the controller is a real thread, or a greenlet (`baton.py`), and exactly one holds
+the baton. It passes it on only where it waits, or reads the clock twice at one instant. The thread
+that waits looks for who
 may run next: kernel events that are due, then the thread that has waited longest among those
 whose wait is over, and where there is none it lets the world move to the next instant at which
 something is due. So the order of everything depends on simulated time and on sequence alone.
@@ -13,7 +14,6 @@ from __future__ import annotations
 
 import itertools
 import threading
-from _thread import get_ident, start_new_thread
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from sys import _getframe
@@ -31,6 +31,7 @@ from tracerisk.ros.controller.thread import (
     Wait,
     WaitKind,
 )
+from tracerisk.ros.time.baton import Baton, ThreadBaton
 from tracerisk.ros.time.event_queue import EventQueue, ScheduledCall
 from tracerisk.ros.time.standstill import end_of_duration, end_of_standstill
 from tracerisk.ros.time.world import CallTracer, World
@@ -80,6 +81,7 @@ class Scheduler:
     """The clock, the baton and the queue of events of one run.
 
     `world` moves while all wait, `duration_ns` is the simulated time after which the run is over.
+    `baton` says what the controller's threads are made of: real threads, unless given.
     `tracer` gives new threads the stack of their creator.
     `listens` (an attribute, set by the graph) tells whether the controller listens to the world
     outside, so that a standstill is no hang. `failed_threads` names those that died of an error.
@@ -98,8 +100,10 @@ class Scheduler:
         duration_ns: int,
         tracer: CallTracer | None = None,
         on_stuck: Callable[[RunOver], None] | None = None,
+        baton: Baton | None = None,
     ) -> None:
         self.world = world
+        self.baton: Baton = ThreadBaton() if baton is None else baton
         self.duration_ns = duration_ns
         self.tracer = tracer
         self.listens: Callable[[], bool] = lambda: False
@@ -321,7 +325,7 @@ class Scheduler:
     @property
     def current(self) -> ControllerThread | None:
         """The controller's thread that asks, or None in any other thread."""
-        return self._by_ident.get(get_ident())
+        return self._by_ident.get(self.baton.ident())
 
     @property
     def threads(self) -> tuple[ControllerThread, ...]:
@@ -349,7 +353,7 @@ class Scheduler:
         thread.is_controllers = is_controllers and thread.process is None
         thread.wait = self._new_wait(None, self._now_ns, "its start", "blocked", None)
         captured = self.tracer.capture() if self.tracer is not None and inherit else None
-        ident = start_new_thread(self._run_thread, (thread, target, captured))
+        ident = self.baton.start(thread, lambda: self._run_thread(thread, target, captured))
         thread.ident = ident
         self._by_ident[ident] = thread
         return thread
@@ -368,7 +372,7 @@ class Scheduler:
             raise RuntimeError("the controller runs already")
         thread = self._main = self._add_thread("MainThread", daemon=False)
         thread.is_main = True
-        thread.ident = get_ident()
+        thread.ident = self.baton.take(thread)
         self._by_ident[thread.ident] = thread
         try:
             try:
@@ -424,7 +428,6 @@ class Scheduler:
 
     def _add_thread(self, name: str, *, daemon: bool) -> ControllerThread:
         thread = ControllerThread(name, next(self._thread_numbers), daemon)
-        thread.gate.acquire()
         self._threads.append(thread)
         return thread
 
@@ -461,8 +464,7 @@ class Scheduler:
         thread.wait = wait
         following = self._next_thread(thread)
         if following is not thread:
-            following.gate.release()
-            self._park(thread)
+            self.baton.hand(thread, following)
         self._enter(thread.process)
         thread.wait = wait.frame = None
         self._raise_if_over(thread)
@@ -470,16 +472,6 @@ class Scheduler:
             interrupt, thread.interrupt = thread.interrupt, None
             raise interrupt
         return wait.satisfied
-
-    def _park(self, thread: ControllerThread) -> None:
-        while True:
-            try:
-                thread.gate.acquire()
-            except BaseException as error:  # noqa: BLE001 - a signal's; raised with the baton
-                thread.interrupt = error
-            else:
-                self._enter(thread.process)
-                return
 
     def _next_thread(self, thread: ControllerThread | None) -> ControllerThread:
         """Return who runs next; `thread` waits, or is None where it has finished."""
@@ -590,9 +582,7 @@ class Scheduler:
     def _abandon(self, thread: ControllerThread) -> None:
         # It swallows every end it is given: it gets no baton again, and dies with the process.
         self._remove(thread)
-        self._next_to_end().gate.release()
-        while True:
-            thread.gate.acquire()
+        self.baton.hand_for_good(thread, self._next_to_end())
 
     def _next_to_end(self) -> ControllerThread:
         for thread in self._threads:
@@ -604,8 +594,8 @@ class Scheduler:
 
     def _end_other_threads(self, main: ControllerThread) -> None:
         while len(self._threads) > 1:
-            self._next_to_end().gate.release()
-            self._park(main)
+            self.baton.hand(main, self._next_to_end())
+            self._enter(main.process)
 
     def _finish_as_interpreter(self) -> None:
         """Do what CPython does between the end of the main module and its own."""
@@ -622,7 +612,7 @@ class Scheduler:
     def _run_thread(
         self, thread: ControllerThread, target: Callable[[], object], captured: Any
     ) -> None:
-        self._park(thread)
+        self._enter(thread.process)
         thread.wait = None
         try:
             if self._over is None:
@@ -645,7 +635,7 @@ class Scheduler:
         finally:
             self._forget_dummy_thread()
             self._remove(thread)
-            self._next_thread(None).gate.release()
+            self.baton.leave(thread, self._next_thread(None))
 
     def _remove(self, thread: ControllerThread) -> None:
         thread.finished = True
@@ -655,9 +645,9 @@ class Scheduler:
         for callback in thread.at_finish:
             callback()
 
-    @staticmethod
-    def _forget_dummy_thread() -> None:
+    def _forget_dummy_thread(self) -> None:
         # `threading.current_thread()` leaves an entry for a thread that it did not start.
         known: dict[int, threading.Thread] = threading._active  # type: ignore[attr-defined]
-        if isinstance(known.get(get_ident()), threading._DummyThread):
-            del known[get_ident()]
+        ident = self.baton.ident()
+        if isinstance(known.get(ident), threading._DummyThread):
+            del known[ident]
