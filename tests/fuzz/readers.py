@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +13,8 @@ from tracerisk import config, trace_json
 from tracerisk.adder.lock.lock import Lock, loads
 from tracerisk.adder.sources.published import read_c_blocks
 from tracerisk.adder.sources.read import read_blocks
+from tracerisk.evidence import Cell as EvidenceCell
+from tracerisk.evidence import Evidence, UnitClock, dump_evidence, loads_evidence
 from tracerisk.hardware.sysml.reader import read_sysml
 from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.instrument.recording import read_recording
@@ -158,6 +162,22 @@ TRACE = Trace(
     functions=(TracedFunction(TURN, 7, 1),),
     visits=(Visit(TURN, 0.1, 12.4, "succeeded", {"j1": Exposure(1.0, 2.0, active_s=3.0)}),),
 )
+GALILEO = b'toplevel "A";\n"A" and "B" "C";\n"B" lambda=0.1;\n"C" lambda=1e-3 dorm=0.5;\n'
+EVIDENCE = Evidence(
+    fingerprint="f",
+    robot="panda",
+    seed=0,
+    declared=1,
+    success=("over within 9 s",),
+    clocks={"joint_1": UnitClock(1.0, (1.0, 0.0, 0.0), 2.0)},
+    cells=(
+        EvidenceCell(
+            *("motor", "joint_1", "jam", 0.5, "moving", "turn", True, 0.5, (0.5, 0.0, 0.0)),
+            told_after_s=0.25,
+            lost=("turn aborted",),
+        ),
+    ),
+)
 SYSML = Path(__file__).parents[1] / "hardware" / "sysml"
 ROBOTS = Path(tracerisk.__file__).parent / "twin" / "robots" / "shipped"
 
@@ -183,7 +203,47 @@ def _file(name: str, read: Callable[[Path], object]) -> Callable[[bytes, Path], 
     return of
 
 
+class InternalError(Exception):
+    """The command found a fault of its own; the message is the end of what it printed."""
+
+
+def _solved(name: str, *options: str) -> Callable[[bytes, Path], object]:
+    """Return what writes a file of this name and solves it with the command."""
+
+    def of(data: bytes, folder: Path) -> object:
+        from tracerisk.cli import main
+
+        path = folder / name
+        path.write_bytes(data)
+        (folder / "chain.pm").write_bytes(data if name == "chain.pm" else PRISM)
+        out, err = io.TextIOWrapper(io.BytesIO()), io.StringIO()
+        given = [each.replace("FOLDER", str(folder)) for each in options]
+        asked = str(folder / "chain.pm") if name == "asked.props" else str(path)
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            code = main(["solve", asked, "-q", "--json", *given])
+        if code not in (0, 1, 2):
+            raise InternalError(err.getvalue()[-2000:])
+        return code
+
+    return of
+
+
+PROPERTIES = b'P=? [ F "deadlock" ]\nP>=0.5 [ G<=10 s=1 ]\nS=? [ s=2 ]\nR=? [ F s=1 ]\n'
+
 READERS: dict[str, Reader] = {
+    "evidence": Reader(
+        lambda data, _: dump_evidence(loads_evidence(_text(data), "tracerisk.evidence")),
+        (dump_evidence({"cell.py": EVIDENCE}).encode(),),
+    ),
+    "solve_prism": Reader(_solved("chain.pm", "--mission-time", "1"), (PRISM,)),
+    "solve_galileo": Reader(_solved("tree.dft", "--mission-time", "1"), (GALILEO,)),
+    "solve_open_psa": Reader(_solved("model.xml", "--mission-time", "1"), (OPEN_PSA,)),
+    "solve_model": Reader(_solved("model.json"), (model_json.dumps(MODEL).encode(),)),
+    "solve_linked": Reader(_solved("model.json"), (linked_json.dumps(linked(MODEL)).encode(),)),
+    "solve_blocks": Reader(_solved("cell.py"), (BLOCK,)),
+    "solve_properties": Reader(
+        _solved("asked.props", "--properties", "FOLDER/asked.props"), (PROPERTIES,)
+    ),
     "blocks": Reader(lambda data, _: read_blocks(data, "c.py"), (BLOCK,)),
     "lock": Reader(lambda data, _: loads(data, "tracerisk.lock").dumps(), (Lock().dumps(),)),
     "trace": Reader(
@@ -200,7 +260,7 @@ READERS: dict[str, Reader] = {
     ),
     "galileo": Reader(
         lambda data, _: galileo.loads(_text(data), "t.dft"),
-        (b'toplevel "A";\n"A" and "B" "C";\n"B" lambda=0.1;\n"C" lambda=1e-3 dorm=0.5;\n',),
+        (GALILEO,),
     ),
     "open_psa": Reader(
         lambda data, _: loads_open_psa(data, "m.xml"),
