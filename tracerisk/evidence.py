@@ -9,11 +9,12 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Literal, cast, get_args
 
 from tracerisk.errors import InputError, Location, one_of
+from tracerisk.trace import WEAR_EXPONENTS, Exposure
 
 EVIDENCE_NAME = "tracerisk.evidence"
 """The file's name in a controller's root."""
@@ -33,6 +34,7 @@ EFFECTS: tuple[Effect, ...] = get_args(Effect)
 Use = Literal["moving", "holding", "grasping", "active", "idle"]
 """What a unit did at the instant of its failure; `active` where it is none of the first three."""
 
+_NO_USE = Exposure()
 _VERSION = 1
 _MOST_CELLS = 100_000
 _MOST_BYTES = 64 * 1024**2
@@ -59,6 +61,10 @@ class Cell:
     """The time in use that the unit had before the instant [s]."""
     states_s: tuple[float, float, float]
     """The same time spent moving, holding and grasping [s]."""
+    stretch: Exposure = _NO_USE
+    """The use of the unit for which a drawn cell stands: that nearest to it."""
+    idle_s: float = 0.0
+    """The idle time for which a drawn cell stands, of a unit that was idle [s]."""
     fails: bool = False
     """Whether the mission failed."""
     effect: Effect = "nothing"
@@ -81,21 +87,14 @@ class Cell:
         """What tells it from others: unit, mode and instant."""
         return self.unit, self.mode, self.time_s
 
+    def with_outcome(self, of: Cell) -> Cell:
+        """Return this cell with what became of the run of another, of the same key."""
+        return replace(self, **{name: getattr(of, name) for name in _OUTCOME})
+
     @property
     def is_idle(self) -> bool:
         """Whether the unit was not in use when it failed."""
         return self.use == "idle"
-
-
-@dataclass(frozen=True, slots=True)
-class UnitClock:
-    """How long a unit was in use over the run in which failures were tried [s]."""
-
-    active_s: float
-    states_s: tuple[float, float, float]
-    """Moving, holding, grasping."""
-    run_s: float
-    """The time of the run."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +111,6 @@ class Evidence:
     seed: int
     declared: int
     success: tuple[str, ...] = ()
-    clocks: Mapping[str, UnitClock] = field(default_factory=dict)
     cells: tuple[Cell, ...] = ()
 
     @property
@@ -165,7 +163,6 @@ def dump_evidence(found: Mapping[str, Evidence]) -> str:
     for number, (name, entry) in enumerate(sorted(found.items())):
         lines += [f"  {json.dumps(name)}: {{"]
         head = {
-            "clocks": {unit: asdict(each) for unit, each in sorted(entry.clocks.items())},
             "declared": entry.declared,
             "fingerprint": entry.fingerprint,
             "robot": entry.robot,
@@ -208,6 +205,8 @@ def merge_evidence(files: Sequence[Path]) -> dict[str, Evidence]:
 def cell_line(cell: Cell) -> str:
     """Return a cell as one line of JSON: what is as by default is left out."""
     data = asdict(cell)
+    stretch = {key: value for key, value in data["stretch"].items() if value != _AT_REST[key]}
+    data["stretch"] = stretch or None
     return json.dumps({key: data[key] for key in data if data[key] != _DEFAULTS.get(key, _NONE)})
 
 
@@ -221,7 +220,10 @@ def parse_cell(text: str, where: Location) -> Cell:
 
 
 _NONE = object()
+_AT_REST = asdict(_NO_USE)
 _DEFAULTS: dict[str, Any] = {
+    "stretch": None,
+    "idle_s": 0.0,
     "fails": False,
     "effect": "nothing",
     "local": "",
@@ -233,6 +235,9 @@ _DEFAULTS: dict[str, Any] = {
 }
 
 
+_OUTCOME = (
+    *("fails", "effect", "local", "told_after_s", "told_by", "effect_after_s", "lost", "contact"),
+)
 _TEXTS = ("component", "unit", "mode", "function", "local", "told_by", "contact")
 
 
@@ -258,11 +263,11 @@ class _Reader:
         missing = [key for key in _ENTRY_KEYS if key not in data]
         if missing:
             raise self._error(f"{name}: {missing[0]} is missing")
-        cells, clocks, success = data["cells"], data.get("clocks", {}), data["success"]
+        cells, success = data["cells"], data["success"]
         if not isinstance(cells, list) or len(cells) > _MOST_CELLS:
             raise self._error(f"{name}: cells: expected a list of at most {_MOST_CELLS}")
-        if not isinstance(clocks, dict) or not isinstance(success, list):
-            raise self._error(f"{name}: expected an object in 'clocks' and a list in 'success'")
+        if not isinstance(success, list):
+            raise self._error(f"{name}: success: expected a list")
         for key in ("declared", "seed"):
             if not isinstance(data[key], int) or isinstance(data[key], bool) or data[key] < 0:
                 raise self._error(f"{name}: {key}: expected a whole number, 0 or more")
@@ -277,17 +282,7 @@ class _Reader:
             seed=data["seed"],
             declared=data["declared"],
             success=tuple(map(str, success)),
-            clocks={unit: self._clock(unit, each) for unit, each in clocks.items()},
             cells=read,
-        )
-
-    def _clock(self, unit: str, data: Any) -> UnitClock:
-        if not isinstance(data, dict):
-            raise self._error(f"clock of '{unit}': expected an object")
-        return UnitClock(
-            _seconds(data.get("active_s"), "active_s", self._where),
-            _three(data.get("states_s"), self._where),
-            _seconds(data.get("run_s"), "run_s", self._where),
         )
 
 
@@ -318,11 +313,38 @@ def _cell(data: Any, where: Location) -> Cell:
             "time_s": _seconds(given["time_s"], "time_s", where),
             "active_s": _seconds(given["active_s"], "active_s", where),
             "states_s": _three(given["states_s"], where),
+            "stretch": _exposure(given["stretch"], where),
+            "idle_s": _seconds(given["idle_s"], "idle_s", where),
             "lost": tuple(map(str, given["lost"])),
             "use": cast(Use, given["use"]),
             "effect": cast(Effect, given["effect"]),
         }
     )
+
+
+def _exposure(data: Any, where: Location) -> Exposure:
+    if data is None:
+        return _NO_USE
+    if not isinstance(data, dict):
+        raise InputError("stretch: expected an object", where)
+    unknown = sorted(set(data) - set(_AT_REST))
+    if unknown:
+        raise InputError(
+            f"stretch: unknown key '{unknown[0]}'; {one_of(sorted(_AT_REST), unknown[0])}", where
+        )
+    given: dict[str, Any] = {}
+    for key, value in data.items():
+        if key == "wear":
+            if not isinstance(value, list) or len(value) not in (0, len(WEAR_EXPONENTS)):
+                raise InputError(f"wear: expected {len(WEAR_EXPONENTS)} numbers", where)
+            given[key] = tuple(_seconds(each, key, where) for each in value)
+        elif isinstance(_AT_REST[key], bool):
+            given[key] = bool(value)
+        elif isinstance(_AT_REST[key], int):
+            given[key] = round(_seconds(value, key, where))
+        else:
+            given[key] = _seconds(value, key, where)
+    return Exposure(**given)
 
 
 def _seconds(value: Any, name: str, where: Location) -> float:

@@ -11,7 +11,6 @@ from tracerisk import api
 from tracerisk.evidence import (
     Cell,
     Evidence,
-    UnitClock,
     dump_evidence,
     merge_evidence,
     read_evidence,
@@ -244,8 +243,7 @@ def test_diff_says_what_a_change_did_to_failures(repository, quick):
         )
         for at in range(20)
     ]
-    clock = UnitClock(20.0, (20.0, 0.0, 0.0), 20.0)
-    before = Evidence("f", "panda", 0, 20, (), {"panda_joint1": clock}, tuple(cells))
+    before = Evidence("f", "panda", 0, 20, (), tuple(cells))
     told = [replace(each, told_after_s=0.4, told_by="path_cut", fails=True) for each in cells]
     after = replace(before, cells=tuple(told))
     repository.write("tracerisk.evidence", dump_evidence({"controller.py": before}))

@@ -14,7 +14,7 @@ from tracerisk.adder.lock.lock import Lock, loads
 from tracerisk.adder.sources.published import read_c_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.evidence import Cell as EvidenceCell
-from tracerisk.evidence import Evidence, UnitClock, dump_evidence, loads_evidence
+from tracerisk.evidence import Evidence, dump_evidence, loads_evidence
 from tracerisk.hardware.sysml.reader import read_sysml
 from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.instrument.recording import read_recording
@@ -169,10 +169,10 @@ EVIDENCE = Evidence(
     seed=0,
     declared=1,
     success=("over within 9 s",),
-    clocks={"joint_1": UnitClock(1.0, (1.0, 0.0, 0.0), 2.0)},
     cells=(
         EvidenceCell(
             *("motor", "joint_1", "jam", 0.5, "moving", "turn", True, 0.5, (0.5, 0.0, 0.0)),
+            stretch=Exposure(moving_s=0.5, active_s=0.5, starts=1),
             told_after_s=0.25,
             lost=("turn aborted",),
         ),

@@ -1,8 +1,9 @@
 """How much of a unit's hazard ends the mission, visit by visit, as evidence shows it.
 
 The share c of an instant is that of the drawn failure nearest to it, in the time that the unit
-was in use (or idle): each stands for the stretch around it. So the shares of a visit add up
-however visits are cut.
+was in use (or idle): each stands for the stretch around it. What of the mission's hazard ends it
+is summed over these stretches, and so does not hang on how visits are cut; a visit has of it by
+how much of its time lies near failures that ended the mission.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from dataclasses import dataclass, replace
 
 from tracerisk.evidence import Cell, Evidence
 from tracerisk.hardware.binding import BoundComponent
-from tracerisk.hardware.model import CONTROL, POWER
+from tracerisk.hardware.model import CONTROL, POWER, FailureMode
 from tracerisk.hardware.use import STATES, Use
 from tracerisk.quantify.probability import Term
 
@@ -69,22 +70,25 @@ class EvidenceShares:
             return self._of_fault(unit, fault, term, uses) if fault is not None else ()
         modes = bound.component.modes
         if is_idle and modes:
-            # What of the hazard is of no mode with a fault counts in full.
-            parts = [
-                (mode.fraction, self._of_fault(unit, mode.fault, term, uses))
-                for mode in modes
-                if mode.fault is not None
-            ]
-            rest = 1.0 - sum(fraction for fraction, shares in parts if shares)
-            known = [(fraction, shares) for fraction, shares in parts if shares]
-            return tuple(
-                min(1.0, max(0.0, rest) + sum(fraction * c[visit] for fraction, c in known))
-                for visit in range(len(uses))
-            )
-        # Without modes the worst of the faults counts, instant by instant.
+            return self._of_modes(unit, modes, term, uses)
+        # Without modes the fault counts that ends the mission most often.
         tried = sorted({each.mode for each in self._cells(unit, is_idle)})
         found = [self._of_fault(unit, fault, term, uses) for fault in tried]
-        return tuple(map(max, zip(*found, strict=True))) if found and all(found) else ()
+        if not found or not all(found):
+            return ()
+        return max(found, key=lambda shares: _ending(term, uses, shares))
+
+    def _of_modes(
+        self, unit: str, modes: Sequence[FailureMode], term: Term, uses: Sequence[Use]
+    ) -> Shares:
+        """Return the shares of a figure of all modes; one without a fault counts in full."""
+        left, shares = 1.0, [0.0] * len(uses)
+        for mode in modes:
+            found = () if mode.fault is None else self._of_fault(unit, mode.fault, term, uses)
+            if found:
+                left -= mode.fraction
+                shares = [s + mode.fraction * c for s, c in zip(shares, found, strict=True)]
+        return tuple(min(1.0, max(0.0, left) + share) for share in shares)
 
     def _cells(self, unit: str, is_idle: bool, fault: str | None = None) -> list[Cell]:
         return [
@@ -96,24 +100,70 @@ class EvidenceShares:
             and fault in (None, each.mode)
         ]
 
-    def _of_fault(self, unit: str, fault: str | None, term: Term, uses: Sequence[Use]) -> Shares:
+    def _of_fault(self, unit: str, fault: str, term: Term, uses: Sequence[Use]) -> Shares:
         is_idle = term.counts == "standby"
-        cells = self._cells(unit, is_idle, fault or "")
+        cells = self._cells(unit, is_idle, fault)
         if not cells:
             return ()
         if is_idle:
-            return _shares(
-                [(each.time_s - each.active_s, each.fails) for each in cells],
-                [use.standby_s or 0.0 for use in uses],
-            )
-        named = [STATES.index(s) for s in STATES if term.mode is not None and s in term.mode.when]
-        return _shares(
-            [
+            places = [(each.time_s - each.active_s, each.fails) for each in cells]
+            shares = _nearest(places, [use.standby_s or 0.0 for use in uses])
+            stands_for = [each.idle_s for each in cells]
+        else:
+            named = [STATES.index(s) for s in STATES if term.mode and s in term.mode.when]
+            places = [
                 (sum(each.states_s[i] for i in named) if named else each.active_s, each.fails)
                 for each in cells
-            ],
-            [_in_use(use, named) for use in uses],
-        )
+            ]
+            shares = _nearest(places, [_in_use(use, named) for use in uses])
+            stands_for = [_hazard(term, each) for each in cells]
+        total = sum(stands_for)
+        if total <= 0.0 or term.counts == "visits":
+            return shares
+        ending = sum(s for s, each in zip(stands_for, cells, strict=True) if each.fails)
+        return _scaled(shares, [term.hazard(use) for use in uses], ending / total)
+
+
+def _hazard(term: Term, cell: Cell) -> float:
+    """Return the hazard of the stretch for which a cell stands."""
+    return term.hazard(Use(cell.stretch, is_active=True))
+
+
+def _ending(term: Term, uses: Sequence[Use], shares: Shares) -> float:
+    return sum(term.hazard(use) * c for use, c in zip(uses, shares, strict=True))
+
+
+def _scaled(shares: Shares, hazards: Sequence[float], share: float) -> Shares:
+    """Return the shares of the visits, scaled so that over all of them `share` is what ends.
+
+    Load and demands are not spread evenly over a visit, so that the sum would hang on how visits
+    are cut; `share` is that of the stretches themselves. None exceeds 1.
+    """
+    wanted = share * sum(hazards)
+    free = [index for index, hazard in enumerate(hazards) if hazard > 0.0]
+    found = list(shares)
+    for _ in range(len(free) + 1):
+        fixed = sum(h for i, h in enumerate(hazards) if h > 0.0 and i not in free)
+        now = sum(hazards[i] * shares[i] for i in free)
+        left = wanted - fixed
+        if not free or left <= 0.0:
+            break
+        if now <= 0.0:
+            # Nothing of these visits lies near a failing cell, and yet some of it ends.
+            whole = sum(hazards[i] for i in free)
+            for i in free:
+                found[i] = min(1.0, left / whole)
+            break
+        factor = left / now
+        above = [i for i in free if shares[i] * factor > 1.0]
+        for i in free:
+            found[i] = min(1.0, shares[i] * factor)
+        if not above:
+            break
+        free = [i for i in free if i not in above]
+    if wanted <= 0.0:
+        return tuple(0.0 for _ in shares)
+    return tuple(found)
 
 
 def _in_use(use: Use, named: Sequence[int]) -> float:
@@ -124,7 +174,7 @@ def _in_use(use: Use, named: Sequence[int]) -> float:
     return sum(states[i] for i in named) if named else exposure.active_s
 
 
-def _shares(cells: Sequence[tuple[float, bool]], lengths: Sequence[float]) -> Shares:
+def _nearest(cells: Sequence[tuple[float, bool]], lengths: Sequence[float]) -> Shares:
     """Return the share of each visit that lies nearest to a failing cell.
 
     `cells` are positions on the unit's clock with whether the mission failed, `lengths` how far

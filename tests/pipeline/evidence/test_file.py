@@ -9,13 +9,13 @@ from tracerisk.errors import InputError, Location
 from tracerisk.evidence import (
     Cell,
     Evidence,
-    UnitClock,
     cell_line,
     dump_evidence,
     merge_evidence,
     parse_cell,
     read_evidence,
 )
+from tracerisk.trace import Exposure
 
 CELL = Cell(
     component="motor",
@@ -27,6 +27,7 @@ CELL = Cell(
     drawn=True,
     active_s=1.0,
     states_s=(0.75, 0.25, 0.0),
+    stretch=Exposure(moving_s=0.5, active_s=0.75, starts=2, wear=(0.1,) * 7),
     fails=True,
     effect="collision",
     local="off its way by 0.3 within a second",
@@ -42,7 +43,6 @@ EVIDENCE = Evidence(
     seed=3,
     declared=2,
     success=("tube at its goal within 0.01 m",),
-    clocks={"joint_1": UnitClock(2.0, (1.5, 0.5, 0.0), 4.0)},
     cells=(CELL, replace(CELL, time_s=2.0, drawn=False, fails=False)),
 )
 
@@ -97,8 +97,11 @@ def with_cell(**values):
         ('{"version": 1, "controllers": {"a.py": {}}}', "cells is missing"),
         (changed(cells=3), "expected a list"),
         (changed(seed=-1), "seed: expected a whole number"),
-        (changed(clocks=[]), "expected an object in 'clocks'"),
-        (changed(clocks={"joint_1": 3}), "clock of 'joint_1'"),
+        (changed(success=3), "success: expected a list"),
+        (with_cell(stretch=3), "stretch: expected an object"),
+        (with_cell(stretch={"moved": 1}), "unknown key 'moved'"),
+        (with_cell(stretch={"wear": [1.0]}), "wear: expected 7"),
+        (with_cell(stretch={"moving_s": -1.0}), "moving_s: expected seconds"),
         (changed(cells=[3]), "a cell: expected an object"),
         (changed(cells=[{}]), "a cell: component is missing"),
         (with_cell(effekt="x"), "unknown key 'effekt'"),

@@ -1,11 +1,12 @@
 """What of a hazard ends the mission: additive however visits are cut, and never lowered unasked."""
 
+import itertools
 from dataclasses import replace
 
 import pytest
 
 from tracerisk.adder.figures.computed import compute_blocks
-from tracerisk.evidence import Cell, Evidence, UnitClock
+from tracerisk.evidence import Cell, Evidence
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.model import (
     Basis,
@@ -58,9 +59,24 @@ def moved(seconds):
     )
 
 
+def moved_and(starts, seconds=5.0):
+    return replace(moved(seconds), starts=starts)
+
+
 def cell(at, fails, **more):
     base = Cell("motor", "joint_1", "dead", at, "moving", "step_0", True, at, (at, 0.0, 0.0))
     return replace(base, fails=fails, **more)
+
+
+def stretches(cells, whole_s=10.0):
+    """The cells of one unit and mode, each with the stretch for which it stands."""
+    ordered = sorted(cells, key=lambda each: each.active_s)
+    between = [(a.active_s + b.active_s) / 2 for a, b in itertools.pairwise(ordered)]
+    bounds = [0.0, *between, whole_s]
+    return [
+        replace(each, stretch=moved(high - low))
+        for each, (low, high) in zip(ordered, itertools.pairwise(bounds), strict=True)
+    ]
 
 
 def evidence(*cells, success=("tube at its goal",), declared=None):
@@ -70,9 +86,16 @@ def evidence(*cells, success=("tube at its goal",), declared=None):
         seed=0,
         declared=len(cells) if declared is None else declared,
         success=tuple(success),
-        clocks={"joint_1": UnitClock(10.0, (10.0, 0.0, 0.0), 10.0)},
-        cells=tuple(cells),
+        cells=tuple(placed(cells)),
     )
+
+
+def placed(cells):
+    of = {}
+    for each in cells:
+        of.setdefault((each.unit, each.mode, each.use), []).append(each)
+    for key, same in of.items():
+        yield from same if key[2] == "idle" else stretches(same)
 
 
 FAILS_EARLY = evidence(cell(1.0, True), cell(3.0, True), cell(7.0, False), cell(9.0, False))
@@ -110,8 +133,29 @@ def test_what_is_not_shown_counts_in_full(found):
 
 
 def test_without_modes_the_worst_fault_counts():
-    found = evidence(cell(1.0, False), cell(1.0, True, mode="jam"))
-    assert hazards(found, MOTOR, 10.0) == pytest.approx([1e-5])
+    found = evidence(
+        cell(2.0, False),
+        cell(8.0, True),
+        cell(4.0, True, mode="jam"),
+        cell(8.0, False, mode="jam"),
+    )
+    assert hazards(found, MOTOR, 10.0) == pytest.approx([6e-6])
+
+
+def test_load_and_demands_within_a_stretch_are_those_of_the_stretch():
+    # Grasps come at the end of the visit alone, where failures end the mission.
+    demand = FailureFigure("probability", 1e-6, Basis.DEMAND, demand="start")
+    motor = replace(MOTOR, figures=(demand,))
+    one = replace(moved(5.0), starts=0)
+    found = evidence(cell(2.5, False), cell(7.5, True))
+    cells = (replace(found.cells[0], stretch=one), replace(found.cells[1], stretch=moved_and(4)))
+    run = trace(10.0)
+    visit = replace(run.visits[0], exposures={"joint_1": moved_and(4, 10.0)})
+    run = replace(run, visits=(visit,))
+    (bound,) = bind(Hardware("h.yaml", (motor,)), run.elements)
+    shares = EvidenceShares(replace(found, cells=cells))
+    used = component_use(bound, run, "moving+holding", shares)
+    assert used.hazards([0])[0][0] == pytest.approx(4e-6, rel=1e-5)
 
 
 def test_a_mode_counts_with_its_fault_and_one_without_in_full():
@@ -139,8 +183,8 @@ def test_standby_hazard_counts_by_the_idle_cells():
     (bound,) = bind(Hardware("h.yaml", (both,)), run.elements)
     found = evidence(
         cell(1.0, True),
-        cell(5.0, True, use="idle", active_s=4.0),
-        cell(9.0, False, use="idle", active_s=4.0),
+        cell(5.0, True, use="idle", active_s=4.0, idle_s=3.0),
+        cell(9.0, False, use="idle", active_s=4.0, idle_s=3.0),
     )
     used = component_use(bound, run, "moving+holding", EvidenceShares(found))
     # Idle for six seconds: the cells are one and five seconds in, so that three of six count.

@@ -7,7 +7,7 @@ import hashlib
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -77,15 +77,12 @@ class Plan:
 
     def evidence(self, cells: Sequence[Cell]) -> Evidence:
         """Return the evidence of these cells of the campaign."""
-        clocks = {unit: use.clock for unit, use in self.uses.items()}
-        tried = {each.unit for each in self.targets}
         return Evidence(
             fingerprint=self.fingerprint,
             robot=self.nominal.trace.robot,
             seed=self.settings.seed,
             declared=self.declared,
             success=tuple(each.words for each in self.nominal.success),
-            clocks={unit: clocks[unit] for unit in sorted(tried)},
             cells=tuple(sorted(cells, key=lambda each: each.key)),
         )
 
@@ -254,12 +251,8 @@ def _known(plan: Plan) -> dict[tuple[str, str, float], Cell]:
     ):
         found += before.cells
     found += _journaled(plan.journal)
-    # Whether it was drawn is for this plan to say.
-    return {
-        each.key: replace(each, drawn=wanted[each.key].drawn)
-        for each in found
-        if each.key in wanted
-    }
+    # What a cell stands for is for this plan to say.
+    return {each.key: wanted[each.key].with_outcome(each) for each in found if each.key in wanted}
 
 
 def _journaled(path: Path) -> list[Cell]:

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tracerisk.evidence import Cell
 from tracerisk.hardware.model import FaultMode, State
 from tracerisk.pipeline.evidence.unit_use import Flags, UnitUse
-from tracerisk.trace import Trace
+from tracerisk.trace import Exposure, Trace
 
 LEAST_DRAWN = 3
 """How many cells each unit and mode has at least, of those that are drawn."""
 LEAST_IN_TABLE = 3
 """How many instants the table has for each component, mode and function."""
+_SECONDS = (
+    *("moving_s", "holding_s", "grasping_s", "active_s"),
+    *("grasping_moving_s", "reading_s", "travel_s"),
+)
 _TRIES = 50  # of another instant, where one is drawn that is there already
 
 
@@ -51,9 +56,14 @@ def draw_cells(
         flags = ~use.active if is_idle else use.flags(target.when)
         clock = "idle" if is_idle else "use"
         stream = random.Random(f"{seed}:{target.unit}:{target.mode}:{clock}")
-        for step in _steps(flags, stream, count, found, target, use.step_s):
+        steps = list(_steps(flags, stream, count, found, target, use.step_s))
+        for step, over in zip(steps, _stretches(flags, steps), strict=True):
             cell = _cell(target, use, step, trace, drawn=True)
-            found[cell.key] = cell
+            if is_idle:
+                idle_s = round(float((over & flags).sum()) * use.step_s, 6)
+                found[cell.key] = replace(cell, idle_s=idle_s)
+            else:
+                found[cell.key] = replace(cell, stretch=_rounded(use.measure(over)))
     for cell in _table(targets, uses, trace, tuple(found.values())):
         found.setdefault(cell.key, cell)
     return tuple(found.values())
@@ -104,6 +114,33 @@ def _steps(
                 seen.add(_instant(step, step_s))
                 yield step
                 break
+
+
+def _stretches(flags: Flags, steps: Sequence[int]) -> Iterator[Flags]:
+    """Yield for each step the steps that are nearer to it than to the others.
+
+    Near is meant in the time in which the flags hold.
+    """
+    clock = np.cumsum(flags)
+    order = sorted(range(len(steps)), key=lambda index: steps[index])
+    places = [clock[steps[index]] for index in order]
+    bounds = [-1.0, *((a + b) / 2.0 for a, b in itertools.pairwise(places)), np.inf]
+    nearest = {index: (bounds[rank], bounds[rank + 1]) for rank, index in enumerate(order)}
+    for index in range(len(steps)):
+        low, high = nearest[index]
+        yield (clock > low) & (clock <= high)
+
+
+def _rounded(exposure: Exposure) -> Exposure:
+    """Return what of an exposure adds up, with as many digits as matter."""
+    seconds = {name: round(getattr(exposure, name), 9) for name in _SECONDS}
+    return Exposure(
+        **seconds,
+        starts=exposure.starts,
+        grasps=exposure.grasps,
+        releases=exposure.releases,
+        wear=tuple(round(each, 9) for each in exposure.wear),
+    )
 
 
 def _instant(step: int, step_s: float) -> float:

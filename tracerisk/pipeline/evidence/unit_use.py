@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,14 +10,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.evidence import UnitClock, Use
+from tracerisk.evidence import Use
 from tracerisk.hardware.model import State
 from tracerisk.hardware.use import STATES
 from tracerisk.instrument.ownership import attribute
 from tracerisk.instrument.recording import read_recording
 from tracerisk.pipeline.trace.run_files import EVENTS, MISSION_END
 from tracerisk.pipeline.trace.sensors import reading_spans
-from tracerisk.twin.recording.activity import element_activity
+from tracerisk.trace import Exposure
+from tracerisk.twin.recording.activity import ElementActivity, element_activity
+from tracerisk.twin.recording.exposure import exposure
 from tracerisk.twin.recording.samples import read_samples
 from tracerisk.twin.recording.sensor_activity import sensor_activity
 
@@ -42,13 +44,8 @@ class UnitUse:
     """Moving, holding, grasping."""
     owner: NDArray[np.int64]
     step_s: float
-
-    @property
-    def clock(self) -> UnitClock:
-        """How long the unit was in use [s]."""
-        moving, holding, grasping = (float(each.sum()) * self.step_s for each in self.states)
-        active_s = float(self.active.sum()) * self.step_s
-        return UnitClock(active_s, (moving, holding, grasping), len(self.active) * self.step_s)
+    measure: Callable[[Flags], Exposure]
+    """Returns the exposure of the unit over the steps that are set."""
 
     def clock_at(self, step: int) -> tuple[float, tuple[float, float, float]]:
         """Return the time in use before a step, all of it and by state [s]."""
@@ -91,18 +88,32 @@ def unit_uses(
     activity = element_activity(samples, robot)
     none = np.zeros(n_steps, dtype=np.bool_)
 
-    def use(name: str, active: Flags, states: Sequence[Flags], owner: str) -> UnitUse:
+    def use(
+        name: str,
+        active: Flags,
+        states: Sequence[Flags],
+        owner: str,
+        element: ElementActivity | None = None,
+    ) -> UnitUse:
         moving, holding, grasping = (each[:n_steps] for each in states)
-        return UnitUse(
-            name,
-            active[:n_steps],
-            (moving, holding, grasping),
-            attribution.assign(owner, n_steps, step_ns),
-            samples.step_s,
-        )
+        active = active[:n_steps]
+
+        def measure(steps: Flags) -> Exposure:
+            over = np.zeros(samples.n_steps, dtype=np.bool_)
+            over[:n_steps] = steps
+            if element is not None:
+                return exposure(element, over, samples.step_s)
+            seconds = [
+                float((each[:n_steps] & steps).sum()) * samples.step_s for each in (*states, active)
+            ]
+            moving_s, holding_s, _, active_s = seconds
+            return Exposure(moving_s=moving_s, holding_s=holding_s, active_s=active_s)
+
+        owners = attribution.assign(owner, n_steps, step_ns)
+        return UnitUse(name, active, (moving, holding, grasping), owners, samples.step_s, measure)
 
     found = {
-        name: use(name, each.active, (each.moving, each.holding, each.grasping), name)
+        name: use(name, each.active, (each.moving, each.holding, each.grasping), name, each)
         for name, each in activity.items()
     }
     spans = reading_spans(recording, samples.n_steps * step_ns)
