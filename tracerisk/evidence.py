@@ -123,6 +123,11 @@ class Evidence:
         """Whether as many cells were drawn as declared."""
         return self.drawn >= self.declared
 
+    @property
+    def counts(self) -> bool:
+        """Whether figures may take it: it is complete, and the mission is declared."""
+        return self.is_complete and bool(self.success)
+
 
 def read_evidence(path: Path) -> dict[str, Evidence]:
     """Return the evidence of each controller, by its file from the root; none without the file.

@@ -45,16 +45,11 @@ class EvidenceShares:
 
     evidence: Evidence
 
-    @property
-    def counts(self) -> bool:
-        """Whether figures take the evidence at all."""
-        return self.evidence.is_complete and bool(self.evidence.success)
-
     def applied(
         self, bound: BoundComponent, unit: str | None, terms: Sequence[Term], uses: Sequence[Use]
     ) -> tuple[Term, ...]:
         """Return the terms of one unit, each with the share of every visit; `unit` as bound."""
-        if not self.counts or bound.component.redundancy.is_redundant:
+        if not self.evidence.counts or bound.component.redundancy.is_redundant:
             return tuple(terms)
         names = twin_units(bound) if unit is None else (unit,)
         if len(names) != 1:

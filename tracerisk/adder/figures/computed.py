@@ -119,7 +119,7 @@ def compute_blocks(
             call_sequence=computed_count(function.call_sequence),
             next=following,
             components=tuple(entry[ref] for entry in entries if ref in entry),
-            has_evidence=evidence is not None and evidence.counts,
+            has_evidence=evidence is not None and evidence.evidence.counts,
         )
         exposures[ref] = {
             each.component.name: seconds

@@ -7,11 +7,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from tracerisk.evidence import EVIDENCE_NAME, Evidence, dump_evidence, read_evidence
-from tracerisk.quantify.evidence_shares import EvidenceShares
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings
     from tracerisk.pipeline.workspace.controller import Controller
+    from tracerisk.quantify.evidence_shares import EvidenceShares
 
 
 def kept_evidence(controller: Controller) -> Evidence | None:
@@ -29,22 +29,29 @@ def used_evidence(
 
     Raises as `kept_evidence`.
     """
+    found = _used(controller, settings, fingerprint)
+    if found is None:
+        return None
+    # Few controllers have any, and a check is to begin at once.
+    from tracerisk.quantify.evidence_shares import EvidenceShares
+
+    return EvidenceShares(found)
+
+
+def _used(controller: Controller, settings: Settings, fingerprint: str) -> Evidence | None:
     if not settings.evidence:
         return None
     found = kept_evidence(controller)
-    if found is None or found.fingerprint != fingerprint:
-        return None
-    shares = EvidenceShares(found)
-    return shares if shares.counts else None
+    return found if found and found.fingerprint == fingerprint and found.counts else None
 
 
 def evidence_digest(controller: Controller, settings: Settings, fingerprint: str) -> str:
     """Return a digest of the evidence that values take; empty where they take none."""
-    used = used_evidence(controller, settings, fingerprint)
+    used = _used(controller, settings, fingerprint)
     if used is None:
         return ""
     # Cells that fill the table alone change no figure.
-    drawn = replace(used.evidence, cells=tuple(c for c in used.evidence.cells if c.drawn))
+    drawn = replace(used, cells=tuple(each for each in used.cells if each.drawn))
     return hashlib.sha256(dump_evidence({controller.file: drawn}).encode()).hexdigest()
 
 
