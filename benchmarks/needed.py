@@ -1,0 +1,70 @@
+"""Active against needed: fail every unit of the sample controllers, and count what mattered.
+
+    python benchmarks/needed.py [--cells 200] [--jobs N] [--samples NAME ...] [--folder DIR]
+
+Prints for each component and mode in how many tries it was in use and needed, in use and harmless,
+idle and needed, idle and harmless; the mission is what the run without a failure reached. With
+`--folder` the evidence stays there, and a later call goes on from it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+
+from tracerisk.api import gather_evidence
+from tracerisk.evidence import Cell
+from tracerisk.report.fmea import confusion
+
+SAMPLES = Path(__file__).resolve().parents[1] / "sample_controllers"
+
+
+def main() -> None:
+    """Run the campaigns and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--cells", type=int, default=200)
+    parser.add_argument("--jobs", type=int)
+    parser.add_argument("--samples", nargs="*")
+    parser.add_argument("--folder", type=Path)
+    options = parser.parse_args()
+    folder = options.folder or Path(tempfile.mkdtemp())
+    names = options.samples or sorted(path.stem for path in SAMPLES.glob("*.py"))
+    cells: list[Cell] = []
+    print(f"{'sample':<18}{'robot':<8}{'tries':>6}{'failed':>8}{'told':>6}{'seconds':>9}")
+    for name in names:
+        place = folder / name
+        place.mkdir(parents=True, exist_ok=True)
+        shutil.copy(SAMPLES / f"{name}.py", place)
+        began = time.monotonic()
+        found = gather_evidence(place / f"{name}.py", cells=options.cells, jobs=options.jobs)
+        seconds = time.monotonic() - began
+        failed = sum(1 for each in found.cells if each.fails)
+        told = sum(1 for each in found.cells if each.told_by)
+        print(
+            f"{name:<18}{found.robot:<8}{len(found.cells):>6}{failed:>8}{told:>6}{seconds:>9.1f}",
+            flush=True,
+        )
+        cells += found.cells
+    _print_matrix(cells)
+
+
+def _print_matrix(cells: list[Cell]) -> None:
+    print()
+    heads = ("component", "mode", "in use, needed", "in use, harmless", "idle, needed")
+    print(f"| {' | '.join((*heads, 'idle, harmless'))} |")
+    print("|---|---|---|---|---|---|")
+    kinds = Counter((each.component, each.mode) for each in cells)
+    for component, mode in sorted(kinds):
+        mine = [each for each in cells if (each.component, each.mode) == (component, mode)]
+        counts = " | ".join(map(str, confusion(mine)))
+        print(f"| {component} | {mode.replace('_', ' ')} | {counts} |")
+    counts = " | ".join(map(str, confusion(cells)))
+    print(f"| all | | {counts} |")
+
+
+if __name__ == "__main__":
+    main()
