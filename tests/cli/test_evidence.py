@@ -256,3 +256,43 @@ def test_diff_says_what_a_change_did_to_failures(repository, quick):
     said = " ".join(outcome.out.split())
     assert "a failure of motor (jam) is now reported after 0.4 s, before: never" in said
     assert "now ends the mission in 20 of 20 tries, before: 0 of 20" in said
+
+
+HOSTILE = {
+    "hangs": "while True: pass",
+    "dies": "import os; os.kill(os.getpid(), 9)",
+    "exits": "import os; os._exit(3)",
+    "raises": "raise RuntimeError('no way')",
+    "forks": "import os; os.fork()",
+    "fills the disk": "open('junk', 'wb').write(b'0' * 50_000_000)",
+}
+
+
+@pytest.mark.parametrize(
+    "what",
+    [each if each == "dies" else pytest.param(each, marks=pytest.mark.slow) for each in HOSTILE],
+)
+def test_what_a_controller_does_when_a_part_fails_ends_its_own_cell_alone(what, example, quick):
+    source = quick(
+        "import rospy",
+        "before = arm.get_current_joint_values()[0]",
+        "arm.set_joint_value_target([before + 0.2, *arm.get_current_joint_values()[1:]])",
+        "arm.go(wait=True)",
+        "after = arm.get_current_joint_values()[0]",
+        "if abs(after - before - 0.2) > 0.05:",
+        f"    {HOSTILE[what]}",
+    )
+    example.write("controller.py", source)
+    example.write("one.yaml", HARDWARE)
+    example.write(
+        "pyproject.toml", '[tool.tracerisk]\nhardware = "one.yaml"\nstall_limit_s = 1.5\n'
+    )
+    outcome = example.run("evidence", "controller.py", "--cells", "1", "-j", "1", "--json")
+    assert outcome.code == 0, outcome.err
+    assert outcome.json["complete"]
+    found = api.evidence(example.folder / "controller.py")
+    failed = [each for each in found.cells if each.fails]
+    assert failed
+    if what in ("hangs", "dies", "exits", "raises"):
+        assert any(each.effect == "ended_badly" for each in failed)
+    assert not (example.folder / "junk").exists()
