@@ -1,6 +1,6 @@
 """Measure how long hybrid models of many functions take, and how much memory.
 
-    python benchmarks/hybrid_scale.py [--cases own,shared,wide,pairs,uncertainty]
+    python benchmarks/hybrid_scale.py [--cases own,shared,wide,pairs,many,dense,uncertainty]
 
 Each case is built and solved in a process of its own; what is imported counts too.
 
@@ -11,8 +11,10 @@ Each case is built and solved in a process of its own; what is imported counts t
 
 Functions follow each other, 9 of 10 times; else the mission goes back three functions.
 own: each component is that of one function. shared: all functions have the same components.
-wide: 100 components of its own in each function, the figure alone. pairs: redundant pairs whose
-failures stay hidden, each in one function. uncertainty: shared, with error factors 3 for all.
+wide: 100 components of its own in each function, the figure alone. pairs, many, dense: redundant
+pairs whose failures stay hidden, each in one function; 6 in 50, exactly, 200 in 50 and 200 in 10,
+each by itself with a bound, `width` times its lower one. uncertainty: shared, with error factors 3
+for all.
 """
 
 from __future__ import annotations
@@ -48,6 +50,8 @@ CASES = {
     "shared": Case(5_000, 10, is_shared=True),
     "wide": Case(5_000, 100, solve=False),
     "pairs": Case(50, 2, pairs=6),
+    "many": Case(50, 2, pairs=200),
+    "dense": Case(10, 2, pairs=200),
     "uncertainty": Case(1_000, 10, is_shared=True, solve=False, samples=100_000),
 }
 
@@ -64,8 +68,10 @@ def blocks_of(case: Case) -> list[RiskBlock]:
         for number in range(case.components):
             name = f"c{number}" if case.is_shared else f"c{function}_{number}"
             parts.append(component(name, 1e-7 * (1 + (7 * function + number) % 13), 1, "false"))
-        if function < case.pairs:
-            parts.append(component(f"pair{function}", 1e-5, 2, "true"))
+        parts += [
+            component(f"pair{pair}", 1e-4 * (1 + pair % 7), 2, "true")
+            for pair in range(function, case.pairs, case.functions)
+        ]
         text = ", ".join(f"{step.target} {float(step.weight):g}" for step in steps)
         sequence = Field(function + 1, str(function + 1))
         found.append(RiskBlock(f"f{function}", sequence, Field(steps, text), tuple(parts)))
@@ -84,6 +90,7 @@ def component(name: str, probability: float, quantity: int, redundancy: str) -> 
 def measure(case: Case) -> dict[str, float]:
     """Return what one case takes; run in a process of its own."""
     from tracerisk.prm import build_model, solve
+    from tracerisk.prm.hybrid.mission import solve_mission
     from tracerisk.prm.hybrid.solve import solve_figures
     from tracerisk.prm.numbers.distributions import Lognormal
     from tracerisk.prm.questions.uncertainty import propagate
@@ -100,6 +107,9 @@ def measure(case: Case) -> dict[str, float]:
     timed("build", lambda: built.append(build_model(blocks, name="scale")))
     model = built[0]
     timed("figure", lambda: solve_figures(model))
+    if case.pairs:
+        solved = solve_mission(model)
+        taken["width"] = solved.failure.p / solved.least - 1.0
     if case.solve:
         timed("solve", lambda: str(solve(model).importance()))
     if case.samples:

@@ -54,6 +54,17 @@ def bounded(most: int, least: float, failure: float) -> str:
     )
 
 
+def grouped(groups: int, least: float, failure: float) -> str:
+    """Return the assumption of a mission whose redundant groups are solved one by one."""
+    above = (failure - least) / least if least > 0.0 else math.inf
+    return (
+        f"{groups} redundant groups are too many to be solved at once: each is solved by itself, "
+        "and the mission's figure, the upper one, is bounded by all of them: its failure "
+        f"probability is between {least:.6e} and {failure:.6e}, too high by at most "
+        f"{100.0 * above:.2g} %; functions and importances are told of each group by itself"
+    )
+
+
 @dataclass(frozen=True, slots=True)
 class ComponentContribution:
     """What one component adds to one function's top event.

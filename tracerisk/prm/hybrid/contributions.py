@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from tracerisk.prm.hybrid.hidden_chain import HiddenChain
+from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain
 from tracerisk.prm.hybrid.hidden_states import Part
 from tracerisk.prm.hybrid.mission import SolvedMission
 from tracerisk.prm.hybrid.rest_trees import tree_probability
@@ -16,17 +16,29 @@ def mean_drops(solved: SolvedMission, number: int) -> dict[str, float]:
     """Return for each parameter of a function the mean drop over its visits.
 
     A component that never fails has no hidden failures either.
+    Groups that are solved by themselves each have their drop where no other one fails.
     """
-    chain = solved.chain
+    found = _mean_drops(solved.chain, solved.flow, number)
+    grouped = solved.grouped
+    if grouped is not None:
+        parts: dict[str, list[float]] = {}
+        for group in grouped.groups_in[number]:
+            chain = grouped.own[group]
+            drops = _mean_drops(chain, grouped.own_flows[group], number)
+            for name in set(chain.states.functions[number].parameters.values()):
+                # What the rest of the tree falls by counts once.
+                before = parts.setdefault(name, [])
+                before.append(max(0.0, drops[name] - found[name]) if before else drops[name])
+        found |= {name: math.fsum(each) for name, each in parts.items()}
+    return found
+
+
+def _mean_drops(chain: HiddenChain, flow: Flow, number: int) -> dict[str, float]:
     function = chain.states.functions[number]
     values = chain.values[number]
     if not function.parts:
         return {name: chain.trees.drop(number, name) for name in values}
-    met = [
-        (layer, row[number])
-        for layer, row in enumerate(solved.flow.visits[:-1])
-        if row[number] > 0.0
-    ]
+    met = [(layer, row[number]) for layer, row in enumerate(flow.visits[:-1]) if row[number] > 0.0]
     total = math.fsum(count for _, count in met)
     found = {}
     # What the latent units leave of the drop of any other component.

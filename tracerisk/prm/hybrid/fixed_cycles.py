@@ -50,7 +50,7 @@ def outcome_of(chain: HiddenChain, passage: Passage) -> Probability:
     if len(chain.states.hidden) == 1 and chain.states.most is None:
         log = _log_survival(chain, passage)
         return Probability(0.0 - math.expm1(log), math.exp(log))
-    now, failed = _passed(chain, passage, [1.0])
+    now, failed = passed(chain, passage, [1.0])
     return Probability(failed, math.fsum(now))
 
 
@@ -136,9 +136,10 @@ def _log_survival(chain: HiddenChain, passage: Passage) -> float:
     return math.fsum(logs)
 
 
-def _passed(
+def passed(
     chain: HiddenChain, passage: Passage, start: Sequence[float]
 ) -> tuple[list[float], float]:
+    """Return what survives a passage, by layer, and what fails; `start` is by layer."""
     now, failed = list(start), []
     for each in passage:
         if isinstance(each, int):
@@ -151,7 +152,7 @@ def _passed(
 
 def _one_round(chain: HiddenChain, loop: Loop, now: Sequence[float]) -> tuple[list[float], float]:
     if loop.body is not None:
-        return _passed(chain, loop.body, now)
+        return passed(chain, loop.body, now)
     flow = chain.flow(now, cut=loop.round)
     return _survived(flow), failure_of(flow)
 

@@ -20,7 +20,7 @@ from tracerisk.prm.numbers.probability import Probability, any_of, pair_of, tota
 from tracerisk.prm.trees.spares import Outcome
 
 Spread = tuple[tuple[int, float], ...]
-"""The layers to which a visit leads, each with its probability."""
+"""Where a visit leads: layers, each with its probability."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,14 +64,18 @@ class HiddenChain:
         *,
         base: HiddenChain | None = None,
     ) -> None:
-        """Prepare the chain; `base` is one of the same states, from which is taken what is alike.
+        """Prepare the chain; raise ModelError, with the state, when a tree cannot be solved.
 
-        Raises ModelError, with the state, when a tree cannot be solved.
+        What is alike in `base`, a chain of the same states or without groups, is taken from it.
         """
         self.states = states
         self._factors = factors or {}
-        self.values = [self._values(f.state.probabilities) for f in states.functions]
-        self.trees = self.kind_of_trees(states.functions, self.values)
+        same = base if base and base._factors == self._factors else None
+        self.values: list[dict[str, float]] = (
+            same.values if same else [self._values(f.state.probabilities) for f in states.functions]
+        )
+        trees = same.trees if same else self.kind_of_trees(states.functions, self.values)
+        self.trees: RestTrees = trees
         self.rest: list[Probability] = []
         self.units: list[dict[int, float]] = []
         self._spreads: list[dict[int, Spread]] = []
@@ -88,12 +92,10 @@ class HiddenChain:
         for number, function in enumerate(states.functions):
             values = self.values[number]
             units = {c: values[name] for c, name in function.parameters.items()}
-            alike = base is not None and base.values[number] == values
-            self.rest.append(
-                base.rest[number] if base is not None and alike else self.trees.failure(number)
-            )
+            known = base.rest[number] if base and base.values[number] == values else None
+            self.rest.append(known or self.trees.failure(number))
             self.units.append(units)
-            like = base if base is not None and base.units[number] == units else None
+            like = base if base and base.units[number] == units else None
             self._spreads.append(like._spreads[number] if like else {})
             self._latent.append(like._latent[number] if like else {})
             self._exceeding.append(like._exceeding[number] if like else {})
@@ -113,8 +115,7 @@ class HiddenChain:
         """
         states = self.states
         functions = list(enumerate(states.functions))
-        layers = len(states.hidden)
-        size = len(functions)
+        layers, size = len(states.hidden), len(functions)
         beginning = [1.0] if start is None else start
         # What each function sends into each layer, from layers before it.
         entering = [[0.0] * size for _ in range(layers + 1)]

@@ -118,7 +118,23 @@ def hidden_states(model: HybridModel, limit: int = MOST_STATES) -> HiddenStates:
         _function(state, found, class_of, number_of)
         for state, found in zip(states, parts, strict=True)
     )
-    hidden, is_whole = _enumerate(functions, classes, limit // len(functions))
+    pattern = Pattern(
+        [state.name for state in states],
+        [[target for target, _ in function.steps] for function in functions],
+    )
+    entry = number_of[model.entry]
+    return states_of(functions, classes, entry, pattern, limit // len(functions))
+
+
+def states_of(
+    functions: tuple[Function, ...],
+    classes: tuple[tuple[str, ...], ...],
+    entry: int,
+    pattern: Pattern,
+    limit: int,
+) -> HiddenStates:
+    """Return functions with their hidden states, of which no more than `limit` are held."""
+    hidden, is_whole = _enumerate(functions, classes, limit)
     index = {state: number for number, state in enumerate(hidden)}
     # Functions of the same parts hold the same states.
     held = {
@@ -127,14 +143,11 @@ def hidden_states(model: HybridModel, limit: int = MOST_STATES) -> HiddenStates:
     }
     return HiddenStates(
         functions=functions,
-        entry=number_of[model.entry],
+        entry=entry,
         classes=classes,
         hidden=hidden,
         most=None if is_whole else sum(hidden[-1]),
-        pattern=Pattern(
-            [state.name for state in states],
-            [[target for target, _ in function.steps] for function in functions],
-        ),
+        pattern=pattern,
         more=tuple(
             tuple(index.get(_with_one_more(state, c), -1) for c in range(len(classes)))
             for state in hidden

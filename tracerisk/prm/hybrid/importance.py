@@ -18,6 +18,7 @@ from functools import cached_property
 
 from tracerisk.prm.hybrid.adjoint import Adjoint, Slopes
 from tracerisk.prm.hybrid.assessment import ComponentImportance, ImportanceShare
+from tracerisk.prm.hybrid.fixed_cycles import failure_of
 from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain
 from tracerisk.prm.hybrid.hybrid import HybridModel, Parameter
 from tracerisk.prm.hybrid.mission import SolvedMission
@@ -25,22 +26,32 @@ from tracerisk.prm.hybrid.mission import SolvedMission
 
 def importances(model: HybridModel, solved: SolvedMission) -> tuple[ComponentImportance, ...]:
     """Return the importance of each parameter, that which matters most first."""
-    base = _Base(solved)
-    found = [_importance(base, parameter) for parameter in model.parameters]
+    grouped = solved.grouped
+    base = _Base(solved.chain, solved.flow)
+    if grouped is None:
+        found = [
+            _told(each, *_effect(base, each), base.failure, base.held) for each in model.parameters
+        ]
+    else:
+        own = [_Base(*each) for each in zip(grouped.own, grouped.own_flows, strict=True)]
+        failure, found = solved.failure.p, []
+        for each in model.parameters:
+            parts = [own[group] for group in grouped.groups_with.get(each.name, ())]
+            found.append(_told(each, *_sum_of_groups(failure, base, parts, each), failure, failure))
     return tuple(sorted(found, key=lambda i: (-i.fussell_vesely, -i.criticality, i.name)))
 
 
 class _Base:
     """The model as it is: its mission, and what that hangs on."""
 
-    def __init__(self, solved: SolvedMission) -> None:
-        self.chain = solved.chain
-        self.adjoint = Adjoint(solved.chain)
-        self.slopes = Slopes(solved.chain, solved.flow, self.adjoint)
-        self.failure = solved.failure.p
-        self.held = held_failure(solved.chain, solved.flow)
-        self.visits = solved.flow.visits[0]
-        states = solved.chain.states
+    def __init__(self, chain: HiddenChain, flow: Flow) -> None:
+        self.chain = chain
+        self.adjoint = Adjoint(chain)
+        self.slopes = Slopes(chain, flow, self.adjoint)
+        self.failure = failure_of(flow)
+        self.held = held_failure(chain, flow)
+        self.visits = flow.visits[0]
+        states = chain.states
         self.is_plain = states.most is None and not any(f.parts for f in states.functions)
 
     @cached_property
@@ -89,27 +100,67 @@ def held_failure(chain: HiddenChain, flow: Flow) -> float:
     return math.fsum(failed)
 
 
-def _importance(base: _Base, parameter: Parameter) -> ComponentImportance:
-    name = parameter.name
-    slopes = base.slopes.of(parameter)
+_Slopes = list[tuple[str, str, float]]
+"""dF/dtheta by state and unit."""
+
+
+def _effect(base: _Base, parameter: Parameter) -> tuple[_Slopes, _Change]:
+    return base.slopes.of(parameter), _change(base, parameter.name)
+
+
+def _sum_of_groups(
+    failure: float, base: _Base, own: Sequence[_Base], parameter: Parameter
+) -> tuple[_Slopes, _Change]:
+    """Return what a parameter does by each of its groups alone, and by the rest of the trees.
+
+    `base` is the mission without groups, `own` with each group of the parameter by itself. What
+    the rest of the trees does is in each of these, and counts once.
+    """
+    slopes, plain = _effect(base, parameter)
+    effects = [_effect(each, parameter) for each in own]
+    if effects:
+        summed: dict[tuple[str, str], list[float]] = {}
+        for found, _ in effects:
+            for state, unit, slope in found:
+                summed.setdefault((state, unit), []).append(slope)
+        for state, unit, slope in slopes:
+            summed[state, unit].append(-(len(own) - 1) * slope)
+        slopes = [(*key, max(0.0, math.fsum(parts))) for key, parts in summed.items()]
+
+    def added(rest: float, groups: list[float]) -> float:
+        return math.fsum([rest, *(each - rest for each in groups)]) if groups else rest
+
+    now = added(base.failure, [each.failure for each in own])
+    others = max(0.0, failure - now)
+    changes = [change for _, change in effects]
+    return slopes, _Change(
+        fall=max(0.0, min(failure, added(plain.fall, [each.fall for each in changes]))),
+        left=max(0.0, added(plain.left, [each.left for each in changes])) + others,
+        tenfold=min(1.0, added(plain.tenfold, [each.tenfold for each in changes]) + others),
+        surely=min(1.0, added(plain.surely, [each.surely for each in changes]) + others),
+    )
+
+
+def _told(
+    parameter: Parameter, slopes: _Slopes, change: _Change, failure: float, held: float
+) -> ComponentImportance:
     birnbaum = math.fsum(slope for _, _, slope in slopes)
     by_state: dict[str, float] = {}
     by_unit: dict[str, float] = {}
     for state, unit, slope in slopes:
         by_state[state] = by_state.get(state, 0.0) + slope
         by_unit[unit] = by_unit.get(unit, 0.0) + slope
-    change = _change(base, name)
-    scale = parameter.theta / base.held if base.held > 0.0 else 0.0
+    scale = parameter.theta / held if held > 0.0 else 0.0
     return ComponentImportance(
-        name=name,
+        name=parameter.name,
         theta=parameter.theta,
         birnbaum=birnbaum,
         criticality=birnbaum * scale,
-        fussell_vesely=change.fall / base.held if base.held > 0.0 else 0.0,
+        fussell_vesely=change.fall / held if held > 0.0 else 0.0,
         without=change.left,
-        risk_reduction_worth=_ratio(base.failure, change.left),
-        risk_achievement_worth=_ratio(change.surely, base.failure),
-        tenfold=_ratio(change.tenfold, base.failure),
+        risk_reduction_worth=_ratio(failure, change.left),
+        risk_achievement_worth=_ratio(change.surely, failure),
+        tenfold=_ratio(change.tenfold, failure),
         by_state=_shares(by_state, scale),
         by_unit=_shares(by_unit, scale),
     )
@@ -124,7 +175,7 @@ def _change(base: _Base, name: str) -> _Change:
     flow = without.flow()
     return _Change(
         fall=base.adjoint.fall((name,), without, flow),
-        left=_failure(flow),
+        left=failure_of(flow),
         tenfold=_failure_at(base, name, 10.0),
         surely=_failure_at(base, name, math.inf),
     )
@@ -153,11 +204,7 @@ def _change_in_one(base: _Base, name: str, numbers: Sequence[int]) -> _Change | 
 
 
 def _failure_at(base: _Base, name: str, factor: float) -> float:
-    return _failure(HiddenChain(base.chain.states, {name: factor}, base=base.chain).flow())
-
-
-def _failure(flow: Flow) -> float:
-    return math.fsum(math.fsum(row) for row in flow.failures)
+    return failure_of(HiddenChain(base.chain.states, {name: factor}, base=base.chain).flow())
 
 
 def _shares(parts: dict[str, float], scale: float) -> tuple[ImportanceShare, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from tracerisk.prm.hybrid.assessment import FIXED, GEOMETRIC, MissionFigures, Reading
@@ -14,6 +14,8 @@ from tracerisk.prm.hybrid.fixed_cycles import (
     outcome_of,
     rounds_of,
 )
+from tracerisk.prm.hybrid.groups.group_chain import groups_of
+from tracerisk.prm.hybrid.groups.grouped import Bound, Grouped
 from tracerisk.prm.hybrid.hidden_chain import Flow, HiddenChain, Round
 from tracerisk.prm.hybrid.hidden_states import MOST_STATES, HiddenStates, hidden_states
 from tracerisk.prm.hybrid.hybrid import HybridModel
@@ -29,6 +31,8 @@ class SolvedMission:
     By function: `visits` expected, `absorption` the probability that the mission ends in its
     failure state, `tops` the probability that one visit fails, over the visits of a mission.
     `least` is below `failure` where not all hidden states are held: the true figure lies between.
+    With `grouped` each redundant group is solved by itself; `chain` and `flow` are then those of
+    the functions without any, and what a group adds to a function is told of it by itself.
     """
 
     chain: HiddenChain
@@ -38,11 +42,12 @@ class SolvedMission:
     visits: Mapping[str, float]
     absorption: Mapping[str, float]
     tops: Mapping[str, float]
+    grouped: Grouped | None = None
 
     @property
     def states(self) -> HiddenStates:
-        """The functions and hidden states of the chain."""
-        return self.chain.states
+        """The functions and hidden states of the model."""
+        return self.chain.states if self.grouped is None else self.grouped.states
 
 
 def solve_mission(model: HybridModel, *, limit: int = MOST_STATES) -> SolvedMission:
@@ -52,7 +57,14 @@ def solve_mission(model: HybridModel, *, limit: int = MOST_STATES) -> SolvedMiss
     the most failed units are taken together and bounded from above, see `HiddenChain`.
     Raises ModelError when a tree cannot be solved or the chain is left too rarely.
     """
-    chain = HiddenChain(hidden_states(model, limit))
+    states = hidden_states(model, limit)
+    if states.most is not None and len(groups_of(states)) > 1:
+        return _solved_by_groups(Grouped(states))
+    return solved_chain(HiddenChain(states))
+
+
+def solved_chain(chain: HiddenChain) -> SolvedMission:
+    """Return the mission of a chain, solved from its entry."""
     flow = chain.flow()
     names = [function.state.name for function in chain.states.functions]
     visits = dict(zip(names, map(math.fsum, zip(*flow.visits, strict=True)), strict=True))
@@ -76,35 +88,74 @@ def solve_mission(model: HybridModel, *, limit: int = MOST_STATES) -> SolvedMiss
     )
 
 
+def _solved_by_groups(grouped: Grouped) -> SolvedMission:
+    bound, flow = grouped.geometric(), grouped.flow
+    failed = grouped.absorption()
+    # Where several groups fail in a mission, the first one ends it: each has its share.
+    share = bound.outcome.p / math.fsum(failed) if any(failed) else 1.0
+    visits, absorption, tops = {}, {}, {}
+    for number, function in enumerate(grouped.states.functions):
+        name = function.state.name
+        visits[name] = math.fsum(row[number] for row in flow.visits)
+        absorption[name] = failed[number] * share
+        has_top = function.parts and visits[name] > 0.0
+        tops[name] = failed[number] / visits[name] if has_top else grouped.base.rest[number].p
+    return SolvedMission(
+        grouped.base, flow, bound.outcome, bound.least, visits, absorption, tops, grouped
+    )
+
+
 def mission_figures(model: HybridModel, solved: SolvedMission) -> MissionFigures:
     """Return the mission's failure probability read in three ways, and the one that holds."""
-    chain = solved.chain
-    states = chain.states
+    chain, grouped = solved.chain, solved.grouped
+    states = solved.states
     visits = _sound_visits(chain)
     whole = Round(states.entry, frozenset(range(len(states.functions))))
-    cycle = chain.flow(cut=whole)
     cycles = visits[states.entry]
     reading, mission = held_reading(model, solved)
+    if grouped is None:
+        cycle = chain.flow(cut=whole)
+        one_cycle, all_units = failure_of(cycle), chain
+    else:
+        one_cycle, all_units = grouped.one_cycle(whole), grouped.all_units()
+    if reading == FIXED:
+        fixed = mission.p
+    elif grouped is not None:
+        fixed = _straight(cycles, lambda rounds: grouped.cycles(whole, rounds))
+    else:
+        fixed = _mean_cycles(chain, cycle, whole, cycles)
     return MissionFigures(
         failure_probability=mission.p,
         done_probability=mission.q,
         reading=reading,
         geometric_cycles=solved.failure.p,
-        cycle_failure_probability=failure_of(cycle),
+        cycle_failure_probability=one_cycle,
         expected_cycles=cycles,
-        fixed_cycles=(mission.p if reading == FIXED else _mean_cycles(chain, cycle, whole, cycles)),
-        visits_as_run=0.0 - math.expm1(_log_survival_as_run(chain, visits)),
+        fixed_cycles=fixed,
+        visits_as_run=0.0 - math.expm1(_log_survival_as_run(all_units, visits)),
     )
 
 
 def held_reading(model: HybridModel, solved: SolvedMission) -> tuple[Reading, Probability]:
     """Return the reading that holds for a model, and the outcome of a mission in it."""
+    reading, bound = held_bound(model, solved)
+    return reading, bound.outcome
+
+
+def held_bound(model: HybridModel, solved: SolvedMission) -> tuple[Reading, Bound]:
+    """Return the reading that holds for a model, and what bounds a mission in it.
+
+    The lower bound of too many hidden states is that of the chain in either reading.
+    """
+    chain = Bound(solved.failure, solved.least)
     if not model.has_cycle:
-        return FIXED, solved.failure
+        return FIXED, chain
     passage = counted_passage(solved.states) if model.counted else None
     if passage is None:
-        return GEOMETRIC, solved.failure
-    return FIXED, outcome_of(solved.chain, passage)
+        return GEOMETRIC, chain
+    if solved.grouped is not None:
+        return FIXED, solved.grouped.fixed(passage)
+    return FIXED, Bound(outcome_of(solved.chain, passage), solved.least)
 
 
 def _least(chain: HiddenChain, flow: Flow) -> float:
@@ -158,6 +209,20 @@ def _mean_cycles(chain: HiddenChain, cycle: Flow, whole: Round, cycles: float) -
         log_complement(Probability(failed + lost, math.fsum(after))),
     ]
     return -math.expm1((1.0 - part) * logs[0] + part * logs[1])
+
+
+def _straight(cycles: float, outcome: Callable[[int], Probability]) -> float:
+    """Return the failure of so many cycles, the logarithm of survival straight between whole ones.
+
+    `outcome` is that of a whole number of cycles.
+    """
+    rounds = math.floor(cycles + 1e-9)
+    part = max(0.0, cycles - rounds)
+    logs = [log_complement(outcome(rounds))]
+    if part > 1e-9:
+        logs.append(log_complement(outcome(rounds + 1)))
+        return 0.0 - math.expm1((1.0 - part) * logs[0] + part * logs[1])
+    return 0.0 - math.expm1(logs[0])
 
 
 def _log_survival_as_run(chain: HiddenChain, visits: Sequence[float]) -> float:

@@ -17,13 +17,14 @@ from tracerisk.prm.hybrid.assessment import (
     MissionFigures,
     StateAssessment,
     bounded,
+    grouped,
 )
 from tracerisk.prm.hybrid.component_tree import in_one_visit, is_spare_group
 from tracerisk.prm.hybrid.contributions import mean_drops
 from tracerisk.prm.hybrid.hidden_states import MOST_STATES
 from tracerisk.prm.hybrid.hybrid import FunctionState, HybridModel
 from tracerisk.prm.hybrid.importance import importances
-from tracerisk.prm.hybrid.mission import SolvedMission, mission_figures, solve_mission
+from tracerisk.prm.hybrid.mission import SolvedMission, held_bound, mission_figures, solve_mission
 from tracerisk.prm.hybrid.rest_trees import tree_probability
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees.fault_tree import FaultTree
@@ -34,7 +35,8 @@ def solve(model: HybridModel, *, limit: int = MOST_STATES) -> Assessment:
     """Solve the model exactly, to rounding.
 
     A chain of more than `limit` states, functions times hidden failures, is bounded from above,
-    and an assumption says by how much at most.
+    with several redundant groups by each of them solved by itself, and an assumption says by how
+    much at most.
     Raises ModelError when a fault tree cannot be solved, or when the chain is left less often
     than the smallest number of double precision.
     """
@@ -103,7 +105,10 @@ def _assumptions(
         told.append(RENEWED_SPARES)
     if any(function.parts for function in solved.states.functions):
         told.append(HIDDEN_FAILURES)
-    if solved.states.most is not None:
+    if solved.grouped is not None:
+        _, bound = held_bound(model, solved)
+        told.append(grouped(len(solved.grouped.groups), bound.least, bound.outcome.p))
+    elif solved.states.most is not None:
         told.append(bounded(solved.states.most, solved.least, solved.failure.p))
     if model.has_cycle:
         told.append(GEOMETRIC_CYCLES if mission.reading == GEOMETRIC else FIXED_CYCLES)

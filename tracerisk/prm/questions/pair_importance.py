@@ -61,7 +61,8 @@ def pair_importances(
     """Return the importance of each pair of the parameters `names`, of all where none are given.
 
     Pairs that share most of the risk come first.
-    Raises ModelError for a name that is not a parameter, and as `solve` does.
+    Raises ModelError for a name that is not a parameter, for redundant groups too many to be
+    solved at once, and as `solve` does.
     """
     parameters = {parameter.name: parameter for parameter in model.parameters}
     for name in names or ():
@@ -69,6 +70,11 @@ def pair_importances(
             raise ModelError(f"no parameter '{name}'; {one_of(parameters, name)}")
     chosen = list(parameters) if names is None else list(dict.fromkeys(names))
     solved = solve_mission(model)
+    if solved.grouped is not None:
+        raise ModelError(
+            f"{len(solved.grouped.groups)} redundant groups are too many to be solved at once; "
+            "importances of pairs need that, those of single parameters do not"
+        )
     chain, adjoint = solved.chain, Adjoint(solved.chain)
     held = held_failure(chain, solved.flow)
 

@@ -1,0 +1,1 @@
+"""Redundant groups solved one by one, and put together, where all at once are too many states."""
