@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from random import Random
 
+import numpy as np
 import pytest
 
 from tests.prm.brute_force import random_mission
@@ -16,6 +17,8 @@ from tracerisk.prm.hybrid.assessment import FIXED, GEOMETRIC
 from tracerisk.prm.hybrid.groups.bounds import Moments, any_group
 from tracerisk.prm.hybrid.mission import held_bound, mission_figures, solve_mission
 from tracerisk.prm.questions.pair_importance import pair_importances
+from tracerisk.prm.questions.sampled_mission import failure_samples
+from tracerisk.prm.questions.what_if import with_values
 
 ROUNDING = 1 + 1e-12
 
@@ -180,3 +183,15 @@ def test_importances_of_groups_by_themselves_are_near_those_of_all(block, compon
 def test_importances_of_pairs_are_refused_where_groups_are_solved_by_themselves(block, component):
     with pytest.raises(ModelError, match="redundant groups are too many"):
         pair_importances(loop(block, component, 50, 60, 1e-5))
+
+
+def test_samples_of_many_groups_follow_the_bound(block, component):
+    model = loop(block, component, 10, 40, 1e-4)
+    drawn = {"g0": np.array([1e-4, 1e-3, 1e-2]), "motor3": np.array([1e-6, 1e-5, 1e-3])}
+    found = failure_samples(model, drawn)
+    for number, sample in enumerate(found):
+        each = with_values(model, {name: float(of[number]) for name, of in drawn.items()})
+        assert solve_mission(each).grouped is not None
+        bound = solve_mission(each)
+        assert bound.least * (1 - 1e-12) <= sample
+        assert sample == pytest.approx(bound.failure.p, rel=1e-3)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from itertools import product
 from typing import TYPE_CHECKING
 
-from tracerisk.prm.hybrid.hidden_states import Hidden, HiddenStates, hidden_states
+from tracerisk.prm.hybrid.groups.group_chain import groups_of, states_with
+from tracerisk.prm.hybrid.hidden_states import Function, Hidden, HiddenStates, hidden_states
 from tracerisk.prm.hybrid.hybrid import DONE, FunctionState, HybridModel
 from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.probability import Probability, at_least
@@ -20,48 +21,82 @@ if TYPE_CHECKING:
 
     from tracerisk.prm.questions.sampled_chain import Samples, Values
 
-_CELLS = 2_000_000
-"""How many numbers one pass may hold; more draws are taken in passes."""
+_CELLS = 6_000_000
+"""How many numbers the chain of one pass may hold; more draws are taken in passes."""
 
 MOST_STATES = 2_000
 """How many states the chain may have, with hidden failures; more failed units count as failure."""
 
 _FAILED = "failed"
 
+_Rests = Sequence[tuple[Probability, Mapping[str, "Values"]]]
+"""For each function the failure of its tree less the latent units, and its parameters."""
+
 
 def failure_samples(model: HybridModel, thetas: Mapping[str, Samples]) -> Samples:
     """Return the mission's failure probability for each draw: (n,).
 
     `thetas` gives the drawn parameters their values, (n,) each; the others keep theirs.
+    Redundant groups too many to be solved at once are solved one by one, and what they add to the
+    mission's failure is added up: an upper bound.
     """
     states = hidden_states(model, MOST_STATES)
+    groups: list[HiddenStates] = []
+    if states.most is not None and len(found := groups_of(states)) > 1:
+        groups = [states_with(states, group) for group in found]
+        states = states_with(states, ())
     count = len(next(iter(thetas.values())))
-    events = sum(len(f.state.tree.events) + len(f.steps) + 1 for f in states.functions)
-    step = max(64, _CELLS // (events * len(states.hidden)))
+    layers = max(len(each.hidden) for each in (states, *groups))
+    ways = sum(len(function.steps) + 4 for function in states.functions)
+    step = max(64, _CELLS // (ways * layers))
     before = {parameter.name: parameter.theta for parameter in model.parameters}
     parts = []
     for start in range(0, count, step):
         drawn = {name: values[start : start + step] for name, values in thetas.items()}
-        rows: dict[Hashable, Mapping[Hashable, Values]] = {}
-        for number in range(len(states.functions)):
-            _add_rows(rows, states, number, before, drawn)
-        entry = (states.entry, states.hidden[0])
-        failed = absorption_samples(rows, entry).get(_FAILED, 0.0)
+        rests = _rests(states, before, drawn)
+        failed = _failed(states, rests)
+        if groups:
+            more = [np.maximum(_failed(each, rests) - failed, 0.0) for each in groups]
+            failed = np.minimum(failed + sum(more), 1.0)
         parts.append(np.broadcast_to(failed, len(next(iter(drawn.values())))))
     return np.concatenate(parts)
+
+
+def _rests(
+    states: HiddenStates, before: Mapping[str, float], drawn: Mapping[str, Samples]
+) -> _Rests:
+    found = []
+    for function in states.functions:
+        values = _values(function.state, before, drawn)
+        # Of the values only those of latent units are asked for again.
+        units = {name: values[name] for name in _latent_parameters(function)}
+        found.append((tree_samples(function.rest, values), units))
+    return found
+
+
+def _latent_parameters(function: Function) -> set[str]:
+    """Return the parameters of the units that the tree has beside its rest."""
+    inside = {event.name for event in function.rest.events}
+    return {e.parameter for e in function.state.tree.events if e.name not in inside}
+
+
+def _failed(states: HiddenStates, rests: _Rests) -> Values:
+    rows: dict[Hashable, Mapping[Hashable, Values]] = {}
+    for number in range(len(states.functions)):
+        _add_rows(rows, states, number, rests)
+    entry = (states.entry, states.hidden[0])
+    return absorption_samples(rows, entry).get(_FAILED, 0.0)
 
 
 def _add_rows(
     rows: dict[Hashable, Mapping[Hashable, Values]],
     states: HiddenStates,
     number: int,
-    before: Mapping[str, float],
-    drawn: Mapping[str, Samples],
+    rests: _Rests,
 ) -> None:
     """Add the ways out of a function in each hidden state, by (function, hidden state)."""
     function = states.functions[number]
-    values = _values(function.state, before, drawn)
-    rest = tree_samples(function.rest, values)
+    rest, values = rests[number]
     units = {c: values[name] for c, name in function.parameters.items()}
     held = set(states.hidden)
     for hidden in states.hidden:
