@@ -646,3 +646,13 @@ def test_what_cannot_be_asked_of_a_model_is_told(call, arguments, message):
     outcome = call("solve", *arguments)
     assert outcome.code == 2
     assert message in outcome.err
+
+
+def test_parameters_of_galileo_are_set_and_swept(call, tmp_path):
+    (tmp_path / "open.dft").write_text(
+        "param x;\ntoplevel T; T and A B; A prob=x; B prob=0.5;", encoding="utf-8"
+    )
+    assert top_of(call, "open.dft", "--set", "x=0.5") == 0.25
+    assert top_of(call, "open.dft", "--set", "x=0.5", "--set", "B=0.1") == pytest.approx(0.05)
+    swept = call("solve", "open.dft", "--set", "x=0.5", "--set", "B=1", "--sweep", "x=0.1:1:3")
+    assert "1.000000e-01" in swept.out

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ from tracerisk.cli.model_solve import Render, Solved, chosen
 from tracerisk.cli.shared.output import note
 from tracerisk.errors import InputError, one_of
 from tracerisk.prm.dynamic import DynamicEvent, DynamicTree
+from tracerisk.prm.formats import galileo
 from tracerisk.prm.logic.model import LogicModel
 from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, PerDemand
 
@@ -163,10 +164,17 @@ class LogicFile:
 
 @dataclass(frozen=True, slots=True)
 class DynamicFile:
-    """A Galileo file; its figure is its top."""
+    """A Galileo file; its figure is its top.
+
+    `text` is what it was read from, `parameters` the values of those that it declares, `changes`
+    the figures of events that were set.
+    """
 
     tree: DynamicTree
     mission_time_h: float | None
+    text: str = ""
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    changes: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -174,7 +182,13 @@ class DynamicFile:
         return self.tree.top
 
     def with_values(self, values: Mapping[str, float]) -> DynamicFile:
-        """Return the tree with the rates or probabilities of events set."""
+        """Return the tree with parameters, and rates or probabilities of events, set."""
+        if not self.parameters.keys().isdisjoint(values):
+            own = {name: values.get(name, value) for name, value in self.parameters.items()}
+            tree = galileo.loads(self.text, self.name, own)
+            rest = {name: value for name, value in values.items() if name not in own}
+            again = replace(self, tree=tree, parameters=own, changes={})
+            return again.with_values({**self.changes, **rest})
         for name, value in values.items():
             event = self._event(name)
             if isinstance(event.model, Constant | PerDemand) and not 0.0 <= value <= 1.0:
@@ -185,10 +199,13 @@ class DynamicFile:
             _changed(each, values[each.name]) if each.name in values else each
             for each in self.tree.events
         )
-        return replace(self, tree=replace(self.tree, events=events))
+        changes = {**self.changes, **values}
+        return replace(self, tree=replace(self.tree, events=events), changes=changes)
 
     def value_of(self, name: str) -> float:
-        """Return the rate or probability of an event."""
+        """Return the value of a parameter, or the rate or probability of an event."""
+        if name in self.parameters:
+            return self.parameters[name]
         model = self._event(name).model
         return model.rate if isinstance(model, Exponential | Erlang) else model.probability(0.0).p
 

@@ -181,16 +181,28 @@ def _solvable(files: Sequence[str], kind: ModelFormat, options: argparse.Namespa
         return ChainFile(tuple(files), kind, options.mission_time_h, questions=questions)
     from tracerisk.prm.logic.model import LogicModel
 
+    if kind is ModelFormat.GALILEO:
+        return _galileo(files, options)
     model = read_model(files, kind)
-    if isinstance(model, LogicModel):
-        from tracerisk.cli.logic_solve import LogicFile
+    assert isinstance(model, LogicModel)
+    from tracerisk.cli.logic_solve import LogicFile
 
-        return LogicFile(model, files[0], options.mission_time_h)
+    return LogicFile(model, files[0], options.mission_time_h)
+
+
+def _galileo(files: Sequence[str], options: argparse.Namespace) -> Solvable:
+    """Return the tree of a Galileo file, its parameters as `--set` has them."""
     from tracerisk.cli.logic_solve import DynamicFile
     from tracerisk.prm.dynamic import DynamicTree
+    from tracerisk.prm.formats import galileo
 
-    assert isinstance(model, DynamicTree)
-    return DynamicFile(model, options.mission_time_h)
+    text = read_text(files[0])
+    values = asked.parse_set(options, asked.number)
+    declared = galileo.parameter_names(text, files[0])
+    given = {name: values[name] for name in declared if name in values}
+    tree = read_model(files, ModelFormat.GALILEO, given)
+    assert isinstance(tree, DynamicTree)
+    return DynamicFile(tree, options.mission_time_h, text, given)
 
 
 def _questions(options: argparse.Namespace) -> PropertyFile | None:

@@ -475,9 +475,14 @@ def test_trees_that_do_not_hold_together_are_refused(make, message):
             "event 'b': Weibull cannot stand in the group of a dynamic gate",
         ),
         (
-            [Gate("top", OR, ("g", "b")), DynamicGate("g", SPARE, ("a", "b"))],
-            [event("a", 1.0), event("b", 1.0)],
-            "'b' is a spare of 'g' and an input of 'top', which is not a spare gate",
+            [
+                DynamicGate("top", SPARE, ("d", "y")),
+                Gate("y", OR, ("g", "m")),
+                DynamicGate("g", SPARE, ("a", "b")),
+                Gate("m", OR, ("b", "c")),
+            ],
+            [event(name, 1.0) for name in "abcd"],
+            "'b' is a spare of 'g' and an input of 'm', which may wait in a spare itself",
         ),
         (
             [

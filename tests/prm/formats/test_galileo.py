@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 import re
 from pathlib import Path
@@ -237,7 +238,11 @@ EVENTS = '"A" lambda=1;\n"B" lambda=1;\n'
         ("toplevel T; /* T or A B;", "f:1:13: a comment begins here that does not end"),
         ('toplevel "T" "A";', "f:1:1: toplevel needs one name behind it"),
         ('toplevel "T";\ntoplevel "A";', "f:2:1: toplevel was said before, of 'T'"),
-        ("param x;", "f:1:1: param is not supported; write the numbers instead"),
+        ("param;", "f:1:1: param needs one name behind it"),
+        (
+            "param x;\nA lambda=x;",
+            "f:2:10: parameter 'x' has no value; give one: `solve --set x=VALUE`",
+        ),
         ("lambda=1;", "f:1:1: a statement begins with a name"),
         ("A = = 1;", "f:1:1: 'A=' needs a value behind it"),
         ("= 1;", "f:1:1: an equals sign needs a name before it"),
@@ -292,8 +297,8 @@ EVENTS = '"A" lambda=1;\n"B" lambda=1;\n'
             "f:1:21: 'M' is mutex, which never happ",
         ),
         (
-            "toplevel T;\nT csp A B;\nA lambda=1;\nB lambda=1 dorm=0.5;",
-            "f:4:17: event 'B' has dorm=0.5 and waits in csp gate 'T', which says 0; write wsp",
+            "toplevel T; T and S U;\nS csp A B; U hsp C B; A lambda=1; C lambda=1;\nB lambda=1;",
+            "f:3:1: event 'B' waits in csp gate 'S' and in hsp gate 'U', which say 0 and 1; give",
         ),
         (
             "toplevel T; T or A;\nA lambda=1 dorm=2;",
@@ -481,3 +486,55 @@ def test_phases_beyond_count_are_refused_at_once(phases):
 def test_a_number_of_inputs_too_long_to_read_is_refused():
     with pytest.raises(ModelError, match=r"t.dft:2:5: cannot read a number of 5000 digits"):
         galileo.loads(f'toplevel "A";\n"A" {"9" * 5000}of1 "B";\n"B" prob=0.1;', "t.dft")
+
+
+def test_the_dormancy_of_an_event_goes_before_that_of_the_kind_of_its_gate():
+    text = "toplevel T; T and S U;\nS csp A B; U hsp C B; A lambda=1; C lambda=1; B lambda=1 {};"
+    found = galileo.loads(text.format("dorm=0.5"), "x")
+    assert {event.name: event.dormancy for event in found.events} == {"A": 1, "B": 0.5, "C": 1}
+
+
+def test_parameters_take_their_values_from_outside():
+    text = 'param x;\nparam y;\ntoplevel T; T and A B; A lambda=x dorm=y; "B" prob=x;'
+    assert galileo.parameter_names(text, "x") == ("x", "y")
+    given = galileo.loads(text, "x", {"x": 0.25, "y": 1e-5})
+    assert given == galileo.loads(
+        "toplevel T; T and A B; A lambda=0.25 dorm=1e-5; B prob=0.25;", "x"
+    )
+
+
+def test_a_spare_that_another_gate_uses_from_the_start_is_in_service_from_the_start():
+    text = """toplevel T; T or M S; M and A B; S wsp C B;
+        A lambda=1 dorm=0; B lambda=1 dorm=0; C lambda=1 dorm=0;"""
+    p = -math.expm1(-0.7)
+    found = galileo.loads(text, "x").probability(0.7).p
+    assert found == pytest.approx(p * (1 - (1 - p) ** 2), rel=1e-12)
+
+
+def test_a_first_unit_may_be_an_input_of_a_gate_beside_its_spare_gate():
+    text = """toplevel T; T or N A; N prob=0; A lambda=1 dorm=0; F fdep G N; G or P S;
+        P pand C D; S wsp D E; C lambda=1 dorm=0; D lambda=2 dorm=0; E lambda=5 dorm=0;"""
+    t = 0.7
+    whole = math.exp(-t) * (math.exp(-3 * t) + math.exp(-2 * t) - math.exp(-5 * t))
+    assert galileo.loads(text, "x").probability(t).p == pytest.approx(1 - whole, rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_shared_spare_equals_a_hot_one_with_an_echo(seed):
+    rng = random.Random(seed)
+    rates = {name: rng.choice((0.5, 1.0, 2.0)) for name in "ABCUVX"}
+    spares = [rng.sample("UV", k=rng.randint(1, 2)) for _ in range(2)]
+    top, gate = rng.choice(("and", "or", "2of3")), rng.choice(("and", "or", "por"))
+
+    def text(used, dormancy, more):
+        events = " ".join(
+            f"{name} lambda={rate} dorm={dormancy if name == 'U' else 0.3};"
+            for name, rate in rates.items()
+        )
+        units = [" ".join(each) for each in spares]
+        return f"""toplevel T; T {top} R S M; R wsp A {units[0]}; S wsp B {units[1]} C;
+            M {gate} {used} X; {events} {more}"""
+
+    shared = galileo.loads(text("U", 0.1, ""), "x").probability(0.7).p
+    echo = galileo.loads(text("E", 1.0, "E prob=0; F fdep U E;"), "x").probability(0.7).p
+    assert shared == pytest.approx(echo, rel=1e-12)

@@ -38,7 +38,7 @@ def read_model(
 ) -> Model:
     """Read the model of one file, of several of Open-PSA, or of a .tra file with its .lab.
 
-    `constants` are values for the constants of a PRISM file.
+    `constants` are values for the constants of a PRISM file, or the parameters of Galileo.
     Raises InputError, with the position, when a file cannot be read or is malformed.
     """
     first = files[0]
@@ -60,7 +60,8 @@ def read_model(
     if kind is ModelFormat.GALILEO:
         from tracerisk.prm.formats import galileo
 
-        return galileo.loads(text, first)
+        given = {name: float(value) for name, value in (constants or {}).items()}
+        return galileo.loads(text, first, given)
     if kind is ModelFormat.PRISM:
         from tracerisk.prm.formats.prism import read_prism
 

@@ -38,10 +38,10 @@ _STATIC = (GateKind.OR, GateKind.AND, GateKind.ATLEAST, GateKind.INHIBIT, GateKi
 class Layout:
     """The events of a group, then its gates from below upwards, and their bytes in a state.
 
-    `owner` is for each element the innermost spare whose part it is, if any, and `parts` the
-    elements of each spare; `rates` the rate of each phase of an event in service, `starting` its
-    probability of being failed from the start; each of these has a dependency of its own, where
-    there are restrictions. Events that can change places without a difference
+    `owner` is for each element the innermost spare whose part it is, if any and if it can wait;
+    `parts` the elements of each spare; `rates` the rate of each phase of an event in service,
+    `starting` its probability of being failed from the start; each of these has a dependency of
+    its own, where there are restrictions. Events that can change places without a difference
     are `alike`.
     """
 
@@ -102,7 +102,7 @@ def lay_out(
     rates, phases, starting = _laws(events)
     waiting = [event for event, p in starting.items() if p > 0.0 and restrictions]
     first_unit = len(names) + len(dependencies) + len(waiting)
-    owner = _owners(names, inputs, parents, spares, units)
+    owner, parts = _owners(names, inputs, parents, spares, units)
     return Layout(
         names=names,
         top=place[top],
@@ -126,10 +126,7 @@ def lay_out(
         phases=phases,
         starting=starting,
         spare_gates=spares,
-        parts={
-            unit: tuple(element for element, one in enumerate(owner) if one == unit)
-            for unit in units
-        },
+        parts=parts,
         alike=_alike(names, events, gates, dependencies, restrictions, owner),
     )
 
@@ -181,8 +178,12 @@ def _owners(
     parents: Sequence[Sequence[int]],
     spares: Sequence[int],
     units: Sequence[int],
-) -> tuple[int | None, ...]:
-    """Return for each element the innermost spare unit that it is or is part of."""
+) -> tuple[tuple[int | None, ...], dict[int, tuple[int, ...]]]:
+    """Return for each element the innermost spare unit that it is or is part of, and their parts.
+
+    A unit that is an input of another gate too, one that is in service from the start, is in
+    service with it, and has no owner.
+    """
     spare_gates = set(spares)
     first: dict[int, int] = {}
     for gate in spares:
@@ -194,14 +195,17 @@ def _owners(
             )
         first[unit] = gate
     owner: list[int | None] = [None] * len(names)
+    serving = _serving(inputs, parents, spare_gates)
+    shared: dict[int, tuple[int, ...]] = {}
     # From above downwards, so that the innermost unit is the last to lay its hand on an element.
     for unit in sorted(units, reverse=True):
         users = [gate for gate in parents[unit] if gate in spare_gates]
-        if len(users) < len(parents[unit]):
-            other = next(gate for gate in parents[unit] if gate not in spare_gates)
+        others = [gate for gate in parents[unit] if gate not in spare_gates]
+        if others and not serving.issuperset(others):
+            other = next(gate for gate in others if gate not in serving)
             raise ModelError(
                 f"'{names[unit]}' is a spare of '{names[users[0]]}' and an input of "
-                f"'{names[other]}', which is not a spare gate; give each its own"
+                f"'{names[other]}', which may wait in a spare itself; give each its own"
             )
         inside, stack = {unit}, [unit]
         while stack:
@@ -211,14 +215,34 @@ def _owners(
                     stack.append(child)
         for element in sorted(inside - {unit}):
             outside = [gate for gate in parents[element] if gate not in inside]
-            if outside:
+            if outside and not (others and serving.issuperset(outside)):
                 raise ModelError(
                     f"'{names[element]}' is part of the spare '{names[unit]}' and an input of "
                     f"'{names[outside[0]]}' outside it; give each its own"
                 )
         for element in inside:
-            owner[element] = unit
-    return tuple(owner)
+            owner[element] = None if others else unit
+        if others:
+            shared[unit] = tuple(sorted(inside))
+    parts = {
+        unit: tuple(element for element, one in enumerate(owner) if one == unit) for unit in units
+    }
+    return tuple(owner), parts | shared
+
+
+def _serving(
+    inputs: Mapping[int, tuple[int, ...]], parents: Sequence[Sequence[int]], spares: set[int]
+) -> set[int]:
+    """Return what is in service from the start, not counting the inputs of spare gates."""
+    stack = [element for element, above in enumerate(parents) if not above]
+    found = set(stack)
+    while stack:
+        element = stack.pop()
+        for child in () if element in spares else inputs.get(element, ()):
+            if child not in found:
+                found.add(child)
+                stack.append(child)
+    return found
 
 
 def _alike(

@@ -252,17 +252,8 @@ def _without_the_forgotten(layout: Layout, row: bytearray) -> bytes:
     for number, (_, dependents, _) in enumerate(layout.dependencies):
         if not _any_open(row, counts, dependents):
             row[layout.first_dependency_slot + number] = 1
-    open_parts = (
-        {
-            layout.owner[element]
-            for element, counted in enumerate(counts)
-            if counted and row[element] < SAFE
-        }
-        if layout.spare_slots
-        else set()
-    )
     for unit, slot in layout.spare_slots.items():
-        if unit not in open_parts:
+        if not _any_open(row, counts, layout.parts[unit]):
             row[slot] = 0
     return _in_order(layout, row)
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 
 from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.dynamic import (
@@ -43,7 +43,7 @@ _DYNAMIC = {
 _RESTRICTIONS = {"seq": RestrictionKind.SEQUENCE, "mutex": RestrictionKind.EXCLUSION}
 _TYPES = ("and", "or", "<k>of<n>", "vot<k>", "fdep", "pdep", *_DYNAMIC, *_RESTRICTIONS)
 _WAITING = {"csp": 0.0, "hsp": 1.0}
-"""The dormancy that the kind of a spare gate gives the units that wait in it."""
+"""The dormancy that the kind of a spare gate gives waiting units that state none."""
 
 _LAWS: dict[tuple[str, ...], Callable[..., FailureModel]] = {
     ("prob",): lambda prob: Constant(prob),
@@ -58,8 +58,10 @@ _ATTRIBUTES = sorted({name for names in _LAWS for name in names} | {"dorm", "rep
 
 @dataclass(slots=True)
 class _Draft:
-    """What the statements said so far."""
+    """What the statements said so far; `given` are the values of parameters."""
 
+    given: Mapping[str, float]
+    parameters: set[str] = field(default_factory=set)
     places: dict[str, Location] = field(default_factory=dict)
     gates: dict[str, Gate | DynamicGate] = field(default_factory=dict)
     models: dict[str, FailureModel] = field(default_factory=dict)
@@ -70,17 +72,18 @@ class _Draft:
     top: Word | None = None
 
 
-def loads(text: str, file: str) -> DynamicTree:
+def loads(text: str, file: str, parameters: Mapping[str, float] | None = None) -> DynamicTree:
     """Read a dynamic fault tree from Galileo text; `file` is its name in messages.
 
+    `parameters` are the values of the names that `param` declares, each needed where it is used.
     Times are hours. A spare's dormancy is its `dorm`; where it has none, 0 in a csp gate and 1 in
     any other. A `seq` that is an input or the top is the AND of its inputs, too, and an `fdep` that
     is an input is left out there, for it never happens. What is not below the top is left out.
     Raises ModelError with file, line and column when a statement cannot be read, a name is unknown
-    or defined twice, an attribute is none of those above or contradicts the gate, or the tree does
-    not hold together (see DynamicTree).
+    or defined twice, an attribute is none of those above, a unit without `dorm` waits in gates of
+    two kinds, a parameter has no value, or the tree does not hold together (see DynamicTree).
     """
-    draft = _Draft()
+    draft = _Draft(parameters or {})
     for statement in read_statements(text, file):
         _read(draft, statement)
     if draft.top is None:
@@ -109,6 +112,34 @@ def loads(text: str, file: str) -> DynamicTree:
         raise ModelError(error.message, place or Location(file)) from error
 
 
+def parameter_names(text: str, file: str) -> tuple[str, ...]:
+    """Return the names that `param` declares in Galileo text; raises ModelError as `loads`."""
+    return tuple(
+        word.text
+        for statement in read_statements(text, file)
+        if _is_parameter(statement)
+        for word in statement.words[1:]
+    )
+
+
+def _is_parameter(statement: Statement) -> bool:
+    words = statement.words
+    return bool(words) and not words[0].quoted and words[0].text == "param"
+
+
+def _with_values(draft: _Draft, attribute: tuple[Word, Word]) -> tuple[Word, Word]:
+    """Return an attribute with the value of a parameter in the place of its name."""
+    name, word = attribute
+    if word.quoted or word.text not in draft.parameters:
+        return attribute
+    if word.text not in draft.given:
+        raise ModelError(
+            f"parameter '{word.text}' has no value; give one: `solve --set {word.text}=VALUE`",
+            word.place,
+        )
+    return name, replace(word, text=repr(float(draft.given[word.text])))
+
+
 def _read(draft: _Draft, statement: Statement) -> None:
     words = statement.words
     if not words:
@@ -121,8 +152,12 @@ def _read(draft: _Draft, statement: Statement) -> None:
             raise ModelError(f"toplevel was said before, of '{draft.top.text}'", first.place)
         draft.top = words[1]
         return
-    if not first.quoted and first.text == "param":
-        raise ModelError("param is not supported; write the numbers instead", first.place)
+    if _is_parameter(statement):
+        if len(words) != 2 or statement.attributes:
+            raise ModelError("param needs one name behind it", first.place)
+        draft.parameters.add(words[1].text)
+        return
+    attributes = tuple(_with_values(draft, each) for each in statement.attributes)
     name = first.text
     if name in draft.places:
         raise ModelError(
@@ -130,12 +165,12 @@ def _read(draft: _Draft, statement: Statement) -> None:
         )
     draft.places[name] = first.place
     try:
-        if statement.attributes and statement.attributes[0][0].text == "pdep":
-            _read_dependency(draft, name, words[1:], statement.attributes)
+        if attributes and attributes[0][0].text == "pdep":
+            _read_dependency(draft, name, words[1:], attributes)
         elif len(words) == 1:
-            _read_event(draft, first, statement.attributes)
+            _read_event(draft, first, attributes)
         else:
-            _read_gate(draft, name, words[1], words[2:], statement.attributes)
+            _read_gate(draft, name, words[1], words[2:], attributes)
     except ModelError as error:
         raise ModelError(error.message, error.location or first.place) from error
 
@@ -307,15 +342,20 @@ def _dormancies(draft: _Draft) -> dict[str, float]:
         name: _number(draft.dormancies[name]) if name in draft.dormancies else 1.0
         for name in draft.models
     }
+    kinds: dict[str, tuple[str, str]] = {}
     for gate, kind, unit in draft.waiting:
         for name in sorted(_reached(draft, unit.text)):
             if name not in draft.models or isinstance(draft.models[name], Constant):
                 continue
-            if name in draft.dormancies and found[name] != _WAITING[kind]:
+            if name in draft.dormancies:
+                continue  # its own goes before that of the kind, as in Storm
+            other, before = kinds.setdefault(name, (gate, kind))
+            if before != kind:
                 raise ModelError(
-                    f"event '{name}' has dorm={draft.dormancies[name].text} and waits in "
-                    f"{kind} gate '{gate}', which says {_WAITING[kind]:g}; write wsp",
-                    draft.dormancies[name].place,
+                    f"event '{name}' waits in {before} gate '{other}' and in {kind} gate "
+                    f"'{gate}', which say {_WAITING[before]:g} and {_WAITING[kind]:g}; "
+                    "give it a dorm",
+                    draft.places[name],
                 )
             found[name] = _WAITING[kind]
     return found
