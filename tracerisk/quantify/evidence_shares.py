@@ -9,14 +9,18 @@ how much of its time lies near failures that ended the mission.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from tracerisk.evidence import Cell, Evidence
 from tracerisk.hardware.binding import BoundComponent
-from tracerisk.hardware.model import CONTROL, POWER, FailureMode
+from tracerisk.hardware.model import CONTROL, POWER
 from tracerisk.hardware.use import STATES, Use
 from tracerisk.quantify.probability import Term
+
+LEAST_OF_UNIT = 10
+"""A unit and mode has shares of its own from this many drawn cells on."""
 
 Shares = tuple[float, ...]
 """The share c of each visit of the trace; empty where all of the hazard counts."""
@@ -62,24 +66,26 @@ class EvidenceShares:
         is_idle = term.counts == "standby"
         if term.mode is not None:
             fault = term.mode.fault
-            return self._of_fault(unit, fault, term, uses) if fault is not None else ()
+            return self._of_fault(bound, unit, fault, term, uses) if fault is not None else ()
         modes = bound.component.modes
         if is_idle and modes:
-            return self._of_modes(unit, modes, term, uses)
+            return self._of_modes(bound, unit, term, uses)
         # Without modes the fault counts that ends the mission most often.
         tried = sorted({each.mode for each in self._cells(unit, is_idle)})
-        found = [self._of_fault(unit, fault, term, uses) for fault in tried]
+        found = [self._of_fault(bound, unit, fault, term, uses) for fault in tried]
         if not found or not all(found):
             return ()
         return max(found, key=lambda shares: _ending(term, uses, shares))
 
     def _of_modes(
-        self, unit: str, modes: Sequence[FailureMode], term: Term, uses: Sequence[Use]
+        self, bound: BoundComponent, unit: str, term: Term, uses: Sequence[Use]
     ) -> Shares:
         """Return the shares of a figure of all modes; one without a fault counts in full."""
         left, shares = 1.0, [0.0] * len(uses)
-        for mode in modes:
-            found = () if mode.fault is None else self._of_fault(unit, mode.fault, term, uses)
+        for mode in bound.component.modes:
+            found = (
+                () if mode.fault is None else self._of_fault(bound, unit, mode.fault, term, uses)
+            )
             if found:
                 left -= mode.fraction
                 shares = [s + mode.fraction * c for s, c in zip(shares, found, strict=True)]
@@ -95,15 +101,20 @@ class EvidenceShares:
             and fault in (None, each.mode)
         ]
 
-    def _of_fault(self, unit: str, fault: str, term: Term, uses: Sequence[Use]) -> Shares:
+    def _of_fault(
+        self, bound: BoundComponent, unit: str, fault: str, term: Term, uses: Sequence[Use]
+    ) -> Shares:
         is_idle = term.counts == "standby"
         cells = self._cells(unit, is_idle, fault)
-        if not cells:
-            return ()
+        if len(cells) < LEAST_OF_UNIT:
+            # Few cells of one unit say little: those of its like count together.
+            like = [
+                each for name in twin_units(bound) for each in self._cells(name, is_idle, fault)
+            ]
+            return (_pooled(like, term),) * len(uses) if like else ()
         if is_idle:
             places = [(each.time_s - each.active_s, each.fails) for each in cells]
             shares = _nearest(places, [use.standby_s or 0.0 for use in uses])
-            stands_for = [each.idle_s for each in cells]
         else:
             named = [STATES.index(s) for s in STATES if term.mode and s in term.mode.when]
             places = [
@@ -111,7 +122,7 @@ class EvidenceShares:
                 for each in cells
             ]
             shares = _nearest(places, [_in_use(use, named) for use in uses])
-            stands_for = [_hazard(term, each) for each in cells]
+        stands_for = [_hazard(term, each) for each in cells]
         total = sum(stands_for)
         if total <= 0.0 or term.counts == "visits":
             return shares
@@ -121,7 +132,33 @@ class EvidenceShares:
 
 def _hazard(term: Term, cell: Cell) -> float:
     """Return the hazard of the stretch for which a cell stands."""
+    if term.counts == "standby":
+        return cell.idle_s
     return term.hazard(Use(cell.stretch, is_active=True))
+
+
+def _pooled(cells: Sequence[Cell], term: Term) -> float:
+    """Return one share for cells of several units; of few cells the pessimistic end."""
+    failed = sum(1 for each in cells if each.fails)
+    if len(cells) < LEAST_OF_UNIT:
+        return _upper_share(failed, len(cells))
+    hazards = [_hazard(term, each) for each in cells]
+    total = sum(hazards)
+    if total <= 0.0:
+        return failed / len(cells)
+    return sum(h for h, each in zip(hazards, cells, strict=True) if each.fails) / total
+
+
+def _upper_share(failed: int, tried: int) -> float:
+    """Return the upper end of the 90 % interval of a share (Clopper and Pearson)."""
+    low, high = failed / tried, 1.0
+    for _ in range(60):
+        share = (low + high) / 2.0
+        at_most = sum(
+            math.comb(tried, k) * share**k * (1.0 - share) ** (tried - k) for k in range(failed + 1)
+        )
+        low, high = (share, high) if at_most > 0.05 else (low, share)
+    return high
 
 
 def _ending(term: Term, uses: Sequence[Use], shares: Shares) -> float:

@@ -17,6 +17,8 @@ from tracerisk.hardware.model import (
     TwinBinding,
 )
 from tracerisk.hardware.redundancy import Redundancy
+from tracerisk.prm.numbers.share_interval import clopper_pearson
+from tracerisk.quantify import evidence_shares
 from tracerisk.quantify.evidence_shares import EvidenceShares
 from tracerisk.quantify.mission import component_use
 from tracerisk.trace import (
@@ -28,6 +30,12 @@ from tracerisk.trace import (
     TracedFunction,
     Visit,
 )
+
+
+@pytest.fixture(autouse=True)
+def few_cells_are_enough(monkeypatch):
+    monkeypatch.setattr(evidence_shares, "LEAST_OF_UNIT", 1)
+
 
 RATE = FailureFigure("failure_rate", 3.6e-3, Basis.HOUR)
 """1e-6 a second."""
@@ -203,3 +211,35 @@ def test_blocks_say_that_they_take_evidence():
     last = run.functions[1].ref
     (component,) = with_it.blocks[last].components
     assert component.probability.value == pytest.approx(1e-6, rel=1e-3)
+
+
+ARM = replace(MOTOR, twin=TwinBinding(joints=("joint_1", "joint_2")), quantity=2)
+
+
+def of_two_joints(cells):
+    run = trace(4.0, 6.0)
+    both = tuple(
+        replace(each, exposures={**each.exposures, "joint_2": each.exposures["joint_1"]})
+        for each in run.visits
+    )
+    run = replace(run, visits=both, elements=(*run.elements, Element("joint_2", "joint")))
+    (bound,) = bind(Hardware("h.yaml", (ARM,)), run.elements)
+    used = component_use(bound, run, "moving+holding", EvidenceShares(evidence(*cells)))
+    return [sum(column) for column in zip(*used.hazards([0, 1]), strict=True)]
+
+
+def test_few_cells_of_a_unit_are_pooled_with_those_of_its_like(monkeypatch):
+    monkeypatch.setattr(evidence_shares, "LEAST_OF_UNIT", 4)
+    cells = [cell(1.0, True), cell(5.0, False), cell(9.0, False)]
+    cells += [replace(each, unit="joint_2", fails=each.time_s > 2.0) for each in cells]
+    # Failing stretches: 3 of 10 s of the first joint, 7 of 10 s of the second.
+    assert of_two_joints(cells) == pytest.approx([5e-6, 5e-6])
+
+
+@pytest.mark.parametrize("failed", [0, 1, 3])
+def test_where_all_are_few_the_pessimistic_end_counts(monkeypatch, failed):
+    monkeypatch.setattr(evidence_shares, "LEAST_OF_UNIT", 10)
+    cells = [cell(float(at), at < failed) for at in range(6)]
+    low, high = clopper_pearson(failed, 6)
+    assert hazards(evidence(*cells), MOTOR, 4.0, 6.0) == pytest.approx([4e-6 * high, 6e-6 * high])
+    assert high > low
