@@ -39,6 +39,10 @@ class Overlay:
         self._real = {name: getattr(os, name) for name in _OS_NAMES}
         self._open = io.open
 
+    def moved(self, folder: str) -> None:
+        """Go on in a copy of the folder."""
+        self._folder = folder
+
     @contextlib.contextmanager
     def active(self) -> Iterator[None]:
         """Redirect while this is open, and report addresses to which nothing could be sent."""

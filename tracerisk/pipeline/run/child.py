@@ -25,6 +25,7 @@ from tracerisk.instrument.recording import Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.launch.bringup_parameters import ParametersAround
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
+from tracerisk.pipeline.run.branching.points import BranchPoints
 from tracerisk.pipeline.run.companion_run import Companions
 from tracerisk.pipeline.run.controller_end import ControllerEnd
 from tracerisk.pipeline.run.missing_modules import MissingModules
@@ -248,7 +249,7 @@ def _run_recorded(
     )
     entry = find_entry_point(script, script.read_bytes(), root)
     with (
-        _files(request, recorder),
+        _files(request, recorder) as overlay,
         activate(runtime),
         stand_ins,
         removed_numpy_names(),
@@ -297,12 +298,15 @@ def _run_recorded(
             companions.start()
             run()
 
+        points = BranchPoints(request, twin, samples, end, overlay)
         mark_start()
+        points.begin()
         began = wall_clock()
         end.run(lambda: scheduler.run_main(begin))
         recorder.note(GRAPH_USE, counts=dict(sorted(runtime.graph.counts.items())))
         twin.close()
-        WallTime(wall_clock() - began, world.seconds).write(folder)
+        WallTime(wall_clock() - began, world.seconds).write(points.folder)
+        points.finish()
 
 
 def _found_elsewhere(
@@ -316,10 +320,10 @@ def _found_elsewhere(
 
 
 @contextlib.contextmanager
-def _files(request: RunRequest, recorder: Recorder) -> Iterator[None]:
+def _files(request: RunRequest, recorder: Recorder) -> Iterator[Overlay | None]:
     """Redirect writes of a contained controller; report once what it is refused."""
     if request.written is None:
-        yield
+        yield None
         return
     told: set[tuple[str, str]] = set()
 
@@ -334,8 +338,9 @@ def _files(request: RunRequest, recorder: Recorder) -> Iterator[None]:
             "denied", f"{what} was not {verb}: the run is contained; {advice}", object_name=what
         )
 
-    with Overlay(request.written, request.writable, denied).active():
-        yield
+    overlay = Overlay(request.written, request.writable, denied)
+    with overlay.active():
+        yield overlay
 
 
 def _refuse(recorder: Recorder, error: TraceRiskError) -> None:

@@ -35,7 +35,8 @@ class ControllerEnd:
 
     `judge` tells what the end is in the light of what the controller lacked, and `run_over` is
     told the cause before it is recorded. `missing` tells of modules that are not there. `outlast`
-    carries out what a controller that ended by itself had left under way.
+    carries out what a controller that ended by itself had left under way. `before_exit` (an
+    attribute) is called before the controller, or this, ends the process at once.
     """
 
     def __init__(
@@ -58,6 +59,12 @@ class ControllerEnd:
         self._root = root
         self._memory_limit_mb = memory_limit_mb
         self._told = False
+        self._owner = os.getpid()
+        self.before_exit: Callable[[], None] = lambda: None
+
+    def forked(self) -> None:
+        """Report the end of this process, which was forked from the one that began."""
+        self._owner = os.getpid()
 
     def run(self, run: Callable[[], None]) -> None:
         """Run the controller, and tell how it ended."""
@@ -78,6 +85,7 @@ class ControllerEnd:
     def kill(self, over: RunOver) -> None:
         """Report how the run is over, and end a process that does not react."""
         self._over(over)
+        self.before_exit()
         os.kill(os.getpid(), signal.SIGKILL)
 
     def _tell(self, cause: EndCause, message: str, location: Location | None = None) -> None:
@@ -171,11 +179,12 @@ class ControllerEnd:
     @contextlib.contextmanager
     def _exit_watched(self) -> Iterator[None]:
         """Make `os._exit` record where it was called before it ends the process."""
-        real, owner = os._exit, os.getpid()
+        real = os._exit
 
         def told(status: int) -> None:
-            if os.getpid() == owner:
+            if os.getpid() == self._owner:
                 self._exited_at_once(status, sys._getframe(1))
+                self.before_exit()
             real(status)
 
         os._exit = told  # type: ignore[assignment]

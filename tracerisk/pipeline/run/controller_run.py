@@ -34,6 +34,7 @@ from tracerisk.pipeline.trace.run_files import (
     SCENARIO,
     STACKS,
     STARTED,
+    TEMPORARY,
     Companion,
     DraftsNoted,
     RunRequest,
@@ -68,6 +69,26 @@ Progress = Callable[[str, float], None]
 _STARTING = "starting the twin"
 _GRACE_S = 2.0
 _STACK_LINE = re.compile(r'  File "(?P<file>.*)", line (?P<line>\d+) in ')
+
+
+@dataclass(frozen=True, slots=True)
+class ProcessEnd:
+    """How the process ended: its return code, or the limit that was reached and where.
+
+    `has_begun`: the controller's first line was reached. `last_line` is what it printed last.
+    """
+
+    code: int
+    limit: str | None = None
+    location: Location | None = None
+    has_begun: bool = False
+    last_line: str = ""
+
+
+Watch = Callable[
+    ["subprocess.Popen[bytes]", StartMark, RunRequest, Settings, "Progress | None"], ProcessEnd
+]
+"""Waits for the end of the process of a run, whose work begins at a mark."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +155,7 @@ def run_controller(
             drafts=drafts,
             packages={name: str(each) for name, each in workspace.packages.items()},
         )
-        return _run(controller, robot, settings, request, written, progress)
+        return run_request(controller, robot, settings, request, written, progress)
 
 
 def run_again(
@@ -156,31 +177,55 @@ def run_again(
     with run_folders(keep) as (folder, written):
         asked = before.request
         request = replace(asked, folder=str(folder), faults=faults, greenlets=greenlets)
-        return _run(controller, before.robot, settings, request, written, progress, quiet=quiet)
+        return run_request(
+            controller, before.robot, settings, request, written, progress, quiet=quiet
+        )
 
 
-def _run(
+def run_request(
     controller: Controller,
     robot: Robot,
     settings: Settings,
     request: RunRequest,
     written: Path,
-    progress: Progress | None,
+    progress: Progress | None = None,
     *,
     quiet: bool = False,
+    watch: Watch | None = None,
 ) -> ControllerRun:
-    """Run the controller as the request says, whose folder is that of the recording."""
+    """Run the controller as the request says, whose folder is that of the recording.
+
+    `watch` waits for the end of the process, in the place of what ends it at its limits.
+    """
     from tracerisk.twin.robots.file import dump_robot
 
     folder, asked_for = Path(request.folder), request
     if is_contained(settings.limits.sandbox):
         reads = (*_workspace(request), *settings.readable, *settings.writable)
-        writes = (str(folder), str(written), *settings.writable)
+        branches = () if request.plan is None else request.plan.writable
+        writes = (str(folder), str(written), *branches, *settings.writable)
         request = replace(request, written=str(written), readable=reads, writable=writes)
     (folder / ROBOT).write_text(dump_robot(robot), encoding="utf-8")
     if progress is not None:
         progress(_STARTING, 0.0)
-    process_end = _run_child(request, folder, settings, progress, quiet=quiet)
+    process_end = _run_child(request, folder, settings, progress, watch or _watch, quiet=quiet)
+    done = ended_run(controller, robot, settings, request, process_end, progress)
+    return replace(done, request=asked_for)
+
+
+def ended_run(
+    controller: Controller,
+    robot: Robot,
+    settings: Settings,
+    request: RunRequest,
+    process_end: ProcessEnd,
+    progress: Progress | None = None,
+) -> ControllerRun:
+    """Return what a run showed whose process has ended, by what it left in its folder.
+
+    Raises LogError or LimitError at what is no recording, and the error with which it refused.
+    """
+    folder = Path(request.folder)
     recording = _recording(folder, request)
     _raise_failure(recording)
     _raise_unstarted(recording, process_end, settings)
@@ -196,21 +241,7 @@ def _run(
     told = recording.note(NEEDS) or {"needs": ()}
     needs = tuple(Need(kind, name, type_name) for kind, name, type_name in told["needs"])
     drafted = tuple(drafts_of((recording.note(DRAFTS) or {"drafts": ()})["drafts"]))
-    return ControllerRun(trace, robot, asked_for, tuple(dict.fromkeys(asked)), needs, drafted)
-
-
-@dataclass(frozen=True, slots=True)
-class _ProcessEnd:
-    """How the process ended: its return code, or the limit that was reached and where.
-
-    `has_begun`: the controller's first line was reached. `last_line` is what it printed last.
-    """
-
-    code: int
-    limit: str | None = None
-    location: Location | None = None
-    has_begun: bool = False
-    last_line: str = ""
+    return ControllerRun(trace, robot, request, tuple(dict.fromkeys(asked)), needs, drafted)
 
 
 def _workspace(request: RunRequest) -> tuple[str, ...]:
@@ -229,16 +260,17 @@ def _run_child(
     folder: Path,
     settings: Settings,
     progress: Progress | None,
+    watch: Watch,
     *,
     quiet: bool = False,
-) -> _ProcessEnd:
+) -> ProcessEnd:
     request_path = folder / "request.json"
     request_path.write_text(request.dumps(), encoding="utf-8")
     sandbox = settings.limits.sandbox
     start = StartMark()
     own = start.environment(Limit("cpu_limit_s", settings.cpu_limit_s))
     if request.written is not None:
-        temporary = Path(request.written, "tmp")
+        temporary = Path(request.written, TEMPORARY)
         temporary.mkdir()
         own["TMPDIR"] = str(temporary)
     child = start_process(
@@ -265,7 +297,7 @@ def _run_child(
     passing.start()
     try:
         start.handed_over()
-        ended = _watch(child, start, request, settings, progress)
+        ended = watch(child, start, request, settings, progress)
         has_begun = start.pid is not None
     finally:
         # Whatever the controller started goes with it.
@@ -281,7 +313,7 @@ def _watch(
     request: RunRequest,
     settings: Settings,
     progress: Progress | None,
-) -> _ProcessEnd:
+) -> ProcessEnd:
     """Wait for the end of the child, or for a limit; these count from its start mark."""
     folder = Path(request.folder)
     began = time.monotonic()
@@ -290,25 +322,25 @@ def _watch(
     seen = (-1, -1)
     while True:
         with contextlib.suppress(subprocess.TimeoutExpired):
-            return _ProcessEnd(child.wait(timeout=POLL_S))
+            return ProcessEnd(child.wait(timeout=POLL_S))
         if own is None and (cpu_s := start.cpu_s) is not None:
             own, began = OwnTime(start.pid or child.pid, cpu_s), time.monotonic()
         if own is not None:
             own.look()
-        grown = (_size(folder / EVENTS), _simulated_ns(folder))
+        grown = (size_of(folder / EVENTS), simulated_so_far(folder))
         if grown != seen:
             seen, changed_s = grown, 0.0 if own is None else own.seconds
             if progress is not None:
                 progress("simulating" if grown[1] > 0 else _STARTING, max(grown[1], 0) / 1e9)
-        reached = _reached(own, changed_s, time.monotonic() - began, settings)
+        reached = reached_limit(own, changed_s, time.monotonic() - began, settings)
         if reached is not None and WallTime.is_in(folder):
             # All of the run is recorded, and what is left of the process does not matter.
-            return _ProcessEnd(0)
+            return ProcessEnd(0)
         if reached is not None:
             return _stop(child, start.pid, request, reached)
 
 
-def _reached(
+def reached_limit(
     own: OwnTime | None, changed_s: float, wall_s: float, settings: Settings
 ) -> str | None:
     """Return the limit that a child has reached, in words; None for none.
@@ -331,14 +363,16 @@ def _reached(
     return None
 
 
-def _size(path: Path) -> int:
+def size_of(path: Path) -> int:
+    """Return the size of a file [bytes], -1 of one that is not there."""
     try:
         return path.stat().st_size
     except OSError:
         return -1
 
 
-def _simulated_ns(folder: Path) -> int:
+def simulated_so_far(folder: Path) -> int:
+    """Return how far a run has come that is being recorded [ns], -1 where its folder is gone."""
     from tracerisk.twin.recording.samples import simulated_ns
 
     try:
@@ -349,24 +383,24 @@ def _simulated_ns(folder: Path) -> int:
 
 def _stop(
     child: subprocess.Popen[bytes], pid: int | None, request: RunRequest, limit: str
-) -> _ProcessEnd:
+) -> ProcessEnd:
     """End the child, having asked its process `pid` where it stands, if that has begun."""
     stacks = Path(request.folder) / STACKS
-    before = _size(stacks)
+    before = size_of(stacks)
     deadline = time.monotonic() + _GRACE_S
     if pid is None:
         deadline = 0.0
     elif child.poll() is None:
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.kill(pid, signal.SIGUSR1)
-    while _size(stacks) == before and child.poll() is None and time.monotonic() < deadline:
+    while size_of(stacks) == before and child.poll() is None and time.monotonic() < deadline:
         time.sleep(POLL_S)
     time.sleep(POLL_S)
     end(child)
-    return _ProcessEnd(child.returncode, limit, _place_in(stacks, Path(request.root)))
+    return ProcessEnd(child.returncode, limit, place_in(stacks, Path(request.root)))
 
 
-def _place_in(stacks: Path, root: Path) -> Location | None:
+def place_in(stacks: Path, root: Path) -> Location | None:
     """Return the innermost place of the controller among the stacks that the child told."""
     try:
         text = read_regular(stacks, MOST_TEXT).decode(errors="replace")
@@ -440,7 +474,7 @@ def _raise_failure(recording: Recording) -> None:
     raise kind(message)
 
 
-def _raise_unstarted(recording: Recording, process: _ProcessEnd, settings: Settings) -> None:
+def _raise_unstarted(recording: Recording, process: ProcessEnd, settings: Settings) -> None:
     """Raise what kept the process from reaching the controller's first line."""
     if recording.note(STARTED) is not None or process.limit is not None:
         return
@@ -465,7 +499,7 @@ def _raise_unstarted(recording: Recording, process: _ProcessEnd, settings: Setti
     )
 
 
-def _run_end(recording: Recording, process: _ProcessEnd, controller: Controller) -> RunEnd:
+def _run_end(recording: Recording, process: ProcessEnd, controller: Controller) -> RunEnd:
     # What comes after a limit, while the process is being ended, is no end of its own.
     told = recording.end if process.limit is None else None
     mission_end = recording.note(MISSION_END)

@@ -127,9 +127,13 @@ def run_with_faults(
     done = run_again(
         controller, nominal, with_scenario(settings), checked, keep=keep, progress=progress
     )
-    lines = tuple(f"fault: {each.words}, as asked for" for each in checked)
-    trace = replace(done.trace, assumptions=(*lines, *done.trace.assumptions))
-    return FaultRun(checked, nominal.trace, trace)
+    return FaultRun(checked, nominal.trace, with_faults_named(done.trace, checked))
+
+
+def with_faults_named(trace: Trace, faults: Sequence[Fault]) -> Trace:
+    """Return the trace of a run with faults that names them."""
+    lines = tuple(f"fault: {each.words}, as asked for" for each in faults)
+    return replace(trace, assumptions=(*lines, *trace.assumptions))
 
 
 def _reasons(trace: Trace) -> tuple[Reason, ...]:

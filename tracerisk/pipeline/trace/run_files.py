@@ -19,6 +19,8 @@ MOST_ROWS = 8 * 1024**3
 
 EVENTS = "events.jsonl"
 """The recorder's events."""
+TEMPORARY = ".temporary"
+"""The folder for temporary files, in that of what the controller writes; no path has its name."""
 STACKS = "stacks.txt"
 """Where the child's threads stand, written when the parent asks."""
 ROBOT = "robot.json"
@@ -93,6 +95,64 @@ class Companion:
 
 
 @dataclass(frozen=True, slots=True)
+class Branch:
+    """A branch of a run: from an instant on it goes its own way, with the faults that it has.
+
+    `seconds` is the instant of simulated time [s] at which one without faults leaves; another
+    leaves right before its first fault.
+    """
+
+    index: int
+    faults: tuple[Fault, ...] = ()
+    seconds: float = 0.0
+
+    @property
+    def leaves_s(self) -> float:
+        """The instant before which it leaves the run [s]."""
+        return min((each.time_s for each in self.faults), default=self.seconds)
+
+
+@dataclass(frozen=True, slots=True)
+class BranchPlan:
+    """The branches that a run is to have, at most `at_once` at any time.
+
+    `folder` is that of all their folders. `cpu_limit_s` is the processor time of each [s].
+    """
+
+    folder: str
+    branches: tuple[Branch, ...]
+    at_once: int
+    cpu_limit_s: float
+
+    @property
+    def log(self) -> str:
+        """The file of lines of JSON that tell a branch's process, why it has none, or its end."""
+        return str(Path(self.folder, "log", "branches.jsonl"))
+
+    def folders(self, index: int) -> tuple[str, str]:
+        """Return the folders of a branch: of its recording, and of what its controller writes."""
+        top = Path(self.folder, str(index))
+        return str(top / "recording"), str(top / "written")
+
+    @property
+    def writable(self) -> tuple[str, ...]:
+        """The folders that the run may write into, and replace none of them."""
+        of_branches = (each for branch in self.branches for each in self.folders(branch.index))
+        return (str(Path(self.log).parent), *of_branches)
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> BranchPlan:
+        """Read what `dataclasses.asdict` made of one, through JSON."""
+        branches = tuple(
+            Branch(
+                each["index"], tuple(Fault(**fault) for fault in each["faults"]), each["seconds"]
+            )
+            for each in data["branches"]
+        )
+        return cls(**{**data, "branches": branches})
+
+
+@dataclass(frozen=True, slots=True)
 class RunRequest:
     """What the child is asked to run; `folder` is that of the recording.
 
@@ -104,7 +164,8 @@ class RunRequest:
     settings name. `written` is the folder into which goes what the controller writes, `None`
     where it writes as it likes; `readable` and `writable` are what it may reach then.
     `faults` are those of the robot's units that begin during the run.
-    `greenlets` says that the controller's threads are greenlets, which can be forked.
+    `greenlets` says that the controller's threads are greenlets, which can be forked; `plan` are
+    the branches that the run has then.
     """
 
     controller: str
@@ -131,6 +192,7 @@ class RunRequest:
     writable: tuple[str, ...] = ()
     faults: tuple[Fault, ...] = ()
     greenlets: bool = False
+    plan: BranchPlan | None = None
 
     def dumps(self) -> str:
         """Return the request as JSON."""
@@ -145,9 +207,9 @@ class RunRequest:
         launch = None if data["launch"] is None else LaunchSetup.from_json(data["launch"])
         companions = tuple(Companion.from_json(each) for each in data["companions"])
         faults = tuple(Fault(**each) for each in data["faults"])
-        return cls(
-            **{**data, **lists, "launch": launch, "companions": companions, "faults": faults}
-        )
+        plan = None if data["plan"] is None else BranchPlan.from_json(data["plan"])
+        read = {"launch": launch, "companions": companions, "faults": faults, "plan": plan}
+        return cls(**{**data, **lists, **read})
 
 
 @dataclass(frozen=True, slots=True)

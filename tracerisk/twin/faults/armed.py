@@ -50,7 +50,12 @@ class _Live:
 
 def first_step(fault: Fault) -> int:
     """Return the first physics step that a fault changes."""
-    return -(-round(fault.time_s * 1e9) // STEP_NS)
+    return step_at(fault.time_s)
+
+
+def step_at(time_s: float) -> int:
+    """Return the first physics step that does not begin before a time [s]."""
+    return -(-round(time_s * 1e9) // STEP_NS)
 
 
 def encoder_offset(joint_type: str) -> float:

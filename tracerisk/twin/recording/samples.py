@@ -162,6 +162,15 @@ class SampleWriter:
         if not path.exists():
             path.write_bytes(np.array([self._committed], dtype=np.float64).tobytes())
 
+    def moved(self, directory: Path) -> None:
+        """Go on in a copy of the directory, whose files have taken the place of those open."""
+        self._directory = directory
+        if self._header is None or self._map is None:
+            return
+        self._drop_segment()
+        if self._committed % _SEGMENT_ROWS:
+            self._open_segment(self._header.width)
+
     def close(self, end_pose: Array | None = None) -> None:
         """Cut the file to the rows written, and close; further calls do nothing.
 

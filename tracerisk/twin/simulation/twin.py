@@ -34,7 +34,8 @@ class Twin:
     """A robot in its scene, simulated; use `build`.
 
     `time_ns` is the simulated time, a whole number of steps; `step_ns` the physics step.
-    `on_unknown_joints` is told the joints of a motion some of which the robot has not.
+    `on_unknown_joints` is told the joints of a motion some of which the robot has not,
+    `before_chunk` the time [ns] before each chunk of steps is simulated.
     """
 
     step_ns = STEP_NS
@@ -43,6 +44,7 @@ class Twin:
         self.robot = robot
         self.scene = scene
         self.on_unknown_joints: Callable[[tuple[str, ...]], None] = lambda _: None
+        self.before_chunk: Callable[[int], None] = lambda _: None
         self._simulation = Simulation(
             robot, scene, samples, lambda at: self._clearance.of_itself(at)
         )
@@ -82,6 +84,7 @@ class Twin:
         """
         while self.time_ns < until_ns:
             wanted = -((self.time_ns - until_ns) // STEP_NS)
+            self.before_chunk(self.time_ns)
             ahead = self._motions.steps_ahead(wanted)
             self._simulation.step(min(wanted, ahead), self._motions)
             if self._motions.settle():

@@ -1,0 +1,1 @@
+"""Runs with faults as branches of one run, which is forked before each fault."""

@@ -1,0 +1,194 @@
+"""Run a controller once and branch it before each fault, in the place of one run for each."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from tracerisk import dependencies, trace_json
+from tracerisk.config import Settings
+from tracerisk.errors import InputError, TraceRiskError
+from tracerisk.pipeline.run.branching.watch import BranchWatch
+from tracerisk.pipeline.run.controller_run import (
+    ControllerRun,
+    ProcessEnd,
+    Progress,
+    ended_run,
+    run_again,
+    run_request,
+)
+from tracerisk.pipeline.run.fault_run import FaultRun, with_faults_named
+from tracerisk.pipeline.run.run_folders import keep_recording, run_folders
+from tracerisk.pipeline.run.scenario_settings import with_scenario
+from tracerisk.pipeline.trace.run_files import Branch, BranchPlan, RunRequest
+from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.trace import Trace
+from tracerisk.twin.faults.fault import check_faults
+
+__all__ = ["Branch", "BranchResult", "run_branches"]
+
+
+@dataclass(frozen=True, slots=True)
+class BranchResult:
+    """What a branch showed: what a run with its faults from the beginning shows.
+
+    `done` is that run, None where it left nothing to read: `error` says why. `is_branched` is
+    False where it did run from the beginning, and `reason` says why in words.
+    """
+
+    branch: Branch
+    nominal: Trace
+    done: ControllerRun | None
+    is_branched: bool
+    reason: str = ""
+    error: Exception | None = None
+
+    @property
+    def run(self) -> FaultRun:
+        """The run beside that without faults. Raises `error` where nothing is to read."""
+        if self.done is None:
+            raise self.error or InputError("the run left nothing to read")
+        trace = with_faults_named(self.done.trace, self.branch.faults)
+        return FaultRun(self.branch.faults, self.nominal, trace)
+
+
+def run_branches(
+    controller: Controller,
+    settings: Settings,
+    nominal: ControllerRun,
+    branches: Sequence[Branch],
+    *,
+    at_once: int = 1,
+    keep: Path | None = None,
+    progress: Progress | None = None,
+) -> Iterator[BranchResult]:
+    """Run a controller once more, and from it the branches; return the result of each, in order.
+
+    At most `at_once` branches run at any time. `keep` is a folder for the recordings, one for
+    each branch with its index for a name. A branch that cannot leave the run, or dies, runs from
+    the beginning on threads; so do all where the run on greenlets is not that of `nominal`.
+    Raises InputError for a unit or mode that the robot does not have, for an instant that the
+    nominal run does not reach, and for an index given twice.
+    """
+    before_s = nominal.trace.end.simulated_s
+    wanted = [
+        replace(each, faults=check_faults(each.faults, nominal.robot, before_s=before_s))
+        for each in branches
+    ]
+    if len({each.index for each in wanted}) < len(wanted):
+        raise InputError("two branches have the same index")
+    if at_once < 1:
+        raise InputError(f"{at_once} branches at once are none; expected 1 or more")
+    settings = with_scenario(settings)
+    return _results(controller, settings, nominal, wanted, at_once, keep, progress)
+
+
+def _results(
+    controller: Controller,
+    settings: Settings,
+    nominal: ControllerRun,
+    branches: Sequence[Branch],
+    at_once: int,
+    keep: Path | None,
+    progress: Progress | None,
+) -> Iterator[BranchResult]:
+    found = _Found(_cannot_branch())
+    if not found.reason and branches:
+        found = _branched(controller, settings, nominal, branches, at_once, keep, progress)
+    for branch in branches:
+        done, error = found.done.pop(branch.index, None), None
+        reason = "" if done else found.reason or found.reasons.get(branch.index, "")
+        if done is None:
+            kept = None if keep is None else keep / str(branch.index)
+            try:
+                done = run_again(
+                    controller, nominal, settings, branch.faults, keep=kept, quiet=True
+                )
+            except (TraceRiskError, RuntimeError) as raised:
+                error = raised
+        yield BranchResult(branch, nominal.trace, done, not reason, reason, error)
+
+
+def _cannot_branch() -> str:
+    """Return why no run can be branched here, in words; empty where one can."""
+    if sys.platform != "linux":
+        return "runs are branched on Linux alone"
+    if not dependencies.is_installed("greenlet"):
+        return "the package greenlet is not installed"
+    return ""
+
+
+@dataclass(slots=True)
+class _Found:
+    """What became of branches, by their index; `reason` is why none of them counts."""
+
+    reason: str = ""
+    done: dict[int, ControllerRun] = field(default_factory=dict)
+    reasons: dict[int, str] = field(default_factory=dict)
+
+
+def _branched(
+    controller: Controller,
+    settings: Settings,
+    nominal: ControllerRun,
+    branches: Sequence[Branch],
+    at_once: int,
+    keep: Path | None,
+    progress: Progress | None,
+) -> _Found:
+    found = _Found()
+    faults = {each.index: each.faults for each in branches}
+
+    def ended(index: int, request: RunRequest, end: ProcessEnd) -> None:
+        folder = Path(request.folder)
+        try:
+            done = ended_run(controller, nominal.robot, settings, request, end)
+            if done.trace.end.cause == "died":
+                found.reasons[index] = f"its branch died: {done.trace.end.message}"
+                return
+            if keep is not None:
+                (keep / str(index)).mkdir(parents=True, exist_ok=True)
+                keep_recording(folder, keep / str(index))
+        except (TraceRiskError, RuntimeError, OSError) as error:
+            found.reasons[index] = f"its branch left nothing to read: {error}"
+            return
+        finally:
+            shutil.rmtree(folder.parent, ignore_errors=True)
+        asked = replace(nominal.request, faults=faults[index])
+        found.done[index] = replace(done, request=asked)
+
+    watch = BranchWatch(ended)
+    with run_folders(None) as (folder, written):
+        top = str(folder.parent / "branches")
+        plan = BranchPlan(top, tuple(branches), at_once, settings.cpu_limit_s)
+        for each in plan.writable:
+            Path(each).mkdir(parents=True)
+        request = replace(nominal.request, folder=str(folder), greenlets=True, plan=plan)
+        try:
+            trunk = run_request(
+                controller,
+                nominal.robot,
+                settings,
+                request,
+                written,
+                progress,
+                quiet=True,
+                watch=watch,
+            )
+        except (TraceRiskError, RuntimeError) as error:
+            return _Found(f"the run on greenlets left nothing to read: {error}")
+    if _said(trunk.trace) != _said(nominal.trace):
+        return _Found(f"on greenlets the run is another: {trunk.trace.end.message}")
+    found.reasons |= watch.refused
+    for branch in branches:
+        if branch.index not in found.done:
+            found.reasons.setdefault(branch.index, "the run ended before it")
+    return found
+
+
+def _said(trace: Trace) -> str:
+    """Return all that a run says, without the files that its robot was chosen by."""
+    return trace_json.dumps(replace(trace, inputs=()))

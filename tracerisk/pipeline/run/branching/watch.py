@@ -1,0 +1,232 @@
+"""Watch the process of a run and those of its branches, each of which has limits of its own."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import select
+import signal
+import subprocess
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from tracerisk.config import Settings
+from tracerisk.pipeline.run.controller_run import (
+    ProcessEnd,
+    Progress,
+    place_in,
+    reached_limit,
+    simulated_so_far,
+    size_of,
+)
+from tracerisk.pipeline.trace.run_files import EVENTS, STACKS, RunRequest, WallTime
+from tracerisk.sandbox.limited_process import POLL_S, OwnTime, StartMark
+from tracerisk.sandbox.process import read_regular
+
+_MOST_LOG = 16 * 1024**2
+_MOST_WRITTEN = 1024**3
+"""What a branch may have on the disk, recording and all [bytes]."""
+_MOST_FILES = 100_000
+_LOOK_AT_DISK_S = 0.5
+_STACK_S = 0.5
+
+Ended = Callable[[int, RunRequest, ProcessEnd], None]
+"""Told the index of a branch that has ended, the request with its folders, and its end."""
+
+
+@dataclass(slots=True)
+class _Live:
+    """A branch that runs; `handle` is a pidfd of its process."""
+
+    process: int
+    handle: int
+    request: RunRequest
+    own: OwnTime
+    began: float = field(default_factory=time.monotonic)
+    changed_s: float = 0.0
+    seen: tuple[int, int] = (-1, -1)
+    looked: float = 0.0
+    end: ProcessEnd | None = None
+
+    @property
+    def folder(self) -> Path:
+        return Path(self.request.folder)
+
+
+class BranchWatch:
+    """Waits for the end of a run; `on_ended` is told of each branch as it ends.
+
+    `refused` says in words why branches could not leave the run, by their index.
+    """
+
+    def __init__(self, on_ended: Ended) -> None:
+        self._on_ended = on_ended
+        self._live: dict[int, _Live] = {}
+        self._read = 0
+        self.refused: dict[int, str] = {}
+
+    def __call__(
+        self,
+        child: subprocess.Popen[bytes],
+        start: StartMark,
+        request: RunRequest,
+        settings: Settings,
+        progress: Progress | None,
+    ) -> ProcessEnd:
+        """Wait for the end of the child, or for a limit, and so with each of its branches."""
+        try:
+            return self._wait(child, start, request, settings, progress)
+        finally:
+            self._read_log(request, start)
+            for each in self._live.values():
+                os.close(each.handle)
+
+    def _wait(
+        self,
+        child: subprocess.Popen[bytes],
+        start: StartMark,
+        request: RunRequest,
+        settings: Settings,
+        progress: Progress | None,
+    ) -> ProcessEnd:
+        folder = Path(request.folder)
+        own: OwnTime | None = None
+        looked, wall_s, changed_s, seen = time.monotonic(), 0.0, 0.0, (-1, -1)
+        while True:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                return ProcessEnd(child.wait(timeout=POLL_S))
+            self._read_log(request, start)
+            for each in self._live.values():
+                self._look(each, settings)
+            now = time.monotonic()
+            # While branches run, it may wait for them.
+            wall_s, looked = wall_s + (0.0 if self._live else now - looked), now
+            if own is None and (cpu_s := start.cpu_s) is not None:
+                own, wall_s = OwnTime(start.pid or child.pid, cpu_s), 0.0
+            if own is not None:
+                own.look()
+            grown = (size_of(folder / EVENTS), simulated_so_far(folder))
+            if grown != seen or self._live:
+                seen, changed_s = grown, 0.0 if own is None else own.seconds
+                if progress is not None:
+                    progress("branching", max(grown[1], 0) / 1e9)
+            reached = reached_limit(own, changed_s, wall_s, settings)
+            if reached is not None:
+                return ProcessEnd(0) if WallTime.is_in(folder) else ProcessEnd(1, reached)
+
+    def _read_log(self, request: RunRequest, start: StartMark) -> None:
+        """Read what the run has noted since; what is malformed is another's, and passed over."""
+        assert request.plan is not None
+        try:
+            text = read_regular(Path(request.plan.log), _MOST_LOG)
+        except OSError:
+            return
+        whole = text.rfind(b"\n") + 1
+        lines, self._read = text[self._read : whole].splitlines(), max(whole, self._read)
+        for line in lines:
+            with contextlib.suppress(ValueError, TypeError, KeyError, RecursionError):
+                self._noted(json.loads(line), request, start)
+
+    def _noted(self, told: dict[str, Any], request: RunRequest, start: StartMark) -> None:
+        assert request.plan is not None
+        index, known = told["index"], {each.index for each in request.plan.branches}
+        if not isinstance(index, int) or index not in known:
+            return
+        if "refused" in told:
+            self.refused[index] = str(told["refused"])[:500]
+        elif "process" in told and index not in self._live:
+            handle = _of(told["process"], start.pid)
+            recording, written = request.plan.folders(index)
+            moved = replace(request, folder=recording)
+            if request.written is not None:
+                moved = replace(moved, written=written)
+            if handle is None:
+                # It has ended by now; the next line says how.
+                handle = os.open(os.devnull, os.O_RDONLY | os.O_CLOEXEC)
+            own = OwnTime(int(told["process"]))
+            self._live[index] = _Live(int(told["process"]), handle, moved, own)
+        elif "code" in told and index in self._live:
+            live = self._live.pop(index)
+            os.close(live.handle)
+            end = live.end or ProcessEnd(int(told["code"]))
+            self._on_ended(index, live.request, replace(end, has_begun=True))
+
+    def _look(self, live: _Live, settings: Settings) -> None:
+        """End a branch that has reached a limit."""
+        if live.end is not None or _has_ended(live.handle):
+            return
+        live.own.look()
+        grown = (size_of(live.folder / EVENTS), simulated_so_far(live.folder))
+        if grown != live.seen:
+            live.seen, live.changed_s = grown, live.own.seconds
+        now = time.monotonic()
+        reached = reached_limit(live.own, live.changed_s, now - live.began, settings)
+        if reached is None and now - live.looked > _LOOK_AT_DISK_S:
+            live.looked = now
+            if not _is_small(live.folder.parent):
+                reached = f"it has written more than {_MOST_WRITTEN // 1024**2} MB"
+        if reached is None or WallTime.is_in(live.folder):
+            return
+        place = self._place(live)
+        live.end = ProcessEnd(-signal.SIGKILL, reached, place)
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            signal.pidfd_send_signal(live.handle, signal.SIGKILL)
+
+    @staticmethod
+    def _place(live: _Live) -> Any:
+        """Ask a branch where it stands; return the innermost place of the controller."""
+        stacks = live.folder / STACKS
+        before, deadline = size_of(stacks), time.monotonic() + _STACK_S
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            signal.pidfd_send_signal(live.handle, signal.SIGUSR1)
+        while size_of(stacks) == before and time.monotonic() < deadline:
+            time.sleep(POLL_S)
+        time.sleep(POLL_S)
+        return place_in(stacks, Path(live.request.root))
+
+
+def _of(process: Any, parent: int | None) -> int | None:
+    """Return a pidfd of a process; None where it has ended, or is no child of the parent."""
+    if not isinstance(process, int) or process <= 1:
+        return None
+    try:
+        handle = os.pidfd_open(process)
+    except OSError:
+        return None
+    try:
+        fields = Path(f"/proc/{process}/stat").read_bytes().rpartition(b")")[2].split()
+        if int(fields[1]) == parent:
+            return handle
+    except (OSError, ValueError, IndexError):
+        pass
+    os.close(handle)
+    return None
+
+
+def _has_ended(handle: int) -> bool:
+    poll = select.poll()
+    poll.register(handle, select.POLLIN)
+    return bool(poll.poll(0))
+
+
+def _is_small(top: Path) -> bool:
+    """Return whether a folder holds no more than a branch may have on the disk."""
+    size, count, folders = 0, 0, [str(top)]
+    while folders:
+        try:
+            with os.scandir(folders.pop()) as entries:
+                for each in entries:
+                    count += 1
+                    if each.is_dir(follow_symlinks=False):
+                        folders.append(each.path)
+                    else:
+                        size += each.stat(follow_symlinks=False).st_blocks * 512
+                    if size > _MOST_WRITTEN or count > _MOST_FILES:
+                        return False
+        except OSError:
+            continue
+    return True
