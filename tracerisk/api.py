@@ -120,6 +120,7 @@ def gather_evidence(
     shard: tuple[int, int] = (1, 1),
     fresh: bool = False,
     told: Callable[[int, int, float], None] | None = None,
+    noted: Callable[[str], None] | None = None,
 ) -> Evidence:
     """Fail each unit of the robot at drawn instants, and write what became of the mission.
 
@@ -127,7 +128,8 @@ def gather_evidence(
     is no wider. No cell begins after `most_s` [s]. `jobs` local processes work on it, or the
     workers of an `executor`; `shard` (i, n) tries every n-th cell. `told` is called with the
     cells done, of how many, and the seconds left. The file is `tracerisk.evidence` in the
-    controller's root; what it holds already is not tried again unless `fresh`.
+    controller's root; what it holds already is not tried again unless `fresh`. `noted` gets why
+    runs were whole ones, where they could not be branched off one.
     Raises ControllerFailedError where the run without a failure came to a bad end.
     """
     from tracerisk.dependencies import require_simulator
@@ -145,6 +147,7 @@ def gather_evidence(
         shard=shard,
         fresh=fresh,
         told=told,
+        noted=noted,
     )
 
 

@@ -62,6 +62,7 @@ def run(options: argparse.Namespace) -> int:
     if options.show:
         found = api.evidence(options.controller)
     else:
+        reasons: list[str] = []
         with bar_of_cells(quiet=options.quiet) as told:
             found = api.gather_evidence(
                 options.controller,
@@ -73,7 +74,10 @@ def run(options: argparse.Namespace) -> int:
                 shard=options.shard,
                 fresh=options.fresh,
                 told=told,
+                noted=reasons.append,
             )
+        for each in dict.fromkeys(reasons):
+            note(f"not branched off one run, but run whole: {each}", quiet=options.quiet)
     _print(options, found)
     return int(ExitCode.FINE)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
@@ -40,8 +41,8 @@ from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.trace.cache import FOLDER
 from tracerisk.prm.numbers.share_interval import weighted_interval
 
-BATCH = 4
-"""How many cells a worker is given at a time."""
+MOST_IN_BATCH = 16
+"""How many cells a worker is given at a time: they branch off one run, and go with a dead one."""
 _MOST_CELLS = 20_000
 
 
@@ -136,6 +137,7 @@ def gather(
     shard: tuple[int, int] = (1, 1),
     fresh: bool = False,
     told: Told | None = None,
+    noted: Callable[[str], None] | None = None,
 ) -> Evidence:
     """Plan a campaign and run it; with `until`, draw twice as many cells until the 90 % interval
     of the mission's factor is no wider.
@@ -147,7 +149,14 @@ def gather(
         plan = plan_campaign(controller, options, cells=cells)
         left = None if most_s is None else most_s - (time.monotonic() - began)
         found = run_campaign(
-            plan, jobs=jobs, executor=executor, shard=shard, fresh=fresh, most_s=left, told=told
+            plan,
+            jobs=jobs,
+            executor=executor,
+            shard=shard,
+            fresh=fresh,
+            most_s=left,
+            told=told,
+            noted=noted,
         )
         low, high = mission_factor(plan, found)[1]
         if until is None or high - low <= until or not found.is_complete:
@@ -171,12 +180,14 @@ def run_campaign(
     fresh: bool = False,
     most_s: float | None = None,
     told: Told | None = None,
+    noted: Callable[[str], None] | None = None,
 ) -> Evidence:
     """Run the cells of a plan that nobody has run yet, and return the evidence there is.
 
     It is written into `plan.evidence_path` whatever ends the campaign; a killed one goes on from
     its journal. `jobs` local processes work on it, one a core by default, or the workers of an
     `executor`. `shard` (i, n) runs every n-th cell. After `most_s` [s] no further cell begins.
+    `noted` gets why cells were run from the beginning, where they could not branch off one run.
     """
     known = {} if fresh else _known(plan)
     index, of = shard
@@ -190,11 +201,15 @@ def run_campaign(
         plan.journal.unlink(missing_ok=True)
     try:
         with _journal(plan.journal) as keep:
-            parts = batches(todo, plan.controller, plan.options, digest, BATCH)
+            size = _batch_size(len(todo), jobs)
+            parts = batches(todo, plan.controller, plan.options, digest, size)
             workers = Workers(jobs, executor, most_s)
-            for _, done in workers.run(run_batch, parts, told and _of_cells(told, len(todo))):
-                known.update((each.key, each) for each in done)
-                keep(done)
+            of_cells = told and _of_cells(told, size, len(todo))
+            for _, done in workers.run(run_batch, parts, of_cells):
+                known.update((each.key, each) for each in done.cells)
+                keep(done.cells)
+                if noted is not None and done.whole_runs:
+                    noted(done.whole_runs[0])
     finally:
         found = plan.evidence([known[each.key] for each in plan.cells if each.key in known])
         write_evidence(plan.evidence_path, plan.nominal.controller.file, found)
@@ -231,9 +246,15 @@ def mission_factor(plan: Plan, found: Evidence) -> tuple[float, tuple[float, flo
     )
 
 
-def _of_cells(told: Told, number: int) -> Told:
+def _batch_size(number: int, jobs: int | None) -> int:
+    """Return how many cells are run together: fewer where all would not be busy."""
+    workers = jobs or os.cpu_count() or 1
+    return max(1, min(MOST_IN_BATCH, -(-number // (2 * workers))))
+
+
+def _of_cells(told: Told, size: int, number: int) -> Told:
     """Return what is told of batches as what is told of cells."""
-    return lambda done, _, left_s: told(min(done * BATCH, number), number, left_s)
+    return lambda done, _, left_s: told(min(done * size, number), number, left_s)
 
 
 # Cells that are there already

@@ -14,15 +14,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from tracerisk.config import Settings
-from tracerisk.errors import InputError, LimitError, LogError
+from tracerisk.errors import InputError, LogError
 from tracerisk.evidence import Cell
 from tracerisk.hardware.model import FaultMode
 from tracerisk.instrument.recording import read_recording
 from tracerisk.pipeline.evidence.judgement import judge
 from tracerisk.pipeline.evidence.mission_run import MissionRun, mission_run
-from tracerisk.pipeline.run.controller_run import ControllerRun, run_again
+from tracerisk.pipeline.run.branching.branches import Branch, run_branches
+from tracerisk.pipeline.run.controller_run import ControllerRun
 from tracerisk.pipeline.run.fault_run import nominal_run
-from tracerisk.pipeline.run.scenario_settings import with_scenario
 from tracerisk.pipeline.trace.run_files import EVENTS, GRAPH_USE
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.ros.scenario.success import Condition
@@ -68,8 +68,20 @@ class Nominal:
         return self.run.trace
 
 
-def run_batch(batch: CellBatch) -> tuple[Cell, ...]:
-    """Run the cells of a batch, and return them judged, in their order.
+@dataclass(frozen=True, slots=True)
+class BatchDone:
+    """The cells of a batch, judged, in their order.
+
+    `whole_runs` says in words why cells were run from the beginning, where they were not branched
+    off one run.
+    """
+
+    cells: tuple[Cell, ...]
+    whole_runs: tuple[str, ...] = ()
+
+
+def run_batch(batch: CellBatch) -> BatchDone:
+    """Run the cells of a batch, branched off one run, and judge them.
 
     The run without a failure is made once in each process. Raises InputError where it is not
     that of the campaign.
@@ -80,7 +92,26 @@ def run_batch(batch: CellBatch) -> tuple[Cell, ...]:
             f"the run of {batch.controller} without a failure differs from that of the campaign: "
             "the sources, the settings or the machine's libraries are not the same"
         )
-    return tuple(_run_cell(nominal, cell) for cell in batch.cells)
+    request = replace(nominal.run.request, duration_s=_duration_s(nominal))
+    before = replace(nominal.run, request=request)
+    folder = Path(tempfile.mkdtemp(prefix="tracerisk-cells-"))
+    branches = [
+        Branch(index, (Fault(cell.unit, cast(FaultMode, cell.mode), cell.time_s),), cell.time_s)
+        for index, cell in enumerate(batch.cells)
+    ]
+    cells, reasons = [], []
+    try:
+        for result in run_branches(
+            nominal.controller, nominal.settings, before, branches, keep=folder
+        ):
+            cell = batch.cells[result.branch.index]
+            kept = folder / str(result.branch.index)
+            cells.append(_judged(nominal, cell, result.done, result.error, kept))
+            shutil.rmtree(kept, ignore_errors=True)
+            reasons += [] if result.is_branched else [result.reason]
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    return BatchDone(tuple(cells), tuple(dict.fromkeys(reasons)))
 
 
 def trace_digest(trace: Trace) -> str:
@@ -121,36 +152,30 @@ def declared_success(settings: Settings) -> tuple[Condition, ...]:
     return read_scenario(Path(settings.scenario)).success
 
 
-def _run_cell(nominal: Nominal, cell: Cell) -> Cell:
-    """Run once more with the unit failed, and judge the run."""
-    fault = Fault(cell.unit, cast(FaultMode, cell.mode), cell.time_s)
-    request = replace(nominal.run.request, duration_s=_duration_s(nominal))
-    before = replace(nominal.run, request=request)
-    folder = Path(tempfile.mkdtemp(prefix="tracerisk-cell-"))
-    try:
-        done = run_again(
-            nominal.controller,
-            before,
-            with_scenario(nominal.settings),
-            (fault,),
-            keep=folder,
-            quiet=True,
-        )
-        failed = mission_run(
-            done.trace,
-            folder,
-            unit=cell.unit,
-            fault_s=cell.time_s,
-            nominal=nominal.samples,
-            called=_called(folder),
-        )
-        return judge(nominal.mission, failed, cell, nominal.success)
-    except (LogError, LimitError, RuntimeError) as error:
-        # The run without a failure left a recording: what this one lacks is the failure's doing.
-        lost = (f"no recording of the run: {error}",)
-        return replace(cell, fails=True, effect="ended_badly", lost=lost)
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
+def _judged(
+    nominal: Nominal,
+    cell: Cell,
+    done: ControllerRun | None,
+    error: Exception | None,
+    folder: Path,
+) -> Cell:
+    """Return a cell with what became of its run, whose recording is in the folder."""
+    if done is not None:
+        try:
+            failed = mission_run(
+                done.trace,
+                folder,
+                unit=cell.unit,
+                fault_s=cell.time_s,
+                nominal=nominal.samples,
+                called=_called(folder),
+            )
+            return judge(nominal.mission, failed, cell, nominal.success)
+        except LogError as damaged:
+            error = damaged
+    # The run without a failure left a recording: what this one lacks is the failure's doing.
+    lost = (f"no recording of the run: {error}",)
+    return replace(cell, fails=True, effect="ended_badly", lost=lost)
 
 
 def _duration_s(nominal: Nominal) -> float:
