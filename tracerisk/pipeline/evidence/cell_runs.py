@@ -102,7 +102,12 @@ def run_batch(batch: CellBatch) -> BatchDone:
     cells, reasons = [], []
     try:
         for result in run_branches(
-            nominal.controller, nominal.settings, before, branches, keep=folder
+            nominal.controller,
+            nominal.settings,
+            before,
+            branches,
+            keep=folder,
+            with_exposures=False,
         ):
             cell = batch.cells[result.branch.index]
             kept = folder / str(result.branch.index)

@@ -220,8 +220,12 @@ def ended_run(
     request: RunRequest,
     process_end: ProcessEnd,
     progress: Progress | None = None,
+    *,
+    with_exposures: bool = True,
 ) -> ControllerRun:
     """Return what a run showed whose process has ended, by what it left in its folder.
+
+    `with_exposures`: whether its trace has those of elements, as `make_trace`.
 
     Raises LogError or LimitError at what is no recording, and the error with which it refused.
     """
@@ -233,7 +237,16 @@ def ended_run(
     end = _run_end(recording, process_end, ran)
     if progress is not None:
         progress("attributing", end.simulated_s or 0.0)
-    trace = make_trace(ran, robot, request.scene, settings, recording, folder, end)
+    trace = make_trace(
+        ran,
+        robot,
+        request.scene,
+        settings,
+        recording,
+        folder,
+        end,
+        with_exposures=with_exposures,
+    )
     trace = trace.with_lines(lines_since(recording.sources, controller))
     asked = [
         name for note in recording.notes if note.kind == JOINTS_ASKED for name in note.data["names"]

@@ -64,11 +64,13 @@ def run_branches(
     at_once: int = 1,
     keep: Path | None = None,
     progress: Progress | None = None,
+    with_exposures: bool = True,
 ) -> Iterator[BranchResult]:
     """Run a controller once more, and from it the branches; return the result of each, in order.
 
     At most `at_once` branches run at any time. `keep` is a folder for the recordings, one for
-    each branch with its index for a name. A branch that cannot leave the run, or dies, runs from
+    each branch with its index for a name. `with_exposures`: whether the traces of branches say how
+    long and how hard elements were used. A branch that cannot leave the run, or dies, runs from
     the beginning on threads; so do all where the run on greenlets is not that of `nominal`.
     Raises InputError for a unit or mode that the robot does not have, for an instant that the
     nominal run does not reach, and for an index given twice.
@@ -83,7 +85,7 @@ def run_branches(
     if at_once < 1:
         raise InputError(f"{at_once} branches at once are none; expected 1 or more")
     settings = with_scenario(settings)
-    return _results(controller, settings, nominal, wanted, at_once, keep, progress)
+    return _results(controller, settings, nominal, wanted, at_once, keep, progress, with_exposures)
 
 
 def _results(
@@ -94,10 +96,13 @@ def _results(
     at_once: int,
     keep: Path | None,
     progress: Progress | None,
+    with_exposures: bool,
 ) -> Iterator[BranchResult]:
     found = _Found(_cannot_branch())
     if not found.reason and branches:
-        found = _branched(controller, settings, nominal, branches, at_once, keep, progress)
+        found = _branched(
+            controller, settings, nominal, branches, at_once, keep, progress, with_exposures
+        )
     for branch in branches:
         done, error = found.done.pop(branch.index, None), None
         reason = "" if done else found.reason or found.reasons.get(branch.index, "")
@@ -138,6 +143,7 @@ def _branched(
     at_once: int,
     keep: Path | None,
     progress: Progress | None,
+    with_exposures: bool,
 ) -> _Found:
     found = _Found()
     faults = {each.index: each.faults for each in branches}
@@ -145,7 +151,9 @@ def _branched(
     def ended(index: int, request: RunRequest, end: ProcessEnd) -> None:
         folder = Path(request.folder)
         try:
-            done = ended_run(controller, nominal.robot, settings, request, end)
+            done = ended_run(
+                controller, nominal.robot, settings, request, end, with_exposures=with_exposures
+            )
             if done.trace.end.cause == "died":
                 found.reasons[index] = f"its branch died: {done.trace.end.message}"
                 return
