@@ -143,6 +143,31 @@ def test_a_branch_equals_a_run_from_the_beginning(name, count, tmp_path):
     check_equal(controller, settings, nominal, drawn(nominal, count), tmp_path)
 
 
+def test_a_branch_may_leave_at_the_first_step_and_at_the_last(tmp_path):
+    controller, settings, nominal = odd(tmp_path)
+    end_s = nominal.trace.end.simulated_s
+    wanted = [
+        jam(6, 0, 0.0),
+        jam(6, 1, 0.002),
+        jam(5, 2, end_s - 0.002),
+        Branch(3, (*jam(1, time_s=0.3).faults, *jam(6, time_s=0.2).faults)),
+        Branch(4),
+    ]
+    check_equal(controller, settings, nominal, [wanted[0], *wanted[2:]], tmp_path)
+
+
+def test_a_run_that_claims_branches_without_end_ends_all_the_same(tmp_path):
+    claims = (
+        'import json; plan = json.load(open(sys.orig_argv[-1]))["plan"];'
+        ' plan and open(plan["folder"] + "/log/branches.jsonl", "a").write('
+        'json.dumps({"index": 6, "process": os.getpid()}) + "\\n[]\\n{\\n")'
+        " and ctypes.CDLL(None).sleep(98)"
+    )
+    controller, settings, nominal = odd(tmp_path, claims, stall_limit_s=4.0)
+    (result,) = run_branches(controller, settings, nominal, [jam(6)])
+    assert result.reason.startswith("on greenlets the run is another: nothing has moved")
+
+
 def test_a_branch_that_does_harm_loses_only_itself(tmp_path, monkeypatch):
     monkeypatch.setattr(watch_module, "_MOST_WRITTEN", 40 * 1024**2)
     controller, settings, nominal = odd(tmp_path, stall_limit_s=4.0)

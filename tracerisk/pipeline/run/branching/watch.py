@@ -40,10 +40,9 @@ Ended = Callable[[int, RunRequest, ProcessEnd], None]
 
 @dataclass(slots=True)
 class _Live:
-    """A branch that runs; `handle` is a pidfd of its process."""
+    """A branch that runs; `handle` is a pidfd of its process, None where that had ended."""
 
-    process: int
-    handle: int
+    handle: int | None
     request: RunRequest
     own: OwnTime
     began: float = field(default_factory=time.monotonic)
@@ -56,6 +55,19 @@ class _Live:
     def folder(self) -> Path:
         return Path(self.request.folder)
 
+    @property
+    def runs(self) -> bool:
+        return self.handle is not None and not _has_ended(self.handle)
+
+    def send(self, number: int) -> None:
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            if self.handle is not None:
+                signal.pidfd_send_signal(self.handle, number)
+
+    def close(self) -> None:
+        if self.handle is not None:
+            os.close(self.handle)
+
 
 class BranchWatch:
     """Waits for the end of a run; `on_ended` is told of each branch as it ends.
@@ -67,6 +79,7 @@ class BranchWatch:
         self._on_ended = on_ended
         self._live: dict[int, _Live] = {}
         self._read = 0
+        self._left: set[int] = set()
         self.refused: dict[int, str] = {}
 
     def __call__(
@@ -83,7 +96,7 @@ class BranchWatch:
         finally:
             self._read_log(request, start)
             for each in self._live.values():
-                os.close(each.handle)
+                each.close()
 
     def _wait(
         self,
@@ -103,14 +116,15 @@ class BranchWatch:
             for each in self._live.values():
                 self._look(each, settings)
             now = time.monotonic()
-            # While branches run, it may wait for them.
-            wall_s, looked = wall_s + (0.0 if self._live else now - looked), now
+            # While branches run, which have limits of their own, it may wait for them.
+            may_wait = any(each.runs for each in self._live.values())
+            wall_s, looked = wall_s + (0.0 if may_wait else now - looked), now
             if own is None and (cpu_s := start.cpu_s) is not None:
                 own, wall_s = OwnTime(start.pid or child.pid, cpu_s), 0.0
             if own is not None:
                 own.look()
             grown = (size_of(folder / EVENTS), simulated_so_far(folder))
-            if grown != seen or self._live:
+            if grown != seen or may_wait:
                 seen, changed_s = grown, 0.0 if own is None else own.seconds
                 if progress is not None:
                     progress("branching", max(grown[1], 0) / 1e9)
@@ -138,26 +152,24 @@ class BranchWatch:
             return
         if "refused" in told:
             self.refused[index] = str(told["refused"])[:500]
-        elif "process" in told and index not in self._live:
-            handle = _of(told["process"], start.pid)
+        elif "process" in told and index not in self._left:
+            process = told["process"]
+            handle, own = _of(process, start.pid), OwnTime(int(process))
+            self._left.add(index)
             recording, written = request.plan.folders(index)
             moved = replace(request, folder=recording)
             if request.written is not None:
                 moved = replace(moved, written=written)
-            if handle is None:
-                # It has ended by now; the next line says how.
-                handle = os.open(os.devnull, os.O_RDONLY | os.O_CLOEXEC)
-            own = OwnTime(int(told["process"]))
-            self._live[index] = _Live(int(told["process"]), handle, moved, own)
+            self._live[index] = _Live(handle, moved, own)
         elif "code" in told and index in self._live:
             live = self._live.pop(index)
-            os.close(live.handle)
+            live.close()
             end = live.end or ProcessEnd(int(told["code"]))
             self._on_ended(index, live.request, replace(end, has_begun=True))
 
     def _look(self, live: _Live, settings: Settings) -> None:
         """End a branch that has reached a limit."""
-        if live.end is not None or _has_ended(live.handle):
+        if live.end is not None or not live.runs:
             return
         live.own.look()
         grown = (size_of(live.folder / EVENTS), simulated_so_far(live.folder))
@@ -171,18 +183,15 @@ class BranchWatch:
                 reached = f"it has written more than {_MOST_WRITTEN // 1024**2} MB"
         if reached is None or WallTime.is_in(live.folder):
             return
-        place = self._place(live)
-        live.end = ProcessEnd(-signal.SIGKILL, reached, place)
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            signal.pidfd_send_signal(live.handle, signal.SIGKILL)
+        live.end = ProcessEnd(-signal.SIGKILL, reached, self._place(live))
+        live.send(signal.SIGKILL)
 
     @staticmethod
     def _place(live: _Live) -> Any:
         """Ask a branch where it stands; return the innermost place of the controller."""
         stacks = live.folder / STACKS
         before, deadline = size_of(stacks), time.monotonic() + _STACK_S
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            signal.pidfd_send_signal(live.handle, signal.SIGUSR1)
+        live.send(signal.SIGUSR1)
         while size_of(stacks) == before and time.monotonic() < deadline:
             time.sleep(POLL_S)
         time.sleep(POLL_S)
