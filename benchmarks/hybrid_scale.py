@@ -1,6 +1,6 @@
 """Measure how long hybrid models of many functions take, and how much memory.
 
-    python benchmarks/hybrid_scale.py [--cases own,shared,wide,pairs,many,dense,uncertainty]
+    python benchmarks/hybrid_scale.py [--cases own,shared,wide,pairs,many,dense,uncertainty,inputs]
 
 Each case is built and solved in a process of its own; what is imported counts too.
 
@@ -14,7 +14,7 @@ own: each component is that of one function. shared: all functions have the same
 wide: 100 components of its own in each function, the figure alone. pairs, many, dense: redundant
 pairs whose failures stay hidden, each in one function; 6 in 50, exactly, 200 in 50 and 200 in 10,
 each by itself with a bound, `width` times its lower one. uncertainty: shared, with error factors 3
-for all.
+for all, 100,000 samples. inputs: the same of own components, 10,000 uncertain figures.
 """
 
 from __future__ import annotations
@@ -53,6 +53,7 @@ CASES = {
     "many": Case(50, 2, pairs=200),
     "dense": Case(10, 2, pairs=200),
     "uncertainty": Case(1_000, 10, is_shared=True, solve=False, samples=100_000),
+    "inputs": Case(1_000, 10, solve=False, samples=100_000),
 }
 
 

@@ -27,6 +27,7 @@ from tracerisk.prm.numbers.distributions import Beta, Gamma, Lognormal, Normal, 
 from tracerisk.prm.questions.sampled_chain import absorption_samples
 from tracerisk.prm.questions.sampled_mission import failure_samples
 from tracerisk.prm.questions.sobol import first_order_shares
+from tracerisk.prm.questions.tails import intervals
 from tracerisk.prm.questions.uncertainty import latin_hypercube, propagate
 from tracerisk.prm.questions.what_if import with_values
 from tracerisk.report.what_if import render_uncertainty
@@ -372,13 +373,72 @@ def test_the_standard_error_of_the_mean_is_told(one_part):
 
 
 @pytest.mark.parametrize("samples", [10_000, 100_000])
-def test_a_sample_that_cannot_know_the_mean_says_so(block, component, samples):
+def test_the_mean_of_a_heavy_tail_comes_from_the_tail(block, component, samples):
     # The mean of a pair with the error factor 30 lies beyond 4 standard deviations.
     pair = component("pair", 1e-9, 2, "true")
     model = build_model([block("a", 1, (pair,))], name="m")
-    found = propagate(model, samples=samples, distributions={"pair": Lognormal(30.0)})
+    law = Lognormal(30.0)
+    found = propagate(model, samples=samples, distributions={"pair": law})
+    exact = 1e-18 * math.exp(2.0 * law.sigma**2)
+    assert found.is_weighted
+    assert found.knows_mean
+    assert abs(found.mean - exact) < 3.0 * found.standard_error
+    assert found.standard_error < 0.03 * exact
+    assert found == propagate(model, samples=samples, distributions={"pair": law})
+    shown = " ".join(render_uncertainty(found).split())
+    assert "The mean lies in draws too rare" in shown
+    assert "cannot tell the mean" not in shown
+
+
+def test_a_sample_that_cannot_know_the_mean_says_so(block, component):
+    # Ten tails at once are beyond draws that shift one input.
+    names = [f"c{number}" for number in range(2)]
+    parts = [component(name, 1e-5, 5, "required 1, detected each_visit") for name in names]
+    model = build_model([block("a", 1, parts)], name="m")
+    laws = dict.fromkeys(names, Lognormal(300.0))
+    found = propagate(model, samples=100, distributions=laws)
     assert not found.knows_mean
     assert "cannot tell the mean" in " ".join(render_uncertainty(found).split())
+
+
+def test_intervals_hold_percentiles_as_often_as_they_say(one_part):
+    laws = {"motor": Lognormal(10.0)}
+    exact = laws["motor"].quantiles(np.array([0.05, 0.5, 0.95]), 1e-6)
+    random = np.random.default_rng(3)
+    held = np.zeros(3)
+    for _ in range(400):
+        draws = laws["motor"].quantiles(random.random(200), 1e-6)
+        found = intervals(draws, (5.0, 50.0, 95.0))
+        held += [low <= each <= high for (low, high), each in zip(found, exact, strict=True)]
+    # Of 400 with 95 % fewer than 367 are rarer than one in a thousand.
+    assert (held >= 367).all()
+    assert (held < 398).all()
+    told = propagate(one_part, samples=1_000, distributions=laws)
+    for (low, high), middle in zip(told.intervals, told.percentiles, strict=True):
+        assert low < middle < high
+    assert "95 % from" in render_uncertainty(told)
+
+
+def test_few_draws_leave_ends_of_intervals_open():
+    assert intervals(np.array([1.0, 2.0]), (5.0, 50.0)) == ((None, 2.0), (None, None))
+
+
+def test_many_inputs_are_drawn_in_blocks(block, component, monkeypatch):
+    parts = [component(f"c{i}", 1e-6 * (1 + 100 * (i == 3)), 1, "false") for i in range(20)]
+    model = build_model([block("a", 1, parts)], name="m")
+    laws = {f"c{i}": Lognormal(3.0) for i in range(20)}
+    whole = propagate(model, samples=4_000, distributions=laws)
+    monkeypatch.setattr("tracerisk.prm.questions.draws.MOST_FITTED", 8_000)
+    monkeypatch.setattr("tracerisk.prm.questions.draws.MOST_DRAWN", 10_000)
+    parted = propagate(model, samples=4_000, distributions=laws)
+    assert parted == propagate(model, samples=4_000, distributions=laws)
+    assert parted.mean == pytest.approx(whole.mean, rel=0.01)
+    assert parted.percentiles == pytest.approx(whole.percentiles, rel=0.1)
+    assert parted.inputs[0].name == whole.inputs[0].name == "c3"
+    assert parted.inputs[0].share == pytest.approx(whole.inputs[0].share, abs=0.01)
+    names = {each.name: each for each in parted.inputs}
+    for each in whole.inputs:
+        assert names[each.name].percentiles == pytest.approx(each.percentiles, rel=0.1)
 
 
 def test_few_draws_of_a_narrow_figure_know_its_mean(one_part):

@@ -106,6 +106,10 @@ def render_uncertainty(
         spread.add_column(heading, justify="right")
     figures = (found.point, found.mean, *found.percentiles, found.deviation)
     spread.add_row(*plain([f"{each:.3e}" for each in figures]))
+    for end, name in enumerate(("95 % from", "to")):
+        ends = ["" if each[end] is None else f"{each[end]:.3e}" for each in found.intervals]
+        if ends:
+            spread.add_row(*plain([name, "", *ends, ""]))
     inputs = table_of("Share of each input in that spread")
     inputs.add_column("parameter", overflow="fold")
     for heading in ("point", *headings, "share"):
@@ -124,6 +128,11 @@ def render_uncertainty(
         told.append(
             f"The mean has a standard error of {found.standard_error:.2g} "
             f"({100.0 * found.standard_error / found.mean:.2g} %)."
+        )
+    if found.is_weighted:
+        told.append(
+            "The mean lies in draws too rare for this sample: it comes from as many others, half "
+            "of them from the tails of the inputs with the greatest shares, weighted."
         )
     if not found.knows_mean:
         told.append(

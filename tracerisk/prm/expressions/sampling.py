@@ -16,6 +16,8 @@ from tracerisk.prm.expressions.evaluation import Names, definition_of
 from tracerisk.prm.expressions.node import Expression, Reference
 
 if TYPE_CHECKING:
+    from numpy.random import Generator
+
     from tracerisk.prm.expressions.node import Array
 
 
@@ -47,15 +49,26 @@ class LatinHypercube:
 
     def uniform(self, key: str) -> Array:
         """Return the uniform numbers of one deviate: (size,)."""
-        from tracerisk.prm.numbers.arrays import np
+        return stratified(generator_of(key, self._seed), self.size)
 
-        text = key.encode()
-        generator = np.random.default_rng([self._seed, crc32(text), len(text), *text])
-        strata = generator.permutation(self.size)
-        found: Array = (strata + generator.random(self.size)) / self.size
-        # The ends themselves have no quantile.
-        tiny = np.finfo(np.float64)
-        return np.clip(found, tiny.tiny, 1.0 - tiny.epsneg)
+
+def generator_of(key: str, seed: int) -> Generator:
+    """Return the generator of a deviate's numbers, from the seed and the key alone."""
+    from tracerisk.prm.numbers.arrays import np
+
+    text = key.encode()
+    return np.random.default_rng([seed, crc32(text), len(text), *text])
+
+
+def stratified(generator: Generator, size: int) -> Array:
+    """Return uniform numbers within (0, 1), one in each of `size` equal strata: (size,)."""
+    from tracerisk.prm.numbers.arrays import np
+
+    strata = generator.permutation(size)
+    found: Array = (strata + generator.random(size)) / size
+    # The ends themselves have no quantile.
+    tiny = np.finfo(np.float64)
+    return np.clip(found, tiny.tiny, 1.0 - tiny.epsneg)
 
 
 def sample(

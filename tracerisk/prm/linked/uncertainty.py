@@ -11,7 +11,8 @@ from tracerisk.prm.linked.elements import ModelParameter
 from tracerisk.prm.linked.importance import is_probability
 from tracerisk.prm.linked.model import LinkedModel
 from tracerisk.prm.numbers.distributions import Distribution
-from tracerisk.prm.questions.uncertainty import SAMPLES, UncertainInput, Uncertainty, spread_of
+from tracerisk.prm.questions.draws import UncertainInput
+from tracerisk.prm.questions.uncertainty import SAMPLES, Uncertainty, spread_of
 
 if TYPE_CHECKING:
     from tracerisk.prm.questions.sampled_chain import Samples

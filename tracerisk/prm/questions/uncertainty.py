@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.numbers.distributions import Distribution
+from tracerisk.prm.questions.draws import InputDraws, UncertainInput, in_blocks
+from tracerisk.prm.questions.tails import intervals, tail_mean
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,15 +30,6 @@ PERCENTILES = (5.0, 50.0, 95.0)
 
 MOST_OF_GREATEST, FEW = 0.02, 10.0
 """The share of the mean that the greatest draw may have; of few draws, so many times its own."""
-
-
-@dataclass(frozen=True, slots=True)
-class UncertainInput:
-    """A parameter that is drawn: its point value, its distribution, whether it ends at one."""
-
-    value: float
-    distribution: Distribution
-    is_probability: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +68,10 @@ class Uncertainty:
     first.
     `standard_error` is that of the mean of as many independent draws, which a Latin hypercube
     hardly ever exceeds; `greatest_share` is what the greatest draw alone adds to the mean, 0 to 1.
+    `intervals` hold the percentiles with at least 95 %, whatever the figure's distribution; an end
+    is `None` where there are too few draws for it.
+    With `is_weighted` mean, standard error and greatest share are those of draws of which half
+    were taken from the tails, see `tails`.
     """
 
     samples: int
@@ -87,6 +84,8 @@ class Uncertainty:
     inputs: tuple[InputShare, ...]
     standard_error: float
     greatest_share: float
+    intervals: tuple[tuple[float | None, float | None], ...] = ()
+    is_weighted: bool = False
 
     @classmethod
     def of_draws(
@@ -110,6 +109,7 @@ class Uncertainty:
             inputs=inputs,
             standard_error=deviation / math.sqrt(count),
             greatest_share=float(results.max()) / total if total > 0.0 else 0.0,
+            intervals=intervals(results, PERCENTILES),
         )
 
     @property
@@ -187,7 +187,7 @@ def propagate(
         for name, (certain, keys) in sums.items():
             total = _at_most_one([drawn[key] for key in keys], certain)
             for part, share in shares[name].items():
-                thetas[part] = total * share
+                thetas[part] = total * share if share != 1.0 else total
         return failure_samples(model, thetas)
 
     point = solve_figures(model).mission.geometric_cycles
@@ -215,32 +215,48 @@ def spread_of(
             "no parameter has a distribution; state it in the model, or give an error factor: "
             "--error-factor 3 for all, --error-factor gripper=3 for one"
         )
-    uniform = latin_hypercube(samples, tuple(inputs), seed)
-    drawn: dict[str, Samples] = {}
-    cut: dict[str, int] = {}
-    for name, each in inputs.items():
-        found = each.distribution.quantiles(uniform[name], each.value)
-        cut[name] = int((found > 1.0).sum()) if each.is_probability else 0
-        drawn[name] = np.minimum(found, 1.0) if each.is_probability else found
-    results = figure(drawn)
-    shares = first_order_shares(np.column_stack(list(drawn.values())), results)
-    found_inputs = [
+    if samples < 2:
+        raise ModelError(f"{samples} samples; give at least 2")
+    drawn = InputDraws(inputs, samples, seed)
+    shares: dict[str, float] = {}
+    if drawn.are_many:
+        results, linear = in_blocks(figure, drawn)
+        leading = sorted(linear, key=lambda name: (-linear[name], name))[: drawn.fitted]
+        shares, values = linear, drawn.whole(leading)
+    else:
+        values = drawn.whole(tuple(inputs))
+        results = figure(values)
+    joint = first_order_shares(np.column_stack(list(values.values())), results)
+    shares |= {name: float(share) for name, share in zip(values, joint, strict=True)}
+    rows = [
         InputShare(
             name=name,
             value=each.value,
-            percentiles=_percentiles(drawn[name]),
-            share=float(share),
-            cut=cut[name],
+            percentiles=_percentiles(values[name]) if name in values else each.levels(PERCENTILES),
+            share=shares[name],
+            cut=drawn.cut[name],
         )
-        for (name, each), share in zip(inputs.items(), shares, strict=True)
+        for name, each in inputs.items()
     ]
-    found_inputs.sort(key=lambda each: (-each.share, each.name))
-    return Uncertainty.of_draws(results, seed=seed, point=point, inputs=tuple(found_inputs))
+    rows.sort(key=lambda each: (-each.share, each.name))
+    found = Uncertainty.of_draws(results, seed=seed, point=point, inputs=tuple(rows))
+    if found.knows_mean or drawn.are_many:
+        return found
+    tail = tail_mean(figure, inputs, [each.name for each in rows], samples, seed)
+    return replace(
+        found,
+        mean=tail.mean,
+        standard_error=tail.standard_error,
+        greatest_share=tail.greatest_share,
+        is_weighted=True,
+    )
 
 
 def _at_most_one(parts: Sequence[Samples], certain: float) -> Samples:
     from tracerisk.prm.numbers.arrays import np
 
+    if len(parts) == 1 and certain == 0.0:
+        return np.minimum(parts[0], 1.0)
     total: Samples = np.minimum(np.sum(parts, axis=0) + certain, 1.0)
     return total
 
