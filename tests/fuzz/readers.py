@@ -1,9 +1,10 @@
-"""The readers that take what others wrote, each as a function of bytes, with whole examples."""
+"""The readers that take what others wrote, each as a function of bytes, with whole examples.
+
+A reader of a model solves it too, as `solve` does.
+"""
 
 from __future__ import annotations
 
-import contextlib
-import io
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,19 +14,22 @@ from tracerisk import config, trace_json
 from tracerisk.adder.lock.lock import Lock, loads
 from tracerisk.adder.sources.published import read_c_blocks
 from tracerisk.adder.sources.read import read_blocks
+from tracerisk.cli.chain_solve import ChainFile
+from tracerisk.cli.logic_solve import DynamicFile, LogicFile
+from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.evidence import Cell as EvidenceCell
 from tracerisk.evidence import Evidence, dump_evidence, loads_evidence
 from tracerisk.hardware.sysml.reader import read_sysml
 from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.instrument.recording import read_recording
 from tracerisk.pipeline.workspace.console_scripts import console_scripts
-from tracerisk.prm import build_model
+from tracerisk.prm import build_model, solve
 from tracerisk.prm.formats import galileo, linked_json, model_json
-from tracerisk.prm.formats.explicit import read_explicit
 from tracerisk.prm.formats.open_psa.reader import loads_open_psa
 from tracerisk.prm.formats.openpra import dumps_openpra, loads_openpra
-from tracerisk.prm.formats.prism.reader import read_prism
+from tracerisk.prm.formats.prism.reader import read_prism_model
 from tracerisk.prm.linked import linked
+from tracerisk.prm.properties import ask, parse_properties
 from tracerisk.ros.graph.parameter_files import read_parameters
 from tracerisk.ros.scenario.scenario import read_scenario
 from tracerisk.trace import (
@@ -41,6 +45,11 @@ from tracerisk.trace import (
 from tracerisk.twin.robots.reader import read_robot
 from tracerisk.twin.urdf.srdf import read_srdf
 from tracerisk.vendors.description_reader import read_driver
+
+
+def _text(data: bytes) -> str:
+    return data.decode("utf-8", "replace")
+
 
 BLOCK = b"""\
 def turn(arm):
@@ -67,6 +76,36 @@ module chain
   [] s = n -> (s' = n);
 endmodule
 label "done" = s = n;
+"""
+CTMC = b"""\
+ctmc
+module pump
+  s : [0..2] init 0;
+  [] s = 0 -> 0.1 : (s' = 1) + 0.02 : (s' = 2);
+  [] s = 1 -> 5 : (s' = 0);
+endmodule
+label "down" = s > 0;
+rewards "cost"
+  s = 1 : 2.5;
+endrewards
+"""
+PROPERTIES = b"""\
+const double T = 10;
+label "late" = s >= 2;
+"reached": P=? [ F<=5 "done" ];
+P=? [ !"late" U s = 3 ];
+S=? [ "done" ];
+P<0.5 [ G<=3 s < 3 ];
+"""
+GALILEO = b"""\
+toplevel "T";
+"T" or "S" "P" "V";
+"S" wsp "A" "B";
+"P" pand "C" "D";
+"V" 2of3 "E" "F" "G";
+"X" fdep "H" "E" "F";
+"A" lambda=1e-3; "B" lambda=1e-3 dorm=0.5; "C" lambda=0.1; "D" lambda=0.2 phases=3;
+"E" prob=0.1; "F" lambda=1; "G" lambda=2; "H" lambda=0.5;
 """
 EVENTS = b"""\
 {"event":"function","ns":0,"file":"c.py","name":"turn","line":1}
@@ -152,6 +191,7 @@ OPEN_PSA = (
     b"</define-fault-tree></opsa-mef>"
 )
 MODEL = build_model([each.block for each in read_blocks(BLOCK, "c.py")], name="m")
+CHAIN = read_prism_model(_text(PRISM))
 TURN = FunctionRef("c.py", QualifiedName("turn"))
 TRACE = Trace(
     controller="c.py",
@@ -162,7 +202,6 @@ TRACE = Trace(
     functions=(TracedFunction(TURN, 7, 1),),
     visits=(Visit(TURN, 0.1, 12.4, "succeeded", {"j1": Exposure(1.0, 2.0, active_s=3.0)}),),
 )
-GALILEO = b'toplevel "A";\n"A" and "B" "C";\n"B" lambda=0.1;\n"C" lambda=1e-3 dorm=0.5;\n'
 EVIDENCE = Evidence(
     fingerprint="f",
     robot="panda",
@@ -190,10 +229,6 @@ class Reader:
     examples: tuple[bytes, ...]
 
 
-def _text(data: bytes) -> str:
-    return data.decode("utf-8", "replace")
-
-
 def _file(name: str, read: Callable[[Path], object]) -> Callable[[bytes, Path], object]:
     def of(data: bytes, folder: Path) -> object:
         path = folder / name
@@ -203,75 +238,67 @@ def _file(name: str, read: Callable[[Path], object]) -> Callable[[bytes, Path], 
     return of
 
 
-class InternalError(Exception):
-    """The command found a fault of its own; the message is the end of what it printed."""
-
-
-def _solved(name: str, *options: str) -> Callable[[bytes, Path], object]:
-    """Return what writes a file of this name and solves it with the command."""
-
+def _chain(
+    kind: ModelFormat, name: str, beside: tuple[str, bytes] | None = None
+) -> Callable[[bytes, Path], object]:
     def of(data: bytes, folder: Path) -> object:
-        from tracerisk.cli import main
-
-        path = folder / name
-        path.write_bytes(data)
-        (folder / "chain.pm").write_bytes(data if name == "chain.pm" else PRISM)
-        out, err = io.TextIOWrapper(io.BytesIO()), io.StringIO()
-        given = [each.replace("FOLDER", str(folder)) for each in options]
-        asked = str(folder / "chain.pm") if name == "asked.props" else str(path)
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-            code = main(["solve", asked, "-q", "--json", *given])
-        if code not in (0, 1, 2):
-            raise InternalError(err.getvalue()[-2000:])
-        return code
+        files = {name: data} if beside is None else {name: data, beside[0]: beside[1]}
+        for each, content in files.items():
+            (folder / each).write_bytes(content)
+        first = name if name != "c.lab" else "c.tra"
+        return ChainFile((str(folder / first),), kind, None).solve(None, importance=False)
 
     return of
 
 
-PROPERTIES = b'P=? [ F "deadlock" ]\nP>=0.5 [ G<=10 s=1 ]\nS=? [ s=2 ]\nR=? [ F s=1 ]\n'
+def _solved_blocks(data: bytes, _folder: Path) -> object:
+    return solve(build_model([each.block for each in read_blocks(data, "c.py")], name="m"))
+
 
 READERS: dict[str, Reader] = {
     "evidence": Reader(
         lambda data, _: dump_evidence(loads_evidence(_text(data), "tracerisk.evidence")),
         (dump_evidence({"cell.py": EVIDENCE}).encode(),),
     ),
-    "solve_prism": Reader(_solved("chain.pm", "--mission-time", "1"), (PRISM,)),
-    "solve_galileo": Reader(_solved("tree.dft", "--mission-time", "1"), (GALILEO,)),
-    "solve_open_psa": Reader(_solved("model.xml", "--mission-time", "1"), (OPEN_PSA,)),
-    "solve_model": Reader(_solved("model.json"), (model_json.dumps(MODEL).encode(),)),
-    "solve_linked": Reader(_solved("model.json"), (linked_json.dumps(linked(MODEL)).encode(),)),
-    "solve_blocks": Reader(_solved("cell.py"), (BLOCK,)),
-    "solve_properties": Reader(
-        _solved("asked.props", "--properties", "FOLDER/asked.props"), (PROPERTIES,)
-    ),
-    "blocks": Reader(lambda data, _: read_blocks(data, "c.py"), (BLOCK,)),
+    "blocks": Reader(_solved_blocks, (BLOCK,)),
     "lock": Reader(lambda data, _: loads(data, "tracerisk.lock").dumps(), (Lock().dumps(),)),
     "trace": Reader(
         lambda data, _: trace_json.loads(_text(data), "t.json"),
         (trace_json.dumps(TRACE).encode(),),
     ),
     "recording": Reader(_file("events.jsonl", read_recording), (EVENTS,)),
-    "prism": Reader(lambda data, _: read_prism(_text(data), most_states=200), (PRISM,)),
+    "prism": Reader(_chain(ModelFormat.PRISM, "c.sm"), (PRISM, CTMC)),
+    "properties": Reader(
+        lambda data, _: ask(CHAIN, parse_properties(_text(data), "p.props")), (PROPERTIES,)
+    ),
     "transitions": Reader(
-        lambda data, _: read_explicit(
-            _text(data), "#DECLARATION\ninit\n#END\n0 init\n", transitions_file="c.tra"
-        ),
+        _chain(ModelFormat.EXPLICIT, "c.tra", ("c.lab", b"#DECLARATION\ninit\n#END\n0 init\n")),
         (b"dtmc\n0 1 0.5\n0 0 0.5\n1 1 1\n",),
     ),
+    "labels": Reader(
+        _chain(ModelFormat.EXPLICIT, "c.lab", ("c.tra", b"dtmc\n0 1 0.5\n0 2 0.5\n1 1 1\n2 2 1\n")),
+        (b"#DECLARATION\ninit deadlock done\n#END\n0 init\n1 done\n2 done deadlock\n",),
+    ),
     "galileo": Reader(
-        lambda data, _: galileo.loads(_text(data), "t.dft"),
-        (GALILEO,),
+        lambda data, _: DynamicFile(galileo.loads(_text(data), "t.dft"), 1.0).solve(
+            None, importance=True
+        ),
+        (b'toplevel "A";\n"A" and "B" "C";\n"B" lambda=0.1;\n"C" lambda=1e-3 dorm=0.5;\n', GALILEO),
     ),
     "open_psa": Reader(
-        lambda data, _: loads_open_psa(data, "m.xml"),
+        lambda data, _: LogicFile(loads_open_psa(data, "m.xml"), "m.xml", 10.0).solve(
+            None, importance=True
+        ),
         (OPEN_PSA,),
     ),
     "openpra": Reader(
-        lambda data, _: loads_openpra(data, "m.json"),
+        lambda data, _: LogicFile(loads_openpra(data, "m.json"), "m.json", 10.0).solve(
+            None, importance=True
+        ),
         (dumps_openpra(loads_open_psa(OPEN_PSA, "m.xml")).encode(),),
     ),
     "model": Reader(
-        lambda data, _: model_json.loads(_text(data), "m.json"),
+        lambda data, _: solve(model_json.loads(_text(data), "m.json")),
         (model_json.dumps(MODEL).encode(),),
     ),
     "hardware": Reader(
@@ -291,7 +318,7 @@ READERS: dict[str, Reader] = {
     ),
     "c_blocks": Reader(lambda data, _: read_c_blocks(data, "c.cpp"), (C_BLOCK,)),
     "linked": Reader(
-        lambda data, _: linked_json.loads(_text(data), "m.json"),
+        lambda data, _: linked_json.loads(_text(data), "m.json").solve(),
         (linked_json.dumps(linked(MODEL)).encode(),),
     ),
     "parameters": Reader(_file("p.yaml", read_parameters), (PARAMETERS,)),

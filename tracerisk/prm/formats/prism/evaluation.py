@@ -117,8 +117,11 @@ class Scope:
         return made.pop()
 
     def value(self, expression: Expression) -> Value:
-        """Return the value of an expression without variables."""
-        return self.compile(expression).run(())
+        """Return the value of an expression; raises ModelError where it has variables or labels."""
+        own = self
+        if self.places or self.labels is not None:
+            own = Scope(dict(self.constants), {}, self.formulas)
+        return own.compile(expression).run(())
 
     def _is_open_formula(self, name: str) -> bool:
         own = name in self.places or name in self.constants or name in self._ready
