@@ -229,3 +229,56 @@ def test_a_figure_is_set_by_a_factor_of_its_own(model):
         outcome = model.run("solve", "model.json", "--set", text)
         assert outcome.code == 2
         assert message in outcome.err
+
+
+HARDWARE = """\
+components:
+  gripper: {failure_rate: {value: 1e-6, per: hour}}
+  power: {failure_rate: {value: 6e-8, per: minute}, active: always}
+  arm:
+    quantity: 7
+    failure_rate: [{value: 1e-6, per: hour}, {value: 1e-7, per: hour}]
+"""
+
+
+def test_a_figure_is_set_by_a_rate_beside_that_of_the_hardware_description(model):
+    Path("arm.yaml").write_text(HARDWARE, encoding="utf-8")
+
+    def found(*call):
+        return json.loads(model.run("solve", "model.json", *call, "--json").out)["assessment"]
+
+    for rate, factor in (
+        ("gripper.rate=5e-7/h", "gripper=x0.5"),
+        ("power.rate=7.2e-6/h", "power=x2"),
+        ("power.rate=1.2e-7/min", "power=x2"),
+    ):
+        by_rate = found("--set", rate, "--hardware", "arm.yaml")["mission"]
+        by_factor = found("--set", factor)["mission"]
+        assert by_rate["failure_probability"] == pytest.approx(
+            by_factor["failure_probability"], rel=1e-14
+        )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["gripper.rate=5e-7/h"], "say with --hardware FILE which rate it takes the place of"),
+        (["gripper.rate=5e-7/d", "--hardware", "arm.yaml"], "'d' is not a unit of time; allowed"),
+        (["gripper.rate=-1/h", "--hardware", "arm.yaml"], "the rate -1 is not one of 0 or more"),
+        (
+            ["grip.rate=1/h", "--hardware", "arm.yaml"],
+            "no component 'grip'; did you mean 'gripper'",
+        ),
+        (["arm.rate=1/h", "--hardware", "arm.yaml"], "'arm' has not one figure per time"),
+        (
+            ["gripper=1e-6", "--set", "gripper.rate=1e-9/h", "--hardware", "arm.yaml"],
+            "--set names 'gripper' twice",
+        ),
+        (["gripper=1e-6", "--hardware", "arm.yaml"], "--hardware goes with --uncertainty; add it"),
+    ],
+)
+def test_what_is_no_rate_is_told(model, arguments, message):
+    Path("arm.yaml").write_text(HARDWARE, encoding="utf-8")
+    outcome = model.run("solve", "model.json", "--set", *arguments)
+    assert outcome.code == 2
+    assert message in outcome.err

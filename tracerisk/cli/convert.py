@@ -120,7 +120,7 @@ def _converted(
 
 
 def _constants(options: argparse.Namespace, kind: ModelFormat | None) -> dict[str, int | float]:
-    values = asked.parse_set(options, asked.number)
+    values = asked.parse_set(options.set_values, asked.number)
     if values and kind is not ModelFormat.PRISM:
         raise InputError("--set goes with constants of a PRISM file; change the model instead")
     return {name: int(n) if n.is_integer() else n for name, n in values.items()}

@@ -25,7 +25,7 @@ def solve_linked(model: LinkedModel, options: argparse.Namespace) -> int:
     from tracerisk.prm.questions.what_if import SetValue, log_spaced
 
     figure = _figure(model, options)
-    values = asked.parse_set(options, asked.number)
+    values = asked.parse_set(options.set_values, asked.number)
     before = model.solve().parameters if values else {}
     for name in values:
         model.parameter(name)

@@ -75,7 +75,7 @@ def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.
 
     _check_options(options, kind)
     given = _solvable(files, kind, options)
-    values = asked.parse_set(options, asked.number)
+    values = asked.parse_set(options.set_values, asked.number)
     model = given.with_values(values) if values else given
     changes = [SetValue(name, given.value_of(name), now) for name, now in values.items()]
     solved = model.solve(options.figure, importance=options.importance)
@@ -197,7 +197,7 @@ def _galileo(files: Sequence[str], options: argparse.Namespace) -> Solvable:
     from tracerisk.prm.formats import galileo
 
     text = read_text(files[0])
-    values = asked.parse_set(options, asked.number)
+    values = asked.parse_set(options.set_values, asked.number)
     declared = galileo.parameter_names(text, files[0])
     given = {name: values[name] for name in declared if name in values}
     tree = read_model(files, ModelFormat.GALILEO, given)

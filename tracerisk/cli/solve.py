@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
     model, changes = asked.set_in(given, options)
     assessment = solve(model)
     sweeps = asked.swept(model, options)
-    spreads = spreads_of_files(options.files, model, options)
+    spreads = spreads_of_files(options.files, model, options) if options.uncertainty else None
     uncertainty = asked.uncertainty_of(model, options, spreads)
     pairs = asked.pairs_of(model, options)
     code = risk_exit(assessment, options.max_failure_probability)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.cli.hardware_spread import add_hardware_spread
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import print_text, terminal_width, use_color
-from tracerisk.errors import InputError
+from tracerisk.errors import InputError, one_of
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.results.figure_spreads import HardwareSpreads
@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from tracerisk.prm.questions.what_if import SetValue, Sweep
 
 MOST_POINTS = 10_000
+_RATE = ".rate"
+_UNITS_H = {"h": 1.0, "min": 1.0 / 60.0, "s": 1.0 / 3600.0}
+"""Units of time in which `--set` takes rates [h]."""
 POINTS = 9
 """How many values a sweep has unless it is said."""
 
@@ -37,8 +40,9 @@ def add_what_if(parser: argparse.ArgumentParser) -> None:
         metavar="NAME=P",
         action="append",
         default=[],
-        help="solve with a component's figure set, as gripper=1e-6, or times a factor, as "
-        "gripper=x2; repeatable",
+        help="solve with a component's figure set, as gripper=1e-6, times a factor, as "
+        "gripper=x2, or at another rate than its own in --hardware FILE, as gripper.rate=5e-7/h; "
+        "repeatable",
     )
     group.add_argument(
         "--sweep",
@@ -109,22 +113,70 @@ def set_in(model: HybridModel, options: argparse.Namespace) -> tuple[HybridModel
     from tracerisk.prm.questions.what_if import set_values, value_of, with_values
 
     def figure(text: str, where: str) -> float:
+        name = where.removeprefix("--set ").rpartition("=")[0]
+        if _is_rate(name, text):
+            component = name.removesuffix(_RATE)
+            factor = _rate(text, where) / _own_rate(component, where, options.hardware)
+            return probability(repr(factor * value_of(model, component)), where)
         if not text.startswith("x") or text == "x":
             return probability(text, where)
-        name = where.removeprefix("--set ").rpartition("=")[0]
         return probability(repr(number(text[1:], where) * value_of(model, name)), where)
 
-    values = parse_set(options, figure)
+    values: dict[str, float] = {}
+    for text in options.set_values:
+        for name, value in parse_set([text], figure).items():
+            component = (
+                name.removesuffix(_RATE) if _is_rate(name, text.rpartition("=")[2]) else name
+            )
+            if component in values:
+                raise InputError(f"--set names '{component}' twice; set it once")
+            values[component] = value
     if not values:
         return model, []
 
     return with_values(model, values), list(set_values(model, values))
 
 
-def parse_set(options: argparse.Namespace, read: Callable[[str, str], float]) -> dict[str, float]:
+def _is_rate(name: str, text: str) -> bool:
+    return name.endswith(_RATE) and "/" in text
+
+
+def _rate(text: str, where: str) -> float:
+    """Return a rate per hour, such as `5e-7/h`."""
+    value, _, unit = text.rpartition("/")
+    if unit not in _UNITS_H:
+        raise InputError(f"{where}: '{unit}' is not a unit of time; allowed: {', '.join(_UNITS_H)}")
+    rate = number(value, where) / _UNITS_H[unit]
+    if not 0.0 <= rate < math.inf:
+        raise InputError(f"{where}: the rate {value} is not one of 0 or more")
+    return rate
+
+
+def _own_rate(name: str, where: str, description: str | None) -> float:
+    """Return the rate per hour that a hardware description has for a component."""
+    from pathlib import Path
+
+    from tracerisk.hardware.formats import read_description
+
+    if description is None:
+        raise InputError(f"{where}: say with --hardware FILE which rate it takes the place of")
+    components = {each.name: each for each in read_description(Path(description)).components}
+    if name not in components:
+        raise InputError(f"{where}: no component '{name}'; {one_of(components, name)}")
+    figures = components[name].figures
+    seconds = figures[0].per.seconds if len(figures) == 1 else None
+    if seconds is None or figures[0].kind == "weibull" or figures[0].value <= 0.0:
+        raise InputError(
+            f"{where}: '{name}' has not one figure per time in {description}; "
+            f"set its probability, or a factor: {name}=x2"
+        )
+    return figures[0].value * 3600.0 / seconds
+
+
+def parse_set(texts: Sequence[str], read: Callable[[str, str], float]) -> dict[str, float]:
     """Return the values of `--set` by name; `read` takes a text and where it stands."""
     values: dict[str, float] = {}
-    for text in options.set_values:
+    for text in texts:
         name, value = _named(text, "--set", "NAME=P, such as gripper=1e-6")
         if name in values:
             raise InputError(f"--set names '{name}' twice; set it once")
@@ -198,8 +250,9 @@ def uncertainty_of(
 def wants_uncertainty(options: argparse.Namespace) -> bool:
     """Return whether `--uncertainty` is given; raise InputError for what goes with it alone."""
     if not options.uncertainty:
+        rates = any(_is_rate(*text.rpartition("=")[::2]) for text in options.set_values)
         for option in ("error_factors", "samples", "seed", "hardware"):
-            if getattr(options, option) not in (None, []):
+            if getattr(options, option) not in (None, []) and not (option == "hardware" and rates):
                 name = option.replace("_factors", "-factor")
                 raise InputError(f"--{name} goes with --uncertainty; add it")
     return bool(options.uncertainty)
