@@ -240,15 +240,20 @@ def _redundancy(random: Random, quantity: int) -> str:
     if quantity == 1 or random.random() < 0.15:
         return "false"
     text = random.choice(("true", f"required {random.randint(1, quantity)}"))
-    kind = random.randrange(4)
+    kind = random.randrange(6)
     if kind == 1:
         text += ", spare cold"
     elif kind == 2:
         text += f", spare warm {random.choice((0.25, 0.999, random.uniform(0.01, 0.99)))!r}"
+    elif kind == 3:
+        text += ", spare hot"
+    elif kind == 4:
+        text += f", spare warm {random.choice((0.0, 1.0, 1e-9))!r}"
     if kind and random.random() < 0.4:
         text += f", switch {random.choice((0.01, 1.0, random.random()))!r}"
     if random.random() < 0.25:
         text += f", common_cause {random.choice((0.1, 1e-9, random.random()))!r}"
-    if random.random() < 0.2:
-        text += ", detected each_visit"
+    detected = random.random()
+    if detected < 0.3:
+        text += f", detected {'each_visit' if detected < 0.2 else 'mission_start'}"
     return text
