@@ -4,10 +4,14 @@ What Python keeps for each thread is exchanged with the baton: what `threading.l
 keep in the dictionary of the thread's state, the running event loop of asyncio, the functions that
 trace and profile, and the hooks of asynchronous generators. The context of context variables, the
 stack and the exception that is handled are greenlets' own.
+
+From Python 3.13 on a `threading.local` is no part of that dictionary: those that are made during
+the run go by `threading.current_thread`, and of those before it only that of asyncio is exchanged.
 """
 
 from __future__ import annotations
 
+import _threading_local
 import ctypes
 import signal
 import sys
@@ -20,6 +24,8 @@ from typing import Any, NoReturn
 from tracerisk import dependencies
 from tracerisk.ros.controller.thread import ControllerThread
 
+_LOCALS_ARE_KEPT = sys.version_info < (3, 13)
+"""Whether a `threading.local` keeps what is a thread's own in the dictionary of its state."""
 _ONLY_MAIN = "signal only works in main thread of the main interpreter"
 
 
@@ -28,6 +34,7 @@ class _ThreadState:
     """What Python keeps for a thread, while another has the baton."""
 
     kept: dict[Any, Any] = field(default_factory=dict)
+    of_asyncio: dict[str, Any] = field(default_factory=dict)
     loop: Any = None
     task: Any = None
     tracing: Any = None
@@ -104,6 +111,9 @@ class GreenletBaton:
         ):
             if name in vars(owner):
                 yield owner, name, self.ident
+        if not _LOCALS_ARE_KEPT:
+            yield sys.modules["_thread"], "_local", _threading_local.local
+            yield threading, "local", _threading_local.local
         for name in ("signal", "set_wakeup_fd"):
             yield signal, name, self._only_in_main(vars(signal)[name])
         if "pthread_kill" in vars(signal):
@@ -129,7 +139,7 @@ class GreenletBaton:
         loop, task = _asyncio_left()
         first, last = sys.get_asyncgen_hooks()
         state = _ThreadState(
-            dict(self._state), loop, task, sys.gettrace(), sys.getprofile(), (first, last)
+            dict(self._state), _taken(), loop, task, sys.gettrace(), sys.getprofile(), (first, last)
         )
         self._state.clear()
         return state
@@ -139,6 +149,8 @@ class GreenletBaton:
         self._running = ident
         self._state.clear()
         self._state.update(state.kept)
+        if state.of_asyncio:
+            _local_of_asyncio().update(state.of_asyncio)
         _asyncio_entered(state.loop, state.task)
         if sys.get_asyncgen_hooks() != state.hooks:
             sys.set_asyncgen_hooks(*state.hooks)
@@ -156,6 +168,21 @@ def _dictionary_of_thread() -> dict[Any, Any]:
     address = api.PyThreadState_GetDict()
     found: dict[Any, Any] = ctypes.cast(address, ctypes.py_object).value
     return found
+
+
+def _local_of_asyncio() -> dict[str, Any]:
+    """Return what asyncio keeps for the thread apart from the dictionary of its state."""
+    events = sys.modules.get("asyncio.events")
+    policy = None if events is None else vars(events).get("_event_loop_policy")
+    local = getattr(policy, "_local", None)
+    return {} if local is None or _LOCALS_ARE_KEPT else vars(local)
+
+
+def _taken() -> dict[str, Any]:
+    kept = _local_of_asyncio()
+    taken = dict(kept)
+    kept.clear()
+    return taken
 
 
 def _asyncio_left() -> tuple[Any, Any]:
