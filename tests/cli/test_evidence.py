@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
+import signal
+import subprocess
+import sys
+import time
 from concurrent.futures import Executor, Future
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from tracerisk import api
+from tracerisk.errors import ScenarioError
 from tracerisk.evidence import (
     Cell,
     Evidence,
@@ -16,6 +24,7 @@ from tracerisk.evidence import (
     merge_evidence,
     read_evidence,
 )
+from tracerisk.ros.scenario.scenario import read_scenario
 
 HARDWARE = """\
 robot: panda
@@ -218,11 +227,6 @@ def test_a_controller_without_evidence_is_said(tmp_path, example, quick):
     ],
 )
 def test_a_malformed_success_is_named_with_its_line(tmp_path, entry, message):
-    from pathlib import Path
-
-    from tracerisk.errors import ScenarioError
-    from tracerisk.ros.scenario.scenario import read_scenario
-
     path = Path(tmp_path, "s.yaml")
     path.write_text(f"success:\n  - {entry}\n")
     with pytest.raises(ScenarioError, match=message) as raised:
@@ -232,8 +236,6 @@ def test_a_malformed_success_is_named_with_its_line(tmp_path, entry, message):
 
 
 def test_diff_says_what_a_change_did_to_failures(repository, quick):
-    from dataclasses import replace
-
     repository.write("controller.py", quick())
     repository.write("one.yaml", HARDWARE)
     repository.write("pyproject.toml", '[tool.tracerisk]\nhardware = "one.yaml"\n')
@@ -298,3 +300,36 @@ def test_what_a_controller_does_when_a_part_fails_ends_its_own_cell_alone(what, 
     if what in ("hangs", "dies", "exits", "raises"):
         assert any(each.effect == "ended_badly" for each in failed)
     assert not (example.folder / "junk").exists()
+
+
+def test_a_killed_campaign_leaves_no_process(example, quick):
+    example.write("controller.py", quick())
+    example.write("one.yaml", HARDWARE)
+    example.write("pyproject.toml", '[tool.tracerisk]\nhardware = "one.yaml"\n')
+
+    def ours() -> set[str]:
+        found = set()
+        for each in Path("/proc").glob("[0-9]*/environ"):
+            try:
+                if b"TRACERISK_TEST_MARK=killed" in each.read_bytes():
+                    found.add(each.parent.name)
+            except OSError:
+                continue
+        return found
+
+    begun = subprocess.Popen(
+        [sys.executable, "-m", "tracerisk", "evidence", "controller.py", "-j", "2", "-q"],
+        cwd=example.folder,
+        env={**os.environ, "TRACERISK_TEST_MARK": "killed"},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    deadline = time.monotonic() + 60.0
+    while len(ours()) < 3 and time.monotonic() < deadline:
+        time.sleep(0.2)
+    assert len(ours()) >= 3
+    begun.send_signal(signal.SIGKILL)
+    begun.wait()
+    while ours() and time.monotonic() < deadline:
+        time.sleep(0.2)
+    assert not ours()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
@@ -19,6 +20,7 @@ R = TypeVar("R")
 Told = Callable[[int, int, float], None]
 """Told how many are done, of how many, and the seconds left."""
 
+_LOOK_S = 1.0
 _POOLS = 3
 """How often a pool of workers of which one died is started again."""
 
@@ -78,4 +80,20 @@ class Workers:
 
 def _pool(workers: int) -> ProcessPoolExecutor:
     # Forked processes would share the threads and files of this one.
-    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
+    return ProcessPoolExecutor(
+        workers,
+        mp_context=multiprocessing.get_context("spawn"),
+        initializer=_end_with,
+        initargs=(os.getpid(),),
+    )
+
+
+def _end_with(parent: int) -> None:
+    """Have this process end where its parent does, however that ends."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(_LOOK_S)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
