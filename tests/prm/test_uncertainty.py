@@ -24,6 +24,7 @@ from tracerisk.prm import (
     solve,
 )
 from tracerisk.prm.numbers.distributions import Beta, Gamma, Lognormal, Normal, Uniform
+from tracerisk.prm.questions.draws import MOST_TOGETHER
 from tracerisk.prm.questions.sampled_chain import absorption_samples
 from tracerisk.prm.questions.sampled_mission import failure_samples
 from tracerisk.prm.questions.sobol import first_order_shares
@@ -446,3 +447,14 @@ def test_few_draws_of_a_narrow_figure_know_its_mean(one_part):
         assert propagate(
             one_part, samples=samples, distributions={"motor": Lognormal(3.0)}
         ).knows_mean
+
+
+def test_shares_of_hundreds_of_inputs_are_not_fitted_all_together(block, component):
+    # The fit takes time with the cube of the inputs.
+    parts = [component(f"c{i}", 1e-6, 1, "false") for i in range(1_000)]
+    model = build_model([block("a", 1, parts)], name="m")
+    laws = {f"c{i}": Lognormal(3.0) for i in range(1_000)}
+    found = propagate(model, samples=2_000, distributions=laws)
+    exact = laws["c0"].mean(1e-6) * 1_000
+    assert found.mean == pytest.approx(exact, rel=0.01)
+    assert sum(each.share > 0.0 for each in found.inputs) <= MOST_TOGETHER

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 MOST_FITTED = 4_000_000
 """How many values of inputs are held at once; of more inputs only the leading ones are."""
 
+MOST_TOGETHER = 250
+"""How many inputs have their shares fitted together, at most."""
+
 MOST_DRAWN = 10_000_000
 """How many values one block may hold."""
 
@@ -60,7 +63,7 @@ class InputDraws:
     def __init__(self, inputs: Mapping[str, UncertainInput], samples: int, seed: int) -> None:
         """Prepare the draws."""
         self.inputs, self._samples, self._seed = inputs, samples, seed
-        self.fitted = max(1, MOST_FITTED // samples)
+        self.fitted = max(1, min(MOST_TOGETHER, MOST_FITTED // samples))
         self.are_many = len(inputs) > self.fitted
         size = max(64, MOST_DRAWN // len(inputs)) if self.are_many else samples
         whole, rest = divmod(samples, size)

@@ -155,15 +155,15 @@ def propagate(
     from tracerisk.prm.questions.sampled_mission import failure_samples
     from tracerisk.prm.questions.what_if import groups_of, parameters_of
 
-    given = {}
+    given, groups = {}, groups_of(model)
     for name, distribution in (distributions or {}).items():
-        for parameter in parameters_of(model, name):
+        for parameter in groups.get(name) or parameters_of(model, name):
             given[parameter.name] = distribution
     inputs: dict[str, UncertainInput] = {}
     # What a component's figure is the sum of: its inputs, and what is certain of it.
     sums: dict[str, tuple[float, list[str]]] = {}
     shares: dict[str, dict[str, float]] = {}
-    for name, parts in groups_of(model).items():
+    for name, parts in groups.items():
         value = math.fsum(part.theta for part in parts)
         own = [given.get(part.name) for part in parts]
         spreads = (figures or {}).get(name, ()) if own == [None] * len(own) else ()
