@@ -89,7 +89,7 @@ def _pool(workers: int) -> ProcessPoolExecutor:
 
 
 def _end_with(parent: int) -> None:
-    """Have this process end where its parent does, however that ends."""
+    """End this process where its parent ends, however that does."""
 
     def watch() -> None:
         while os.getppid() == parent:
