@@ -17,7 +17,7 @@ from collections import Counter
 from pathlib import Path
 
 from tracerisk.api import gather_evidence
-from tracerisk.evidence import Cell
+from tracerisk.evidence.cells import Cell
 from tracerisk.report.fmea import confusion
 
 SAMPLES = Path(__file__).resolve().parents[1] / "sample_controllers"

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from tracerisk.adder.merge.merge import MergePolicy
     from tracerisk.config import Settings
-    from tracerisk.evidence import Evidence
+    from tracerisk.evidence.cells import Evidence
     from tracerisk.hardware.model import Hardware
     from tracerisk.limits import SandboxMode
     from tracerisk.pipeline import Annotated, Controller
@@ -190,7 +190,8 @@ def evidence(path: str | Path) -> Evidence:
 
     Raises InputError where there is none.
     """
-    from tracerisk.evidence import EVIDENCE_NAME, read_evidence
+    from tracerisk.evidence.cells import EVIDENCE_NAME
+    from tracerisk.evidence.file import read_evidence
     from tracerisk.pipeline import load_controller
 
     controller = load_controller(path)

@@ -17,13 +17,8 @@ import pytest
 
 from tracerisk import api
 from tracerisk.errors import ScenarioError
-from tracerisk.evidence import (
-    Cell,
-    Evidence,
-    dump_evidence,
-    merge_evidence,
-    read_evidence,
-)
+from tracerisk.evidence.cells import Cell, Evidence
+from tracerisk.evidence.file import dump_evidence, merge_evidence, read_evidence
 from tracerisk.ros.scenario.scenario import read_scenario
 
 HARDWARE = """\
@@ -171,6 +166,20 @@ def test_blocks_take_evidence_where_the_settings_ask(gathered, tmp_path, example
     assert folder.run("refresh", "controller.py").code == 0
     assert "with evidence" not in folder.read("controller.py").decode()
     assert "another version" in folder.run("check", "controller.py").out
+
+
+def test_another_campaign_keeps_what_lies_in_its_intervals(gathered, tmp_path, example_in):
+    whole, _ = gathered
+    other = example_in(tmp_path / "other")
+    shutil.copytree(whole.folder, other.folder)
+    path = other.folder / "tracerisk.evidence"
+    first = read_evidence(path)["controller.py"]
+    assert other.run(*GATHER, "--seed", "7", "-q").code == 0
+    second = read_evidence(path)["controller.py"]
+    assert second.before == first.shares()
+    assert second.shares() == first.shares()
+    assert other.run(*GATHER, "--seed", "7", "--fresh", "-q").code == 0
+    assert not read_evidence(path)["controller.py"].before
 
 
 def test_the_table_is_written_as_csv_and_markdown(gathered):

@@ -17,8 +17,9 @@ from tracerisk.adder.sources.read import read_blocks
 from tracerisk.cli.chain_solve import ChainFile
 from tracerisk.cli.logic_solve import DynamicFile, LogicFile
 from tracerisk.cli.shared.model_format import ModelFormat
-from tracerisk.evidence import Cell as EvidenceCell
-from tracerisk.evidence import Evidence, dump_evidence, loads_evidence
+from tracerisk.evidence.cells import Cell as EvidenceCell
+from tracerisk.evidence.cells import Evidence
+from tracerisk.evidence.file import dump_evidence, loads_evidence
 from tracerisk.hardware.sysml.reader import read_sysml
 from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.instrument.recording import read_recording

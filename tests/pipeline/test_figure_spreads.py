@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from tracerisk.adder.figures.computed import compute_blocks
+from tracerisk.evidence.cells import Cell, Evidence
 from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.pipeline import build
 from tracerisk.pipeline.results.figure_spreads import hardware_spreads, with_distributions
@@ -17,6 +19,7 @@ from tracerisk.prm.hybrid.from_blocks import build_model
 from tracerisk.prm.linked import linked
 from tracerisk.prm.numbers.distributions import Lognormal
 from tracerisk.prm.questions.uncertainty import propagate
+from tracerisk.quantify.evidence_shares import EvidenceShares
 from tracerisk.trace import (
     Element,
     Exposure,
@@ -47,11 +50,11 @@ PER_DEMAND = "{value: 1e-6, per: demand, error_factor: 10, value_is: mean}"
 def modelled(tmp_path):
     """Return the model of a description's blocks, the description and the run's instances."""
 
-    def make(text):
+    def make(text, evidence=None):
         path = tmp_path / "hardware.yaml"
         path.write_text("components:\n" + text)
         hardware = read_hardware(path)
-        computed = compute_blocks(TRACE, hardware, active="moving+holding")
+        computed = compute_blocks(TRACE, hardware, active="moving+holding", evidence=evidence)
         blocks = list(computed.blocks.values())
         return build_model(blocks, name="cell.py"), hardware, computed.instances
 
@@ -270,3 +273,35 @@ def place():
     # | }
     pass
 """
+
+
+def shown(failed):
+    """Evidence of twenty failures a motor, of which so many end the mission."""
+    cells = []
+    for unit, number in failed.items():
+        for index in range(20):
+            at = 1.5 + 3.0 * index
+            stood_for = Exposure(moving_s=3.0, active_s=3.0)
+            cell = Cell("motor", unit, "dead", at, "moving", "pick", True, at, (at, 0.0, 0.0))
+            cells.append(replace(cell, stretch=stood_for, fails=index < number))
+    return EvidenceShares(Evidence("f", "panda", 0, 40, ("done",), tuple(cells)))
+
+
+@pytest.mark.parametrize("figures", ["{value: 1e-6, per: minute}", PER_MINUTE])
+def test_what_few_failures_tell_of_the_share_that_ends_the_mission_is_uncertain(modelled, figures):
+    model, hardware, instances = modelled(motor(figures), shown({"one": 9, "two": 3}))
+    assert instances[0].ending.share == pytest.approx(0.3)
+    assert instances[0].ending.cells == pytest.approx(40.0)
+    found = propagate(
+        model, samples=4000, figures=hardware_spreads(model, hardware, instances).figures
+    )
+    assert found.point == pytest.approx(6e-7, rel=1e-5)
+    rng = np.random.default_rng(3)
+    drawn = 2e-6 * rng.beta(12.5, 28.5, 400_000)
+    if "error_factor" in figures:
+        drawn *= np.exp(Lognormal(3.0).sigma * rng.standard_normal(400_000))
+    assert found.percentiles == pytest.approx(np.percentile(drawn, (5, 50, 95)), rel=0.02)
+    assert "motor: share that ends the mission" in {each.name for each in found.inputs}
+    given = with_distributions(model, hardware_spreads(model, hardware, instances).figures)
+    again = propagate(given, samples=4000)
+    assert again.percentiles == pytest.approx(np.percentile(drawn, (5, 50, 95)), rel=0.1)

@@ -10,7 +10,7 @@ import pytest
 
 from tracerisk import trace_json
 from tracerisk.adder.figures.computed import compute_blocks
-from tracerisk.evidence import Cell, Evidence
+from tracerisk.evidence.cells import Cell, Evidence
 from tracerisk.hardware.yaml.reader import read_hardware
 from tracerisk.quantify.evidence_shares import EvidenceShares
 from tracerisk.trace import Exposure

@@ -20,7 +20,7 @@ from tracerisk.cli.shared.output import (
 from tracerisk.errors import ExitCode, InputError
 
 if TYPE_CHECKING:
-    from tracerisk.evidence import Evidence
+    from tracerisk.evidence.cells import Evidence
 
 _MERGE = "merge"
 
@@ -125,7 +125,8 @@ def _print(options: argparse.Namespace, found: Evidence) -> None:
 
 
 def _merge(options: argparse.Namespace) -> int:
-    from tracerisk.evidence import EVIDENCE_NAME, dump_evidence, merge_evidence
+    from tracerisk.evidence.cells import EVIDENCE_NAME
+    from tracerisk.evidence.file import dump_evidence, merge_evidence
 
     if not options.argv:
         raise InputError("evidence merge: name the files of the shards")

@@ -52,7 +52,8 @@ def spreads_of_files(
 ) -> HardwareSpreads | None:
     """Return the spreads of `--hardware` for a model of these files, `None` without it.
 
-    Where the trace of a controller's last run is kept, it tells the part of each figure.
+    Where the trace of a controller's last run is kept, it tells the part of each figure, and
+    evidence how well the share that ends the mission is known.
     Raises HardwareError where the description is malformed or does not fit that run, InputError
     where it has no error factor for the model.
     """
@@ -71,8 +72,7 @@ def spreads_of_files(
 
         blocks = blocks_of({name: read_file(name) for name in sources})
         by_hand = set_by_hand(block for _, block in blocks)
-        if _needs_shares(hardware):
-            instances = _kept_instances(sources, hardware)
+        instances = _kept_instances(sources, hardware)
     return _checked(model, hardware, instances, by_hand)
 
 
@@ -132,14 +132,6 @@ def _checked(
             Location(hardware.file),
         )
     return found
-
-
-def _needs_shares(hardware: Hardware) -> bool:
-    return any(
-        len(component.figures) > 1
-        and any(figure.error_factor is not None for figure in component.figures)
-        for component in hardware.components
-    )
 
 
 def _kept_instances(

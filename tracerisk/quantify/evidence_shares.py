@@ -8,12 +8,14 @@ how much of its time lies near failures that ended the mission.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from tracerisk.evidence import Cell, Evidence
+from tracerisk.evidence.cells import Cell, Evidence, Stratum
+from tracerisk.evidence.share_interval import clopper_pearson
 from tracerisk.hardware.binding import BoundComponent
 from tracerisk.hardware.model import CONTROL, POWER
 from tracerisk.hardware.use import STATES, Use
@@ -39,7 +41,7 @@ def twin_units(bound: BoundComponent) -> tuple[str, ...]:
     return (CONTROL,) if "control" in name or "computer" in name else ()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class EvidenceShares:
     """The evidence of one controller, applied to the visits of its trace.
 
@@ -48,6 +50,10 @@ class EvidenceShares:
     """
 
     evidence: Evidence
+
+    @functools.cached_property
+    def _taken(self) -> dict[Stratum, float]:
+        return self.evidence.shares()
 
     def applied(
         self, bound: BoundComponent, unit: str | None, terms: Sequence[Term], uses: Sequence[Use]
@@ -58,38 +64,37 @@ class EvidenceShares:
         names = twin_units(bound) if unit is None else (unit,)
         if len(names) != 1:
             return tuple(terms)
-        return tuple(
-            replace(term, ends=self._of_term(bound, names[0], term, uses)) for term in terms
-        )
+        return tuple(self._of_term(bound, names[0], term, uses) for term in terms)
 
-    def _of_term(self, bound: BoundComponent, unit: str, term: Term, uses: Sequence[Use]) -> Shares:
+    def _of_term(self, bound: BoundComponent, unit: str, term: Term, uses: Sequence[Use]) -> Term:
+        """Return a term with the share of every visit."""
         is_idle = term.counts == "standby"
         if term.mode is not None:
             fault = term.mode.fault
-            return self._of_fault(bound, unit, fault, term, uses) if fault is not None else ()
+            return self._of_fault(bound, unit, fault, term, uses) if fault is not None else term
         modes = bound.component.modes
         if is_idle and modes:
             return self._of_modes(bound, unit, term, uses)
         # Without modes the fault counts that ends the mission most often.
         tried = sorted({each.mode for each in self._cells(unit, is_idle)})
         found = [self._of_fault(bound, unit, fault, term, uses) for fault in tried]
-        if not found or not all(found):
-            return ()
-        return max(found, key=lambda shares: _ending(term, uses, shares))
+        if not found or not all(each.ends for each in found):
+            return term
+        return max(found, key=lambda each: math.fsum(map(each.hazard, uses)))
 
-    def _of_modes(
-        self, bound: BoundComponent, unit: str, term: Term, uses: Sequence[Use]
-    ) -> Shares:
-        """Return the shares of a figure of all modes; one without a fault counts in full."""
-        left, shares = 1.0, [0.0] * len(uses)
+    def _of_modes(self, bound: BoundComponent, unit: str, term: Term, uses: Sequence[Use]) -> Term:
+        """Return a figure of all modes; one without a fault counts in full."""
+        left, shares, number = 1.0, [0.0] * len(uses), 0
         for mode in bound.component.modes:
-            found = (
-                () if mode.fault is None else self._of_fault(bound, unit, mode.fault, term, uses)
-            )
-            if found:
+            if mode.fault is None:
+                continue
+            found = self._of_fault(bound, unit, mode.fault, term, uses)
+            if found.ends:
                 left -= mode.fraction
-                shares = [s + mode.fraction * c for s, c in zip(shares, found, strict=True)]
-        return tuple(min(1.0, max(0.0, left) + share) for share in shares)
+                shares = [s + mode.fraction * c for s, c in zip(shares, found.ends, strict=True)]
+                number += found.cells[1]
+        ends = tuple(min(1.0, max(0.0, left) + share) for share in shares)
+        return replace(term, ends=ends, cells=(f"{unit} idle", number))
 
     def _cells(self, unit: str, is_idle: bool, fault: str | None = None) -> list[Cell]:
         return [
@@ -103,7 +108,7 @@ class EvidenceShares:
 
     def _of_fault(
         self, bound: BoundComponent, unit: str, fault: str, term: Term, uses: Sequence[Use]
-    ) -> Shares:
+    ) -> Term:
         is_idle = term.counts == "standby"
         cells = self._cells(unit, is_idle, fault)
         if len(cells) < LEAST_OF_UNIT:
@@ -111,7 +116,11 @@ class EvidenceShares:
             like = [
                 each for name in twin_units(bound) for each in self._cells(name, is_idle, fault)
             ]
-            return (_pooled(like, term),) * len(uses) if like else ()
+            if not like:
+                return term
+            ends = (_pooled(like, term),) * len(uses)
+            return replace(term, ends=ends, cells=(f"{fault} {is_idle}", len(like)))
+        told = replace(term, cells=(f"{unit} {fault} {is_idle}", len(cells)))
         if is_idle:
             places = [(each.time_s - each.active_s, each.fails) for each in cells]
             shares = _nearest(places, [use.standby_s or 0.0 for use in uses])
@@ -125,9 +134,18 @@ class EvidenceShares:
         stands_for = [_hazard(term, each) for each in cells]
         total = sum(stands_for)
         if total <= 0.0 or term.counts == "visits":
-            return shares
+            return replace(told, ends=shares)
         ending = sum(s for s, each in zip(stands_for, cells, strict=True) if each.fails)
-        return _scaled(shares, [term.hazard(use) for use in uses], ending / total)
+        hazards = [term.hazard(use) for use in uses]
+        return replace(told, ends=_scaled(shares, hazards, self._kept(cells, ending / total)))
+
+    def _kept(self, cells: Sequence[Cell], share: float) -> float:
+        """Return the share of a stratum's hazard, as it is with the share that figures keep."""
+        counted = sum(1 for each in cells if each.fails) / len(cells)
+        kept = self._taken[cells[0].stratum]
+        if kept == counted:
+            return share
+        return min(1.0, share * kept / counted) if counted else kept
 
 
 def _hazard(term: Term, cell: Cell) -> float:
@@ -141,28 +159,12 @@ def _pooled(cells: Sequence[Cell], term: Term) -> float:
     """Return one share for cells of several units; of few cells the pessimistic end."""
     failed = sum(1 for each in cells if each.fails)
     if len(cells) < LEAST_OF_UNIT:
-        return _upper_share(failed, len(cells))
+        return clopper_pearson(failed, len(cells))[1]
     hazards = [_hazard(term, each) for each in cells]
     total = sum(hazards)
     if total <= 0.0:
         return failed / len(cells)
     return sum(h for h, each in zip(hazards, cells, strict=True) if each.fails) / total
-
-
-def _upper_share(failed: int, tried: int) -> float:
-    """Return the upper end of the 90 % interval of a share (Clopper and Pearson)."""
-    low, high = failed / tried, 1.0
-    for _ in range(60):
-        share = (low + high) / 2.0
-        at_most = sum(
-            math.comb(tried, k) * share**k * (1.0 - share) ** (tried - k) for k in range(failed + 1)
-        )
-        low, high = (share, high) if at_most > 0.05 else (low, share)
-    return high
-
-
-def _ending(term: Term, uses: Sequence[Use], shares: Shares) -> float:
-    return sum(term.hazard(use) * c for use, c in zip(uses, shares, strict=True))
 
 
 def _scaled(shares: Shares, hazards: Sequence[float], share: float) -> Shares:

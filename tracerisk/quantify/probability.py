@@ -46,7 +46,8 @@ class Term:
     `rate` is the hazard per second, demand or visit, `share` the fraction that the mode is of
     it. `states` are those whose time counts, `None` for all, and `seconds` counts it; `demands`
     are the uses that count. `ends` is for each visit the share of the hazard that ends the
-    mission, by its number; empty where all of it does.
+    mission, by its number; empty where all of it does. `cells` name the failures that tell it,
+    and say how many they are.
     """
 
     figure: FailureFigure
@@ -58,6 +59,7 @@ class Term:
     load: UnitLoad | None = None
     seconds: Seconds | None = None
     ends: tuple[float, ...] = ()
+    cells: tuple[str, int] = ("", 0)
 
     @property
     def share(self) -> float:

@@ -11,8 +11,8 @@ import statistics
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from tracerisk.evidence import EFFECTS, Cell, Effect, Evidence
-from tracerisk.prm.numbers.share_interval import clopper_pearson
+from tracerisk.evidence.cells import EFFECTS, Cell, Effect, Evidence
+from tracerisk.evidence.share_interval import clopper_pearson
 from tracerisk.report.tables import rendered, table_of
 
 HEADINGS = (
@@ -180,6 +180,12 @@ def summary_lines(found: Evidence) -> list[str]:
         )
     else:
         lines.append("reported to the controller in none")
+    kept = sum(1 for key, share in found.shares().items() if found.before.get(key) == share)
+    if kept:
+        lines.append(
+            f"{kept} units and modes count by the share of the evidence before, which lies in the "
+            "90 % interval of the one here"
+        )
     return lines
 
 

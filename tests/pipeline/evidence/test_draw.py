@@ -5,7 +5,8 @@ import random
 import numpy as np
 import pytest
 
-from tracerisk.evidence import Cell
+from tracerisk.evidence.cells import Cell
+from tracerisk.evidence.share_interval import clopper_pearson, weighted_interval
 from tracerisk.pipeline.evidence.draw import (
     LEAST_DRAWN,
     LEAST_IN_TABLE,
@@ -13,7 +14,6 @@ from tracerisk.pipeline.evidence.draw import (
     draw_cells,
 )
 from tracerisk.pipeline.evidence.unit_use import UnitUse
-from tracerisk.prm.numbers.share_interval import clopper_pearson, weighted_interval
 from tracerisk.trace import Exposure, FunctionRef, RunEnd, Trace, TracedFunction, Visit
 
 STEP_S = 0.002

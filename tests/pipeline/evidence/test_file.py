@@ -6,11 +6,11 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.errors import InputError, Location
-from tracerisk.evidence import (
-    Cell,
-    Evidence,
+from tracerisk.evidence.cells import Cell, Evidence
+from tracerisk.evidence.file import (
     cell_line,
     dump_evidence,
+    loads_evidence,
     merge_evidence,
     parse_cell,
     read_evidence,
@@ -45,6 +45,25 @@ EVIDENCE = Evidence(
     success=("tube at its goal within 0.01 m",),
     cells=(CELL, replace(CELL, time_s=2.0, drawn=False, fails=False)),
 )
+
+
+def test_the_shares_before_are_kept_and_read():
+    found = replace(
+        EVIDENCE, before={("joint_1", "dead", False): 0.25, ("joint_1", "jam", True): 1.0}
+    )
+    text = dump_evidence({"a.py": found})
+    assert loads_evidence(text, "tracerisk.evidence")["a.py"].before == found.before
+
+
+@pytest.mark.parametrize(
+    "row", ['["joint_1", "dead", "idle", 2]', '["joint_1", "dead", "asleep", 0.5]', '"joint_1"']
+)
+def test_a_malformed_share_before_is_refused(row):
+    text = dump_evidence({"a.py": replace(EVIDENCE, before={("joint_1", "dead", False): 0.25})})
+    broken = text.replace('["joint_1", "dead", "in use", 0.25]', row)
+    assert broken != text
+    with pytest.raises(InputError, match="before: expected rows of a unit"):
+        loads_evidence(broken, "tracerisk.evidence")
 
 
 def written(tmp_path, text, name="tracerisk.evidence"):

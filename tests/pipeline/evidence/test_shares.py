@@ -6,7 +6,8 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.adder.figures.computed import compute_blocks
-from tracerisk.evidence import Cell, Evidence
+from tracerisk.evidence.cells import Cell, Evidence
+from tracerisk.evidence.share_interval import clopper_pearson
 from tracerisk.hardware.binding import bind
 from tracerisk.hardware.model import (
     Basis,
@@ -17,7 +18,6 @@ from tracerisk.hardware.model import (
     TwinBinding,
 )
 from tracerisk.hardware.redundancy import Redundancy
-from tracerisk.prm.numbers.share_interval import clopper_pearson
 from tracerisk.quantify import evidence_shares
 from tracerisk.quantify.evidence_shares import EvidenceShares
 from tracerisk.quantify.mission import component_use
@@ -138,6 +138,20 @@ def test_the_sum_does_not_change_however_visits_are_cut(cut):
 )
 def test_what_is_not_shown_counts_in_full(found):
     assert sum(hazards(found, MOTOR, 4.0, 6.0)) == pytest.approx(1e-5, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("before", "counted"), [(0.5, 0.5), (0.3, 0.3), (0.9, 0.9), (0.0, 0.5), (1.0, 0.5)]
+)
+def test_a_share_stays_as_it_was_while_it_lies_in_the_interval(before, counted):
+    found = replace(FAILS_EARLY, before={("joint_1", "dead", False): before})
+    assert sum(hazards(found, MOTOR, 2.0, 4.0, 4.0)) == pytest.approx(1e-5 * counted)
+
+
+def test_what_is_kept_of_a_share_follows_the_exposure():
+    found = replace(FAILS_EARLY, before={("joint_1", "dead", False): 0.4})
+    longer = replace(found, cells=tuple(placed(found.cells)))
+    assert sum(hazards(longer, MOTOR, 20.0)) == pytest.approx(2e-5 * 0.4)
 
 
 def test_without_modes_the_worst_fault_counts():

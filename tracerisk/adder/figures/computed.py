@@ -22,12 +22,12 @@ from tracerisk.adder.figures.assumptions import assumptions_of
 from tracerisk.adder.figures.instances import ComponentInstances, instances_of
 from tracerisk.config import ActiveMode
 from tracerisk.errors import HardwareError, InputError, Location, one_of
-from tracerisk.evidence import EVIDENCE_NAME
+from tracerisk.evidence.cells import EVIDENCE_NAME
 from tracerisk.hardware.binding import BoundComponent, bind
 from tracerisk.hardware.model import Component, Hardware
 from tracerisk.hardware.use import UnknownUseError
 from tracerisk.quantify.evidence_shares import EvidenceShares
-from tracerisk.quantify.figure_shares import figure_shares
+from tracerisk.quantify.figure_shares import ending_share, figure_shares
 from tracerisk.quantify.function_use import FunctionUse
 from tracerisk.quantify.groups import group_unit_probabilities
 from tracerisk.quantify.mission import (
@@ -134,10 +134,7 @@ def compute_blocks(
         )
     times = visits_of_mission(trace)
     instances = tuple(
-        replace(
-            instances_of(each, use),
-            figure_shares=_figure_shares(each, [visits[ref].numbers for ref in use], times),
-        )
+        _with_shares(instances_of(each, use), each, [visits[ref].numbers for ref in use], times)
         for each, use in zip(used, uses, strict=True)
     )
     assumed = (*assumptions_of(used), *_evidence_words(evidence, used))
@@ -162,11 +159,20 @@ def _evidence_words(
     )
 
 
-def _figure_shares(
-    used: ComponentUse, visits: Sequence[Sequence[int]], times: Sequence[float]
-) -> tuple[float, ...]:
-    numbers = [number for here in visits for number in here]
-    return figure_shares(used, {number: times[number] for number in numbers}) if numbers else ()
+def _with_shares(
+    instances: ComponentInstances,
+    used: ComponentUse,
+    visits: Sequence[Sequence[int]],
+    times: Sequence[float],
+) -> ComponentInstances:
+    comes = {number: times[number] for here in visits for number in here}
+    if not comes:
+        return instances
+    return replace(
+        instances,
+        figure_shares=figure_shares(used, comes),
+        ending=ending_share(used, comes),
+    )
 
 
 def use_of(

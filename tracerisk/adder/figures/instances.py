@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from tracerisk.adder.figures.instance_values import are_alike
 from tracerisk.hardware.model import Component
+from tracerisk.quantify.figure_shares import EndingShare
 from tracerisk.quantify.function_use import FunctionUse, mean_probability, mission_probability
 from tracerisk.quantify.instance_shares import InstanceShare, instance_shares
 from tracerisk.quantify.mission import ComponentUse
@@ -36,12 +37,14 @@ class ComponentInstances:
     """A component of the description and its instances, in the order of its elements.
 
     `figure_shares` are the parts of its hazard over the mission that go with each of its
-    figures; empty where the component is not used.
+    figures; empty where the component is not used. `ending` is the part of it that ends the
+    mission, `None` where no evidence tells it.
     """
 
     component: Component
     instances: tuple[Instance, ...]
     figure_shares: tuple[float, ...] = ()
+    ending: EndingShare | None = None
 
     @property
     def are_alike(self) -> bool:

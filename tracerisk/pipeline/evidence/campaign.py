@@ -15,15 +15,9 @@ from typing import Any
 from tracerisk.adder.sources.write import atomic_write
 from tracerisk.config import Settings
 from tracerisk.errors import ControllerFailedError, InputError, Location
-from tracerisk.evidence import (
-    EVIDENCE_NAME,
-    Cell,
-    Evidence,
-    cell_line,
-    dump_evidence,
-    parse_cell,
-    read_evidence,
-)
+from tracerisk.evidence.cells import EVIDENCE_NAME, Cell, Evidence, Stratum
+from tracerisk.evidence.file import cell_line, dump_evidence, parse_cell, read_evidence
+from tracerisk.evidence.share_interval import weighted_interval
 from tracerisk.hardware.model import CONTROL, POWER
 from tracerisk.pipeline.evidence.cell_runs import (
     Nominal,
@@ -39,7 +33,6 @@ from tracerisk.pipeline.evidence.workers import Told, Workers
 from tracerisk.pipeline.freshness.freshness import run_inputs
 from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.trace.cache import FOLDER
-from tracerisk.prm.numbers.share_interval import weighted_interval
 
 MOST_IN_BATCH = 16
 """How many cells a worker is given at a time: they branch off one run, and go with a dead one."""
@@ -76,8 +69,10 @@ class Plan:
         kept = self.nominal.controller.root / FOLDER
         return kept / f"evidence-{name}-{self.fingerprint[:16]}-{self.settings.seed}.jsonl"
 
-    def evidence(self, cells: Sequence[Cell]) -> Evidence:
-        """Return the evidence of these cells of the campaign."""
+    def evidence(
+        self, cells: Sequence[Cell] = (), before: Mapping[Stratum, float] | None = None
+    ) -> Evidence:
+        """Return the evidence of these cells of the campaign, after that `before`."""
         return Evidence(
             fingerprint=self.fingerprint,
             robot=self.nominal.trace.robot,
@@ -85,6 +80,16 @@ class Plan:
             declared=self.declared,
             success=tuple(each.words for each in self.nominal.success),
             cells=tuple(sorted(cells, key=lambda each: each.key)),
+            before=before or {},
+        )
+
+    def is_of(self, found: Evidence) -> bool:
+        """Whether evidence is that of this campaign, or of one with other cells of it."""
+        ours = self.evidence()
+        return (found.fingerprint, found.seed, found.success) == (
+            ours.fingerprint,
+            ours.seed,
+            ours.success,
         )
 
 
@@ -189,7 +194,9 @@ def run_campaign(
     `executor`. `shard` (i, n) runs every n-th cell. After `most_s` [s] no further cell begins.
     `noted` gets why cells were run from the beginning, where they could not branch off one run.
     """
-    known = {} if fresh else _known(plan)
+    last = None if fresh else _last(plan)
+    known = {} if fresh else _known(plan, last)
+    before = {} if last is None else _shares_before(plan, last)
     index, of = shard
     todo = [
         each
@@ -211,7 +218,8 @@ def run_campaign(
                 if noted is not None and done.whole_runs:
                     noted(done.whole_runs[0])
     finally:
-        found = plan.evidence([known[each.key] for each in plan.cells if each.key in known])
+        cells = [known[each.key] for each in plan.cells if each.key in known]
+        found = plan.evidence(cells, before)
         write_evidence(plan.evidence_path, plan.nominal.controller.file, found)
     plan.journal.unlink(missing_ok=True)
     return found
@@ -260,17 +268,22 @@ def _of_cells(told: Told, size: int, number: int) -> Told:
 # Cells that are there already
 
 
-def _known(plan: Plan) -> dict[tuple[str, str, float], Cell]:
+def _last(plan: Plan) -> Evidence | None:
+    """Return the evidence that the campaign goes on from, or replaces."""
+    return read_evidence(plan.evidence_path).get(plan.nominal.controller.file)
+
+
+def _shares_before(plan: Plan, last: Evidence) -> Mapping[Stratum, float]:
+    """Return the shares that figures took before the campaign."""
+    return last.before if plan.is_of(last) or not last.counts else last.shares()
+
+
+def _known(plan: Plan, last: Evidence | None) -> dict[tuple[str, str, float], Cell]:
     """Return the cells of the plan that were run before, from the file and the journal."""
     wanted = {each.key: each for each in plan.cells}
-    before = read_evidence(plan.evidence_path).get(plan.nominal.controller.file)
     found: list[Cell] = []
-    if before is not None and (before.fingerprint, before.seed, before.success) == (
-        plan.fingerprint,
-        plan.settings.seed,
-        tuple(each.words for each in plan.nominal.success),
-    ):
-        found += before.cells
+    if last is not None and plan.is_of(last):
+        found += last.cells
     found += _journaled(plan.journal)
     # What a cell stands for is for this plan to say.
     return {each.key: wanted[each.key].with_outcome(each) for each in found if each.key in wanted}

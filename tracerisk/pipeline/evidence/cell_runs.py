@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, LogError
-from tracerisk.evidence import Cell
+from tracerisk.evidence.cells import Cell
 from tracerisk.hardware.model import FaultMode
 from tracerisk.instrument.recording import read_recording
 from tracerisk.pipeline.evidence.judgement import judge

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tracerisk.evidence import Cell
+from tracerisk.evidence.cells import Cell
 from tracerisk.hardware.model import FaultMode, State
 from tracerisk.pipeline.evidence.unit_use import Flags, UnitUse
 from tracerisk.trace import Exposure, Trace

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.evidence import Use
+from tracerisk.evidence.cells import Use
 from tracerisk.hardware.model import State
 from tracerisk.hardware.use import STATES
 from tracerisk.instrument.ownership import attribute

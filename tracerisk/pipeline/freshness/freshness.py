@@ -16,7 +16,7 @@ from typing import Any
 
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
-from tracerisk.evidence import EVIDENCE_NAME
+from tracerisk.evidence.cells import EVIDENCE_NAME
 from tracerisk.hardware.source_files import source_files
 from tracerisk.pipeline.freshness.used_evidence import evidence_digest
 from tracerisk.pipeline.workspace.controller import Controller

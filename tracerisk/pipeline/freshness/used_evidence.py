@@ -6,7 +6,8 @@ import hashlib
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from tracerisk.evidence import EVIDENCE_NAME, Evidence, dump_evidence, read_evidence
+from tracerisk.evidence.cells import EVIDENCE_NAME, Evidence
+from tracerisk.evidence.file import dump_evidence, read_evidence
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from tracerisk.adder.figures.instances import ComponentInstances
     from tracerisk.prm.numbers.distributions import Lognormal
     from tracerisk.prm.questions.uncertainty import FigureSpread
+    from tracerisk.quantify.figure_shares import EndingShare
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,8 +33,9 @@ def hardware_spreads(
 ) -> HardwareSpreads:
     """Return how far the figures of the model's components may be off.
 
-    `instances` are those of a run, which tell the part that each of several figures has; without
-    one, the figures of a component are taken to be off together, by the widest factor of them.
+    `instances` are those of a run, which tell the part that each of several figures has and how
+    well evidence knows the share that ends the mission; without one, the figures of a component
+    are taken to be off together, by the widest factor of them.
     Components that `by_hand` names have no figure of the description.
     """
     from tracerisk.prm.questions.uncertainty import FigureSpread
@@ -41,13 +43,19 @@ def hardware_spreads(
 
     known = groups_of(model)
     shares = {each.component.name: each.figure_shares for each in instances or ()}
+    ending = {each.component.name: each.ending for each in instances or ()}
     found: dict[str, tuple[FigureSpread, ...]] = {}
     notes = []
     left_out = set(by_hand)
     for component in hardware.components:
         name = component.name
         factors = [figure for figure in component.figures if figure.error_factor is not None]
-        if not factors or name in left_out:
+        if name in left_out:
+            continue
+        shown = _share_that_ends(ending.get(name)) if name in known else ()
+        if shown:
+            found[name] = shown
+        if not factors:
             continue
         if name not in known:
             if component.redundancy.has_spares and f"{name} {{spares}}" in known:
@@ -57,12 +65,12 @@ def hardware_spreads(
                 )
             continue
         if len(component.figures) == 1:
-            found[name] = (FigureSpread("", 1.0, _lognormal(factors[0])),)
+            found[name] = (FigureSpread("", 1.0, _lognormal(factors[0])), *shown)
         elif shares.get(name):
-            found[name] = _parts(component, shares[name])
+            found[name] = (*_parts(component, shares[name]), *shown)
         else:
             widest = max(factors, key=_factor)
-            found[name] = (FigureSpread("", 1.0, _lognormal(widest)),)
+            found[name] = (FigureSpread("", 1.0, _lognormal(widest)), *shown)
             notes.append(
                 f"{name}: which part each of its {len(component.figures)} figures has, a run "
                 f"tells; here all of it is off by the widest error factor, {_factor(widest):g}"
@@ -77,7 +85,8 @@ def with_distributions(
 
     Of several figures it is the lognormal of the same relative variance (L. F. Fenton, "The sum
     of log-normal probability distributions in scatter transmission systems", IRE Transactions on
-    Communications Systems 8, 1960), about the value as its mean where each figure is one.
+    Communications Systems 8, 1960), about the value as its mean where each figure is one; so it
+    is of a figure and the share of it that ends the mission.
     """
     from tracerisk.prm.questions.what_if import groups_of
 
@@ -94,6 +103,22 @@ def with_distributions(
             for each in model.parameters
         ),
     )
+
+
+def _share_that_ends(ending: EndingShare | None) -> tuple[FigureSpread, ...]:
+    """Return how far the share that ends the mission may be off, as the drawn failures tell it.
+
+    It is beta-distributed with half a failure and half a success added to those that were seen
+    (H. Jeffreys, Proceedings of the Royal Society A 186 (1946) 453).
+    """
+    from tracerisk.prm.numbers.distributions import Beta
+    from tracerisk.prm.questions.uncertainty import FigureSpread
+
+    if ending is None or ending.share <= 0.0:
+        return ()
+    failed = ending.share * ending.cells
+    law = Beta(failed + 0.5, max(0.0, ending.cells - failed) + 0.5)
+    return (FigureSpread("share that ends the mission", ending.share, law, is_factor=True),)
 
 
 def _parts(component: Component, shares: Sequence[float]) -> tuple[FigureSpread, ...]:
@@ -138,10 +163,16 @@ def _lognormal(figure: FailureFigure) -> Lognormal:
 def _joined(spreads: Sequence[FigureSpread]) -> Lognormal:
     import math
 
-    from tracerisk.prm.numbers.distributions import NORMAL_95, Lognormal
+    from tracerisk.prm.numbers.distributions import NORMAL_95, Beta, Lognormal
 
+    apart = 1.0
+    for each in spreads:
+        if each.is_factor:
+            assert isinstance(each.distribution, Beta)
+            apart *= 1.0 + each.distribution.variance / each.distribution.mean(0.0) ** 2
+    spreads = [each for each in spreads if not each.is_factor]
     laws = [each.distribution for each in spreads]
-    if len(spreads) == 1 and spreads[0].share == 1.0:
+    if apart == 1.0 and len(spreads) == 1 and spreads[0].share == 1.0:
         assert isinstance(laws[0], Lognormal)
         return laws[0]
     mean = 1.0 - math.fsum(each.share for each in spreads)
@@ -151,7 +182,7 @@ def _joined(spreads: Sequence[FigureSpread]) -> Lognormal:
         part = law.mean(each.share)
         mean += part
         variance += part**2 * math.expm1(law.sigma**2)
-    sigma = math.sqrt(math.log1p(variance / mean**2))
+    sigma = math.sqrt(math.log((1.0 + variance / mean**2) * apart))
     is_mean = all(isinstance(law, Lognormal) and law.value_is == "mean" for law in laws)
     value_is: Literal["mean", "median"] = "mean" if is_mean else "median"
     return Lognormal(math.exp(NORMAL_95 * sigma), value_is)

@@ -6,7 +6,7 @@ import math
 import statistics
 from collections.abc import Iterator, Mapping, Sequence
 
-from tracerisk.evidence import Cell, Evidence
+from tracerisk.evidence.cells import Cell, Evidence
 from tracerisk.pipeline.review.controllers import ControllerVersion
 from tracerisk.pipeline.trace.last_run import kept_contacts, kept_uncovered
 

@@ -137,6 +137,12 @@ class Beta:
         """Return alpha / (alpha + beta)."""
         return self.alpha / (self.alpha + self.beta)
 
+    @property
+    def variance(self) -> float:
+        """The variance."""
+        total = self.alpha + self.beta
+        return self.alpha * self.beta / (total**2 * (total + 1.0))
+
 
 @dataclass(frozen=True, slots=True)
 class Gamma:

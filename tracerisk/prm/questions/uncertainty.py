@@ -38,11 +38,13 @@ class FigureSpread:
 
     `share` is the part of the component's figure that goes with it; what the shares of one
     component leave of 1 is certain. A component's only figure has no `name`.
+    Of a factor, by which the sum of the others is multiplied, `share` is the point value.
     """
 
     name: str
     share: float
     distribution: Distribution
+    is_factor: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,6 +154,7 @@ def propagate(
     below 2.
     """
     from tracerisk.prm.hybrid.solve import solve_figures
+    from tracerisk.prm.numbers.arrays import np
     from tracerisk.prm.questions.sampled_mission import failure_samples
     from tracerisk.prm.questions.what_if import groups_of, parameters_of
 
@@ -162,6 +165,7 @@ def propagate(
     inputs: dict[str, UncertainInput] = {}
     # What a component's figure is the sum of: its inputs, and what is certain of it.
     sums: dict[str, tuple[float, list[str]]] = {}
+    factors: dict[str, list[tuple[str, float]]] = {}
     shares: dict[str, dict[str, float]] = {}
     for name, parts in groups.items():
         value = math.fsum(part.theta for part in parts)
@@ -175,9 +179,12 @@ def propagate(
             continue
         named = {f"{name}: {each.name}" if each.name else name: each for each in spreads}
         for key, each in named.items():
-            inputs[key] = UncertainInput(each.share * value, each.distribution)
-        certain = max(0.0, 1.0 - math.fsum(each.share for each in spreads))
-        sums[name] = (certain * value, list(named))
+            point = each.share if each.is_factor else each.share * value
+            inputs[key] = UncertainInput(point, each.distribution)
+        summed = {key: each for key, each in named.items() if not each.is_factor}
+        certain = max(0.0, 1.0 - math.fsum(each.share for each in summed.values()))
+        sums[name] = (certain * value, list(summed))
+        factors[name] = [(key, each.share) for key, each in named.items() if each.is_factor]
         shares[name] = {
             part.name: part.theta / value if value > 0.0 else 1.0 / len(parts) for part in parts
         }
@@ -186,6 +193,8 @@ def propagate(
         thetas = {}
         for name, (certain, keys) in sums.items():
             total = _at_most_one([drawn[key] for key in keys], certain)
+            for key, usual in factors[name]:
+                total = np.minimum(total * (drawn[key] / usual), 1.0)
             for part, share in shares[name].items():
                 thetas[part] = total * share if share != 1.0 else total
         return failure_samples(model, thetas)

@@ -1,7 +1,6 @@
-"""Evidence: what failures of single units did to a mission, as data and as a file.
+"""The file of evidence, `tracerisk.evidence`: read, written and merged.
 
-`tracerisk evidence` fails one unit of the twin at a time, at instants drawn by a seed, and keeps
-what became of each run in `tracerisk.evidence`, committed like a lock. See docs/evidence.md.
+It is JSON with a cell a line, so that git merges and shows it line by line.
 """
 
 from __future__ import annotations
@@ -9,124 +8,20 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, fields, replace
 from pathlib import Path
-from typing import Any, Literal, cast, get_args
+from typing import Any, cast, get_args
 
 from tracerisk.errors import InputError, Location, one_of
+from tracerisk.evidence.cells import EFFECTS, Cell, Effect, Evidence, Stratum, Use
 from tracerisk.trace import WEAR_EXPONENTS, Exposure
-
-EVIDENCE_NAME = "tracerisk.evidence"
-"""The file's name in a controller's root."""
-
-Effect = Literal[
-    "collision",
-    "dropped",
-    "not_placed",
-    "ended_badly",
-    "wrong_position",
-    "late",
-    "told",
-    "nothing",
-]
-"""What became of a mission, the worst first; docs/evidence.md says when each holds."""
-EFFECTS: tuple[Effect, ...] = get_args(Effect)
-Use = Literal["moving", "holding", "grasping", "active", "idle"]
-"""What a unit did at the instant of its failure; `active` where it is none of the first three."""
 
 _NO_USE = Exposure()
 _VERSION = 1
 _MOST_CELLS = 100_000
 _MOST_BYTES = 64 * 1024**2
+_IDLE = {"idle": True, "in use": False}
 _ENTRY_KEYS = ("cells", "declared", "fingerprint", "robot", "seed", "success")
-
-
-@dataclass(frozen=True, slots=True)
-class Cell:
-    """One failure that was tried: a unit, its mode, the instant, and what became of the run."""
-
-    component: str
-    """What the hardware description calls the unit."""
-    unit: str
-    mode: str
-    time_s: float
-    """The instant of the failure, in simulated time [s]."""
-    use: Use
-    """What the unit did then."""
-    function: str
-    """The qualified name of the function whose visit it was."""
-    drawn: bool
-    """Whether it was drawn from the time in use or idle; else it only fills the table."""
-    active_s: float
-    """The time in use that the unit had before the instant [s]."""
-    states_s: tuple[float, float, float]
-    """The same time spent moving, holding and grasping [s]."""
-    stretch: Exposure = _NO_USE
-    """The use of the unit for which a drawn cell stands: that nearest to it."""
-    idle_s: float = 0.0
-    """The idle time for which a drawn cell stands, of a unit that was idle [s]."""
-    fails: bool = False
-    """Whether the mission failed."""
-    effect: Effect = "nothing"
-    """The worst that happened."""
-    local: str = ""
-    """What the unit itself did, in words: `sagged by 0.31 rad`."""
-    told_after_s: float | None = None
-    """How long after the failure the controller was told of one [s]; `None`: never."""
-    told_by: str = ""
-    """The kind of the first report."""
-    effect_after_s: float | None = None
-    """How long after the failure the effect came [s]; `None` for the end of the run."""
-    lost: tuple[str, ...] = ()
-    """What the run without the failure reached and this one did not, in words."""
-    contact: str = ""
-    """The hardest touch that was not to be expected, in words with its force."""
-
-    @property
-    def key(self) -> tuple[str, str, float]:
-        """What tells it from others: unit, mode and instant."""
-        return self.unit, self.mode, self.time_s
-
-    def with_outcome(self, of: Cell) -> Cell:
-        """Return this cell with what became of the run of another, of the same key."""
-        return replace(self, **{name: getattr(of, name) for name in _OUTCOME})
-
-    @property
-    def is_idle(self) -> bool:
-        """Whether the unit was not in use when it failed."""
-        return self.use == "idle"
-
-
-@dataclass(frozen=True, slots=True)
-class Evidence:
-    """The evidence of one controller.
-
-    `fingerprint` is that of the run without failures, `declared` the number of cells to be drawn
-    before figures take it. `success` says in words what a mission is, empty where the scenario
-    declares nothing. `cells` are sorted by unit, mode and instant.
-    """
-
-    fingerprint: str
-    robot: str
-    seed: int
-    declared: int
-    success: tuple[str, ...] = ()
-    cells: tuple[Cell, ...] = ()
-
-    @property
-    def drawn(self) -> int:
-        """How many cells were drawn."""
-        return sum(1 for each in self.cells if each.drawn)
-
-    @property
-    def is_complete(self) -> bool:
-        """Whether as many cells were drawn as declared."""
-        return self.drawn >= self.declared
-
-    @property
-    def counts(self) -> bool:
-        """Whether figures may take it: it is complete, and the mission is declared."""
-        return self.is_complete and bool(self.success)
 
 
 def read_evidence(path: Path) -> dict[str, Evidence]:
@@ -167,7 +62,13 @@ def dump_evidence(found: Mapping[str, Evidence]) -> str:
     lines = ["{", f' "version": {_VERSION},', ' "controllers": {']
     for number, (name, entry) in enumerate(sorted(found.items())):
         lines += [f"  {json.dumps(name)}: {{"]
+        names = {value: key for key, value in _IDLE.items()}
+        before = [
+            [unit, mode, names[is_idle], share]
+            for (unit, mode, is_idle), share in sorted(entry.before.items())
+        ]
         head = {
+            **({"before": before} if before else {}),
             "declared": entry.declared,
             "fingerprint": entry.fingerprint,
             "robot": entry.robot,
@@ -240,9 +141,6 @@ _DEFAULTS: dict[str, Any] = {
 }
 
 
-_OUTCOME = (
-    *("fails", "effect", "local", "told_after_s", "told_by", "effect_after_s", "lost", "contact"),
-)
 _TEXTS = ("component", "unit", "mode", "function", "local", "told_by", "contact")
 
 
@@ -288,7 +186,24 @@ class _Reader:
             declared=data["declared"],
             success=tuple(map(str, success)),
             cells=read,
+            before=self._before(name, data.get("before", [])),
         )
+
+    def _before(self, name: str, data: Any) -> dict[Stratum, float]:
+        found = {}
+        rows = data if isinstance(data, list) else [data]
+        for row in rows:
+            match row:
+                case [str(unit), str(mode), "idle" | "in use" as use, int() | float() as share] if (
+                    0.0 <= share <= 1.0 and not isinstance(share, bool)
+                ):
+                    found[unit, mode, _IDLE[use]] = float(share)
+                case _:
+                    raise self._error(
+                        f"{name}: before: expected rows of a unit, a mode, 'idle' or 'in use', and "
+                        f"a share from 0 to 1, not {row!r:.60}"
+                    )
+        return found
 
 
 def _cell(data: Any, where: Location) -> Cell:

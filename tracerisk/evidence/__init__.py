@@ -1,0 +1,1 @@
+"""Evidence: failures that were tried on the twin, as data and as a file."""
