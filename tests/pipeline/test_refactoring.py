@@ -2,18 +2,11 @@
 
 from __future__ import annotations
 
-import json
-import math
-from dataclasses import replace
+from functools import partial
 
 import pytest
 
-from tracerisk import trace_json
-from tracerisk.adder.figures.computed import compute_blocks
-from tracerisk.evidence.cells import Cell, Evidence
-from tracerisk.hardware.yaml.reader import read_hardware
-from tracerisk.quantify.evidence_shares import EvidenceShares
-from tracerisk.trace import Exposure
+from tests.pipeline.every_law import figure_by_every_law, made_up
 
 
 def replace_once(text: str, old: str, new: str) -> str:
@@ -119,90 +112,9 @@ CHANGES = {
 }
 
 
-CELLS = 40
-EVERY_LAW = """\
-components:
-  motor:
-    failure_rate: {value: 5.7e-04, per: hour}
-    standby_rate: {value: 1.0e-03, per: hour}
-    weibull: {shape: 2.0, scale: 3000, per: hour}
-    age: {value: 1200, per: hour}
-    load_law: {reference_load: 0.3, wearing_share: 0.6, exponent: 10/3}
-    modes:
-      lost_torque: {fraction: 0.6, when: [moving, holding], fault: dead}
-      jam: {fraction: 0.3, when: [moving], fault: jam}
-    twin: {joints: "*"}
-  hand:
-    probability: {value: 1.0e-5, per: demand}
-    standby_rate: {value: 1.0e-2, per: hour}
-    modes:
-      fails_to_close: {fraction: 0.5, when: [grasp], fault: no_force}
-      fails_to_open: {fraction: 0.5, when: [release], fault: stuck}
-    twin: {gripper: true}
-"""
-
-
 @pytest.fixture
 def by_every_law(tmp_path):
-    """Compute the mission's figure with rates, load, ageing, modes, standby and demands."""
-
-    def compute(trace, evidence=None) -> float:
-        path = tmp_path / "every_law.yaml"
-        path.write_text(EVERY_LAW)
-        known = trace_json.loads(json.dumps(trace), "trace")
-        blocks = compute_blocks(
-            known, read_hardware(path), active="moving+holding", evidence=evidence
-        ).blocks
-        hazards = (
-            -entry.quantity.value * math.log1p(-entry.probability.value)
-            for visit in known.visits
-            for entry in blocks[visit.function].components
-        )
-        return -math.expm1(-math.fsum(hazards))
-
-    return compute
-
-
-def made_up(trace) -> Evidence:
-    """Evidence of cells spread over all uses of all units, of which most end the mission.
-
-    The stretches have the use of a unit unevenly, as those of a real run.
-    """
-    cells = []
-    end_s = trace["end"]["simulated_s"]
-    for name, use in trace["active"].items():
-        modes = ("no_force", "stuck") if name.endswith("hand") else ("dead", "jam")
-        states = [use["moving_s"], use["holding_s"], use["grasping_s"]]
-        whole = Exposure(**{**use, "wear": tuple(use["wear"])})
-        for mode in modes:
-            for index in range(CELLS):
-                share = (index + 0.5) / CELLS
-                fails = (7 * index + len(name)) % 10 < 6
-                active_s = share * use["active_s"]
-                at = tuple(share * each for each in states)
-                uneven = 2.0 * (1.0 + index) / (CELLS * (CELLS + 1))
-                stretch = replace(
-                    whole,
-                    moving_s=whole.moving_s / CELLS,
-                    holding_s=whole.holding_s / CELLS,
-                    active_s=whole.active_s / CELLS,
-                    travel_s=whole.travel_s * uneven,
-                    wear=tuple(each * uneven for each in whole.wear),
-                    grasps=whole.grasps * (index == 3),
-                    releases=whole.releases * (index == 5),
-                )
-                start = ("part", name, mode, share * end_s)
-                cells.append(Cell(*start, "active", "f", True, active_s, at, stretch, fails=fails))
-                idle_s = end_s - use["active_s"]
-                key = ("part", name, mode, active_s + share * idle_s + 1e-4)
-                cells.append(
-                    Cell(
-                        *(*key, "idle", "f", True, active_s, at),
-                        idle_s=idle_s / CELLS,
-                        fails=not fails,
-                    )
-                )
-    return Evidence("f", "panda", 0, len(cells), ("done",), cells=tuple(cells))
+    return partial(figure_by_every_law, folder=tmp_path)
 
 
 @pytest.mark.parametrize("name", CHANGES)
@@ -223,10 +135,10 @@ def test_the_missions_failure_probability_stays(
     by_use = by_every_law(original.json["trace"])
     assert by_every_law(outcome.json["trace"]) == pytest.approx(by_use, rel=0.001)
     # The same cells are drawn of both: what of the hazard ends the mission is the same too.
-    found = EvidenceShares(made_up(original.json["trace"]))
-    with_it = by_every_law(original.json["trace"], found)
+    found = made_up(original.json["trace"])
+    with_it = by_every_law(original.json["trace"], evidence=found)
     assert with_it < 0.9 * by_use
-    assert by_every_law(outcome.json["trace"], found) == pytest.approx(with_it, rel=0.01)
+    assert by_every_law(outcome.json["trace"], evidence=found) == pytest.approx(with_it, rel=0.01)
 
 
 JOG = """\

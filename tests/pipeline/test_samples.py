@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.pipeline.every_law import figure_by_every_law, made_up
 from tracerisk import trace_json
 from tracerisk.adder.sources.insert import strip_blocks
 
@@ -525,7 +526,7 @@ def test_a_second_run_changes_no_byte(name, ran):
         for change in sample.changes
     ],
 )
-def test_how_the_code_is_cut_into_functions_is_no_risk(name, change, ran, example):
+def test_how_the_code_is_cut_into_functions_is_no_risk(name, change, ran, example, tmp_path):
     sample = ALL[name]
     refactored = sample.changes[change]
     for file, content in refactored.of(sample.files()).items():
@@ -535,3 +536,7 @@ def test_how_the_code_is_cut_into_functions_is_no_risk(name, change, ran, exampl
     assert tuple(states) == refactored.functions
     _, original = ran(name)
     assert risk(outcome) == pytest.approx(risk(original), rel=0.01)
+    before, after = original.json["trace"], outcome.json["trace"]
+    for evidence in (None, made_up(before)):
+        figure = figure_by_every_law(before, tmp_path, evidence)
+        assert figure_by_every_law(after, tmp_path, evidence) == pytest.approx(figure, rel=0.01)
