@@ -79,6 +79,20 @@ def compared(folder: Path, path: str, name: str, repeat: int) -> Compared:
     return Compared(name, is_traced, len(told) == 1, *medians)
 
 
+def listed(options: argparse.Namespace) -> list[tuple[Path, str, str]]:
+    """Return folder, path and name of each controller of a list; of the samples without one."""
+    wanted = [(SAMPLES, path.name, path.name) for path in sorted(SAMPLES.glob("*.py"))]
+    if options.list is not None:
+        with options.list.open(encoding="utf-8") as stream:
+            rows = list(csv.DictReader(line for line in stream if not line.startswith("#")))
+        wanted = []
+        for each in rows:
+            folder = options.sources / f"{each['repo']}@{each['commit']}"
+            folder = folder if (folder / each["path"]).is_file() else options.sources / each["repo"]
+            wanted.append((folder, each["path"], f"{each['repo']}:{each['path']}"))
+    return [each for each in wanted if options.only in each[2]]
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--list", type=Path)
@@ -87,16 +101,7 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--repeat", type=int, default=1)
     options = parser.parse_args()
-    wanted = [(SAMPLES, path.name, path.name) for path in sorted(SAMPLES.glob("*.py"))]
-    if options.list is not None:
-        with options.list.open(encoding="utf-8") as stream:
-            listed = list(csv.DictReader(line for line in stream if not line.startswith("#")))
-        wanted = []
-        for each in listed:
-            folder = options.sources / f"{each['repo']}@{each['commit']}"
-            folder = folder if (folder / each["path"]).is_file() else options.sources / each["repo"]
-            wanted.append((folder, each["path"], f"{each['repo']}:{each['path']}"))
-    wanted = [each for each in wanted if options.only in each[2]]
+    wanted = listed(options)
     with ThreadPoolExecutor(options.jobs) as pool:
         rows = [
             row
