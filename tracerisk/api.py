@@ -205,6 +205,27 @@ def evidence(path: str | Path) -> Evidence:
     return found
 
 
+def evidence_replays(
+    path: str | Path,
+    found: Evidence,
+    folder: str | Path,
+    settings: Mapping[str, Any] | None = None,
+    *,
+    told: Callable[[int, int, float], None] | None = None,
+) -> int:
+    """Write a page with the replay of each failure that matters; return how many.
+
+    They are the worst of each component, mode and function that ended the mission; `index.html`
+    leads to them. `told` as in `gather_evidence`. Raises as that, and InputError where the folder
+    is a file.
+    """
+    from tracerisk.dependencies import require_simulator
+    from tracerisk.pipeline.results.evidence_replays import write_replays
+
+    require_simulator("replaying failures")
+    return write_replays(Path(path), found, Path(folder), settings, told=told)
+
+
 def run_with_faults(
     path: str | Path,
     faults: Sequence[str],

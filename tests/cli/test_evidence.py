@@ -196,6 +196,29 @@ def test_the_table_is_written_as_csv_and_markdown(gathered):
     assert "- over within 100 s" in folder.read("t.md").decode()
 
 
+def test_failures_that_end_the_mission_are_replayed(gathered, tmp_path, example_in):
+    whole, _ = gathered
+    folder = example_in(tmp_path / "replays")
+    shutil.copytree(whole.folder, folder.folder)
+    # Nothing is declared: a joint that jams keeps the run from what it reached without.
+    folder.write("pyproject.toml", '[tool.tracerisk]\nhardware = "one.yaml"\n')
+    done = folder.run(*GATHER, "--replays", "pages")
+    assert done.code == 0, done.err
+    found = read_evidence(folder.folder / "tracerisk.evidence")["controller.py"]
+    matter = {(each.unit, each.mode) for each in found.cells if each.fails}
+    pages = sorted(each.name for each in (folder.folder / "pages").iterdir())
+    assert {"index.html", "without.html"} < set(pages)
+    shown = [each for each in pages if each.startswith("panda_joint1-")]
+    assert {tuple(each.split("-")[:2]) for each in shown} == matter
+    index = folder.read("pages/index.html").decode()
+    for name in [*shown, "without.html"]:
+        assert f'href="{name}"' in index
+        text = folder.read(f"pages/{name}").decode()
+        assert 'href="index.html"' in text
+        assert "replay" in text
+    assert f"{len(shown)} replays, and index.html, in pages" in done.err
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -203,6 +226,8 @@ def test_the_table_is_written_as_csv_and_markdown(gathered):
         (("controller.py", "--cells", "0"), "allowed: 1 to"),
         (("controller.py", "--cells", "1000000"), "allowed: 1 to"),
         (("controller.py", "-o", "x"), "goes with `evidence merge`"),
+        (("controller.py", "--show", "--replays", "x"), "does not go with --show"),
+        ((*GATHER[1:], "--replays", "one.yaml"), "is a file; name a folder"),
         (("merge",), "name the files"),
         (("merge", "nothing.evidence"), "does not exist"),
         (("other.py", "--show"), "other.py"),

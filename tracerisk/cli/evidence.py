@@ -47,6 +47,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     output = parser.add_argument_group("output")
     output.add_argument("--csv", metavar="OUT", help="write the table as CSV")
     output.add_argument("--markdown", metavar="OUT", help="write the table as Markdown")
+    output.add_argument(
+        "--replays",
+        metavar="FOLDER",
+        help="run the worst failures again, and write a page with the replay of each",
+    )
     output.add_argument("-o", "--output", metavar="OUT", help="of merge: the file to write")
     shared.add_json(parser)
 
@@ -59,6 +64,8 @@ def run(options: argparse.Namespace) -> int:
         raise InputError("-o goes with `evidence merge`; --csv and --markdown write the table")
     from tracerisk import api
 
+    if options.show and options.replays is not None:
+        raise InputError("--replays runs failures and does not go with --show, which runs nothing")
     if options.show:
         found = api.evidence(options.controller)
     else:
@@ -79,6 +86,8 @@ def run(options: argparse.Namespace) -> int:
         for each in dict.fromkeys(reasons):
             note(f"not branched off one run, but run whole: {each}", quiet=options.quiet)
     _print(options, found)
+    if options.replays is not None:
+        _replay(options, found)
     return int(ExitCode.FINE)
 
 
@@ -122,6 +131,16 @@ def _print(options: argparse.Namespace, found: Evidence) -> None:
             "(docs/evidence.md)",
             quiet=options.quiet,
         )
+
+
+def _replay(options: argparse.Namespace, found: Evidence) -> None:
+    from tracerisk import api
+
+    with bar_of_cells(quiet=options.quiet) as told:
+        number = api.evidence_replays(
+            options.controller, found, options.replays, shared.run_settings(options), told=told
+        )
+    note(f"{number} replays, and index.html, in {options.replays}", quiet=options.quiet)
 
 
 def _merge(options: argparse.Namespace) -> int:

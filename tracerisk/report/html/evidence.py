@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeVar
 from xml.etree.ElementTree import SubElement
 
 from tracerisk.evidence.cells import EFFECTS, Cell, Evidence
 from tracerisk.report.fmea import WORDS, fmea_rows, summary_lines
-from tracerisk.report.html.page import asset, rendered
+from tracerisk.report.html.page import asset, page, rendered
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.svg import Drawing, number
 from tracerisk.report.html.tables import Cell as TableCell
@@ -17,12 +17,38 @@ from tracerisk.report.html.tables import Column, Row, Table
 T = TypeVar("T")
 
 _MOST_UNFOLDED = 12
-_WIDTH, _ROW, _LABEL = 560.0, 22.0, 190.0
+_WIDTH, _ROW, _LABEL = 640.0, 22.0, 270.0
 _TICKS = 5
 
 
-def evidence_section(found: Evidence, *, is_used: bool) -> Section:
-    """Return the section; `is_used` says whether the figures take the evidence."""
+Pages = Mapping[tuple[str, str, float], str]
+"""The file that shows a failure, by the key of its cell."""
+
+
+def render_evidence(found: Evidence, name: str, pages: Pages, without: str) -> str:
+    """Return the page of a campaign alone, the same for the same input.
+
+    `pages` show single failures, and `without` the run that they are compared with.
+    """
+    lead = rendered(
+        "fault.html.j2",
+        name=name,
+        context=(found.robot,),
+        sentence=f"What {len(found.cells)} failures do to the mission",
+    )
+    section = evidence_section(found, is_used=None, pages=pages)
+    runs = rendered("evidence_runs.html.j2", number=len(pages), without=without)
+    return page(f"Failures of {name}", lead, (Section("replays", "Replays", runs), section))
+
+
+def evidence_section(
+    found: Evidence, *, is_used: bool | None, pages: Pages | None = None
+) -> Section:
+    """Return the section; `is_used` says whether the figures beside it take the evidence.
+
+    It is `None` where there are no figures.
+    """
+    pages = pages or {}
     cells = found.cells
     harmless = [each for each in cells if not each.is_idle and not each.fails]
     needed = [each for each in cells if each.is_idle and each.fails]
@@ -31,18 +57,18 @@ def evidence_section(found: Evidence, *, is_used: bool) -> Section:
         lines=summary_lines(found),
         success=found.success,
         is_used=is_used,
-        matrix=_matrix(found),
+        matrix=_matrix(found, pages),
         legend=[(each, WORDS[each]) for each in EFFECTS],
         delays=_delays(cells),
-        harmless=_listed("evidence-harmless", "In use, but harmless", harmless),
-        needed=_listed("evidence-needed", "Idle, but needed", needed),
-        table=_table(found),
+        harmless=_listed("evidence-harmless", "In use, but harmless", harmless, pages),
+        needed=_listed("evidence-needed", "Idle, but needed", needed, pages),
+        table=_table(found, pages),
         most=_MOST_UNFOLDED,
     )
     return Section("evidence", "Failures on the twin", html, css=asset("evidence.css"))
 
 
-def _matrix(found: Evidence) -> dict[str, object]:
+def _matrix(found: Evidence, pages: Pages) -> dict[str, object]:
     """Return the worst effect of each component in each function, with its share of failures."""
     functions = _ordered(each.function for each in _by_time(found.cells))
     kinds = _ordered((each.component, each.mode) for each in found.cells)
@@ -56,11 +82,12 @@ def _matrix(found: Evidence) -> dict[str, object]:
                 if (each.component, each.mode, each.function) == (component, mode, function)
             ]
             if not cells:
-                entries.append(("none", "", ""))
+                entries.append(("none", "", "", ""))
                 continue
             worst = min((each.effect for each in cells), key=EFFECTS.index)
             failed = sum(1 for each in cells if each.fails)
-            entries.append((worst, WORDS[worst], f"{failed} of {len(cells)}"))
+            link = next((pages[each.key] for each in cells if each.key in pages), "")
+            entries.append((worst, WORDS[worst], f"{failed} of {len(cells)}", link))
         rows.append((component, mode.replace("_", " "), entries))
     return {"functions": functions, "rows": rows}
 
@@ -83,7 +110,7 @@ def _delays(cells: Sequence[Cell]) -> object:
         group = drawing.group("delays")
         name = f"{component} {mode.replace('_', ' ')}"
         label = SubElement(group, "text", {"x": "0", "y": number(y + 4.0)})
-        label.text = name if len(name) <= 26 else f"{name[:25]}…"
+        label.text = name if len(name) <= 36 else f"{name[:35]}…"
         drawing.path(f"M{number(_LABEL)} {number(y)} H{number(_WIDTH)}", "edge")
         mine = [each for each in cells if (each.component, each.mode) == (component, mode)]
         for each in mine:
@@ -107,7 +134,7 @@ def _delays(cells: Sequence[Cell]) -> object:
     return drawing.markup(_WIDTH + 80.0, bottom + 6.0)
 
 
-def _listed(name: str, caption: str, cells: Sequence[Cell]) -> Table | None:
+def _listed(name: str, caption: str, cells: Sequence[Cell], pages: Pages) -> Table | None:
     if not cells:
         return None
     columns = (
@@ -124,7 +151,10 @@ def _listed(name: str, caption: str, cells: Sequence[Cell]) -> Table | None:
                 TableCell(each.function),
                 TableCell(f"{each.time_s:.3f}"),
                 TableCell(WORDS[each.effect], note="; ".join(each.lost)),
-                TableCell(f"--fault {each.unit}:{each.mode}@{each.time_s:g}"),
+                TableCell(
+                    f"--fault {each.unit}:{each.mode}@{each.time_s:g}",
+                    link=pages.get(each.key, ""),
+                ),
             ),
             function=each.function,
         )
@@ -133,7 +163,7 @@ def _listed(name: str, caption: str, cells: Sequence[Cell]) -> Table | None:
     return Table(name, caption, columns, rows)
 
 
-def _table(found: Evidence) -> Table:
+def _table(found: Evidence, pages: Pages) -> Table:
     columns = (
         Column("failure"),
         Column("function"),
@@ -147,12 +177,13 @@ def _table(found: Evidence) -> Table:
     for row in fmea_rows(found):
         low, high = row.interval
         told = row.told_after_s
+        shown = (pages[each.key] for each in row.cells if each.key in pages)
         rows.append(
             Row(
                 (
                     TableCell(f"{row.component} {row.mode.replace('_', ' ')}"),
                     TableCell(row.function),
-                    TableCell(WORDS[row.worst.effect], note=row.hardest),
+                    TableCell(WORDS[row.worst.effect], link=next(shown, ""), note=row.hardest),
                     TableCell("never" if told is None else f"{told:.2f}"),
                     TableCell(row.detection),
                     TableCell(f"{row.failed} of {len(row.cells)}"),

@@ -10,18 +10,18 @@ from tracerisk.trace import Trace
 
 
 def render_fault_report(
-    trace: Trace, fault: str, lines: Sequence[str], sections: Sequence[Section]
+    trace: Trace, fault: str | None, lines: Sequence[str], sections: Sequence[Section]
 ) -> str:
     """Return the page of a run with a fault, the same for the same input.
 
-    `fault` tells it in words, `lines` its effect; `sections` show the run. It has no figure
-    of risk: those are of runs without a fault.
+    `fault` tells it in words, `None` for the run without one beside it, `lines` its effect;
+    `sections` show the run. It has no figure of risk: those are of whole reports.
     """
     lead = rendered(
         "fault.html.j2",
         name=trace.controller,
         context=(trace.robot, trace.scene),
-        sentence=f"A run with a fault: {fault}.",
+        sentence="The run without a fault." if fault is None else f"A run with a fault: {fault}.",
     )
     outcome = rendered("list.html.j2", lines=lines, lead="", empty="")
     assumed = rendered("list.html.j2", lines=trace.assumptions, lead="", empty="Nothing.")
@@ -30,4 +30,4 @@ def render_fault_report(
         *sections,
         Section("assumptions", "Assumptions", assumed),
     )
-    return page(f"{trace.controller} with {fault}", lead, found)
+    return page(f"{trace.controller} with {fault or 'no fault'}", lead, found)

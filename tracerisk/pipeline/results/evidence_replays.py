@@ -1,0 +1,138 @@
+"""Pages that show the failures of a campaign that matter, each with its replay."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import tempfile
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, cast
+
+from markupsafe import Markup
+
+from tracerisk.adder.sources.write import atomic_write
+from tracerisk.errors import InputError, LogError
+from tracerisk.evidence.cells import EFFECTS, Cell, Evidence
+from tracerisk.hardware.model import FaultMode, Hardware
+from tracerisk.pipeline.evidence.cell_runs import Nominal, nominal_of
+from tracerisk.pipeline.evidence.workers import Told
+from tracerisk.pipeline.results.run_section import recorded_run, run_section
+from tracerisk.pipeline.run.branching.branches import Branch, run_branches
+from tracerisk.pipeline.stages import load_hardware
+from tracerisk.report.fmea import WORDS, fmea_rows
+from tracerisk.report.html.evidence import render_evidence
+from tracerisk.report.html.fault_report import render_fault_report
+from tracerisk.trace import Trace
+from tracerisk.twin.faults.fault import Fault
+
+INDEX, WITHOUT = "index.html", "without.html"
+_BATCH = 16
+
+
+def write_replays(
+    controller: Path,
+    found: Evidence,
+    folder: Path,
+    options: Mapping[str, Any] | None = None,
+    *,
+    told: Told | None = None,
+) -> int:
+    """Run the failures that matter again, and write a page with the replay of each.
+
+    Those are, for each component, mode and function, the worst one that ended the mission.
+    `index.html` in the folder leads to them, `without.html` is the run without a failure. Files
+    that are there are replaced. Returns how
+    many failures have a page.
+    Raises InputError where the folder is a file, and as `plan_campaign`.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder} is a file; name a folder for the pages")
+    given = tuple(sorted((k, v) for k, v in (options or {}).items() if v not in (None, (), [])))
+    nominal = nominal_of(str(controller), given)
+    hardware = load_hardware(nominal.settings, nominal.trace.robot)
+    folder.mkdir(parents=True, exist_ok=True)
+    page = _page(nominal.trace, None, ["nothing failed"], hardware, nominal.folder)
+    atomic_write(folder / WITHOUT, page.encode())
+    cells = cells_that_matter(found)
+    pages: dict[tuple[str, str, float], str] = {}
+    began = time.monotonic()
+    for at in range(0, len(cells), _BATCH):
+        for cell, text in _replayed(nominal, hardware, cells[at : at + _BATCH]):
+            name = _name(cell)
+            atomic_write(folder / name, text.encode())
+            pages[cell.key] = name
+            if told is not None:
+                each_s = (time.monotonic() - began) / len(pages)
+                told(len(pages), len(cells), each_s * (len(cells) - len(pages)))
+    index = render_evidence(found, Path(controller).name, pages, WITHOUT)
+    atomic_write(folder / INDEX, index.encode())
+    return len(pages)
+
+
+def cells_that_matter(found: Evidence) -> list[Cell]:
+    """Return the worst failure of each row of the table that ended the mission."""
+    worst = []
+    for row in fmea_rows(found):
+        failed = [each for each in row.cells if each.fails]
+        if failed:
+            worst.append(min(failed, key=lambda each: (EFFECTS.index(each.effect), each.time_s)))
+    return worst
+
+
+def _replayed(nominal: Nominal, hardware: Hardware, cells: list[Cell]) -> list[tuple[Cell, str]]:
+    kept = Path(tempfile.mkdtemp(prefix="tracerisk-replays-"))
+    branches = [Branch(n, (_fault(each),), each.time_s) for n, each in enumerate(cells)]
+    pages = []
+    try:
+        for result in run_branches(
+            nominal.controller, nominal.settings, nominal.run, branches, keep=kept
+        ):
+            cell = cells[result.branch.index]
+            if result.done is None:
+                continue
+            folder = kept / str(result.branch.index)
+            words = _fault(cell).words
+            pages.append((cell, _page(result.run.trace, words, _lines(cell), hardware, folder)))
+    finally:
+        shutil.rmtree(kept, ignore_errors=True)
+    return pages
+
+
+def _page(
+    trace: Trace, fault: str | None, lines: list[str], hardware: Hardware, recording: Path
+) -> str:
+    try:
+        recorded = recorded_run(recording)
+    except LogError:
+        recorded = None
+    section = run_section(trace, hardware, recorded)
+    ways = Markup('<a href="{}">all failures</a>, <a href="{}">the run without a failure</a>')
+    return render_fault_report(
+        trace, fault, [*lines, ways.format(INDEX, WITHOUT)], () if section is None else (section,)
+    )
+
+
+def _lines(cell: Cell) -> list[str]:
+    """Return what became of a failure, a line each."""
+    told = "the controller was never told"
+    if cell.told_after_s is not None:
+        by = cell.told_by.replace("_", " ")
+        told = f"the controller was told after {cell.told_after_s:.2f} s, by {by}"
+    return [
+        f"{cell.component}: {WORDS[cell.effect]}",
+        *([f"the unit itself: {cell.local}"] if cell.local else []),
+        told,
+        *(f"lost: {each}" for each in cell.lost),
+        *([f"hardest touch: {cell.contact}"] if cell.contact else []),
+    ]
+
+
+def _fault(cell: Cell) -> Fault:
+    return Fault(cell.unit, cast(FaultMode, cell.mode), cell.time_s)
+
+
+def _name(cell: Cell) -> str:
+    unit = re.sub(r"[^A-Za-z0-9_.-]+", "-", cell.unit)
+    return f"{unit}-{cell.mode}-{cell.time_s:.3f}s.html"
