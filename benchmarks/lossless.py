@@ -1,13 +1,15 @@
-"""Put a risk block into every function of every Python file, take it out, and compare bytes.
+"""Put a risk block into every function of every source, take it out, and compare bytes.
 
 Without DIR: the standard library of the running interpreter, its tests included, and the
 site-packages of its environment. Nothing is written.
 
     python benchmarks/lossless.py [DIR...] [--jobs N]
 
-For each file that `ast.parse` accepts: the annotated source has the same syntax tree, every
-block reads back as it was meant, a second insertion changes nothing, and removal gives back
-every byte. A refusal is an error that says why; wrong is whatever else differs.
+For each file of C and C++, and each of Python that `ast.parse` accepts: the annotated source has
+the same syntax tree, every block reads back as it was meant, a second insertion changes nothing,
+and removal gives back every byte. A refusal is an error that says why; wrong is whatever else
+differs. Of C and C++ functions whose names a block cannot hold (`operator!=`) and those that begin
+behind other code on their line are left out, and counted.
 """
 
 from __future__ import annotations
@@ -29,12 +31,16 @@ from tracerisk.adder.blocks.values import (
     computed_next,
     computed_probability,
     computed_redundancy,
+    is_function_name,
 )
+from tracerisk.adder.sources.c_blocks import scan_c_blocks
+from tracerisk.adder.sources.c_source import parse_c
 from tracerisk.adder.sources.definitions import MODULE, definitions, module_line, parse_python
 from tracerisk.adder.sources.insert import insert_everywhere, strip_blocks
 from tracerisk.adder.sources.read import scan_blocks
 from tracerisk.errors import TraceRiskError
 from tracerisk.hardware.redundancy import Redundancy
+from tracerisk.source.c_tokens import is_c
 from tracerisk.trace import QualifiedName
 
 VERDICTS = ("exact", "refused", "wrong")
@@ -48,6 +54,7 @@ class Outcome:
     path: Path
     verdict: str
     functions: int = 0
+    left_out: int = 0
     reason: str = ""
 
 
@@ -57,6 +64,8 @@ def check(path: Path) -> Outcome:
     warnings.simplefilter("ignore")
     try:
         source = path.read_bytes()
+        if is_c(path.name):
+            return check_c(path, source)
         tree = ast.parse(source)
     except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
         return Outcome(path, "no Python")
@@ -73,7 +82,7 @@ def check(path: Path) -> Outcome:
         twice = insert_everywhere(after, again, str(path))
         stripped = strip_blocks(after, str(path))
     except TraceRiskError as error:
-        return Outcome(path, "refused", count, error.message)
+        return Outcome(path, "refused", count, reason=error.message)
     wrong = [
         reason
         for reason, holds in (
@@ -88,7 +97,43 @@ def check(path: Path) -> Outcome:
         )
         if not holds
     ]
-    return Outcome(path, "wrong" if wrong else "exact", count, "; ".join(wrong))
+    return Outcome(path, "wrong" if wrong else "exact", count, reason="; ".join(wrong))
+
+
+def check_c(path: Path, source: bytes) -> Outcome:
+    """Do the same with a file of C or C++."""
+    count = left_out = 0
+    try:
+        parsed = parse_c(source, str(path))
+        sites = {
+            (each.name, each.line): _block(each.name)
+            for each in parsed.functions
+            if each.site is not None and is_function_name(each.name)
+        }
+        count = len(sites)
+        left_out = len({(each.name, each.line) for each in parsed.functions}) - count
+        after = insert_everywhere(source, sites, str(path))
+        placed = scan_c_blocks(after, str(path))
+        again = {(each.function, each.line): each.block for each in placed}
+        twice = insert_everywhere(after, again, str(path))
+        stripped = strip_blocks(after, str(path))
+        same = list(parsed.leaves()) == list(parse_c(after, str(path)).leaves())
+    except TraceRiskError as error:
+        return Outcome(path, "refused", count, left_out, error.message)
+    wrong = [
+        reason
+        for reason, holds in (
+            ("removal gives other bytes", stripped == source),
+            ("a second insertion changes something", twice == after),
+            ("the syntax tree differs", same),
+            (
+                "blocks are missing",
+                sorted(b.function for b in placed) == sorted(s[0] for s in sites),
+            ),
+        )
+        if not holds
+    ]
+    return Outcome(path, "wrong" if wrong else "exact", count, left_out, "; ".join(wrong))
 
 
 def _block(name: QualifiedName) -> RiskBlock:
@@ -105,14 +150,14 @@ def _same_tree(tree: ast.AST, after: bytes) -> bool:
     return ast.dump(tree) == ast.dump(ast.parse(after))
 
 
-def python_files(folders: list[Path]) -> list[Path]:
-    """Return every Python file below the folders, sorted, links not followed."""
+def files_below(folders: list[Path]) -> list[Path]:
+    """Return every Python, C and C++ file below the folders, sorted, links not followed."""
     found = {
         Path(folder, name)
         for top in folders
         for folder, _, names in os.walk(top)
         for name in names
-        if name.endswith(".py")
+        if name.endswith(".py") or is_c(name)
     }
     return sorted(found)
 
@@ -122,10 +167,11 @@ def report(title: str, outcomes: list[Outcome], seconds: float) -> int:
     counted = [each for each in outcomes if each.verdict != "no Python"]
     by = {verdict: [e for e in counted if e.verdict == verdict] for verdict in VERDICTS}
     functions = sum(each.functions for each in counted)
+    left_out = sum(each.left_out for each in counted)
     print(
-        f"{title}: {len(counted)} files that Python accepts ({len(outcomes) - len(counted)} not), "
-        f"{functions} functions; exact {len(by['exact'])}, refused {len(by['refused'])}, "
-        f"wrong {len(by['wrong'])}; {seconds:.0f} s"
+        f"{title}: {len(counted)} files that are read ({len(outcomes) - len(counted)} not), "
+        f"{functions} functions and {left_out} left out; exact {len(by['exact'])}, "
+        f"refused {len(by['refused'])}, wrong {len(by['wrong'])}; {seconds:.0f} s"
     )
     for each in (*by["refused"], *by["wrong"]):
         print(f"  {each.verdict}: {each.path}: {each.reason}")
@@ -140,10 +186,10 @@ def main() -> int:
     stdlib, site = (Path(sysconfig.get_path(name)) for name in ("stdlib", "purelib"))
     suites: list[tuple[str, list[Path]]]
     if options.folders:
-        suites = [(str(folder), python_files([folder])) for folder in options.folders]
+        suites = [(str(folder), files_below([folder])) for folder in options.folders]
     else:
-        library = [path for path in python_files([stdlib]) if "site-packages" not in path.parts]
-        suites = [("standard library", library), ("site-packages", python_files([site]))]
+        library = [path for path in files_below([stdlib]) if "site-packages" not in path.parts]
+        suites = [("standard library", library), ("site-packages", files_below([site]))]
     wrong = 0
     for title, files in suites:
         began = time.monotonic()

@@ -31,6 +31,9 @@ MODULES: Mapping[str, str] = {
     "shtab": "shtab",
     "six": "six",
     "tomli": "tomli",
+    "tree-sitter": "tree_sitter",
+    "tree-sitter-c": "tree_sitter_c",
+    "tree-sitter-cpp": "tree_sitter_cpp",
     "xacrodoc": "xacrodoc",
 }
 """The module of each distribution that `pyproject.toml` lists."""
@@ -41,15 +44,16 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
         *("pillow", "rosbags", "scipy", "six", "xacrodoc"),
     ),
     "large": ("numba", "numpy", "scipy"),
+    "cpp": ("tree-sitter", "tree-sitter-c", "tree-sitter-cpp"),
 }
 """The distributions of the extras that verbs of `tracerisk` use; all others are always there."""
 
 SIMULATION = ("daqp", "libcst", "mink", "mujoco", "numpy", "rosbags", "ruamel.yaml", "scipy")
 """The distributions without which no controller runs."""
 
-_SIGN = {"sim": "mujoco", "large": "numba"}
+_SIGN = {"sim": "mujoco", "large": "numba", "cpp": "tree-sitter-cpp"}
 """The distribution that no other extra brings: where it is, the extra was asked for."""
-_WHAT = {"sim": "the simulator", "large": "NumPy, SciPy and numba"}
+_WHAT = {"sim": "the simulator", "large": "NumPy, SciPy and numba", "cpp": "tree-sitter"}
 
 
 def is_installed(distribution: str) -> bool:
@@ -74,7 +78,7 @@ def install_command(extra: str) -> str:
 
 def missing_extra(extra: str, purpose: str) -> DependencyError:
     """Return the error for a purpose that needs an extra which is not installed."""
-    needs, it = ("needs", "it") if extra == "sim" else ("need", "them")
+    needs, it = ("need", "them") if extra == "large" else ("needs", "it")
     command = install_command(extra)
     return DependencyError(f"{purpose} {needs} {_WHAT[extra]}; install {it}: {command}")
 
@@ -83,6 +87,12 @@ def require_simulator(purpose: str) -> None:
     """Raise DependencyError unless the extra `sim` is installed; `purpose` says what needs it."""
     if not is_installed("mujoco"):
         raise missing_extra("sim", purpose)
+
+
+def require_cpp() -> None:
+    """Raise DependencyError unless the extra `cpp` is installed."""
+    if not all(map(is_installed, EXTRAS["cpp"])):
+        raise missing_extra("cpp", "reading the functions of C and C++")
 
 
 def require_large(*distributions: str) -> None:

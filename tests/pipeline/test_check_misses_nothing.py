@@ -65,7 +65,7 @@ def put(folder: Path, *names: str) -> None:
     for name in names:
         recorded = RunInputs(
             settings=settings_data(read_settings(folder), folder),
-            sources={name: code_digest(SOURCE)},
+            sources={name: code_digest(SOURCE, "a.py")},
         )
         outcome = annotate_sources(
             name,
@@ -280,4 +280,4 @@ def test_a_text_file_is_not_run(project):
     project.write("note.txt", "raise SystemExit('ran')\n")
     outcome = project.run("run", "note.txt")
     assert outcome.code == 2
-    assert "note.txt: is not a Python program by its name" in outcome.err
+    assert "note.txt: is neither a Python nor a C or C++ program by its name" in outcome.err

@@ -40,7 +40,7 @@ def pick(arm):
 def test_comments_blank_lines_and_line_ends_say_nothing(before, after):
     changed = SOURCE.replace(before, after)
     assert changed != SOURCE
-    assert code_digest(changed) == code_digest(SOURCE)
+    assert code_digest(changed, "a.py") == code_digest(SOURCE, "a.py")
 
 
 @pytest.mark.parametrize(
@@ -60,17 +60,17 @@ def test_comments_blank_lines_and_line_ends_say_nothing(before, after):
 def test_everything_else_does(before, after):
     changed = SOURCE.replace(before, after)
     assert changed != SOURCE
-    assert code_digest(changed) != code_digest(SOURCE)
+    assert code_digest(changed, "a.py") != code_digest(SOURCE, "a.py")
 
 
 def test_nested_quotes_of_later_versions_hide_nothing():
     one, other = b'x = f"{d["#a"]}"\n', b'x = f"{d["#b"]}"\n'
-    assert code_digest(one) != code_digest(other)
+    assert code_digest(one, "a.py") != code_digest(other, "a.py")
 
 
 def test_the_digest_is_the_same_on_every_version_of_python():
-    assert code_digest(b"x = f'{1}'  \n\n# end") == code_digest(b"x = f'{1}'\n")
-    assert code_digest(SOURCE) == DIGEST
+    assert code_digest(b"x = f'{1}'  \n\n# end", "a.py") == code_digest(b"x = f'{1}'\n", "a.py")
+    assert code_digest(SOURCE, "a.py") == DIGEST
 
 
 DIGEST = "b9c41cefc3244845d3d6b70f065acb7585e14ebca3638c586f3a995cf0fef683"

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    parser.add_argument("controller", metavar="FILE", help="the controller's Python file")
+    parser.add_argument("controller", metavar="FILE", help="a controller in Python, C or C++")
     source = parser.add_mutually_exclusive_group(required=True)
     source.add_argument("--trace", metavar="FILE", help="a trace, as `tracerisk trace -o` wrote it")
     source.add_argument("--log", metavar="FILE", help="a log in the published text format")

@@ -12,6 +12,7 @@ from tracerisk.cli.shared.output import note, print_json, show, write_sarif
 from tracerisk.cli.shared.without_controllers import note_without_controllers
 from tracerisk.cli.verdict import verdict_json
 from tracerisk.errors import ExitCode, InputError, TraceRiskError
+from tracerisk.source.c_tokens import is_c
 from tracerisk.trace import verdict_line
 
 if TYPE_CHECKING:
@@ -116,6 +117,8 @@ def _bases(paths: Sequence[Path], revision: str | None) -> list[Verdict | None]:
 def _notes(checked: Sequence[Checked]) -> Iterator[str]:
     """Yield what a user should know of verdicts that pass."""
     for each in checked:
+        if is_c(each.path.name):
+            continue
         if each.verdict is None and all(one.kind != "unknown" for one in each.findings):
             yield (
                 f"{each.path}: its lock is of a tracerisk without verdicts; "

@@ -193,6 +193,12 @@ def trace_controller(
     Raises SourceError, RobotError, HardwareError before anything runs, DependencyError where the
     simulator is not installed.
     """
+    if not controller.is_python:
+        raise InputError(
+            "is C or C++, which is not run on the twin; give the log or trace of its own run: "
+            "`tracerisk annotate FILE --log LOG` or `--trace TRACE`",
+            Location(str(controller.path)),
+        )
     require_simulator("running a controller")
     from tracerisk.pipeline.scenarios.drafted_run import trace_with_draft
 
@@ -219,7 +225,12 @@ def annotate(
     what is not a function, BlockError or UnsafeRewriteError when the source cannot be annotated, or
     holds a redundancy set by hand over units that differ.
     """
-    require_simulator("writing risk blocks")
+    if controller.is_python:
+        require_simulator("writing risk blocks")
+    else:
+        from tracerisk.pipeline.trace.c_scopes import with_scopes
+
+        trace = with_scopes(controller, trace)
     from tracerisk.adder.annotate import annotate_sources
     from tracerisk.pipeline.freshness.who_wrote import evidence_for
 

@@ -1,4 +1,4 @@
-"""A digest of what a Python source says: comments, blank lines and spaces between words left out.
+"""A digest of what a source says: comments, blank lines and spaces between words left out.
 
 It is made of the text and not of Python's own tokens or syntax tree, which differ from one
 version of Python to the next: a team's lock must say the same on each of their machines.
@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import hashlib
 import re
+
+from tracerisk.source.c_tokens import code_of, is_c
 
 # A comment behind an f-string is kept: since Python 3.12 quotes may nest in one, and what looks
 # like a comment there may be text.
@@ -27,8 +29,13 @@ _BLANK = re.compile(rb"(?:[ \t\f]*\n)+")
 _F_STRING = re.compile(rb"[rR]?[fF][rR]?['\"]")
 
 
-def code_digest(source: bytes) -> str:
-    """Return the digest of a source; the same for line ends of any kind."""
+def code_digest(source: bytes, file: str) -> str:
+    """Return the digest of a source; the same for line ends of any kind.
+
+    By the ending of its `file` it is C or C++, else Python.
+    """
+    if is_c(file):
+        return hashlib.sha256(code_of(source)).hexdigest()
     text = source.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     digest = hashlib.sha256()
     # A line begins here too, so that blank ones above the first say nothing.

@@ -1,5 +1,6 @@
-"""Put risk blocks into a Python source and take them out, with no other byte changed.
+"""Put risk blocks into a source and take them out, with no other byte changed.
 
+In C and C++ `c_blocks.py` does so; what follows is of Python.
 Edits are lines put into or cut out of the original bytes, at the places that libcst's
 positions give. Each result is checked before it is handed out: without its blocks it is the
 source without its blocks, byte for byte; its syntax tree is the same; and its blocks read
@@ -12,6 +13,7 @@ from collections.abc import Mapping
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.grammar import DEFAULT_WIDTH, print_block
+from tracerisk.adder.sources.c_blocks import insert_c_blocks, insert_c_everywhere, strip_c_blocks
 from tracerisk.adder.sources.definitions import (
     BYTE_ORDER_MARK,
     MODULE,
@@ -25,10 +27,12 @@ from tracerisk.adder.sources.definitions import (
     preamble_end,
 )
 from tracerisk.adder.sources.edits import Edit, apply_edits, line_starts
-from tracerisk.adder.sources.read import PlacedBlock, scan_blocks
+from tracerisk.adder.sources.placed import PlacedBlock, targets_of
+from tracerisk.adder.sources.published import is_c_like
+from tracerisk.adder.sources.read import scan_blocks
 from tracerisk.adder.sources.safety import check_rewrite, check_same_program, without_blocks
-from tracerisk.errors import InputError, Location, UnsafeRewriteError, one_of
-from tracerisk.instance_name import is_name_at, places
+from tracerisk.errors import InputError, Location, UnsafeRewriteError
+from tracerisk.instance_name import is_name_at
 from tracerisk.trace import QualifiedName
 
 _NARROWEST = 40
@@ -42,6 +46,8 @@ def strip_blocks(source: bytes, file: str) -> bytes:
         BlockError, SourceError: if a block or the source cannot be read.
         UnsafeRewriteError: if the removal would change what the program says.
     """
+    if is_c_like(file):
+        return strip_c_blocks(source, file)
     parsed = parse_python(source, file)
     stripped = without_blocks(parsed, scan_blocks(parsed))
     if stripped != source:
@@ -67,9 +73,13 @@ def insert_blocks(
         InputError: if the source defines no such function.
         UnsafeRewriteError: if the result cannot be proved to change nothing else.
     """
+    if is_c_like(file):
+        return insert_c_blocks(source, blocks, file, lines or {})
     parsed = parse_python(source, file)
     placed = scan_blocks(parsed)
-    targets = _targets(parsed, placed, blocks, lines or {})
+    found = [(MODULE, module_line(parsed))]
+    found += [(definition.name, definition.line) for definition in definitions(parsed.tree)]
+    targets = targets_of(found, placed, blocks, lines or {}, file)
     return _rewrite(source, parsed, placed, targets)
 
 
@@ -81,38 +91,10 @@ def insert_everywhere(
     Raises:
         As `insert_blocks`.
     """
+    if is_c_like(file):
+        return insert_c_everywhere(source, blocks, file)
     parsed = parse_python(source, file)
     return _rewrite(source, parsed, scan_blocks(parsed), blocks)
-
-
-def _targets(
-    source: PythonSource,
-    placed: tuple[PlacedBlock, ...],
-    blocks: Mapping[QualifiedName, RiskBlock | None],
-    lines: Mapping[QualifiedName, int],
-) -> dict[tuple[QualifiedName, int], RiskBlock | None]:
-    found = [(MODULE, module_line(source))]
-    found += [(definition.name, definition.line) for definition in definitions(source.tree)]
-    defined = {name: places(name, found) for name in blocks}
-    holding = {block.function: block.line for block in placed}
-    targets: dict[tuple[QualifiedName, int], RiskBlock | None] = {}
-    for name, block in blocks.items():
-        if not defined[name]:
-            known = {function for function, _ in found}
-            raise InputError(
-                f"there is no function {name} to annotate; {one_of(known, name)}",
-                Location(source.file),
-            )
-        wanted = lines.get(name)
-        line = wanted if wanted in defined[name] else holding.get(name, defined[name][-1])
-        assert line is not None
-        targets[name, line] = block
-        if block is not None:
-            # A block at another definition of the same name gives way to this one.
-            for other in placed:
-                if other.function == name and other.line != line:
-                    targets[name, other.line] = None
-    return targets
 
 
 def _rewrite(

@@ -10,40 +10,28 @@
 
 The comment of C, C++ and Java on the left, of Python on the right; the line `RiskAnnotation` may
 be missing. Form: Grimmeisen, Golwalkar, Ma, Morozov (2024).
-They are read, never written; the name that a block gives is that of its function.
+The name that a block gives is that of its function. In C and C++ `c_blocks.py` writes them too;
+in Python they are read, never written.
 The published method takes redundant units as good at the start of each visit, and so do these
-blocks where they do not say when a failure is detected.
+blocks where they do not say when a failure is detected, and no digest says that they are ours.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.blocks.grammar import HEADER, HEADER_LINE, BlockLine, is_header, parse_block
 from tracerisk.adder.sources.definitions import comment_lines, parse_python
 from tracerisk.errors import BlockError, Location
+from tracerisk.source.c_tokens import TOKEN, is_c
 
-C_SUFFIXES = frozenset(
-    {".c", ".cc", ".cpp", ".cxx", ".c++", ".h", ".hh", ".hpp", ".hxx", ".ino", ".java"}
-)
-"""The endings of the files whose blocks stand in `/* */`."""
-
-# Comments, and the literals in which a comment is none: raw strings of C++, text blocks of Java.
-_C_TOKEN = re.compile(
-    r'R"(?P<mark>[^()\\\s]{0,16})\(.*?\)(?P=mark)"'
-    r'|"""(?:\\.|[^\\])*?"""'
-    r'|"(?:\\.|[^"\\\n])*"'
-    r"|'(?:\\.|[^'\\\n])*'"
-    r"|//[^\n]*"
-    r"|/\*(?P<comment>.*?)\*/"
-    r"|/\*(?P<unclosed>.*)",
-    re.DOTALL,
-)
 _C_LEAD = re.compile(r"[ \t]*\*+[ \t]?|[ \t]+")
+# A frame on the right; the star of `operator*` is none.
+_C_TRAIL = re.compile(r"(?:(?:\A|(?<=[ \t]))\*+)?[ \t]*\Z")
 _PLAIN = re.compile(r"[ \t\f]*#(?![ \t]?\|)[ \t]?(?P<text>.*)")
 # Told from the bytes: most sources have blocks behind the gutter only, and are not read twice.
 _PLAIN_BLOCK = re.compile(rb"(?:\A(?:\xef\xbb\xbf)?|[\r\n])[ \t\f]*#(?![ \t]?\|)[^\r\n]*@Function")
@@ -52,24 +40,45 @@ _BEGINS = re.compile(rf"\s*(?:{HEADER_LINE}|@(?:Function|Component)\b.*)\s*")
 
 def is_c_like(file: str) -> bool:
     """Return whether a file's ending says that its comments are those of C, C++ and Java."""
-    return PurePath(file).suffix.lower() in C_SUFFIXES
+    return is_c(file) or PurePath(file).suffix.lower() == ".java"
+
+
+@dataclass(frozen=True, slots=True)
+class CComment:
+    """A comment of C, C++ or Java with risk blocks: the bytes it takes, and its first line."""
+
+    start: int
+    end: int
+    line: int
+    blocks: tuple[RiskBlock, ...]
+
+
+def c_comments(source: bytes, file: str) -> Iterator[CComment]:
+    """Yield the comments of a C, C++ or Java source that hold blocks, in the order of the file.
+
+    Raises:
+        BlockError: a block is malformed, or a comment with one is not closed; with the line.
+    """
+    for found in TOKEN.finditer(source):
+        text = found["comment"] if found["comment"] is not None else found["unclosed"]
+        if text is None or b"@" not in text:
+            continue
+        line = source.count(b"\n", 0, found.start()) + 1
+        lines = text.decode("utf-8", errors="surrogateescape").replace("\r\n", "\n")
+        if found["comment"] is not None:
+            blocks = tuple(_blocks_of(_c_lines(lines, line), file))
+            if blocks:
+                yield CComment(found.start(), found.end(), line, blocks)
+        elif _begins_somewhere(lines):
+            raise BlockError("the comment with this risk block has no `*/`", Location(file, line))
 
 
 def read_c_blocks(source: bytes, file: str) -> tuple[RiskBlock, ...]:
     """Return the blocks in the comments of a C, C++ or Java source, in the order of the file.
 
-    Raises:
-        BlockError: a block is malformed, or a comment with one is not closed; with the line.
+    Raises as `c_comments`.
     """
-    text = source.decode("utf-8", errors="surrogateescape").replace("\r\n", "\n")
-    blocks: list[RiskBlock] = []
-    for found in _C_TOKEN.finditer(text):
-        line = text.count("\n", 0, found.start()) + 1
-        if found["comment"] is not None:
-            blocks += _blocks_of(_c_lines(found["comment"], line), file)
-        elif found["unclosed"] is not None and _begins_somewhere(found["unclosed"]):
-            raise BlockError("the comment with this risk block has no `*/`", Location(file, line))
-    return tuple(blocks)
+    return tuple(block for comment in c_comments(source, file) for block in comment.blocks)
 
 
 def read_plain_blocks(source: bytes, file: str) -> tuple[RiskBlock, ...]:
@@ -99,7 +108,7 @@ def read_plain_blocks(source: bytes, file: str) -> tuple[RiskBlock, ...]:
 
 def _c_lines(comment: str, first: int) -> list[BlockLine]:
     return [
-        BlockLine(number, _C_LEAD.sub("", line, count=1).rstrip("* \t"))
+        BlockLine(number, _C_TRAIL.sub("", _C_LEAD.sub("", line, count=1), count=1).rstrip(" \t"))
         for number, line in enumerate(comment.split("\n"), start=first)
     ]
 
@@ -120,6 +129,8 @@ def _blocks_of(lines: Sequence[BlockLine], file: str) -> Iterator[RiskBlock]:
 
 
 def _in_the_published_reading(block: RiskBlock) -> RiskBlock:
+    if block.digest is not None:
+        return block
     return replace(block, components=tuple(map(_renewed, block.components)))
 
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
-from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.grammar import GUTTER, HEADER, HEADER_LINE, BlockLine, parse_block
+from tracerisk.adder.sources.c_blocks import c_block_lines, scan_c_blocks
 from tracerisk.adder.sources.definitions import (
     BYTE_ORDER_MARK,
     MODULE,
@@ -22,59 +21,22 @@ from tracerisk.adder.sources.definitions import (
     normal_name,
     parse_python,
 )
+from tracerisk.adder.sources.placed import (
+    MisplacedBlockError,
+    Place,
+    PlacedBlock,
+    only_one_each,
+)
+from tracerisk.adder.sources.published import is_c_like
 from tracerisk.errors import BlockError, Location
 from tracerisk.instance_name import is_name_at, name_at
 from tracerisk.trace import QualifiedName
-
-Place = Literal["body", "above", "module"]
-"""Where a block stands: first in a function's body, above a function whose body is on the
-line of its `def`, or at the top of a module's code."""
 
 _GUTTER = re.compile(rb"[ \t\f]*#[ \t]?\|(?:[ \t].*)?")
 _SECTION = re.compile(rb"[ \t\f]*#[ \t]?\|[ \t]+@(?:Function|Component)\b.*")
 _HEADER = re.compile(rb"[ \t\f]*#[ \t]?\|[ \t]+" + HEADER_LINE.encode() + rb"[ \t]*")
 _HEADER_WORD = HEADER.encode()
 _ANY_BLOCK = re.compile(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component)")
-
-
-class MisplacedBlockError(BlockError):
-    """A block stands at another function than its `name` says: `owners` are what it may tell of.
-
-    `is_by_hand`: it is given by hand, so that no lock knows it. `is_written` tells that the block
-    has a digest: the tool wrote it, under that name.
-    """
-
-    def __init__(
-        self,
-        message: str,
-        location: Location,
-        name: QualifiedName,
-        owners: tuple[QualifiedName, ...],
-        *,
-        is_by_hand: bool,
-        is_written: bool,
-    ) -> None:
-        super().__init__(message, location)
-        self.is_by_hand = is_by_hand
-        self.is_written = is_written
-        self.name = name
-        self.owners = owners
-
-
-@dataclass(frozen=True, slots=True)
-class PlacedBlock:
-    """A block in a source: the function it tells of and the lines it takes, from 1 on.
-
-    Where it tells of one instance of several, `function` is the instance's name: `Pick (tray)`.
-    `line` is that of the function's `def`; of the first statement for module-level code.
-    """
-
-    block: RiskBlock
-    function: QualifiedName
-    line: int
-    place: Place
-    first_line: int
-    last_line: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +56,7 @@ class _Run:
 
 
 def read_blocks(source: bytes, file: str) -> tuple[PlacedBlock, ...]:
-    """Return the risk blocks of a Python source in the order of the file.
+    """Return the risk blocks of a Python, C or C++ source in the order of the file.
 
     Block text inside strings is not a block.
 
@@ -102,27 +64,22 @@ def read_blocks(source: bytes, file: str) -> tuple[PlacedBlock, ...]:
         BlockError: if a block is malformed, misplaced or under another function than its
             `name` says, or two blocks tell of one function.
         SourceError: if the source is not Python.
+        DependencyError: if C or C++ is to be read and the extra `cpp` is not installed.
     """
+    if is_c_like(file):
+        return only_one_each(scan_c_blocks(source, file), file)
     if _ANY_BLOCK.search(source) is None:
         return ()
-    placed = scan_blocks(parse_python(source, file))
-    seen: dict[QualifiedName, PlacedBlock] = {}
-    for block in placed:
-        if block.function in seen:
-            raise BlockError(
-                f"{block.function} has two risk blocks, the first at line "
-                f"{seen[block.function].first_line}; delete one",
-                Location(file, block.first_line),
-            )
-        seen[block.function] = block
-    return placed
+    return only_one_each(scan_blocks(parse_python(source, file)), file)
 
 
 def block_lines(source: bytes, file: str) -> tuple[int, ...]:
     """Return the lines that belong to risk blocks, ascending, whatever the blocks say.
 
-    Raises SourceError if the source is not Python.
+    Raises SourceError if the source is not Python, DependencyError as `read_blocks`.
     """
+    if is_c_like(file):
+        return c_block_lines(source, file)
     if _ANY_BLOCK.search(source) is None:
         return ()
     parsed = parse_python(source, file)

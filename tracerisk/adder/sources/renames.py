@@ -14,13 +14,16 @@ from dataclasses import dataclass, replace
 
 from tracerisk.adder.blocks.values import NEXT
 from tracerisk.adder.lock.lock import WrittenBlock
-from tracerisk.adder.sources.definitions import definitions, parse_python
-from tracerisk.adder.sources.read import MisplacedBlockError, PlacedBlock, read_blocks
+from tracerisk.adder.sources.functions import functions_in
+from tracerisk.adder.sources.placed import MisplacedBlockError, PlacedBlock
+from tracerisk.adder.sources.read import read_blocks
 from tracerisk.trace import QualifiedName
 
+# Behind the gutter of Python, or in a comment of C.
+_GUTTER = rb"([ \t\f]*(?:#[ \t]?\||\*)[ \t]+"
 _WORDS = rb"\S+(?: \([^()\r\n]+\))?"
-_NAME = re.compile(rb"([ \t\f]*#[ \t]?\|[ \t]+name = )(" + _WORDS + rb")([ \t\r\n]*)")
-_NEXT = re.compile(rb"([ \t\f]*#[ \t]?\|[ \t]+next :?= )(" + _WORDS + rb")([ \t].*)", re.DOTALL)
+_NAME = re.compile(_GUTTER + rb"name = )(" + _WORDS + rb")([ \t\r\n]*)")
+_NEXT = re.compile(_GUTTER + rb"next :?= )(" + _WORDS + rb")([ \t].*)", re.DOTALL)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +63,7 @@ def follow_renames(source: bytes, file: str, known: Collection[QualifiedName]) -
 def _new_name(
     source: bytes, file: str, error: MisplacedBlockError, known: Collection[QualifiedName]
 ) -> QualifiedName | None:
-    defined = {each.name for each in definitions(parse_python(source, file).tree)}
+    defined = {name for name, _ in functions_in(source, file)}
     is_known = error.is_written or error.is_by_hand or error.name in known
     if not is_known or error.name in defined or len(error.owners) != 1:
         return None

@@ -12,7 +12,8 @@ from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.grammar import print_block
 from tracerisk.adder.sources.definitions import PythonSource, parse_python
 from tracerisk.adder.sources.edits import Edit, apply_edits, line_starts
-from tracerisk.adder.sources.read import PlacedBlock, scan_blocks
+from tracerisk.adder.sources.placed import PlacedBlock
+from tracerisk.adder.sources.read import scan_blocks
 from tracerisk.errors import BlockError, InputError, Location, UnsafeRewriteError
 
 

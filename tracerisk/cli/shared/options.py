@@ -317,13 +317,14 @@ def read_profile(options: argparse.Namespace) -> ProfileText:
     """
     profile: ProfileText = {}
     for text in options.profile:
-        function, colon, row = text.partition(":")
-        if not colon or not function:
+        # Two colons are part of a name in C++.
+        function, *rest = re.split(r"(?<!:):(?!:)", text, maxsplit=1)
+        if not rest or not function:
             raise InputError(f"--profile {text}: expected FUNCTION:TARGET=SHARE,...")
         if function in profile:
             raise InputError(f"--profile names '{function}' twice; give each function once")
         profile[function] = {}
-        for part in row.split(","):
+        for part in rest[0].split(","):
             target, equals, share = part.strip().rpartition("=")
             if not equals or not _WEIGHT.fullmatch(share) or target in profile[function]:
                 raise InputError(

@@ -27,8 +27,9 @@ from tracerisk.adder.lock.lock import (
 )
 from tracerisk.adder.merge.bases import SourceEvidence, bases_of, merge_with_bases
 from tracerisk.adder.merge.merge import MergePolicy, PersonEdit, has_pins
-from tracerisk.adder.sources.definitions import MODULE, definitions, parse_python
-from tracerisk.adder.sources.read import PlacedBlock, read_blocks
+from tracerisk.adder.sources.functions import functions_in
+from tracerisk.adder.sources.placed import PlacedBlock
+from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.config import Settings, controller_root, read_settings
 from tracerisk.errors import BlockError, Location, ModelError, TraceRiskError
@@ -361,8 +362,7 @@ def _missing(
     lost = sorted(written - set(current))
     if not lost:
         return
-    tree = parse_python(source.source, source.shown).tree
-    lines = [(MODULE, 1), *((each.name, each.line) for each in definitions(tree))]
+    lines = functions_in(source.source, source.shown)
     for name in lost:
         if found := places(name, lines):
             place = Location(source.shown, found[-1])

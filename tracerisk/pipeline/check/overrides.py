@@ -89,7 +89,7 @@ def _of_file(path: Path, content: bytes | None) -> Iterator[Override]:
         source = path.read_bytes() if content is None else content
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", Location(str(path))) from error
-    if is_c_like(path.name):
+    if is_c_like(path.name) and not _bases(path):
         for block in read_c_blocks(source, str(path)):
             yield from _of_block(block, None, str(path))
         return
@@ -99,8 +99,9 @@ def _of_file(path: Path, content: bytes | None) -> Iterator[Override]:
     base = base_with_names(bases[0] if bases else {}, followed.renamed)
     for placed in followed.placed:
         yield from _of_block(placed.block, base.get(placed.function), str(path))
-    for block in read_plain_blocks(source, str(path)):
-        yield from _of_block(block, None, str(path))
+    if not is_c_like(path.name):
+        for block in read_plain_blocks(source, str(path)):
+            yield from _of_block(block, None, str(path))
 
 
 def _bases(path: Path) -> list[Mapping[str, WrittenBlock]]:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from tracerisk.adder.lock.lock import ControllerLock
-from tracerisk.adder.sources.definitions import MODULE, definitions, parse_python
+from tracerisk.adder.sources.functions import functions_in
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instance_name import places
 from tracerisk.pipeline.check.finding import CheckFinding, FindingKind
@@ -97,9 +97,8 @@ def function_place(controller: Controller, function: FunctionRef) -> Location | 
     """Return where a function stands now; `None` if it is gone, or its file cannot be read."""
     shown = str(controller.path_of(function.file))
     try:
-        tree = parse_python(controller.source_of(function.file), shown).tree
+        lines = functions_in(controller.source_of(function.file), shown)
     except TraceRiskError:
         return None
-    lines = [(MODULE, 1), *((each.name, each.line) for each in definitions(tree))]
     found = places(function.name, lines)
     return Location(shown, found[-1]) if found else None

@@ -133,7 +133,7 @@ def run_inputs(
     inputs = RunInputs(
         settings=settings_data(settings, root),
         given=_given_data(given or {}, root),
-        sources={file: code_digest(controller.source_of(file)) for file in sorted(sources)},
+        sources={file: code_digest(controller.source_of(file), file) for file in sorted(sources)},
         files={file: file_digest(root / file) for file in sorted(listed - sources)},
         hardware=hardware_digest(settings),
         libraries=_libraries(controller, settings, sources),
@@ -249,7 +249,7 @@ def _library_reasons(recorded: RunInputs, now: Collection[str]) -> Iterable[str]
 def _code_now(controller: Controller, file: str) -> str:
     if file != controller.file and not controller.path_of(file).is_file():
         return GONE
-    return code_digest(controller.source_of(file))
+    return code_digest(controller.source_of(file), file)
 
 
 def _given_data(given: Mapping[str, Any], root: Path) -> dict[str, Any]:

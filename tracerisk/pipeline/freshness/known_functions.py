@@ -11,7 +11,8 @@ from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.values import DONE
 from tracerisk.adder.lock.lock import Written
 from tracerisk.adder.merge.hand_edits import check_targets, is_next_by_hand
-from tracerisk.adder.sources.definitions import MODULE, definitions, parse_python
+from tracerisk.adder.sources.definitions import MODULE
+from tracerisk.adder.sources.functions import functions_in
 from tracerisk.config import Settings, setting_origins
 from tracerisk.errors import SettingsError, TraceRiskError, one_of
 from tracerisk.pipeline.workspace.controller import Controller
@@ -59,8 +60,8 @@ def _own_functions(controller: Controller, trace: Trace | None, others: Sequence
     for file in files:
         if file == controller.file or controller.path_of(file).is_file():
             source = controller.source_of(file)
-            tree = parse_python(source, str(controller.path_of(file))).tree
-            found |= {str(each.name) for each in definitions(tree)}
+            functions = functions_in(source, str(controller.path_of(file)))
+            found |= {str(name) for name, _ in functions}
     return found
 
 
@@ -125,7 +126,7 @@ def _sources_below(root: Path) -> Iterator[Path]:
 @lru_cache(maxsize=4096)
 def _functions_of(path: Path, mtime_ns: int) -> frozenset[str]:  # noqa: ARG001 - tells versions
     try:
-        tree = parse_python(path.read_bytes(), str(path)).tree
+        functions = functions_in(path.read_bytes(), str(path))
     except (OSError, TraceRiskError):
         return frozenset()
-    return frozenset(str(each.name) for each in definitions(tree))
+    return frozenset(str(name) for name, _ in functions if name != MODULE)

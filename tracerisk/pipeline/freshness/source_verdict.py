@@ -11,6 +11,7 @@ from tracerisk.config import controller_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
+from tracerisk.source.c_tokens import is_c
 from tracerisk.source.code_digest import code_digest
 from tracerisk.trace import Verdict, verdict_line
 
@@ -23,7 +24,7 @@ def source_verdicts(sources: Mapping[str, bytes]) -> dict[str, Verdict | None]:
     """
     found: dict[str, Verdict | None] = {}
     for file, source in sources.items():
-        if is_c_like(file):
+        if is_c_like(file) and not is_c(file):
             found[file] = None
             continue
         root = controller_root(Path(file))
@@ -52,7 +53,7 @@ def _of_source(root: Path, file: str, source: bytes) -> dict[str, Verdict | None
     for name, entry in lock.controllers.items():
         if key == name or entry.blocks.get(key):
             recorded = RunInputs.from_data(entry.inputs).sources.get(key)
-            verdict = kept_verdict(entry) if recorded == code_digest(source) else None
+            verdict = kept_verdict(entry) if recorded == code_digest(source, key) else None
             if verdict is not None:
                 verdict = verdict.with_lines(block_lines({key: source}, {key: file}))
             found[name] = verdict

@@ -8,7 +8,8 @@ from pathlib import Path
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.blocks.values import COMPONENT_KINDS
 from tracerisk.adder.lock.lock import ControllerLock, lock_key
-from tracerisk.adder.sources.read import PlacedBlock, read_blocks
+from tracerisk.adder.sources.placed import PlacedBlock
+from tracerisk.adder.sources.read import read_blocks
 from tracerisk.config import controller_root
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.pipeline.check.check import without_reason

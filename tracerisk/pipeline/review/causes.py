@@ -8,11 +8,12 @@ from typing import get_args
 
 from tracerisk.adder.lock.digest import KINDS, DigestReading
 from tracerisk.adder.lock.lock import WrittenBlock
-from tracerisk.adder.sources.published import is_c_like
+from tracerisk.adder.sources.published import is_c_like, read_c_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.review.controllers import ControllerVersion
 from tracerisk.prm.review.risk_change import Cause, ChangedField
+from tracerisk.source.c_tokens import is_c
 from tracerisk.source.code_digest import code_digest
 from tracerisk.trace import FunctionRef
 
@@ -94,7 +95,7 @@ def _run_causes(before: ControllerVersion, after: ControllerVersion) -> tuple[Ca
 def _codes(version: ControllerVersion) -> set[str]:
     """Return digests of what the sources say; where they stand does not matter."""
     return {
-        repr(source) if is_c_like(file) else code_digest(source)
+        repr(source) if is_c_like(file) and not is_c(file) else code_digest(source, file)
         for file, source in version.sources.items()
     }
 
@@ -105,11 +106,16 @@ def _is_the_tools(
     """Return whether the digest of its block says that the tool wrote a value, on any branch."""
     ref = refs.get(field.function)
     source = None if ref is None or field.is_gone else after.sources.get(ref.file)
-    if ref is None or source is None or is_c_like(ref.file):
+    if ref is None or source is None:
         return False
-    for placed in read_blocks(source, ref.file):
-        if placed.function == ref.name:
-            digest = DigestReading(placed.block)
+    blocks = (
+        {block.name: block for block in read_c_blocks(source, ref.file)}
+        if is_c_like(ref.file)
+        else {placed.function: placed.block for placed in read_blocks(source, ref.file)}
+    )
+    for name, block in blocks.items():
+        if name == ref.name:
+            digest = DigestReading(block)
             if field.component is not None and field.key is None:
                 return digest.has_component(field.component)
             if field.key is None or field.after is None:

@@ -27,6 +27,7 @@ from tracerisk.pipeline.stages import blocks_of
 from tracerisk.prm.review.compare import compare
 from tracerisk.prm.review.model_parts import RiskVersion
 from tracerisk.prm.review.risk_change import Review, RiskDiff, RunVerdicts
+from tracerisk.source.c_tokens import is_c
 from tracerisk.trace import FunctionRef
 
 
@@ -146,7 +147,9 @@ def _difference(
         inputs=input_changes(controller.before, controller.after),
     )
     verdicts = None
-    if controller.before.entry is not None or controller.after.entry is not None:
+    has_lock = controller.before.entry is not None or controller.after.entry is not None
+    # C and C++ are not run: there is no verdict that could part two versions.
+    if has_lock and not is_c(controller.name):
         verdicts = RunVerdicts(
             version_verdict(controller.before),
             version_verdict(controller.after),

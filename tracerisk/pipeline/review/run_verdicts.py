@@ -13,6 +13,7 @@ from tracerisk.pipeline.history.repository import Repository
 from tracerisk.pipeline.review.controllers import ControllerVersion, in_version
 from tracerisk.pipeline.review.git_versions import compared
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
+from tracerisk.source.c_tokens import is_c
 from tracerisk.trace import Verdict
 
 
@@ -24,7 +25,7 @@ def version_verdict(version: ControllerVersion) -> Verdict | None:
     sources = {
         _from_folder(file, version.folder): (file, source)
         for file, source in version.sources.items()
-        if not is_c_like(file)
+        if is_c(file) or not is_c_like(file)
     }
     line_of = block_lines(
         {name: source for name, (_, source) in sources.items()},

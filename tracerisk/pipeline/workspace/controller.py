@@ -11,6 +11,7 @@ from pathlib import Path
 
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
+from tracerisk.source.c_tokens import is_c
 
 _PYTHON_LINE = re.compile(rb"(?:\xef\xbb\xbf)?#![^\n]*python")
 
@@ -28,6 +29,11 @@ class Controller:
     file: str
     source: bytes
     others: Mapping[str, bytes] = field(default_factory=dict)
+
+    @property
+    def is_python(self) -> bool:
+        """Whether it is a Python program, not one of C or C++."""
+        return not is_c(self.file)
 
     def path_of(self, file: str) -> Path:
         """Return the path of one of the controller's files, as messages call it."""
@@ -95,10 +101,11 @@ def load_controller(path: Path | str) -> Controller:
             f"the controller cannot be read: {error.strerror}; name a Python file",
             Location(str(path)),
         ) from error
-    if script.suffix not in (".py", ".pyw") and not _PYTHON_LINE.match(source):
+    is_python = script.suffix in (".py", ".pyw") or _PYTHON_LINE.match(source)
+    if not is_python and not is_c(script.name):
         raise InputError(
-            "is not a Python program by its name: a controller ends in .py, or begins with a line "
-            "such as `#!/usr/bin/env python3`",
+            "is neither a Python nor a C or C++ program by its name: a controller ends in .py, "
+            ".c, .cpp and the like, or begins with a line such as `#!/usr/bin/env python3`",
             Location(str(path)),
         )
     root = controller_root(script)

@@ -15,6 +15,7 @@ from tracerisk.prm.review.risk_change import (
     is_noise,
     ratio_of,
 )
+from tracerisk.source.c_tokens import is_c
 from tracerisk.trace import UNKNOWN_VERDICT, Verdict, verdict_line
 
 _MARKS: dict[Mark, str] = {
@@ -56,9 +57,10 @@ def verdict_lines(review: Review) -> list[str]:
     """Return the verdicts of the later runs with those of the earlier, a line a controller."""
     lines = []
     for diff in review.controllers:
-        if diff.verdicts is None:
-            continue
         name = "" if len(review.controllers) == 1 else f"{diff.name}: "
+        if diff.verdicts is None:
+            lines += [f"{name}no verdict: C and C++ are not run"] if is_c(diff.name) else []
+            continue
         if not diff.verdicts.in_after:
             lines.append(f"{name}no risk blocks; before: {verdict_line(diff.verdicts.before)}")
             continue

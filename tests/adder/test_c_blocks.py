@@ -1,0 +1,260 @@
+"""Risk blocks in C and C++: put in at the right place, read back, taken out to the byte."""
+
+from __future__ import annotations
+
+import pytest
+
+from tracerisk.adder.blocks.block import Field, RiskBlock
+from tracerisk.adder.blocks.values import computed_count
+from tracerisk.adder.sources.insert import insert_blocks, insert_everywhere, strip_blocks
+from tracerisk.adder.sources.placed import MisplacedBlockError
+from tracerisk.adder.sources.read import block_lines, read_blocks
+from tracerisk.errors import BlockError, InputError, SourceError, UnsafeRewriteError
+from tracerisk.trace import QualifiedName
+
+pytest.importorskip("tree_sitter_cpp", reason="the extra cpp is not installed")
+
+from tracerisk.adder.sources.c_source import parse_c
+
+SOURCE = """\
+#include <ros/ros.h>
+#define TWICE(x) do { x; \\
+  x; } while (0)
+
+namespace cell {
+
+class Robot {
+ public:
+  Robot() : arm_("arm") {
+    arm_.move();
+  }
+  bool ok() const { return ok_; }
+  void place();
+};
+
+// Puts it down.
+void Robot::place()
+{ /* begins here
+     and ends here */ int x = 1'000;
+  hand_.open();
+}
+
+}  // namespace cell
+
+template <typename T>
+T twice(T a) { return a + a; }
+
+extern "C" {
+static inline int *find(int (*wanted)(int), const char* text = "{ /***")
+try {
+  auto here = [&](int x) { return wanted(x); };
+  const char* raw = R"x(
+    } /*** @Function { )x";
+  return 0;
+} catch (...) { return 0; }
+}
+
+int main() {
+}
+"""
+NAMES = ["cell::Robot::Robot", "cell::Robot::ok", "cell::Robot::place", "twice", "find", "main"]
+
+
+def block(name, rank=1, **more):
+    return RiskBlock(QualifiedName(name), computed_count(rank), None, (), **more)
+
+
+def blocks(names=NAMES):
+    return {QualifiedName(name): block(name, rank) for rank, name in enumerate(names, start=1)}
+
+
+@pytest.mark.parametrize("file", ["a.cpp", "a.hpp", "a.ino"])
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+def test_a_block_in_each_function_and_out_again(file, newline, mark):
+    source = (mark + SOURCE).replace("\n", newline).encode()
+    annotated = insert_blocks(source, blocks(), file)
+    assert strip_blocks(annotated, file) == source
+    assert {
+        each.function: each.block.call_sequence.value for each in read_blocks(annotated, file)
+    } == {name: rank for rank, name in enumerate(NAMES, start=1)}
+    assert insert_blocks(annotated, blocks(), file) == annotated
+    assert annotated.count(newline.encode()) == annotated.count(b"\n") or newline == "\n"
+
+
+def lines_with(name, source=SOURCE):
+    annotated = insert_blocks(source.encode(), blocks([name]), "a.cpp").decode()
+    lines = annotated.split("\n")
+    at = next(i for i, line in enumerate(lines) if line.strip() == "/***")
+    end = next(i for i, line in enumerate(lines) if line.strip() == "***/")
+    return lines[at - 1], lines[at:end], lines[end + 1]
+
+
+@pytest.mark.parametrize(
+    ("name", "before", "after", "indent"),
+    [
+        ("cell::Robot::Robot", '  Robot() : arm_("arm") {', "    arm_.move();", 4),
+        ("cell::Robot::ok", "  }", "  bool ok() const { return ok_; }", 2),
+        ("cell::Robot::place", "     and ends here */ int x = 1'000;", "  hand_.open();", 2),
+        ("twice", "", "template <typename T>", 0),
+        ("find", "try {", "  auto here = [&](int x) { return wanted(x); };", 2),
+        ("main", "int main() {", "}", 2),
+    ],
+)
+def test_it_stands_at_the_top_of_the_body_or_above_a_body_of_one_line(name, before, after, indent):
+    above, lines, below = lines_with(name)
+    assert (above, below) == (before, after)
+    assert all(line.startswith(" " * indent) for line in lines)
+    assert not lines[0].startswith(" " * (indent + 1))
+
+
+def test_its_form_is_the_published_one():
+    _, lines, _ = lines_with("main")
+    assert lines == [
+        "  /***",
+        "   * RiskAnnotation",
+        "   * @Function {",
+        "   *   name = main",
+        "   *   callSequence = 1",
+        "   * }",
+    ]
+
+
+def test_a_pinned_reason_that_would_end_the_comment_is_refused():
+    pinned = Field(1, "1", pinned=True, reason="see */ there")
+    with pytest.raises(UnsafeRewriteError, match="would end its comment"):
+        insert_blocks(
+            SOURCE.encode(),
+            {QualifiedName("main"): RiskBlock(QualifiedName("main"), pinned, None, ())},
+            "a.cpp",
+        )
+
+
+def test_a_function_behind_other_code_on_its_line_is_refused_where_its_body_is_too():
+    with pytest.raises(UnsafeRewriteError, match="no line is free"):
+        insert_blocks(b"int x; int f() { return x; }\n", blocks(["f"]), "a.cpp")
+
+
+def test_what_a_macro_continues_is_left_alone():
+    source = b"#define ONE \\\n  1\n#define F \\\nint f() { return 1; }\nint g() {\n  F();\n}\n"
+    assert [each.name for each in parse_c(source, "a.cpp").functions] == ["g"]
+    assert strip_blocks(insert_blocks(source, blocks(["g"]), "a.cpp"), "a.cpp") == source
+
+
+def test_a_body_whose_first_line_goes_on_takes_the_block_below():
+    source = b"int f() { \\\n  int x = 1;\n  return x;\n}\n"
+    annotated = insert_blocks(source, blocks(["f"]), "a.cpp").decode().split("\n")
+    assert annotated[2] == "  /***"
+
+
+def test_a_short_name_tells_of_the_only_function_around():
+    source = SOURCE.encode()
+    annotated = insert_blocks(source, blocks(["cell::Robot::place"]), "a.cpp")
+    by_hand = annotated.replace(b"name = cell::Robot::place", b"name = place")
+    assert [each.function for each in read_blocks(by_hand, "a.cpp")] == ["cell::Robot::place"]
+
+
+def test_a_block_under_another_name_is_told_with_the_function_that_it_is_in():
+    annotated = insert_blocks(SOURCE.encode(), blocks(["main"]), "a.cpp")
+    with pytest.raises(MisplacedBlockError, match="`name = main`"):
+        read_blocks(annotated.replace(b"name = main", b"name = other"), "a.cpp")
+
+
+def test_a_block_outside_all_functions_is_refused():
+    text = b"/***\n * @Function {\n *   name = f\n *   callSequence = 1\n * }\n ***/\nint x;\n"
+    with pytest.raises(BlockError, match="where no function is"):
+        read_blocks(text, "a.cpp")
+
+
+def test_two_blocks_in_one_comment_are_refused():
+    annotated = insert_blocks(SOURCE.encode(), blocks(["main"]), "a.cpp")
+    one = b"   * @Function {\n   *   name = main\n   *   callSequence = 1\n   * }\n"
+    with pytest.raises(BlockError, match="several risk blocks"):
+        read_blocks(annotated.replace(one, one + one), "a.cpp")
+
+
+def test_code_on_a_line_of_a_block_is_not_taken_out_with_it():
+    annotated = insert_blocks(SOURCE.encode(), blocks(["main"]), "a.cpp")
+    with pytest.raises(BlockError, match="lines of its own"):
+        strip_blocks(annotated.replace(b"   ***/\n}", b"   ***/ go();\n}"), "a.cpp")
+
+
+def test_the_star_of_an_operator_is_part_of_its_name():
+    source = b"struct A {\n  int operator*(int x) {\n    return x;\n  }\n};\n"
+    annotated = insert_blocks(source, blocks(["A::operator*"]), "a.cpp")
+    assert [each.function for each in read_blocks(annotated, "a.cpp")] == ["A::operator*"]
+    assert strip_blocks(annotated, "a.cpp") == source
+
+
+def test_overloads_have_a_block_each_where_that_is_asked():
+    source = b"void f(int a) {\n  go();\n}\nvoid f(double a) {\n  go();\n}\n"
+    both = {(QualifiedName("f"), 1): block("f"), (QualifiedName("f"), 4): block("f", 2)}
+    annotated = insert_everywhere(source, both, "a.cpp")
+    assert annotated.count(b"@Function") == 2
+    with pytest.raises(BlockError, match="two risk blocks"):
+        read_blocks(annotated, "a.cpp")
+    assert strip_blocks(annotated, "a.cpp") == source
+    # Of one block for the name the last definition has it.
+    assert insert_blocks(source, blocks(["f"]), "a.cpp").index(b"@Function") > source.index(b"dou")
+
+
+def test_an_unknown_function_is_told_with_those_there_are():
+    with pytest.raises(InputError, match=r"no function mian.*did you mean 'main'"):
+        insert_blocks(SOURCE.encode(), blocks(["mian"]), "a.cpp")
+
+
+def test_a_function_that_cannot_be_read_is_told_with_the_place():
+    source = b"int f() {\n}\nint g() {\n  MACRO\n}\n"
+    with pytest.raises(
+        InputError, match=r"no function g .*from line 5 on something cannot be read"
+    ):
+        insert_blocks(source, blocks(["g"]), "a.cpp")
+
+
+@pytest.mark.parametrize(
+    ("source", "file", "message"),
+    [
+        (b"int f() {\n}\n", "a.java", "no C or C"),
+        (b"int f() {\n\0}\n", "a.cpp", "zero byte"),
+    ],
+)
+def test_what_is_no_c_is_refused(source, file, message):
+    with pytest.raises(SourceError, match=message):
+        insert_blocks(source, blocks(["f"]), file)
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        b"",
+        b"}}}} ((( \n",
+        b"int f() {\n",
+        b"void f(\n",
+        b'R"x(\n',
+        b"/* never closed",
+        b"int f() { '\n}\n",
+        b"\xff\xfe\n int f() {\n}\n",
+        b"#if A\nint f() {\n#else\nint f(int x) {\n#endif\n  return 1;\n}\n",
+    ],
+)
+def test_broken_sources_lose_nothing(source):
+    names = {each.name for each in parse_c(source, "a.cpp").functions}
+    for name in names:
+        try:
+            annotated = insert_blocks(source, blocks([name]), "a.cpp")
+        except UnsafeRewriteError:
+            continue
+        assert strip_blocks(annotated, "a.cpp") == source
+    assert strip_blocks(source, "a.cpp") == source
+
+
+def test_the_lines_of_blocks_are_told():
+    annotated = insert_blocks(SOURCE.encode(), blocks(["main"]), "a.cpp")
+    first = annotated.decode().split("\n").index("  /***") + 1
+    assert block_lines(annotated, "a.cpp") == tuple(range(first, first + 7))
+
+
+def test_a_source_of_c_may_use_words_of_cpp():
+    source = b"int class(int new) {\n  return new;\n}\n"
+    annotated = insert_blocks(source, blocks(["class"]), "a.c")
+    assert strip_blocks(annotated, "a.c") == source

@@ -1,0 +1,177 @@
+"""The published case study on a C++ controller: annotated from its log, checked, reviewed."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.pipeline.test_published_case import HARDWARE, LOG, PUBLISHED, printed
+from tracerisk import dependencies
+from tracerisk.adder.sources.insert import insert_blocks
+from tracerisk.errors import DependencyError
+
+pytest.importorskip("tree_sitter_cpp", reason="the extra cpp is not installed")
+
+CONTROLLER = """\
+#include <moveit/move_group_interface/move_group_interface.h>
+
+using moveit::planning_interface::MoveGroupInterface;
+
+class Cell
+{
+public:
+  void init();
+  void pick_position(const geometry_msgs::Pose& tube);
+  void pick()
+  {
+    hand_.setNamedTarget("close");
+    hand_.move();
+  }
+  void place_position(const geometry_msgs::Pose& slot);
+  void place();
+
+private:
+  MoveGroupInterface arm_{ "panda_arm" }, hand_{ "hand" };
+};
+
+void Cell::init()
+{
+  arm_.setNamedTarget("ready");
+  arm_.move();
+}
+
+void Cell::pick_position(const geometry_msgs::Pose& tube)
+{
+  arm_.setPoseTarget(tube);
+  arm_.move();
+}
+
+void Cell::place_position(const geometry_msgs::Pose& slot)
+{
+  arm_.setPoseTarget(slot);
+  arm_.move();
+}
+
+void Cell::place()
+{
+  hand_.setNamedTarget("open");
+  hand_.move();
+}
+
+int main(int argc, char** argv)
+{
+  ros::init(argc, argv, "cell");
+  Cell cell;
+  do { cell.init(); cell.pick_position({}); cell.pick(); cell.place_position({}); cell.place(); }
+  while (ros::ok());
+}
+"""
+ANNOTATE = ("annotate", "cell.cpp", "--log", "run.log", "--hardware", "hardware.yaml")
+
+
+@pytest.fixture
+def case(repository):
+    repository.write("cell.cpp", CONTROLLER)
+    repository.write("run.log", LOG)
+    repository.write("hardware.yaml", HARDWARE)
+    assert repository.run(*ANNOTATE).code == 0
+    return repository
+
+
+def test_the_ten_published_figures_come_out_of_a_cpp_file(case):
+    text = case.read("cell.cpp").decode()
+    at = text.index(
+        "name = electric_motor",
+        text.index("void Cell::place_position(const geometry_msgs::Pose& slot)\n{"),
+    )
+    pinned = "probability := 1.30644e-07  ! computed 9.5e-08; payload"
+    changed = text[:at] + text[at:].replace("probability = 9.5e-08", pinned, 1)
+    case.write("cell.cpp", changed)
+    again = case.run(*ANNOTATE)
+    assert again.code == 0, again.err
+    assert pinned in case.read("cell.cpp").decode()
+    solved = case.run(
+        "solve", "cell.cpp", "--json", "--profile", "Cell::place:Cell::init=0.9,done=0.1"
+    )
+    assert solved.code == 0, solved.err
+    found = printed(solved.json["assessment"])
+    assert found == {f"Cell::{name}": figures for name, figures in PUBLISHED.items()}
+    pins = case.run("overrides", "cell.cpp")
+    assert "1.30644e-07" in pins.out
+    assert "payload" in pins.out
+
+
+def test_a_check_is_fine_until_the_code_says_something_else(case):
+    assert case.run("check", "cell.cpp").code == 0
+    text = case.read("cell.cpp").decode()
+    spaced = text.replace("  arm_.move();", "  arm_.move();  // goes there\n\n")
+    case.write("cell.cpp", spaced)
+    assert case.run("check", "cell.cpp").code == 0
+    case.write("cell.cpp", text.replace('"ready"', '"home"'))
+    stale = case.run("check", "cell.cpp")
+    assert stale.code == 1
+    assert "stale: cell.cpp has changed" in stale.out
+
+
+def test_an_edited_value_is_told(case):
+    text = case.read("cell.cpp").decode()
+    case.write("cell.cpp", text.replace("quantity = 7", "quantity = 6", 1))
+    edited = case.run("check", "cell.cpp")
+    assert edited.code == 3
+    assert "edited: Cell::pick.electric_motor.quantity is 6" in edited.out
+
+
+def test_strip_gives_back_the_bytes_and_refuses_to_lose_a_pin(case):
+    text = case.read("cell.cpp").decode()
+    case.write("cell.cpp", text.replace("quantity = 7", "quantity := 8  ! one more", 1))
+    refused = case.run("strip", "cell.cpp")
+    assert refused.code != 0
+    assert "would be lost" in refused.err
+    case.write("cell.cpp", text)
+    assert case.run("strip", "cell.cpp").code == 0
+    assert case.read("cell.cpp").decode() == CONTROLLER
+
+
+def test_a_block_follows_its_function_to_a_new_name(case):
+    text = case.read("cell.cpp").decode()
+    renamed = text.replace("void pick()\n", "void grab()\n").replace("cell.pick()", "cell.grab()")
+    case.write("cell.cpp", renamed)
+    case.write("run.log", LOG.replace("pick()", "grab()"))
+    told = case.run("check", "cell.cpp")
+    assert "the function of the block `Cell::pick` is called `Cell::grab` now" in told.out
+    assert case.run(*ANNOTATE).code == 0
+    after = case.read("cell.cpp").decode()
+    assert "name = Cell::grab" in after
+    assert "next = Cell::grab 1" in after
+    assert "Cell::pick 1" not in after
+
+
+def test_a_diff_says_what_a_change_does_to_the_risk(case):
+    case.commit()
+    text = case.read("hardware.yaml").decode()
+    case.write("hardware.yaml", text.replace("7.344e-08", "7.344e-07"))
+    assert case.run(*ANNOTATE).code == 0
+    told = case.run("diff", "HEAD")
+    assert "no verdict: C and C++ are not run" in told.out
+    assert "cell.cpp: mission failure rises" in told.out
+    assert "through gripper" in " ".join(told.out.split())
+
+
+def test_a_log_whose_short_name_fits_several_functions_is_refused(case):
+    text = case.read("cell.cpp").decode()
+    case.write("cell.cpp", text + "\nvoid Other::place()\n{\n  go();\n}\n")
+    refused = case.run(*ANNOTATE)
+    assert refused.code == 2
+    assert "may be Cell::place or Other::place" in refused.err
+
+
+@pytest.mark.parametrize("verb", ["run", "trace"])
+def test_cpp_is_not_run_and_it_is_said_what_to_do(case, verb):
+    refused = case.run(verb, "cell.cpp")
+    assert refused.code == 2
+    assert "tracerisk annotate FILE --log LOG" in refused.err
+
+
+def test_without_the_extra_one_line_says_what_to_install(monkeypatch):
+    monkeypatch.setattr(dependencies, "is_installed", lambda name: "tree-sitter" not in name)
+    with pytest.raises(DependencyError, match=r"pip install 'tracerisk\[cpp\]'"):
+        insert_blocks(CONTROLLER.encode(), {}, "cell.cpp")

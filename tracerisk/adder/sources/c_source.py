@@ -1,0 +1,243 @@
+"""Where the functions of a C or C++ source stand, by tree-sitter, and what is code in it.
+
+tree-sitter reads sources as they are, before the preprocessor. It is imported only here, and only
+when a C or C++ source is read.
+"""
+
+from __future__ import annotations
+
+import bisect
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+from tracerisk.dependencies import require_cpp
+from tracerisk.errors import Location, SourceError
+from tracerisk.source.c_tokens import C_SUFFIXES, CPP_SUFFIXES, TOKEN, is_c
+from tracerisk.trace import QualifiedName
+
+if TYPE_CHECKING:
+    from tree_sitter import Node, Parser, Tree
+
+SCOPE = "::"
+_NAMES = frozenset(
+    {"identifier", "field_identifier", "destructor_name", "operator_name", "type_identifier"}
+)
+_SCOPES = frozenset(
+    {"namespace_definition", "class_specifier", "struct_specifier", "union_specifier"}
+)
+_AROUND = frozenset({"template_declaration"})
+_CONTINUED = re.compile(rb"(?:\\|\?\?/)[ \t]*\r?\n\Z")
+
+
+@dataclass(frozen=True, slots=True)
+class CFunction:
+    """A function with a body: `line` is that on which it begins, a template's included.
+
+    `start` and `end` are the bytes of its body, braces included; `site` is the byte before which a
+    block goes, `None` where no line is free for one. `indent_at` is the byte of the line whose
+    indentation the block takes.
+    """
+
+    name: QualifiedName
+    line: int
+    begins: int
+    start: int
+    end: int
+    site: int | None
+    indent_at: int
+    is_above: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CSource:
+    """A parsed C or C++ source: its bytes, the tree, the functions in the order of the file."""
+
+    file: str
+    source: bytes
+    tree: Tree
+    functions: tuple[CFunction, ...]
+    starts: tuple[int, ...]
+
+    def line_of(self, offset: int) -> int:
+        """Return the line of a byte, from 1 on."""
+        return bisect.bisect_right(self.starts, offset)
+
+    def innermost(self, offset: int) -> CFunction | None:
+        """Return the innermost function whose body holds a byte."""
+        around = [each for each in self.functions if each.start < offset < each.end]
+        return max(around, key=lambda each: each.start, default=None)
+
+    @property
+    def first_unread(self) -> int | None:
+        """The line of the first thing that tree-sitter could not read; `None` for no such."""
+        node = self.tree.root_node
+        while node.has_error and node.type != "ERROR" and not node.is_missing:
+            node = next((each for each in node.children if each.has_error), node.children[0])
+        is_bad = node.type == "ERROR" or node.is_missing
+        return node.start_point.row + 1 if is_bad else None
+
+    def leaves(self) -> Iterator[tuple[str, bytes]]:
+        """Yield what the source says, in order: the kind and text of each leaf but comments."""
+        cursor = self.tree.walk()
+        while True:
+            node = cursor.node
+            if node is not None and node.type != "comment":
+                if cursor.goto_first_child():
+                    continue
+                yield node.type, self.source[node.start_byte : node.end_byte]
+            while not cursor.goto_next_sibling():
+                if not cursor.goto_parent():
+                    return
+
+
+def parse_c(source: bytes, file: str) -> CSource:
+    """Return a parsed C or C++ source.
+
+    Raises:
+        DependencyError: if the extra `cpp` is not installed.
+        SourceError: if the file's ending is that of another language, or it is not text.
+    """
+    if not is_c(file):
+        allowed = ", ".join(sorted(C_SUFFIXES | CPP_SUFFIXES))
+        raise SourceError(
+            f"is no C or C++ by its name, and risk blocks are written in no other language beside "
+            f"Python; allowed: {allowed}",
+            Location(file),
+        )
+    if b"\0" in source:
+        raise SourceError("holds a zero byte; is it a text file?", Location(file))
+    require_cpp()
+    tree = _parser("c" if file.lower().endswith(".c") else "cpp").parse(source)
+    starts = (0, *(found.end() for found in re.finditer(rb"\n", source)))
+    tokens = [found.span() for found in TOKEN.finditer(source)]
+    functions = tuple(_functions(source, tree, tokens))
+    return CSource(file, source, tree, functions, starts)
+
+
+@cache
+def _parser(language: str) -> Parser:
+    from tree_sitter import Language, Parser
+
+    if language == "c":
+        import tree_sitter_c
+
+        return Parser(Language(tree_sitter_c.language()))
+    import tree_sitter_cpp
+
+    return Parser(Language(tree_sitter_cpp.language()))
+
+
+def _functions(source: bytes, tree: Tree, tokens: list[tuple[int, int]]) -> Iterator[CFunction]:
+    begins = [start for start, _ in tokens]
+
+    def is_code(offset: int) -> bool:
+        at = bisect.bisect_left(begins, offset) - 1
+        return at < 0 or tokens[at][1] <= offset
+
+    stack: list[tuple[Node, str, Node | None, bool]] = [(tree.root_node, "", None, False)]
+    while stack:
+        node, scope, around, is_broken = stack.pop()
+        inner = scope
+        is_broken = is_broken or node.type == "ERROR"
+        if node.type in _SCOPES:
+            name = node.child_by_field_name("name")
+            inner = scope if name is None else f"{scope}{_plain(name)}{SCOPE}"
+        elif node.type == "function_definition" and not is_broken:
+            found = _function(source, node, around or node, scope, is_code)
+            if found is not None:
+                yield found
+                inner = f"{found.name}{SCOPE}"
+        outer = (around or node) if node.type in _AROUND else None
+        stack += [(child, inner, outer, is_broken) for child in reversed(node.named_children)]
+
+
+def _function(
+    source: bytes, node: Node, around: Node, scope: str, is_code: object
+) -> CFunction | None:
+    name, body = _name(node), _body(node)
+    if name is None or body is None:
+        return None
+    assert callable(is_code)
+    start, end = body.start_byte, body.end_byte
+    site, is_above, indent_at = _line_after(source, start, is_code), False, 0
+    if site is not None and site < end:
+        indent_at = _first_code(source, site, end)
+    else:
+        site, is_above = _line_start(source, around.start_byte), True
+        indent_at = site
+        is_alone = not source[site : around.start_byte].strip(b" \t")
+        if not is_alone or not is_code(site) or _CONTINUED.search(source[:site][-256:]):
+            site = None
+    line = source.count(b"\n", 0, around.start_byte) + 1
+    return CFunction(
+        QualifiedName(scope + name), line, around.start_byte, start, end, site, indent_at, is_above
+    )
+
+
+def _line_after(source: bytes, brace: int, is_code: object) -> int | None:
+    """Return the first byte of the first line below a brace that begins outside all tokens."""
+    assert callable(is_code)
+    at = brace
+    while (at := source.find(b"\n", at)) >= 0:
+        at += 1
+        if is_code(at) and not _CONTINUED.search(source[max(0, at - 256) : at]):
+            return at
+    return None
+
+
+def _first_code(source: bytes, site: int, end: int) -> int:
+    """Return where the first line begins, from a byte on, that is not blank."""
+    at = site
+    while at < end:
+        stop = source.find(b"\n", at)
+        stop = end if stop < 0 else stop
+        if source[at:stop].strip():
+            return at
+        at = stop + 1
+    return site
+
+
+def _line_start(source: bytes, offset: int) -> int:
+    return source.rfind(b"\n", 0, offset) + 1
+
+
+def _body(node: Node) -> Node | None:
+    body = node.child_by_field_name("body")
+    if body is not None and body.type == "try_statement":
+        body = body.child_by_field_name("body")
+    return body if body is not None and body.type == "compound_statement" else None
+
+
+def _name(node: Node) -> str | None:
+    """Return the name of a function as its declarator gives it, template arguments left out."""
+    at = node.child_by_field_name("declarator")
+    while at is not None:
+        if at.type in _NAMES or at.type in ("qualified_identifier", "template_function"):
+            return _plain(at) or None
+        if at.type == "operator_cast":
+            kind = at.child_by_field_name("type")
+            return None if kind is None else f"operator_{_plain(kind)}"
+        inner = at.child_by_field_name("declarator")
+        at = inner if inner is not None else next(iter(at.named_children), None)
+    return None
+
+
+def _plain(node: Node) -> str:
+    """Return the text of a name without spaces and template arguments; empty if unreadable."""
+    try:
+        text = (node.text or b"").decode("utf-8")
+    except UnicodeDecodeError:
+        return ""
+    depth, kept = 0, []
+    is_operator = "operator" in text
+    for sign in text:
+        if not is_operator and sign == "<":
+            depth += 1
+        elif not is_operator and sign == ">":
+            depth -= 1
+        elif depth == 0 and not sign.isspace():
+            kept.append(sign)
+    return "".join(kept).removeprefix(SCOPE)

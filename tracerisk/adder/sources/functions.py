@@ -1,0 +1,21 @@
+"""The functions of a source, in Python as in C and C++."""
+
+from __future__ import annotations
+
+from tracerisk.adder.sources.c_source import parse_c
+from tracerisk.adder.sources.definitions import MODULE, definitions, parse_python
+from tracerisk.source.c_tokens import is_c
+from tracerisk.trace import QualifiedName
+
+
+def functions_in(source: bytes, file: str) -> list[tuple[QualifiedName, int]]:
+    """Return the qualified name of each function, with the line on which it is defined.
+
+    Code of a Python module is a function too, whose line is 1; it comes first.
+    Raises SourceError where the source cannot be read, DependencyError for C and C++ without the
+    extra `cpp`.
+    """
+    if is_c(file):
+        return [(each.name, each.line) for each in parse_c(source, file).functions]
+    tree = parse_python(source, file).tree
+    return [(MODULE, 1), *((each.name, each.line) for each in definitions(tree))]

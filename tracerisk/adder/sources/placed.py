@@ -1,0 +1,106 @@
+"""A risk block and where it stands in a source, in Python as in C and C++."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from tracerisk.adder.blocks.block import RiskBlock
+from tracerisk.errors import BlockError, InputError, Location, one_of
+from tracerisk.instance_name import places
+from tracerisk.trace import QualifiedName
+
+Place = Literal["body", "above", "module"]
+"""Where a block stands: in a function's body, above a function whose body is on the line where
+it begins, or at the top of a module's code."""
+
+
+class MisplacedBlockError(BlockError):
+    """A block stands at another function than its `name` says: `owners` are what it may tell of.
+
+    `is_by_hand`: it is given by hand, so that no lock knows it. `is_written` tells that the block
+    has a digest: the tool wrote it, under that name.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        location: Location,
+        name: QualifiedName,
+        owners: tuple[QualifiedName, ...],
+        *,
+        is_by_hand: bool,
+        is_written: bool,
+    ) -> None:
+        super().__init__(message, location)
+        self.is_by_hand = is_by_hand
+        self.is_written = is_written
+        self.name = name
+        self.owners = owners
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedBlock:
+    """A block in a source: the function it tells of and the lines it takes, from 1 on.
+
+    Where it tells of one instance of several, `function` is the instance's name: `Pick (tray)`.
+    `line` is that of the function's `def`; of the first statement for module-level code.
+    """
+
+    block: RiskBlock
+    function: QualifiedName
+    line: int
+    place: Place
+    first_line: int
+    last_line: int
+
+
+def only_one_each(placed: tuple[PlacedBlock, ...], file: str) -> tuple[PlacedBlock, ...]:
+    """Return the blocks; raise BlockError where two tell of one function."""
+    seen: dict[QualifiedName, PlacedBlock] = {}
+    for block in placed:
+        if block.function in seen:
+            raise BlockError(
+                f"{block.function} has two risk blocks, the first at line "
+                f"{seen[block.function].first_line}; delete one",
+                Location(file, block.first_line),
+            )
+        seen[block.function] = block
+    return placed
+
+
+def targets_of(
+    found: Sequence[tuple[QualifiedName, int]],
+    placed: Sequence[PlacedBlock],
+    blocks: Mapping[QualifiedName, RiskBlock | None],
+    lines: Mapping[QualifiedName, int],
+    file: str,
+    hint: str = "",
+) -> dict[tuple[QualifiedName, int], RiskBlock | None]:
+    """Return at which definition, by name and line, each block goes.
+
+    `found` are the definitions of the source; `lines` says which of several of a name is meant.
+    `hint` goes behind the error.
+    Raises InputError for a function that the source does not define.
+    """
+    defined = {name: places(name, found) for name in blocks}
+    holding = {block.function: block.line for block in placed}
+    targets: dict[tuple[QualifiedName, int], RiskBlock | None] = {}
+    for name, block in blocks.items():
+        if not defined[name]:
+            known = {function for function, _ in found}
+            raise InputError(
+                f"there is no function {name} to annotate; {one_of(known, name)}{hint}",
+                Location(file),
+            )
+        wanted = lines.get(name)
+        line = wanted if wanted in defined[name] else holding.get(name, defined[name][-1])
+        assert line is not None
+        targets[name, line] = block
+        if block is not None:
+            # A block at another definition of the same name gives way to this one.
+            for other in placed:
+                if other.function == name and other.line != line:
+                    targets[name, other.line] = None
+    return targets
